@@ -5,6 +5,7 @@
 mod first_guess;
 mod gap;
 mod interaction;
+mod inverse;
 mod law;
 mod neighbourhood;
 mod rates;

@@ -1,4 +1,6 @@
 //! The cells around an open one.
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
@@ -9,8 +11,19 @@ use crate::reach::SIGHT;
 #[serde(transparent)]
 pub struct Neighbourhood(u128);
 
+/// What the ground blocks around cells of the layers around 0.
+static ON_GROUND: LazyLock<[Neighbourhood; EDGE as usize]> = LazyLock::new(|| {
+    std::array::from_fn(|layer| {
+        let layer = layer as i32 - SIGHT;
+        Neighbourhood::of_cells(all().filter(|[.., z]| layer + z < 1))
+    })
+});
+
 /// Cells along each of its edges.
 const EDGE: i32 = 2 * SIGHT + 1;
+
+/// Cells of it.
+pub(crate) const CELLS: usize = EDGE.pow(3) as usize;
 
 impl Neighbourhood {
     /// That of a cell high above the ground, where nothing is.
@@ -29,13 +42,9 @@ impl Neighbourhood {
 
     /// That of a cell above the plate where there is no block.
     pub fn on_ground(cell: Cell) -> Neighbourhood {
-        let mut found = Neighbourhood::EMPTY;
-        if cell.z <= SIGHT {
-            for offset in all().filter(|[.., z]| cell.z + z < 1) {
-                found.block(offset);
-            }
-        }
-        found
+        let layer = cell.z.clamp(-SIGHT, SIGHT + 1) + SIGHT;
+        let low = ON_GROUND.get(layer as usize);
+        low.copied().unwrap_or(Neighbourhood::EMPTY)
     }
 
     /// Blocks a cell so many steps away, none of them longer than [`SIGHT`].
@@ -54,6 +63,28 @@ impl Neighbourhood {
     /// Whether a cell so many steps away is blocked, none of them longer than [`SIGHT`].
     pub fn is_blocked(self, offset: [i32; 3]) -> bool {
         self.0 & bit(offset) != 0
+    }
+
+    /// Cells so many steps away, none of them longer than [`SIGHT`].
+    pub(crate) fn of_cells(offsets: impl IntoIterator<Item = [i32; 3]>) -> Neighbourhood {
+        let mut found = Neighbourhood::EMPTY;
+        offsets.into_iter().for_each(|offset| found.block(offset));
+        found
+    }
+
+    /// Whether a cell is blocked that is of interest there.
+    pub(crate) fn meets(self, other: Neighbourhood) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// The places of the blocked cells among all, below [`CELLS`].
+    pub(crate) fn places(self) -> impl Iterator<Item = usize> {
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let place = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            (place < CELLS).then_some(place)
+        })
     }
 
     /// What is blocked here or there.
@@ -85,8 +116,13 @@ pub(crate) fn shifted(cell: Cell, [x, y, z]: [i32; 3]) -> Option<Cell> {
 }
 
 fn bit(offset: [i32; 3]) -> u128 {
+    1 << place(offset)
+}
+
+/// The place of a cell among all.
+pub(crate) fn place(offset: [i32; 3]) -> usize {
     let [x, y, z] = offset.map(|step| step + SIGHT);
-    1 << (x + EDGE * (y + EDGE * z))
+    (x + EDGE * (y + EDGE * z)) as usize
 }
 
 #[cfg(test)]

@@ -7,7 +7,8 @@ use stochc_ir::{Cell, Face};
 
 use crate::law::{Parameters, Surroundings};
 use crate::neighbourhood::Neighbourhood;
-use crate::surroundings::around;
+use crate::rivals::Rivals;
+use crate::surroundings::{around, blocked_around};
 use crate::wait::Wait;
 
 /// The rates of capture in a scene, with what they were measured from.
@@ -168,6 +169,23 @@ impl Rates {
             density: self.density(cell.z),
             ..around(cell, way, near, open)
         }
+    }
+
+    /// The wait of a face, by how many others wait near it.
+    pub fn wait_among(
+        &self,
+        cell: Cell,
+        way: Face,
+        near: Neighbourhood,
+        rivals: Rivals,
+        cold: bool,
+    ) -> Wait {
+        self.wait(&Surroundings {
+            density: self.density(cell.z),
+            rivals,
+            cold,
+            ..blocked_around(cell, way, near)
+        })
     }
 
     /// The wait of a face in such surroundings.

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use crate::neighbourhood::{Neighbourhood, all};
+use crate::neighbourhood::{CELLS, Neighbourhood, all, place};
 
 /// Points across the sphere around a face.
 const ACROSS: usize = 16;
@@ -13,8 +13,11 @@ const ACROSS: usize = 16;
 /// Those in the sphere.
 const POINTS: usize = 2176;
 
-/// Words of a bit for each point.
-const WORDS: usize = POINTS.div_ceil(64);
+/// Words of a bit for each point, a multiple of [`AT_ONCE`].
+const WORDS: usize = POINTS.div_ceil(64).next_multiple_of(AT_ONCE);
+
+/// Words that are looked at together.
+const AT_ONCE: usize = 12;
 
 /// Radius of the sphere around the centre of the face \[side\].
 pub(crate) const RADIUS: f64 = 1.35;
@@ -54,12 +57,19 @@ pub fn unobstructed(way: Face, around: Neighbourhood) -> f64 {
 
 fn left_open(way: Face, around: Neighbourhood) -> f64 {
     let mut blocked: Points = [0; WORDS];
-    for (offset, points) in &BLOCKERS[way as usize] {
-        if around.is_blocked(*offset) {
-            for (word, more) in blocked.iter_mut().zip(points) {
+    let (blockers, numbers) = (&BLOCKERS[way as usize], &NUMBERS[way as usize]);
+    let (all_words, _) = blocked.as_chunks_mut::<AT_ONCE>();
+    for (part, words) in all_words.iter_mut().enumerate() {
+        // In registers.
+        let mut found = [0; AT_ONCE];
+        for place in around.places() {
+            let (_, points) = &blockers[usize::from(numbers[place])];
+            let (more, _) = points.as_chunks::<AT_ONCE>();
+            for (word, more) in found.iter_mut().zip(&more[part]) {
                 *word |= more;
             }
         }
+        *words = found;
     }
     let count: u32 = blocked.iter().map(|word| word.count_ones()).sum();
     1.0 - f64::from(count) / POINTS as f64
@@ -81,15 +91,21 @@ pub(crate) fn in_reach(way: Face) -> Neighbourhood {
     IN_REACH[way as usize]
 }
 
-static IN_REACH: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
-    Face::ALL.map(|way| {
-        let mut all = Neighbourhood::EMPTY;
-        offsets(way).for_each(|offset| all.block(offset));
-        all
-    })
-});
+static IN_REACH: LazyLock<[Neighbourhood; 6]> =
+    LazyLock::new(|| Face::ALL.map(|way| Neighbourhood::of_cells(offsets(way))));
 
 static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blockers));
+
+/// The number among the [`BLOCKERS`] of each that is in reach, by its place in a neighbourhood.
+static NUMBERS: LazyLock<[[u8; CELLS]; 6]> = LazyLock::new(|| {
+    Face::ALL.map(|way| {
+        let mut numbers = [0; CELLS];
+        for (number, offset) in (0..).zip(offsets(way)) {
+            numbers[place(offset)] = number;
+        }
+        numbers
+    })
+});
 
 fn blockers(way: Face) -> Blockers {
     let points = points(way);

@@ -61,7 +61,10 @@ pub fn rivalry((cell, way): (Cell, Face), other: (Cell, Face)) -> Option<Rivalry
         difference(other.0.y, cell.y)?,
         difference(other.0.z, cell.z)?,
     ];
-    let along = |way: Face| -> i32 { offset.iter().zip(way.normal()).map(|(a, b)| a * b).sum() };
+    let along = |way: Face| match way as usize % 2 {
+        0 => offset[way as usize / 2],
+        _ => -offset[way as usize / 2],
+    };
     let apart: i32 = offset.iter().map(|part| part.abs()).sum();
     match apart {
         0 => None,

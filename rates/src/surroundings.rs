@@ -6,7 +6,7 @@ use stochc_ir::{Cell, Face};
 use crate::law::Surroundings;
 use crate::neighbourhood::Neighbourhood;
 use crate::reach::{in_reach, unobstructed};
-use crate::rivals::rivals;
+use crate::rivals::{Rivals, rivals};
 
 /// What is around the face that is open towards `cell` in the direction `way`: blocked cells, and cells that other faces are open to, in
 /// the direction that `open` says.
@@ -18,24 +18,48 @@ pub fn around(
     near: Neighbourhood,
     open: impl Fn(Cell) -> Option<Face>,
 ) -> Surroundings {
-    let parent = way.opposite().normal();
-    let beside = |of| beside(way, of).any(|offset| near.is_blocked(offset));
-    let corner = |of| across_edge(way, of).any(|offset| near.is_blocked(offset)) && !beside(of);
+    Surroundings {
+        rivals: rivals(cell, way, open),
+        ..blocked_around(cell, way, near)
+    }
+}
+
+/// The same where no other face is open.
+pub(crate) fn blocked_around(cell: Cell, way: Face, near: Neighbourhood) -> Surroundings {
+    let [of_cell, of_parent] = &FLANKS[way as usize];
+    let beside = |of: &Flanks| near.meets(of.beside);
+    let corner = |of: &Flanks| near.meets(of.across_edge) && !beside(of);
     let [.., up] = way.normal();
     let is_block_ahead = near.is_blocked(way.normal()) && cell.z + up >= 1;
     Surroundings {
         open: unobstructed(way, near),
         density: 1.0,
         free: 1.0,
-        beside: beside([0; 3]),
-        beside_parent: beside(parent),
-        corner: corner([0; 3]),
-        corner_parent: corner(parent),
-        ahead: is_block_ahead && !beside([0; 3]),
-        rivals: rivals(cell, way, open),
+        beside: beside(of_cell),
+        beside_parent: beside(of_parent),
+        corner: corner(of_cell),
+        corner_parent: corner(of_parent),
+        ahead: is_block_ahead && !beside(of_cell),
+        rivals: Rivals::default(),
         cold: false,
     }
 }
+
+/// The cells around one at right angles to a direction.
+struct Flanks {
+    beside: Neighbourhood,
+    across_edge: Neighbourhood,
+}
+
+/// Those of the open cell and of the block that captures, for faces of each direction.
+static FLANKS: LazyLock<[[Flanks; 2]; 6]> = LazyLock::new(|| {
+    Face::ALL.map(|way| {
+        [[0; 3], way.opposite().normal()].map(|of| Flanks {
+            beside: Neighbourhood::of_cells(beside(way, of)),
+            across_edge: Neighbourhood::of_cells(across_edge(way, of)),
+        })
+    })
+});
 
 /// The cells around the open one that [`around`] looks at, for a face of a direction.
 pub fn feature_cells(way: Face) -> Neighbourhood {
@@ -45,10 +69,8 @@ pub fn feature_cells(way: Face) -> Neighbourhood {
 static FEATURE_CELLS: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         let mut cells = in_reach(way);
-        let parent = way.opposite().normal();
-        for of in [[0; 3], parent] {
-            let looked_at = beside(way, of).chain(across_edge(way, of));
-            looked_at.for_each(|offset| cells.block(offset));
+        for of in &FLANKS[way as usize] {
+            cells = cells.and(of.beside).and(of.across_edge);
         }
         cells.block(way.normal());
         cells
@@ -83,7 +105,6 @@ fn across_edge(way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rivals::Rivals;
 
     #[test]
     fn a_face_of_the_plate_has_ground_beside_its_parent() {

@@ -1,6 +1,8 @@
 //! How long an open face waits.
 use serde::{Deserialize, Serialize};
 
+use crate::inverse::bounds;
+
 /// Stages of a docking: its time has the Erlang distribution of this shape.
 pub const STAGES: i32 = 2;
 
@@ -37,6 +39,20 @@ impl Wait {
         self.rate * self.docking * summed(ticks / self.docking)
     }
 
+    /// The hazards summed up from the beginning to a time, in these surroundings and in others \[tick\].
+    pub fn cumulative_hazards(of: [Wait; 2], ticks: f64) -> [f64; 2] {
+        let [one, other] = of;
+        let summed_one = summed(ticks / one.docking);
+        let summed_other = match one.docking == other.docking {
+            true => summed_one,
+            false => summed(ticks / other.docking),
+        };
+        [
+            one.rate * one.docking * summed_one,
+            other.rate * other.docking * summed_other,
+        ]
+    }
+
     /// By how much the summed hazard and the logarithm of the hazard grow with the logarithm of the docking time.
     pub fn docking_slopes(self, ticks: f64) -> (f64, f64) {
         let time = ticks / self.docking;
@@ -54,6 +70,12 @@ impl Wait {
     /// The time at which the summed hazard has come to a value \[tick\]; never, if nobody comes.
     pub fn time_of(self, cumulative_hazard: f64) -> f64 {
         self.docking * when_summed(cumulative_hazard / (self.rate * self.docking))
+    }
+
+    /// Bounds of [`Wait::time_of`], which take less time.
+    pub fn time_bounds(self, cumulative_hazard: f64) -> (f64, f64) {
+        let (low, high) = bounds(cumulative_hazard / (self.rate * self.docking));
+        (self.docking * low, self.docking * high)
     }
 
     /// The probability of having captured by then.
@@ -100,27 +122,36 @@ fn middles() -> impl Iterator<Item = f64> {
 }
 
 /// The distribution function of a docking time, in units of its mean.
-fn docked(time: f64) -> f64 {
+pub(crate) fn docked(time: f64) -> f64 {
     let x = f64::from(STAGES) * time;
-    // 1 - e^-x (1 + x), without the loss of digits where x is small.
-    match x < 1e-3 {
-        true => x * x * (0.5 - x / 3.0),
-        false => 1.0 - libm::exp(-x) * (1.0 + x),
-    }
+    docked_with(x, || libm::exp(-x))
 }
 
 /// The integral of [`docked`].
 fn summed(time: f64) -> f64 {
     let x = f64::from(STAGES) * time;
+    summed_with(x, || libm::exp(-x))
+}
+
+/// The same after x stages, by e^-x.
+fn docked_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
+    // 1 - e^-x (1 + x), without the loss of digits where x is small.
+    match x < 1e-3 {
+        true => x * x * (0.5 - x / 3.0),
+        false => 1.0 - decay() * (1.0 + x),
+    }
+}
+
+fn summed_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
     let integral = match x < 1e-2 {
         true => x * x * x * (1.0 / 6.0 - x / 12.0 + x * x / 40.0),
-        false => x - 2.0 + libm::exp(-x) * (x + 2.0),
+        false => x - 2.0 + decay() * (x + 2.0),
     };
     integral / f64::from(STAGES)
 }
 
 /// The inverse of [`summed`]: Newton's steps from the side on which they cannot pass it.
-fn when_summed(value: f64) -> f64 {
+pub(crate) fn when_summed(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
     }
@@ -131,7 +162,9 @@ fn when_summed(value: f64) -> f64 {
     let small = libm::cbrt(1.5 * value);
     let mut time = (value + 1.0).min(small + small * small);
     for _ in 0..60 {
-        let next = time - (summed(time) - value) / docked(time);
+        let x = f64::from(STAGES) * time;
+        let decay = libm::exp(-x);
+        let next = time - (summed_with(x, || decay) - value) / docked_with(x, || decay);
         if next >= time || time - next <= 1e-13 * time {
             return next.max(0.0);
         }

@@ -12,28 +12,30 @@ const LANES: usize = 4;
 /// Words of keystream in one block of ChaCha.
 const BLOCK: usize = 16;
 
-/// The draws of blocks 0 to 3 in a stream: those of [`Draws`](super::Draws), cheapest in rising order of steps.
+/// The draws of the first `N` blocks in a stream, up to 4: those of [`Draws`](super::Draws), cheapest in rising order of steps.
 #[derive(Clone, Debug)]
-pub struct DrawsAhead {
+pub struct DrawsAhead<const N: usize> {
     key: [u32; 8],
     /// The first step that is at hand; `None`: none is.
     first: Option<u64>,
-    words: [[u32; LANES]; BLOCK],
+    /// The words of each block in each step.
+    words: [[[u32; WORDS as usize]; LANES]; N],
 }
 
-impl DrawsAhead {
+impl<const N: usize> DrawsAhead<N> {
     /// The draws of `stream` in run number `run` of the ensemble with this seed.
-    pub fn new(seed: u64, run: u64, stream: Stream) -> DrawsAhead {
+    pub fn new(seed: u64, run: u64, stream: Stream) -> DrawsAhead<N> {
         let key = key(seed, run, stream);
         let word = |i: usize| std::array::from_fn(|byte| key[4 * i + byte]);
         DrawsAhead {
             key: std::array::from_fn(|i| u32::from_le_bytes(word(i))),
             first: None,
-            words: [[0; LANES]; BLOCK],
+            words: [[[0; WORDS as usize]; LANES]; N],
         }
     }
 
-    /// The words of a block, 0 to 3, in one step.
+    /// The words of a block, from 0 on, in one step.
+    #[inline]
     pub fn block(&mut self, step: u64, block: u32) -> [u32; WORDS as usize] {
         let at_hand = self.first.and_then(|first| step.checked_sub(first));
         let lane = match at_hand.filter(|lane| *lane < LANES as u64) {
@@ -44,12 +46,14 @@ impl DrawsAhead {
                 0
             }
         };
-        std::array::from_fn(|word| self.words[(block * WORDS) as usize + word][lane])
+        self.words[block as usize][lane]
     }
 }
 
 /// The first blocks of the ChaCha8 keystreams with successive nonces (D. J. Bernstein 2008).
-fn keystreams(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; BLOCK] {
+///
+/// Of its last rounds, what no block needs is left out by the compiler.
+fn keystreams<const N: usize>(key: &[u32; 8], nonce: u64) -> [[[u32; WORDS as usize]; LANES]; N] {
     let nonces: [u64; LANES] = std::array::from_fn(|lane| nonce.wrapping_add(lane as u64));
     let start: [u32x4; BLOCK] = std::array::from_fn(|word| match word {
         0 => u32x4::splat(0x6170_7865),
@@ -72,7 +76,13 @@ fn keystreams(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; BLOCK] {
         quarter_round::<2, 7, 8, 13>(&mut w);
         quarter_round::<3, 4, 9, 14>(&mut w);
     }
-    std::array::from_fn(|word| (w[word] + start[word]).to_array())
+    std::array::from_fn(|block| {
+        let words: [[u32; LANES]; WORDS as usize] = std::array::from_fn(|word| {
+            let word = block * WORDS as usize + word;
+            (w[word] + start[word]).to_array()
+        });
+        std::array::from_fn(|lane| words.map(|word| word[lane]))
+    })
 }
 
 #[inline(always)]
@@ -103,7 +113,7 @@ mod tests {
     fn the_draws_are_the_same_in_any_order_of_steps() {
         let (mut one, mut ahead) = (
             Draws::new(u64::MAX - 7, 3, Stream::Shuffle),
-            DrawsAhead::new(u64::MAX - 7, 3, Stream::Shuffle),
+            DrawsAhead::<4>::new(u64::MAX - 7, 3, Stream::Shuffle),
         );
         let far = [
             u64::from(u32::MAX) - 2,

@@ -7,6 +7,7 @@ mod delegate;
 mod error;
 mod external_forces;
 mod free_bonds;
+mod grid;
 mod groups;
 mod initial_state;
 mod lattice;

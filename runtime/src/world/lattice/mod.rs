@@ -1,6 +1,4 @@
 //! Who is anchored where and which faces are open, for worlds in which blocks have no places but cells.
-mod grid;
-
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_ir::table::Tables;
@@ -8,8 +6,8 @@ use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation};
 use stochc_rates::{Neighbourhood, SIGHT};
 
+use super::grid::ChunkedGrid;
 use super::ranked::RankedSet;
-use grid::ChunkedGrid;
 
 /// The structure, and the blocks that are free.
 ///
@@ -72,6 +70,12 @@ pub(super) fn number(seat: usize, face: Face) -> usize {
     Face::ALL.len() * seat + face as usize
 }
 
+/// The cells in which there are blocks sooner or later.
+pub(super) fn occupied_cells(tables: &Tables) -> impl Iterator<Item = Cell> {
+    let seeds = tables.seeds().map(|(_, cell)| cell);
+    seeds.chain(tables.captured_cells())
+}
+
 /// The seat and the face of a [`number`].
 pub(super) fn site(number: usize) -> (usize, Face) {
     let faces = Face::ALL.len();
@@ -100,8 +104,7 @@ impl LatticeStructure {
             block: NOBODY,
             aimed: 0,
         };
-        let mut grid =
-            ChunkedGrid::new(empty, seeds.iter().copied().chain(tables.captured_cells()));
+        let mut grid = ChunkedGrid::new(empty, occupied_cells(tables));
         for (number, &cell) in (0..).zip(&seeds) {
             grid.mark(cell, true).block = number;
         }
@@ -153,7 +156,7 @@ impl LatticeStructure {
     pub fn neighbourhood(&self, cell: Cell) -> Neighbourhood {
         let mut found = Neighbourhood::on_ground(cell);
         self.grid
-            .each_marked_near(cell, SIGHT, |offset| found.block(offset));
+            .each_marked_near(cell, SIGHT, |offset, _| found.block(offset));
         found
     }
 

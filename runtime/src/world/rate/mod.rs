@@ -4,19 +4,21 @@
 //! J. Bruck 2000, with hazards that change with the age of a face). A tick in which nothing docks is skipped.
 mod agenda;
 mod race;
+mod tournament;
+mod waits;
 
-use rustc_hash::FxHashMap;
 use stochc_ir::scene::{Bond, Scene};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Docking};
-use stochc_rates::{FORGOTTEN, Neighbourhood, Rates, Rivals, Surroundings, Wait, feature_cells};
+use stochc_rates::{FORGOTTEN, Rates};
 
-use super::lattice::{Changes, FaceChange, LatticeStructure, site};
+use super::lattice::{Changes, FaceChange, LatticeStructure, bit, occupied_cells, site};
 use super::{Fault, SceneError, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use agenda::{CaptureQueue, ScheduledCapture};
-use race::{OpenFace, Race, Slot, Slots};
+use agenda::{Agenda, HeadStart, ScheduledCapture};
+use race::{OpenFace, Race, Slot};
+use waits::Waits;
 
 /// A world of cells in which waits are drawn.
 #[derive(Clone, Debug)]
@@ -25,12 +27,13 @@ pub struct RateWorld<'r> {
     rates: &'r Rates,
     lattice: LatticeStructure,
     race: Race,
-    agenda: CaptureQueue,
+    agenda: Agenda,
     /// Blocks released lately: when, from which cell, and which.
     released: Vec<(u64, Cell, u32)>,
-    /// Waits that have been asked for, of a gas with as many free blocks as at the beginning.
-    waits: FxHashMap<Seen, Wait>,
-    draws: DrawsAhead,
+    waits: Waits<'r>,
+    /// Slots of faces whose waits have to be said anew, while these are gathered.
+    changed: Vec<Slot>,
+    draws: DrawsAhead<1>,
     /// Draws so far.
     drawn: u64,
 }
@@ -39,22 +42,9 @@ stochc_ir::state! {
     () RateWorld<'_>;
     values: tick, lattice, race, agenda, released, drawn;
     parts: ;
-    // Of waits it only saves working them out again.
-    same: rates, waits, draws
+    // Of waits it only saves working them out again, and between two calls nothing has changed.
+    same: rates, waits, changed, draws
 }
-
-/// All that a wait depends on, but for the number of free blocks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Seen {
-    near: Neighbourhood,
-    layer: i32,
-    way: Face,
-    rivals: Rivals,
-    is_cold: bool,
-}
-
-/// Waits that are kept, at most.
-const KEPT: usize = 1 << 16;
 
 impl<'r> RateWorld<'r> {
     /// The world of a program in a scene, by rates that were measured there; its chance is that of (`seed`, `run`).
@@ -78,10 +68,11 @@ impl<'r> RateWorld<'r> {
         Ok(RateWorld {
             tick: 0,
             lattice: LatticeStructure::new(tables, count),
-            race: Race::new(count),
-            agenda: CaptureQueue::default(),
+            race: Race::new(count, occupied_cells(tables)),
+            agenda: Agenda::default(),
             released: Vec::new(),
-            waits: FxHashMap::default(),
+            waits: Waits::new(rates),
+            changed: Vec::new(),
             rates,
             draws: DrawsAhead::new(seed, run, Stream::Rate),
             drawn: 0,
@@ -114,30 +105,50 @@ impl<'r> RateWorld<'r> {
         self.draws.block(self.drawn - 1, 0)
     }
 
-    /// Takes in what happened to faces, and to a cell that is full now or empty.
+    /// Takes in what happened to faces, of which those that closed are open to one cell, and to that cell, which is full now or empty.
     fn note(
         &mut self,
         changes: impl IntoIterator<Item = FaceChange>,
         filled: Option<(Cell, bool)>,
     ) {
-        let mut changed = Slots::new();
+        let mut changed = std::mem::take(&mut self.changed);
+        let mut closed = None;
         for change in changes {
             match change {
                 FaceChange::Opened(face) => self.open(face, &mut changed),
-                FaceChange::Closed(face) => self.race.close(face, &mut changed),
+                FaceChange::Closed(face) => {
+                    if let Some((cell, way)) = self.close(face) {
+                        let (_, ways) = closed.unwrap_or((cell, 0));
+                        closed = Some((cell, ways | bit(way)));
+                    }
+                }
             }
         }
-        if let Some((cell, is_full)) = filled {
-            self.race.fill(cell, is_full, &mut changed);
+        let ways = closed.map_or(0, |(_, ways)| ways);
+        match (filled, closed) {
+            (Some((cell, is_full)), _) => self.race.fill(cell, is_full, ways, &mut changed),
+            (None, Some((cell, _))) => self.race.drop_rivals(cell, ways, &mut changed),
+            (None, None) => {}
         }
         self.race.sort(&mut changed);
-        for slot in changed {
+        for slot in changed.drain(..) {
             self.estimate(slot);
         }
+        self.changed = changed;
+    }
+
+    /// A face waits no more, if it did: the cell that it was open to, and the way there.
+    fn close(&mut self, face: usize) -> Option<(Cell, Face)> {
+        let (seat, own) = site(face);
+        let of = self.lattice.seats[seat];
+        let cell = of.across(own)?;
+        let slot = self.race.close(face, cell)?;
+        self.agenda.forget(slot);
+        Some((cell, of.orientation.to_structure(own)))
     }
 
     /// A face begins to wait; for how long, nobody has said yet.
-    fn open(&mut self, face: usize, changed: &mut Slots) {
+    fn open(&mut self, face: usize, changed: &mut Vec<Slot>) {
         let (seat, own) = site(face);
         let of = self.lattice.seats[seat];
         let Some(cell) = of.across(own) else { return };
@@ -169,14 +180,12 @@ impl<'r> RateWorld<'r> {
         let [whether, when, ..] = self.draw();
         if unit(whether) < start.probability * left {
             let time = self.tick as f64 + start.ticks * exponential(when);
-            self.agenda.push(
-                time,
-                ScheduledCapture {
-                    slot,
-                    opening,
-                    block: Some(block),
-                },
-            );
+            let start = HeadStart {
+                slot,
+                opening,
+                block,
+            };
+            self.agenda.note_head_start(time, start);
         }
     }
 
@@ -185,35 +194,11 @@ impl<'r> RateWorld<'r> {
         let Some(face) = self.race.face(slot) else {
             return;
         };
-        let opening = face.opening();
-        let mut wait = self.wait(face.cell, seen_by(face));
+        let mut wait = self.waits.of(face);
         wait.rate *= self.race.part();
-        if let Some(time) = self.race.update(slot, self.tick, wait) {
-            let entry = ScheduledCapture {
-                slot,
-                opening,
-                block: None,
-            };
-            self.agenda.push(time, entry);
+        if let Some(earliest) = self.race.update(slot, self.tick, wait) {
+            self.agenda.note(slot, earliest);
         }
-    }
-
-    /// The wait of a face in a gas with as many free blocks as at the beginning.
-    fn wait(&mut self, cell: Cell, seen: Seen) -> Wait {
-        if let Some(known) = self.waits.get(&seen) {
-            return *known;
-        }
-        if self.waits.len() >= KEPT {
-            self.waits.clear();
-        }
-        let alone = |_| None;
-        let wait = self.rates.wait(&Surroundings {
-            rivals: seen.rivals,
-            cold: seen.is_cold,
-            ..self.rates.surroundings(cell, seen.way, seen.near, alone)
-        });
-        self.waits.insert(seen, wait);
-        wait
     }
 
     /// Estimates all faces anew where the number of free blocks has changed much.
@@ -225,41 +210,79 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// The next entry of the agenda that still holds, and its tick: the first boundary at or after its time.
-    fn next(&mut self) -> Option<(u64, ScheduledCapture)> {
+    /// The tick of the earliest capture that still holds: the first boundary at or after its time.
+    fn next_tick(&mut self) -> Option<u64> {
         loop {
-            let (time, entry) = self.agenda.first()?;
-            let holds = match entry.block {
-                None => self.race.holds(entry.slot, entry.opening, time),
-                Some(block) => {
-                    self.race.opening(entry.slot, entry.opening).is_some()
-                        && self.lattice.free.contains(block as usize)
+            let (time, first) = self.agenda.first()?;
+            let tick = boundary(time);
+            match first {
+                ScheduledCapture::OfAny(slot) => {
+                    if boundary(self.race.face(slot)?.latest()) == tick {
+                        return Some(tick);
+                    }
+                    self.look_closer(slot)?;
                 }
-            };
-            match holds {
-                true => return Some((time.ceil().min(9e15) as u64, entry)),
-                false => self.agenda.drop_first(),
+                ScheduledCapture::HeadStart(start) => {
+                    let is_open = self.race.opening(start.slot, start.opening).is_some();
+                    if is_open && self.lattice.free.contains(start.block as usize) {
+                        return Some(tick);
+                    }
+                    self.agenda.drop_head_start();
+                }
             }
         }
     }
 
+    /// The earliest capture that still holds, if its tick has come.
+    fn next(&mut self) -> Option<ScheduledCapture> {
+        while self.next_tick()? <= self.tick {
+            let (time, first) = self.agenda.first()?;
+            if let ScheduledCapture::OfAny(slot) = first {
+                let latest = self.race.face(slot)?.latest();
+                if time < latest && self.agenda.second(slot) <= latest {
+                    self.look_closer(slot)?;
+                    continue;
+                }
+            }
+            return Some(first);
+        }
+        None
+    }
+
+    /// Puts the exact time of a face's capture on the agenda, where bounds of it do not say enough.
+    fn look_closer(&mut self, slot: Slot) -> Option<()> {
+        let time = self.race.time(slot)?;
+        self.agenda.put_off(slot, time);
+        Some(())
+    }
+
     /// Docks a block on an open face, unless by chance there is none.
-    fn capture(&mut self, entry: ScheduledCapture, dockings: &mut Vec<Docking>) {
-        let Some(face) = self.race.opening(entry.slot, entry.opening) else {
+    fn capture(&mut self, scheduled: ScheduledCapture, dockings: &mut Vec<Docking>) {
+        let slot = match scheduled {
+            ScheduledCapture::OfAny(slot) => {
+                self.agenda.forget(slot);
+                slot
+            }
+            ScheduledCapture::HeadStart(start) => {
+                self.agenda.drop_head_start();
+                start.slot
+            }
+        };
+        let Some(face) = self.race.face(slot) else {
             return;
         };
         let (seat, face) = site(face.number);
         let [who, how, whether, threshold] = self.draw();
         let free = self.lattice.free.len();
-        let child = match entry.block {
-            Some(block) => block,
+        let child = match scheduled {
+            ScheduledCapture::HeadStart(start) => start.block,
             // The hazard was that of more blocks than there are now.
-            None if free == 0 || unit(whether) >= self.race.share(free) => {
-                self.race.go_on(entry.slot, exponential(threshold));
-                self.estimate(entry.slot);
+            _ if free == 0 || unit(whether) >= self.race.share(free) => {
+                self.race.go_on(slot, exponential(threshold));
+                self.estimate(slot);
                 return;
             }
-            None => self.lattice.free.select(below(who, free)) as u32,
+            _ => self.lattice.free.select(below(who, free)) as u32,
         };
         let pose = below(how, 24) as u8;
         let docking = Docking {
@@ -273,7 +296,7 @@ impl<'r> RateWorld<'r> {
     }
 
     /// Puts a block into the cell before a face; `false`: there is no room.
-    fn put(&mut self, seat: usize, face: stochc_ir::Face, docking: &Docking) -> bool {
+    fn put(&mut self, seat: usize, face: Face, docking: &Docking) -> bool {
         let Some(cell) = self.lattice.target(seat, face) else {
             return false;
         };
@@ -286,23 +309,18 @@ impl<'r> RateWorld<'r> {
     }
 }
 
-/// What the law sees around a face.
-fn seen_by(face: &OpenFace) -> Seen {
-    Seen {
-        near: face.near.within(feature_cells(face.way)),
-        layer: face.cell.z,
-        way: face.way,
-        rivals: face.rivals,
-        is_cold: face.since == 0,
-    }
-}
-
 fn not_known(what: &'static str) -> SceneError {
     SceneError::NotInModel {
         what,
         model: "rate",
         instead: "rigid",
     }
+}
+
+/// The first tick at or after a time that is not negative, or one beyond all.
+fn boundary(time: f64) -> u64 {
+    let whole = time.min(9e15) as i64;
+    whole as u64 + u64::from((whole as f64) < time.min(9e15))
 }
 
 /// A draw from the exponential distribution of mean 1.
@@ -335,7 +353,7 @@ impl World for RateWorld<'_> {
             let Some(child) = self.lattice.let_go(seat, face, tell) else {
                 continue;
             };
-            going.extend(stochc_ir::Face::ALL.map(|face| (child, face)));
+            going.extend(Face::ALL.map(|face| (child, face)));
             let from = self.lattice.seats[child].cell;
             self.note(changes, Some((from, false)));
             let block = (child - self.lattice.seeds.len()) as u32;
@@ -355,19 +373,15 @@ impl World for RateWorld<'_> {
     }
 
     fn skip(&mut self, last: u64) {
-        let next = self.next().map_or(u64::MAX, |(tick, _)| tick);
+        let next = self.next_tick().unwrap_or(u64::MAX);
         // The step that comes after this one docks.
         self.tick = self.tick.max(next.saturating_sub(1).min(last));
     }
 
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
         self.tick += 1;
-        while let Some((tick, entry)) = self.next() {
-            if tick > self.tick {
-                break;
-            }
-            self.agenda.drop_first();
-            self.capture(entry, dockings);
+        while let Some(scheduled) = self.next() {
+            self.capture(scheduled, dockings);
         }
         Ok(())
     }

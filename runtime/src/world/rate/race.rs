@@ -1,18 +1,17 @@
 //! The faces that are open, each with the hazard that it has still to use up.
-use rustc_hash::FxHashMap;
+use std::collections::VecDeque;
+
 use serde::{Deserialize, Serialize};
-use smallvec::SmallVec;
 use stochc_ir::{Cell, Face};
 use stochc_rates::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells, rivalry};
 
-/// Sides of the cubes of cells by which open faces are found.
-const CUBE: i32 = 8;
+use crate::world::grid::ChunkedGrid;
 
 /// Where an open face is kept. Another one may be there later.
 pub(super) type Slot = u32;
 
-/// Slots, in no order.
-pub(super) type Slots = SmallVec<[Slot; 32]>;
+/// The slot of no face.
+const NOWHERE: Slot = Slot::MAX;
 
 /// A face that is open.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -31,38 +30,33 @@ pub(super) struct OpenFace {
     pub rivals: Rivals,
     /// The hazard that it may still sum up before it captures.
     left: f64,
-    /// What it waits for, and until when; `None`: nobody has said.
+    /// What it waits for; `None`: nobody has said.
     wait: Option<Wait>,
-    until: f64,
     /// The hazard of `wait` from the beginning to the tick in which it was said.
     before: f64,
+    /// When it captures at the latest.
+    latest: f64,
     /// Which opening of all it is; 0: it is closed.
     opening: u64,
+    /// Another face that is open to the same cell.
+    next: Slot,
 }
 
 /// All of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Race {
     faces: Vec<OpenFace>,
-    vacant: Vec<Slot>,
-    /// The slot of each open face, by its number.
-    slots: FxHashMap<usize, Slot>,
-    /// The open faces of each cube of cells.
-    cubes: FxHashMap<[i32; 3], SmallVec<[Place; 2]>>,
+    /// Slots without a face. That which has been so for longest comes first: faces that open as others close, one after
+    /// the other, stay near those that they were near.
+    vacant: VecDeque<Slot>,
+    /// Cells to which a face is open are marked, and have its slot.
+    cells: ChunkedGrid<Slot>,
     /// Openings so far.
     opened: u64,
     /// Blocks that were free at the beginning.
     count: u32,
     /// Blocks that hazards are meant for: at least those that are free.
     meant_for: u32,
-}
-
-/// Where an open face is, beside its slot.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Place {
-    cell: Cell,
-    way: Face,
-    slot: Slot,
 }
 
 impl OpenFace {
@@ -83,9 +77,10 @@ impl OpenFace {
             rivals: Rivals::default(),
             left,
             wait: None,
-            until: f64::INFINITY,
             before: 0.0,
+            latest: f64::INFINITY,
             opening: 0,
+            next: NOWHERE,
         }
     }
 
@@ -93,15 +88,35 @@ impl OpenFace {
     pub fn opening(&self) -> u64 {
         self.opening
     }
+
+    /// When it captures at the latest.
+    pub fn latest(&self) -> f64 {
+        self.latest
+    }
+
+    /// Faces that were open to a cell are rivals no more: whether one was.
+    fn drop_rivals(&mut self, cell: Cell, ways: u8) -> bool {
+        let mut has_fewer = false;
+        let mut left = ways;
+        while left != 0 {
+            let way = Face::ALL[left.trailing_zeros() as usize];
+            left &= left - 1;
+            if let Some(rivalry) = rivalry((self.cell, self.way), (cell, way)) {
+                self.rivals.remove(rivalry);
+                has_fewer = true;
+            }
+        }
+        has_fewer
+    }
 }
 
 impl Race {
-    pub fn new(count: u32) -> Race {
+    /// No face is open; those to these cells will be most often.
+    pub fn new(count: u32, often: impl Iterator<Item = Cell>) -> Race {
         Race {
             faces: Vec::new(),
-            vacant: Vec::new(),
-            slots: FxHashMap::default(),
-            cubes: FxHashMap::default(),
+            vacant: VecDeque::new(),
+            cells: ChunkedGrid::new(NOWHERE, often),
             opened: 0,
             count,
             meant_for: count,
@@ -109,63 +124,57 @@ impl Race {
     }
 
     /// Adds a face: its slot. Those that have another rival now are added to `changed`, as it is.
-    pub fn open(&mut self, face: OpenFace, changed: &mut Slots) -> Slot {
-        let (cell, way) = (face.cell, face.way);
-        let mut rivals = Rivals::default();
-        for near in self.touching(cell) {
-            let (this, other) = ((cell, way), (near.cell, near.way));
+    pub fn open(&mut self, mut face: OpenFace, changed: &mut Vec<Slot>) -> Slot {
+        let this = (face.cell, face.way);
+        self.each_near(face.cell, 1, |slot, near| {
+            let other = (near.cell, near.way);
             if let Some(rivalry) = rivalry(this, other) {
-                rivals.add(rivalry);
+                face.rivals.add(rivalry);
             }
             if let Some(rivalry) = rivalry(other, this) {
-                self.faces[near.slot as usize].rivals.add(rivalry);
-                changed.push(near.slot);
+                near.rivals.add(rivalry);
+                changed.push(slot);
             }
-        }
+        });
         self.opened += 1;
-        let face = OpenFace {
-            opening: self.opened,
-            rivals,
-            ..face
-        };
-        let slot = match self.vacant.pop() {
-            Some(slot) => {
-                self.faces[slot as usize] = face;
-                slot
-            }
-            None => {
-                self.faces.push(face);
-                (self.faces.len() - 1) as Slot
-            }
-        };
-        self.slots.insert(face.number, slot);
-        let there = self.cubes.entry(cube(cell)).or_default();
-        there.push(Place { cell, way, slot });
+        face.opening = self.opened;
+        let slot = self.vacant.pop_front().unwrap_or_else(|| {
+            self.faces.push(face);
+            (self.faces.len() - 1) as Slot
+        });
+        let first = self.cells.mark(face.cell, true);
+        face.next = std::mem::replace(first, slot);
+        self.faces[slot as usize] = face;
         changed.push(slot);
         slot
     }
 
-    /// Takes a face out, if it is there. Those that it was a rival of are added to `changed`.
-    pub fn close(&mut self, number: usize, changed: &mut Slots) {
-        let Some(slot) = self.slots.remove(&number) else {
-            return;
-        };
+    /// Takes the face of a number that is open to a cell out, if it is there: the slot where it was. It still counts as a rival.
+    pub fn close(&mut self, number: usize, cell: Cell) -> Option<Slot> {
+        let (mut slot, mut before) = (self.cells.get(cell), None);
+        while self.faces.get(slot as usize)?.number != number {
+            before = Some(slot);
+            slot = self.faces[slot as usize].next;
+        }
         let face = &mut self.faces[slot as usize];
         face.opening = 0;
-        let (cell, way) = (face.cell, face.way);
-        self.vacant.push(slot);
-        if let Some(there) = self.cubes.get_mut(&cube(cell)) {
-            there.retain(|place| place.slot != slot);
-            if there.is_empty() {
-                self.cubes.remove(&cube(cell));
-            }
+        let next = face.next;
+        self.vacant.push_back(slot);
+        match before {
+            Some(before) => self.faces[before as usize].next = next,
+            None => *self.cells.mark(cell, next != NOWHERE) = next,
         }
-        for near in self.touching(cell) {
-            if let Some(rivalry) = rivalry((near.cell, near.way), (cell, way)) {
-                self.faces[near.slot as usize].rivals.remove(rivalry);
-                changed.push(near.slot);
+        Some(slot)
+    }
+
+    /// Faces that were open to a cell, one bit for each of their directions, are rivals no more. Those that they were rivals of are
+    /// added to `changed`.
+    pub fn drop_rivals(&mut self, cell: Cell, ways: u8, changed: &mut Vec<Slot>) {
+        self.each_near(cell, 1, |slot, face| {
+            if face.drop_rivals(cell, ways) {
+                changed.push(slot);
             }
-        }
+        });
     }
 
     /// The face in a slot, if it is open.
@@ -181,83 +190,79 @@ impl Race {
     }
 
     /// Puts slots into the order of their faces' numbers, each once, and leaves those out that are not open.
-    pub fn sort(&self, slots: &mut Slots) {
+    pub fn sort(&self, slots: &mut Vec<Slot>) {
         slots.retain(|slot| self.face(*slot).is_some());
         slots.sort_unstable_by_key(|slot| self.faces[*slot as usize].number);
         slots.dedup();
     }
 
     /// All open faces, in the order of their numbers.
-    pub fn all(&self) -> Slots {
-        let mut slots = self.slots.values().copied().collect();
+    pub fn all(&self) -> Vec<Slot> {
+        let mut slots = (0..self.faces.len() as Slot).collect();
         self.sort(&mut slots);
         slots
     }
 
     /// The open faces to which a cell matters, in the order of their numbers.
-    pub fn near(&self, cell: Cell) -> Slots {
-        let mut near = Slots::new();
-        self.each_within(cell, [SIGHT; 3], |place| near.push(place.slot));
+    pub fn near(&mut self, cell: Cell) -> Vec<Slot> {
+        let mut near = Vec::new();
+        self.each_near(cell, SIGHT, |slot, _| near.push(slot));
         self.sort(&mut near);
         near
     }
 
-    /// A cell is full now, or empty: those of whose surroundings the law sees it are added to `changed`.
-    pub fn fill(&mut self, cell: Cell, is_full: bool, changed: &mut Slots) {
-        let mut near = Slots::new();
-        self.each_within(cell, [SIGHT; 3], |place| near.push(place.slot));
-        for slot in near {
-            let face = &mut self.faces[slot as usize];
+    /// A cell is full now, or empty, and [faces that were open to it](Race::drop_rivals) are so no more. Those of whose surroundings
+    /// the law sees something of that are added to `changed`.
+    pub fn fill(&mut self, cell: Cell, is_full: bool, ways: u8, changed: &mut Vec<Slot>) {
+        self.each_near(cell, SIGHT, |slot, face| {
             let offset = difference(cell, face.cell);
             face.near.set(offset, is_full);
-            if feature_cells(face.way).is_blocked(offset) {
+            let has_fewer = face.drop_rivals(cell, ways);
+            if has_fewer || feature_cells(face.way).is_blocked(offset) {
                 changed.push(slot);
             }
-        }
-    }
-
-    /// The open faces to the cells that touch one.
-    fn touching(&self, cell: Cell) -> SmallVec<[Place; 8]> {
-        let mut near = SmallVec::new();
-        self.each_within(cell, [1; 3], |place| near.push(*place));
-        near
+        });
     }
 
     /// Shows the open faces to cells that are no farther along each axis than `steps`.
-    fn each_within(&self, cell: Cell, steps: [i32; 3], mut show: impl FnMut(&Place)) {
-        let centre = [cell.x, cell.y, cell.z];
-        let low: [i32; 3] = std::array::from_fn(|axis| centre[axis].saturating_sub(steps[axis]));
-        let high: [i32; 3] = std::array::from_fn(|axis| centre[axis].saturating_add(steps[axis]));
-        let cubes = |axis: usize| low[axis].div_euclid(CUBE)..=high[axis].div_euclid(CUBE);
-        for x in cubes(0) {
-            for y in cubes(1) {
-                for z in cubes(2) {
-                    for place in self.cubes.get(&[x, y, z]).into_iter().flatten() {
-                        let at = [place.cell.x, place.cell.y, place.cell.z];
-                        if (0..3).all(|axis| (low[axis]..=high[axis]).contains(&at[axis])) {
-                            show(place);
-                        }
-                    }
-                }
+    #[inline]
+    fn each_near(&mut self, cell: Cell, steps: i32, mut show: impl FnMut(Slot, &mut OpenFace)) {
+        let faces = &mut self.faces;
+        self.cells.each_marked_near(cell, steps, |_, first| {
+            let mut slot = first;
+            while let Some(face) = faces.get_mut(slot as usize) {
+                show(slot, face);
+                slot = face.next;
             }
-        }
+        });
     }
 
-    /// A face has another wait from a tick on: when it captures; `None`: that is as it was.
+    /// A face has another wait from a tick on: when it captures at the earliest; `None`: that is as it was.
     pub fn update(&mut self, slot: Slot, tick: u64, wait: Wait) -> Option<f64> {
         let face = self.faces.get_mut(slot as usize)?;
         if face.wait == Some(wait) {
             return None;
         }
         let age = (tick - face.since) as f64;
-        if let Some(before) = face.wait {
-            let used = before.cumulative_hazard(age) - face.before;
-            face.left = (face.left - used).max(0.0);
-        }
+        face.before = match face.wait {
+            Some(before) => {
+                let [until_now, anew] = Wait::cumulative_hazards([before, wait], age);
+                face.left = (face.left - (until_now - face.before)).max(0.0);
+                anew
+            }
+            None => wait.cumulative_hazard(age),
+        };
         face.wait = Some(wait);
-        face.before = wait.cumulative_hazard(age);
-        face.until = face.since as f64 + wait.time_of(face.left + face.before);
-        Some(face.until)
+        let (earliest, latest) = wait.time_bounds(face.left + face.before);
+        face.latest = face.since as f64 + latest;
+        Some(face.since as f64 + earliest)
+    }
+
+    /// When the face in a slot captures, exactly.
+    pub fn time(&mut self, slot: Slot) -> Option<f64> {
+        let face = self.faces.get_mut(slot as usize)?;
+        face.latest = face.since as f64 + face.wait?.time_of(face.left + face.before);
+        Some(face.latest)
     }
 
     /// A face that could have captured goes on, with another hazard to sum up from now on.
@@ -266,12 +271,6 @@ impl Race {
             face.left = left;
             face.wait = None;
         }
-    }
-
-    /// Whether a face still captures at the time that was said.
-    pub fn holds(&self, slot: Slot, opening: u64, time: f64) -> bool {
-        let face = self.opening(slot, opening);
-        face.is_some_and(|face| face.until == time)
     }
 
     /// The part of the blocks that hazards are meant for.
@@ -297,8 +296,4 @@ impl Race {
 /// The way from one cell to another that is near.
 fn difference(to: Cell, from: Cell) -> [i32; 3] {
     [to.x - from.x, to.y - from.y, to.z - from.z]
-}
-
-fn cube(cell: Cell) -> [i32; 3] {
-    [cell.x, cell.y, cell.z].map(|part| part.div_euclid(CUBE))
 }

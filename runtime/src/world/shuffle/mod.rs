@@ -23,7 +23,7 @@ use groups::DisjointSets;
 #[derive(Clone, Debug)]
 pub struct ShuffleWorld {
     tick: u64,
-    draws: DrawsAhead,
+    draws: DrawsAhead<3>,
     /// Chance per tick that a block docks on a face that is off.
     strays: f64,
     /// `None`: free blocks do not bond.

@@ -1,0 +1,340 @@
+//! What is in each cell, where most cells are empty and those that are not are close together.
+use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
+use stochc_ir::Cell;
+
+/// Cells along each side of a chunk.
+const SIDE: i32 = 4;
+
+/// Cells of a chunk.
+const CELLS: usize = SIDE.pow(3) as usize;
+
+/// The place of a chunk among the chunks.
+type ChunkKey = [i32; 3];
+
+/// Chunks that a window may have for each cell that it is made for or each chunk that is there, and besides.
+const ROOM: (i64, i64) = (4, 512);
+
+/// The marks of the cells of a chunk between two coordinates along each axis.
+const SLABS: [[[u64; SIDE as usize]; SIDE as usize]; 3] = {
+    // Those at coordinate 0, and how far the next ones are.
+    let axes = [
+        (0x0000_0000_0000_ffff, 16),
+        (0x000f_000f_000f_000f, 4),
+        (0x1111_1111_1111_1111_u64, 1),
+    ];
+    let mut slabs = [[[0; SIDE as usize]; SIDE as usize]; 3];
+    let mut axis = 0;
+    while axis < 3 {
+        let (slab, stride) = axes[axis];
+        let mut low = 0;
+        while low < SIDE as usize {
+            let mut marks = 0;
+            let mut high = low;
+            while high < SIDE as usize {
+                marks |= slab << (stride * high);
+                slabs[axis][low][high] = marks;
+                high += 1;
+            }
+            low += 1;
+        }
+        axis += 1;
+    }
+    slabs
+};
+
+/// A value and a mark for every cell, kept in cubes of cells.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct ChunkedGrid<T> {
+    window: Window,
+    /// The chunks outside of the window.
+    chunks: FxHashMap<ChunkKey, Chunk>,
+    cells: Vec<T>,
+    default: T,
+}
+
+/// A cube of cells.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Chunk {
+    /// Where its cells begin; [`ABSENT`]: it is not there.
+    start: u32,
+    /// Its marked cells, one bit each.
+    marks: u64,
+}
+
+/// A box of chunks, each of which is found without a search.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Window {
+    first: ChunkKey,
+    sides: [u32; 3],
+    chunks: Vec<Chunk>,
+}
+
+/// Where no chunk begins.
+const ABSENT: u32 = u32::MAX;
+
+/// A chunk that is not there.
+const NO_CHUNK: Chunk = Chunk {
+    start: ABSENT,
+    marks: 0,
+};
+
+impl Window {
+    /// Around these cells, where they are close together.
+    fn around(cells: impl Iterator<Item = Cell>) -> Window {
+        let (mut low, mut high, mut count) = ([i32::MAX; 3], [i32::MIN; 3], 0);
+        for cell in cells {
+            let at = [cell.x, cell.y, cell.z];
+            low = std::array::from_fn(|axis| low[axis].min(at[axis]));
+            high = std::array::from_fn(|axis| high[axis].max(at[axis]));
+            count += 1;
+        }
+        let ends = [low, high].map(|end| end.map(|at| at.div_euclid(SIDE)));
+        Window::between(ends, count).unwrap_or(Window {
+            first: [0; 3],
+            sides: [0; 3],
+            chunks: Vec::new(),
+        })
+    }
+
+    /// From one chunk to another, unless that are too many for so many cells.
+    fn between([first, last]: [ChunkKey; 2], cells: i64) -> Option<Window> {
+        let side = |axis: usize| i64::from(last[axis]) - i64::from(first[axis]) + 1;
+        let (a_cell, besides) = ROOM;
+        let most = cells * a_cell + besides;
+        let chunks = [0, 1, 2]
+            .map(side)
+            .into_iter()
+            .try_fold(1i64, |all, side| {
+                all.checked_mul(side).filter(|all| (1..=most).contains(all))
+            })?;
+        Some(Window {
+            first,
+            sides: [0, 1, 2].map(|axis| side(axis) as u32),
+            chunks: vec![NO_CHUNK; chunks as usize],
+        })
+    }
+
+    /// A window half as long again towards a chunk outside of it, where there is room for that.
+    fn towards(&self, chunk: ChunkKey, chunks: i64) -> Option<Window> {
+        if self.chunks.is_empty() {
+            return Window::between([chunk; 2], chunks);
+        }
+        let ends = [0, 1, 2].map(|axis| {
+            let (first, side) = (self.first[axis], self.sides[axis] as i32);
+            let more = side / 2;
+            let (at, last) = (chunk[axis], first + (side - 1));
+            let low = if at < first {
+                at.min(first.saturating_sub(more))
+            } else {
+                first
+            };
+            let high = if at > last {
+                at.max(last.saturating_add(more))
+            } else {
+                last
+            };
+            [low, high]
+        });
+        Window::between([0, 1].map(|end| ends.map(|axis| axis[end])), chunks)
+    }
+
+    /// The number of a chunk in it.
+    #[inline]
+    fn number(&self, chunk: ChunkKey) -> Option<usize> {
+        let [x, y, z] =
+            std::array::from_fn(|axis| chunk[axis].wrapping_sub(self.first[axis]) as u32);
+        let [width, depth, height] = self.sides;
+        (x < width && y < depth && z < height).then(|| ((x * depth + y) * height + z) as usize)
+    }
+
+    /// By how much the number of a chunk in it is higher that is so many chunks on.
+    #[inline]
+    fn stride(&self, [x, y, z]: [usize; 3]) -> usize {
+        let [_, depth, height] = self.sides.map(|side| side as usize);
+        (x * depth + y) * height + z
+    }
+
+    /// The places of its chunks.
+    fn keys(&self) -> impl Iterator<Item = ChunkKey> {
+        let [width, depth, height] = self.sides;
+        let [x, y, z] = self.first;
+        (0..width * depth * height).map(move |number| {
+            let (column, above) = (number / height, number % height);
+            let steps = [column / depth, column % depth, above];
+            [0, 1, 2].map(|axis| [x, y, z][axis] + steps[axis] as i32)
+        })
+    }
+}
+
+impl<T: Copy> ChunkedGrid<T> {
+    /// Every cell has the same value. Of these cells it will be asked most often.
+    pub fn new(default: T, often: impl Iterator<Item = Cell>) -> ChunkedGrid<T> {
+        ChunkedGrid {
+            window: Window::around(often),
+            chunks: FxHashMap::default(),
+            cells: Vec::new(),
+            default,
+        }
+    }
+
+    #[inline]
+    pub fn get(&self, cell: Cell) -> T {
+        let (key, offset) = place(cell);
+        match self.find(key).start {
+            ABSENT => self.default,
+            start => self.cells[start as usize + offset],
+        }
+    }
+
+    /// The chunk in a place, if it is there.
+    #[inline]
+    fn find(&self, key: ChunkKey) -> Chunk {
+        match self.window.number(key) {
+            Some(number) => self.window.chunks[number],
+            None => self.find_outside(key),
+        }
+    }
+
+    #[cold]
+    fn find_outside(&self, key: ChunkKey) -> Chunk {
+        self.chunks.get(&key).copied().unwrap_or(NO_CHUNK)
+    }
+
+    /// Marks a cell, or takes its mark away: its value.
+    #[inline]
+    pub fn mark(&mut self, cell: Cell, is_marked: bool) -> &mut T {
+        let (key, offset) = place(cell);
+        let chunk = self.chunk(key);
+        match is_marked {
+            true => chunk.marks |= 1 << offset,
+            false => chunk.marks &= !(1 << offset),
+        }
+        let start = chunk.start as usize;
+        &mut self.cells[start + offset]
+    }
+
+    /// Shows the marked cells that are at most so many steps away along each axis, fewer than a chunk has: their offsets and values.
+    #[inline]
+    pub fn each_marked_near(&self, centre: Cell, steps: i32, mut show: impl FnMut([i32; 3], T)) {
+        let centre = [centre.x, centre.y, centre.z];
+        let low = centre.map(|at| at.saturating_sub(steps));
+        let high = centre.map(|at| at.saturating_add(steps));
+        let first = low.map(|at| at.div_euclid(SIDE));
+        let last = high.map(|at| at.div_euclid(SIDE));
+        // Those of a chunk on either side, or of the only one.
+        let slabs = |axis: usize| {
+            let (low, high) = (low[axis].rem_euclid(SIDE), high[axis].rem_euclid(SIDE));
+            let (low, high) = (low as usize, high as usize);
+            match first[axis] == last[axis] {
+                true => [SLABS[axis][low][high], 0],
+                false => [SLABS[axis][low][SIDE as usize - 1], SLABS[axis][0][high]],
+            }
+        };
+        let slabs = [0, 1, 2].map(slabs);
+        let mut show_in = |key: ChunkKey, start: u32, mut marks: u64| {
+            while marks != 0 {
+                let number = marks.trailing_zeros() as i32;
+                marks &= marks - 1;
+                let within = [number / (SIDE * SIDE), number / SIDE % SIDE, number % SIDE];
+                let offset = [0, 1, 2].map(|axis| key[axis] * SIDE + within[axis] - centre[axis]);
+                show(offset, self.cells[start as usize + number as usize]);
+            }
+        };
+        let window = &self.window;
+        let all_in_window = window.number(last).is_some();
+        let in_window = window.number(first).filter(|_| all_in_window);
+        let above = (last[2] - first[2]) as usize;
+        for (x, of_x) in (first[0]..).zip(slabs[0]) {
+            for (y, of_y) in (first[1]..).zip(slabs[1]) {
+                let slab = of_x & of_y;
+                if slab == 0 {
+                    continue;
+                }
+                if let Some(number) = in_window {
+                    let steps = [x - first[0], y - first[1], 0];
+                    let number = number + window.stride(steps.map(|step| step as usize));
+                    let column = &window.chunks[number..=number + above];
+                    for ((z, of_z), chunk) in (first[2]..).zip(slabs[2]).zip(column) {
+                        let marks = chunk.marks & slab & of_z;
+                        if marks != 0 {
+                            show_in([x, y, z], chunk.start, marks);
+                        }
+                    }
+                } else {
+                    for (z, of_z) in (first[2]..=last[2]).zip(slabs[2]) {
+                        let chunk = self.find([x, y, z]);
+                        show_in([x, y, z], chunk.start, chunk.marks & slab & of_z);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The chunk in a place, which is there from now on.
+    #[inline]
+    fn chunk(&mut self, key: ChunkKey) -> &mut Chunk {
+        if self.find(key).start == ABSENT {
+            self.add(key);
+        }
+        match self.window.number(key) {
+            Some(number) => &mut self.window.chunks[number],
+            None => self.chunks.entry(key).or_insert(NO_CHUNK),
+        }
+    }
+
+    #[cold]
+    fn add(&mut self, key: ChunkKey) {
+        let start = self.cells.len() as u32;
+        self.cells.resize(self.cells.len() + CELLS, self.default);
+        let chunk = Chunk { start, marks: 0 };
+        if self.window.number(key).is_none() {
+            self.widen(key);
+        }
+        match self.window.number(key) {
+            Some(number) => self.window.chunks[number] = chunk,
+            None => {
+                self.chunks.insert(key, chunk);
+            }
+        }
+    }
+
+    /// Widens the window towards a chunk, if that does not take too much room.
+    fn widen(&mut self, key: ChunkKey) {
+        let count = self.cells.len() / CELLS;
+        let Some(mut wider) = self.window.towards(key, count as i64) else {
+            return;
+        };
+        let inside = self.window.keys().zip(self.window.chunks.iter().copied());
+        let mut outside = FxHashMap::default();
+        for (key, chunk) in inside.chain(self.chunks.drain()) {
+            match wider.number(key) {
+                Some(number) => wider.chunks[number] = chunk,
+                None => {
+                    outside.insert(key, chunk);
+                }
+            }
+        }
+        (self.window, self.chunks) = (wider, outside);
+    }
+
+    #[inline]
+    pub fn get_mut(&mut self, cell: Cell) -> &mut T {
+        let (key, offset) = place(cell);
+        let start = self.chunk(key).start as usize;
+        &mut self.cells[start + offset]
+    }
+}
+
+/// The chunk of a cell, and the cell's number in it.
+#[inline]
+fn place(cell: Cell) -> (ChunkKey, usize) {
+    let at = [cell.x, cell.y, cell.z];
+    let offset = number(at.map(|of| of.rem_euclid(SIDE)));
+    (at.map(|of| of.div_euclid(SIDE)), offset)
+}
+
+/// The number of a cell in its chunk, so far from its corner.
+fn number([x, y, z]: [i32; 3]) -> usize {
+    ((x * SIDE + y) * SIDE + z) as usize
+}
