@@ -12,13 +12,21 @@ const LANES: usize = 4;
 /// Words of keystream in one block of ChaCha.
 const BLOCK: usize = 16;
 
-/// The draws of blocks 0 to 3 in a stream: those of [`Draws`](super::Draws), cheapest in rising order of steps.
+/// The draws of blocks 0 to 3 in a stream: those of [`Draws`](super::Draws), cheapest in rising order of steps, and of
+/// block 0 alone.
 #[derive(Clone, Debug)]
 pub struct DrawsAhead {
     key: [u32; 8],
+    front: Ahead<{ WORDS as usize }>,
+    all: Ahead<BLOCK>,
+}
+
+/// The first words of some steps.
+#[derive(Clone, Debug)]
+struct Ahead<const COUNT: usize> {
     /// The first step that is at hand; `None`: none is.
     first: Option<u64>,
-    words: [[u32; LANES]; BLOCK],
+    words: [[u32; LANES]; COUNT],
 }
 
 impl DrawsAhead {
@@ -28,28 +36,49 @@ impl DrawsAhead {
         let word = |i: usize| std::array::from_fn(|byte| key[4 * i + byte]);
         DrawsAhead {
             key: std::array::from_fn(|i| u32::from_le_bytes(word(i))),
-            first: None,
-            words: [[0; LANES]; BLOCK],
+            front: Ahead::NONE,
+            all: Ahead::NONE,
         }
     }
 
     /// The words of a block, 0 to 3, in one step.
+    #[inline]
     pub fn block(&mut self, step: u64, block: u32) -> [u32; WORDS as usize] {
-        let at_hand = self.first.and_then(|first| step.checked_sub(first));
-        let lane = match at_hand.filter(|lane| *lane < LANES as u64) {
-            Some(lane) => lane as usize,
-            None => {
-                self.first = Some(step);
-                self.words = keystreams(&self.key, step);
-                0
-            }
-        };
-        std::array::from_fn(|word| self.words[(block * WORDS) as usize + word][lane])
+        let first = (block * WORDS) as usize;
+        match block {
+            0 if self.all.lane(step).is_none() => self.front.words(&self.key, step, first),
+            _ => self.all.words(&self.key, step, first),
+        }
     }
 }
 
-/// The first blocks of the ChaCha8 keystreams with successive nonces (D. J. Bernstein 2008).
-fn keystreams(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; BLOCK] {
+impl<const COUNT: usize> Ahead<COUNT> {
+    const NONE: Self = Ahead {
+        first: None,
+        words: [[0; LANES]; COUNT],
+    };
+
+    /// Where the words of a step are, if they are at hand.
+    #[inline]
+    fn lane(&self, step: u64) -> Option<usize> {
+        let lane = self.first.and_then(|first| step.checked_sub(first))?;
+        (lane < LANES as u64).then_some(lane as usize)
+    }
+
+    /// The words of a step from one on.
+    #[inline]
+    fn words(&mut self, key: &[u32; 8], step: u64, first: usize) -> [u32; WORDS as usize] {
+        let lane = self.lane(step).unwrap_or_else(|| {
+            self.first = Some(step);
+            self.words = keystreams(key, step);
+            0
+        });
+        std::array::from_fn(|word| self.words[first + word][lane])
+    }
+}
+
+/// The first words of the ChaCha8 keystreams with successive nonces (D. J. Bernstein 2008), of one block at most.
+fn keystreams<const COUNT: usize>(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; COUNT] {
     let nonces: [u64; LANES] = std::array::from_fn(|lane| nonce.wrapping_add(lane as u64));
     let start: [u32x4; BLOCK] = std::array::from_fn(|word| match word {
         0 => u32x4::splat(0x6170_7865),
@@ -62,17 +91,24 @@ fn keystreams(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; BLOCK] {
         _ => u32x4::new(nonces.map(|nonce| (nonce >> 32) as u32)),
     });
     let mut w = start;
-    for _ in 0..4 {
-        quarter_round::<0, 4, 8, 12>(&mut w);
-        quarter_round::<1, 5, 9, 13>(&mut w);
-        quarter_round::<2, 6, 10, 14>(&mut w);
-        quarter_round::<3, 7, 11, 15>(&mut w);
-        quarter_round::<0, 5, 10, 15>(&mut w);
-        quarter_round::<1, 6, 11, 12>(&mut w);
-        quarter_round::<2, 7, 8, 13>(&mut w);
-        quarter_round::<3, 4, 9, 14>(&mut w);
+    for _ in 0..3 {
+        double_round(&mut w);
     }
+    // By itself, so that what only later words need is left out.
+    double_round(&mut w);
     std::array::from_fn(|word| (w[word] + start[word]).to_array())
+}
+
+#[inline(always)]
+fn double_round(w: &mut [u32x4; BLOCK]) {
+    quarter_round::<0, 4, 8, 12>(w);
+    quarter_round::<1, 5, 9, 13>(w);
+    quarter_round::<2, 6, 10, 14>(w);
+    quarter_round::<3, 7, 11, 15>(w);
+    quarter_round::<0, 5, 10, 15>(w);
+    quarter_round::<1, 6, 11, 12>(w);
+    quarter_round::<2, 7, 8, 13>(w);
+    quarter_round::<3, 4, 9, 14>(w);
 }
 
 #[inline(always)]
