@@ -3,8 +3,9 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
-/// Cells along each side of a chunk.
-const SIDE: i32 = 4;
+/// Cells along each side of a chunk, a power of two: then no division is needed.
+const SIDE: i32 = 1 << SIDE_BITS;
+const SIDE_BITS: u32 = 2;
 
 /// Cells of a chunk.
 const CELLS: usize = SIDE.pow(3) as usize;
@@ -43,12 +44,12 @@ impl Window {
     /// Around these cells, where they are close together.
     fn around(cells: impl Iterator<Item = Cell>) -> Window {
         let (mut low, mut high, mut count) = ([i32::MAX; 3], [i32::MIN; 3], 0);
-        for cell in cells {
+        cells.for_each(|cell| {
             let at = [cell.x, cell.y, cell.z];
             low = std::array::from_fn(|axis| low[axis].min(at[axis]));
             high = std::array::from_fn(|axis| high[axis].max(at[axis]));
             count += 1;
-        }
+        });
         let first = low.map(|at| at.div_euclid(SIDE));
         let last = high.map(|at| at.div_euclid(SIDE));
         let side = |axis: usize| i64::from(last[axis]) - i64::from(first[axis]) + 1;
@@ -101,16 +102,21 @@ impl<T: Copy> ChunkedGrid<T> {
     }
 
     /// Where a chunk begins.
-    #[inline]
+    #[inline(always)]
     fn find(&self, chunk: ChunkKey) -> Option<u32> {
         match self.window.number(chunk) {
             Some(number) => Some(self.window.starts[number]).filter(|start| *start != ABSENT),
-            None => self.chunks.get(&chunk).copied(),
+            None => self.find_outside(chunk),
         }
     }
 
+    #[cold]
+    fn find_outside(&self, chunk: ChunkKey) -> Option<u32> {
+        self.chunks.get(&chunk).copied()
+    }
+
     /// Marks a cell, or takes its mark away: its value.
-    #[inline]
+    #[inline(always)]
     pub fn mark(&mut self, cell: Cell, is_marked: bool) -> &mut T {
         let (chunk, offset) = place(cell);
         let start = self.chunk(chunk);
@@ -172,7 +178,7 @@ impl<T: Copy> ChunkedGrid<T> {
         start
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn get_mut(&mut self, cell: Cell) -> &mut T {
         let (chunk, offset) = place(cell);
         let start = self.chunk(chunk);
@@ -184,8 +190,8 @@ impl<T: Copy> ChunkedGrid<T> {
 #[inline]
 fn place(cell: Cell) -> (ChunkKey, usize) {
     let at = [cell.x, cell.y, cell.z];
-    let offset = number(at.map(|of| of.rem_euclid(SIDE)));
-    (at.map(|of| of.div_euclid(SIDE)), offset)
+    let offset = number(at.map(|of| of & (SIDE - 1)));
+    (at.map(|of| of >> SIDE_BITS), offset)
 }
 
 /// The number of a cell in its chunk, so far from its corner.
