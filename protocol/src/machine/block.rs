@@ -1,5 +1,6 @@
 //! What one anchored block keeps in mind.
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 use stochc_ir::table::{Action, Condition, RoleId, RuleRange, Tables, Trigger};
 use stochc_ir::{Cell, Face};
 
@@ -37,7 +38,7 @@ pub struct StructureBlock<M = ()> {
     /// The faces that it has on and that hold nothing yet, sorted.
     open: Few<Open<M>>,
     /// What it has seen in this phase, sorted.
-    seen: Few<Condition>,
+    seen: SmallVec<[Condition; 2]>,
     rare: Option<Box<Rare>>,
 }
 
@@ -116,7 +117,7 @@ impl<M: Copy> StructureBlock<M> {
             unreceived: 0,
             children: Few::None,
             open: Few::None,
-            seen: Few::None,
+            seen: SmallVec::new(),
             rare: None,
         }
     }

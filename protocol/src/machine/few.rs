@@ -59,10 +59,6 @@ impl<T> Few<T> {
             },
         }
     }
-
-    pub fn clear(&mut self) {
-        *self = Few::None;
-    }
 }
 
 #[cfg(test)]
