@@ -1,6 +1,4 @@
 //! The 24 ways in which a cube can sit on the lattice.
-use std::sync::LazyLock;
-
 use serde::{Deserialize, Serialize};
 use stochc_ir::Face;
 
@@ -32,7 +30,7 @@ impl Orientation {
 
     /// The structure's face that the block's `own` face points to.
     #[inline]
-    pub fn to_structure(self, own: Face) -> Face {
+    pub const fn to_structure(self, own: Face) -> Face {
         TO_STRUCTURE[self.east as usize][self.north as usize][own as usize]
     }
 
@@ -44,7 +42,7 @@ impl Orientation {
 
     /// This rotation after `first`.
     #[inline]
-    pub fn after(self, first: Orientation) -> Orientation {
+    pub const fn after(self, first: Orientation) -> Orientation {
         Orientation {
             east: self.to_structure(first.east),
             north: self.to_structure(first.north),
@@ -60,18 +58,17 @@ impl Orientation {
     }
 
     /// `turns` quarter turns about the outward normal of `axis`, counterclockwise seen from outside.
-    pub fn turned(axis: Face, turns: u8) -> Orientation {
-        let turn = |face: Face| {
-            if face == axis || face == axis.opposite() {
-                face
-            } else {
-                cross(axis, face)
-            }
-        };
-        (0..turns % 4).fold(Orientation::IDENTITY, |done, _| Orientation {
-            east: turn(done.east),
-            north: turn(done.north),
-        })
+    pub const fn turned(axis: Face, turns: u8) -> Orientation {
+        let mut done = Orientation::IDENTITY;
+        let mut turn = 0;
+        while turn < turns % 4 {
+            done = Orientation {
+                east: quarter_turn(axis, done.east),
+                north: quarter_turn(axis, done.north),
+            };
+            turn += 1;
+        }
+        done
     }
 
     /// The orientation of a block that has docked.
@@ -103,16 +100,34 @@ impl Orientation {
 
 /// For a face of the parent's own, one of the child's own and a number of quarter turns, how the child sits
 /// as the parent sees it.
-static AS_SEEN: LazyLock<[[[Orientation; 4]; 6]; 6]> = LazyLock::new(|| {
-    Face::ALL.map(|parent_face| {
-        Face::ALL.map(|child_face| {
-            let facing = Orientation::all()
-                .find(|seen| seen.to_structure(child_face) == parent_face.opposite())
-                .expect("four rotations bring two faces together");
-            [0, 1, 2, 3].map(|turn| Orientation::turned(parent_face, turn).after(facing))
-        })
-    })
-});
+static AS_SEEN: [[[Orientation; 4]; 6]; 6] = {
+    let mut seen = [[[Orientation::IDENTITY; 4]; 6]; 6];
+    let mut i = 0;
+    while i < 36 {
+        let (parent_face, child_face) = (Face::ALL[i / 6], Face::ALL[i % 6]);
+        let facing = facing(child_face, parent_face.opposite());
+        let mut turn = 0;
+        while turn < 4 {
+            seen[i / 6][i % 6][turn] = Orientation::turned(parent_face, turn as u8).after(facing);
+            turn += 1;
+        }
+        i += 1;
+    }
+    seen
+};
+
+/// The first of all orientations in which a block's `own` face points to the structure's face `structure`.
+const fn facing(own: Face, structure: Face) -> Orientation {
+    let mut i = 0;
+    loop {
+        let (east, north) = (Face::ALL[i / 6], Face::ALL[i % 6]);
+        let seen = Orientation { east, north };
+        if east as u8 / 2 != north as u8 / 2 && seen.to_structure(own) as u8 == structure as u8 {
+            return seen;
+        }
+        i += 1;
+    }
+}
 
 /// Of each orientation, by its east and north, the structure's faces that its own point to.
 static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
@@ -148,6 +163,14 @@ static TO_OWN: [[[Face; 6]; 6]; 6] = {
     }
     of
 };
+
+/// Where a face points after a quarter turn about the outward normal of `axis`.
+const fn quarter_turn(axis: Face, face: Face) -> Face {
+    match axis as u8 / 2 == face as u8 / 2 {
+        true => face,
+        false => cross(axis, face),
+    }
+}
 
 /// The face towards which the cross product of two perpendicular faces' normals points.
 const fn cross(a: Face, b: Face) -> Face {

@@ -60,6 +60,35 @@ impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
     }
 }
 
+/// A watch, however large.
+struct Watched<'a, W: ?Sized>(&'a mut W);
+
+impl<W: Watch + ?Sized> Watch for Watched<'_, W> {
+    fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
+        self.0.tick(tick, phase)
+    }
+
+    fn kept(&mut self) -> Option<Box<dyn Read>> {
+        self.0.kept()
+    }
+
+    fn wants_state(&mut self) -> bool {
+        self.0.wants_state()
+    }
+
+    fn keep(&mut self, save: &mut Save<'_>) {
+        self.0.keep(save);
+    }
+
+    fn wants_view(&mut self) -> bool {
+        self.0.wants_view()
+    }
+
+    fn view(&mut self, make: &dyn Fn() -> RunView) {
+        self.0.view(make);
+    }
+}
+
 /// Why a run left no record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RunError {
@@ -116,6 +145,17 @@ pub fn run(
     seed: u64,
     run: u64,
     watch: &mut (impl Watch + ?Sized),
+) -> Result<RunRecord, RunError> {
+    run_watched(tables, scene, settings, (seed, run), &mut Watched(watch))
+}
+
+/// [`run()`] for any watch, so that it is compiled once, together with the worlds.
+fn run_watched(
+    tables: &Tables,
+    scene: &Scene,
+    settings: &Settings,
+    (seed, run): (u64, u64),
+    watch: &mut dyn Watch,
 ) -> Result<RunRecord, RunError> {
     let messages = scene.messages.as_ref();
     let limit = settings.max_ticks;

@@ -186,7 +186,22 @@ pub struct Duty<'a> {
     /// From when on.
     pub trigger: Trigger,
     tables: &'a Tables,
-    rules: (u32, u32),
+    rules: RuleRange,
+}
+
+/// Some rules of tables, one after the other: those of a duty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RuleRange {
+    first: u32,
+    end: u32,
+}
+
+impl RuleRange {
+    /// How many rules there are.
+    #[inline]
+    pub fn count(self) -> u32 {
+        self.end - self.first
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -209,43 +224,24 @@ impl<'a> Duty<'a> {
     /// The rules, in the order in which the block tries them.
     #[inline]
     pub fn rules(&self) -> impl ExactSizeIterator<Item = Rule<'a>> + use<'a> {
-        let duty = *self;
-        (0..(self.rules.1 - self.rules.0) as usize).map(move |place| duty.rule(place))
+        let Duty { tables, rules, .. } = *self;
+        (0..rules.count() as usize).map(move |place| tables.rule(rules, place))
     }
 
-    /// One of the rules.
+    /// Which of all rules they are.
     #[inline]
-    pub fn rule(&self, place: usize) -> Rule<'a> {
-        let tables = self.tables;
-        let row = self.rules.0 as usize + place;
-        let end = tables.rules.get(row + 1);
-        let end = end.map_or(tables.conditions.len(), |next| next.when as usize);
-        Rule {
-            when: &tables.conditions[tables.rules[row].when as usize..end],
-            then: tables.rules[row].then,
-        }
+    pub fn range(&self) -> RuleRange {
+        self.rules
     }
-}
 
-impl Duty<'_> {
     /// The roles that the rules before one give, by its place.
-    pub fn given_before(&self, place: usize) -> impl Iterator<Item = RoleId> {
-        self.rules().take(place).filter_map(|rule| match rule.then {
-            Action::Magnetize { child, .. } => Some(child),
-            _ => None,
-        })
+    pub fn given_before(&self, place: usize) -> impl Iterator<Item = RoleId> + use<'a> {
+        self.tables.given_before(self.rules, place)
     }
 
-    /// Whether a condition of the rule at a place is true for a block that has seen what `has` says.
-    #[inline]
+    /// [`Tables::is_true`] of one of its rules.
     pub fn is_true(&self, place: usize, when: Condition, has: impl Fn(Condition) -> bool) -> bool {
-        match when {
-            Condition::Turn(needed) => {
-                let given = self.given_before(place);
-                given.filter(|&role| has(Condition::Docked(role))).count() >= usize::from(needed)
-            }
-            seen => has(seen),
-        }
+        self.tables.is_true(self.rules, place, when, has)
     }
 }
 
@@ -385,7 +381,48 @@ impl Tables {
             phase: row.phase,
             trigger: row.trigger,
             tables: self,
-            rules: (row.rules, end),
+            rules: RuleRange {
+                first: row.rules,
+                end,
+            },
+        }
+    }
+
+    /// One of some rules, by its place among them.
+    #[inline]
+    pub fn rule(&self, rules: RuleRange, place: usize) -> Rule<'_> {
+        let number = rules.first as usize + place;
+        let end = self.rules.get(number + 1);
+        let end = end.map_or(self.conditions.len(), |next| next.when as usize);
+        let RuleRow { when, then } = self.rules[number];
+        Rule {
+            when: &self.conditions[when as usize..end],
+            then,
+        }
+    }
+
+    fn given_before(&self, rules: RuleRange, place: usize) -> impl Iterator<Item = RoleId> {
+        (0..place).filter_map(move |place| match self.rule(rules, place).then {
+            Action::Magnetize { child, .. } => Some(child),
+            _ => None,
+        })
+    }
+
+    /// Whether a condition of the rule at a place is true for a block that has seen what `has` says.
+    #[inline]
+    pub fn is_true(
+        &self,
+        rules: RuleRange,
+        place: usize,
+        when: Condition,
+        has: impl Fn(Condition) -> bool,
+    ) -> bool {
+        match when {
+            Condition::Turn(needed) => {
+                let given = self.given_before(rules, place);
+                given.filter(|&role| has(Condition::Docked(role))).count() >= usize::from(needed)
+            }
+            seen => has(seen),
         }
     }
 }

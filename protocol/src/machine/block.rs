@@ -1,9 +1,10 @@
 //! What one anchored block keeps in mind.
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
-use stochc_ir::table::{Action, Condition, RoleId, Tables, Trigger};
+use stochc_ir::table::{Action, Condition, RoleId, RuleRange, Tables, Trigger};
 use stochc_ir::{Cell, Face};
 
+use super::few::Few;
 use super::message::Message;
 use super::slots::BlockSlot;
 use crate::body::Body;
@@ -21,9 +22,8 @@ pub struct StructureBlock<M = ()> {
     /// It has begun a duty, seen or sent something in this phase.
     pub(super) is_changed: bool,
     trigger: Trigger,
-    /// The number of its duty, and how many rules that has; without a duty none.
-    duty: u32,
-    rules: u32,
+    /// Those of its duty; without one none.
+    rules: RuleRange,
     /// All rules before this one have fired, or are not ready with what it has seen.
     next: u32,
     /// The rules of its duty that have fired, one bit each, but for those behind the first 64.
@@ -34,20 +34,21 @@ pub struct StructureBlock<M = ()> {
     /// Hops between it and its parent that have been sent and not been received.
     pub(super) unreceived: u32,
     /// The blocks that it holds, by role.
-    pub(super) children: SmallVec<[(RoleId, BlockSlot); 2]>,
+    children: Few<(RoleId, BlockSlot)>,
     /// The faces that it has on and that hold nothing yet, sorted.
-    open: SmallVec<[Open<M>; 1]>,
+    open: Few<Open<M>>,
     /// What it has seen in this phase, sorted.
     seen: SmallVec<[Condition; 2]>,
     rare: Option<Box<Rare>>,
 }
 
-/// The way from a block to the plate, to find others by (E. W. Myers 1983).
+/// The way from a block to the plate, to find others by (E. W. Myers 1983). All but the depth is for those who look for
+/// somebody, and unknown until then.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Path {
     /// Blocks between it and the plate.
     pub depth: u32,
-    /// One of those.
+    /// One of those; [`BlockSlot::NONE`]: unknown, or on the plate.
     pub jump: BlockSlot,
     /// The depth of that one, and of the one to which that one jumps: so nobody has to look at them.
     pub after: [u32; 2],
@@ -60,6 +61,18 @@ impl Path {
         jump: BlockSlot::NONE,
         after: [0, 0],
     };
+
+    /// That of a block so far from the plate, which nobody has looked for yet.
+    pub fn unknown(depth: u32) -> Path {
+        Path {
+            depth,
+            ..Path::ROOT
+        }
+    }
+
+    pub fn is_known(&self) -> bool {
+        self.depth == 0 || self.jump != BlockSlot::NONE
+    }
 }
 
 /// What few blocks have.
@@ -96,15 +109,14 @@ impl<M: Copy> StructureBlock<M> {
             is_dead: false,
             is_changed: false,
             trigger: Trigger::Start,
-            duty: 0,
-            rules: 0,
+            rules: RuleRange::default(),
             next: 0,
             fired: 0,
             parent: BlockSlot::NONE,
             path: Path::ROOT,
             unreceived: 0,
-            children: SmallVec::new(),
-            open: SmallVec::new(),
+            children: Few::None,
+            open: Few::None,
             seen: SmallVec::new(),
             rare: None,
         }
@@ -114,30 +126,29 @@ impl<M: Copy> StructureBlock<M> {
     pub(super) fn reset(&mut self) {
         self.is_changed = false;
         self.unreceived = 0;
-        (self.trigger, self.rules, self.next, self.fired) = (Trigger::Start, 0, 0, 0);
+        (self.trigger, self.rules) = (Trigger::Start, RuleRange::default());
+        (self.next, self.fired) = (0, 0);
         self.seen.clear();
         self.rare = None;
     }
 
     /// Begins a duty, of which it has done nothing yet.
     #[inline]
-    pub(super) fn begin(&mut self, trigger: Trigger, duty: Option<u32>, tables: &Tables) {
-        self.trigger = trigger;
-        if let Some(duty) = duty {
-            self.duty = duty;
-            self.rules = tables.duty_at(duty as usize).rules().len() as u32;
-        }
+    pub(super) fn begin(&mut self, trigger: Trigger, rules: RuleRange) {
+        (self.trigger, self.rules) = (trigger, rules);
     }
 
     #[inline]
     pub(super) fn see(&mut self, condition: Condition) {
-        if self.seen.last().is_none_or(|last| *last < condition) {
-            self.seen.push(condition);
-        } else if let Err(i) = self.seen.binary_search(&condition) {
-            self.seen.insert(i, condition);
-        } else {
-            return;
-        }
+        let seen = self.seen.as_slice();
+        let at = match seen.last() {
+            Some(last) if *last >= condition => match seen.binary_search(&condition) {
+                Ok(_) => return,
+                Err(at) => at,
+            },
+            _ => seen.len(),
+        };
+        self.seen.insert(at, condition);
         self.next = self.first_unfired();
     }
 
@@ -156,7 +167,7 @@ impl<M: Copy> StructureBlock<M> {
 
     /// What it has heard and what waits at it, as messages to whoever has the role next.
     pub(super) fn legacy(&self) -> impl Iterator<Item = Message> {
-        let heard = self.seen.iter().filter_map(|&condition| match condition {
+        let heard = self.seen().iter().filter_map(|&condition| match condition {
             Condition::Heard(news) => Some(Message::tell(self.role, news)),
             _ => None,
         });
@@ -165,57 +176,97 @@ impl<M: Copy> StructureBlock<M> {
     }
 
     /// Adds a face to those that are on.
+    #[inline]
     pub(super) fn switch_on(&mut self, open: Open<M>) {
         let key = |open: &Open<M>| (open.own, open.face, open.child, open.cell);
-        let i = (self.open).partition_point(|other| key(other) <= key(&open));
+        let i = (self.open()).partition_point(|other| key(other) <= key(&open));
         self.open.insert(i, open);
     }
 
     /// Takes a face from those that are on.
+    #[inline]
     pub(super) fn close(&mut self, own: Face) -> Option<Open<M>> {
-        let i = self.open.iter().position(|open| open.own == own)?;
-        Some(self.open.remove(i))
+        let i = self.open().iter().position(|open| open.own == own)?;
+        self.open.remove(i)
     }
 
     /// Adds a block to those that it holds.
+    #[inline]
     pub(super) fn hold(&mut self, child: RoleId, slot: BlockSlot) {
-        let i = self.children.partition_point(|(role, _)| *role <= child);
+        let i = self.children().partition_point(|(role, _)| *role <= child);
         self.children.insert(i, (child, slot));
     }
 
     /// Takes a block from those that it holds.
     pub(super) fn release(&mut self, child: RoleId) -> Option<BlockSlot> {
-        let i = self.children.iter().rposition(|(role, _)| *role == child)?;
-        Some(self.children.remove(i).1)
+        let i = (self.children())
+            .iter()
+            .rposition(|(role, _)| *role == child)?;
+        self.children.remove(i).map(|(_, slot)| slot)
     }
 
-    /// The next rule that is ready, by its place in the duty; it counts as fired from now on.
+    /// Whether a rule may be ready; a dead block does nothing.
+    #[inline]
+    pub(super) fn may_act(&self) -> bool {
+        !self.is_dead && self.next < self.rules.count()
+    }
+
+    /// The next rule that is ready, by its place in the duty; it counts as fired from now on. It has to be one that
+    /// [may act](Self::may_act).
+    #[inline(always)]
     pub(super) fn next_action(&mut self, tables: &Tables) -> Option<(u32, Action)> {
-        if self.is_dead || self.next >= self.rules {
-            return None;
-        }
-        let duty = tables.duty_at(self.duty as usize);
-        let has = |when| self.seen.binary_search(&when).is_ok();
-        let ready = (self.next as usize..self.rules as usize).find_map(|place| {
-            let rule = duty.rule(place);
-            let is_ready = !self.has_fired(place)
-                && rule.when.iter().all(|&when| duty.is_true(place, when, has));
-            is_ready.then_some((place, rule.then))
-        });
-        let Some((place, action)) = ready else {
-            self.next = self.rules;
-            return None;
+        let first = self.next as usize;
+        let rule = tables.rule(self.rules, first);
+        // As most rules are that a new block tries.
+        let is_first = rule.when.is_empty() && !self.has_fired(first);
+        let (place, action) = match is_first {
+            true => (first, rule.then),
+            false => self.next_ready(tables)?,
         };
+        self.mark_fired(place);
+        Some((place as u32, action))
+    }
+
+    /// Takes the first rule of its duty, unless it has fired.
+    #[inline]
+    pub(super) fn take_first(&mut self) -> bool {
+        let is_left = !self.is_dead && !self.has_fired(0);
+        if is_left {
+            self.mark_fired(0);
+        }
+        is_left
+    }
+
+    #[inline]
+    fn mark_fired(&mut self, place: usize) {
         self.next = place as u32 + 1;
         match place / 64 {
             0 => self.fired |= 1 << place,
-            word => {
-                let fired = &mut self.rare.get_or_insert_default().fired;
-                fired.resize(self.rules as usize / 64, 0);
-                fired[word - 1] |= 1 << (place % 64);
-            }
+            word => self.mark_fired_later(word - 1, place % 64),
         }
-        Some((place as u32, action))
+    }
+
+    fn mark_fired_later(&mut self, word: usize, bit: usize) {
+        let fired = &mut self.rare.get_or_insert_default().fired;
+        fired.resize(self.rules.count() as usize / 64, 0);
+        fired[word] |= 1 << bit;
+    }
+
+    /// The first rule from the next one on that is ready; without one there will be none until the block sees something.
+    fn next_ready(&mut self, tables: &Tables) -> Option<(usize, Action)> {
+        let count = self.rules.count();
+        let has = |when| self.seen().binary_search(&when).is_ok();
+        let is_true = |place, when: &Condition| tables.is_true(self.rules, place, *when, has);
+        let ready = (self.next as usize..count as usize).find_map(|place| {
+            let rule = tables.rule(self.rules, place);
+            let is_ready =
+                !self.has_fired(place) && rule.when.iter().all(|when| is_true(place, when));
+            is_ready.then_some((place, rule.then))
+        });
+        if ready.is_none() {
+            self.next = count;
+        }
+        ready
     }
 }
 
@@ -242,12 +293,17 @@ impl<M> StructureBlock<M> {
 
     /// The faces that are on and hold nothing, sorted.
     pub fn open(&self) -> &[Open<M>] {
-        &self.open
+        self.open.as_slice()
     }
 
     /// What it has seen in this phase, sorted.
     pub fn seen(&self) -> &[Condition] {
-        &self.seen
+        self.seen.as_slice()
+    }
+
+    /// The blocks that it holds, by role.
+    pub(super) fn children(&self) -> &[(RoleId, BlockSlot)] {
+        self.children.as_slice()
     }
 
     /// The messages that wait at it for blocks that will hang on it, sorted.
@@ -261,6 +317,7 @@ impl<M> StructureBlock<M> {
     }
 
     /// Whether a rule of its duty has fired.
+    #[inline]
     pub fn has_fired(&self, rule: usize) -> bool {
         let word = match rule / 64 {
             0 => self.fired,

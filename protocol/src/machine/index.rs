@@ -1,17 +1,18 @@
 //! What the machine looks up in its tables again and again.
+use std::cmp::Ordering;
 use std::sync::OnceLock;
 
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
-use stochc_ir::table::{Action, Duty, PhaseId, RoleId, Tables, Trigger};
+use stochc_ir::table::{Action, Duty, PhaseId, RoleId, RuleRange, Tables, Trigger};
 
 use super::slots::BlockSlot;
 
 /// Duties by role and by phase, blocks of the plate by cell.
 #[derive(Debug)]
 pub(super) struct Index {
-    /// The number of the first duty of each role, and of the one after the last.
-    first_duty: Vec<u32>,
+    /// Of each role, its first duty.
+    first_duty: Vec<FirstDuty>,
     /// The duties that begin with a phase: phase and number, sorted.
     starting: Vec<(PhaseId, u32)>,
     /// The blocks of the plate, by cell.
@@ -20,20 +21,58 @@ pub(super) struct Index {
     captors: OnceLock<Vec<(RoleId, PhaseId, RoleId)>>,
 }
 
+/// The first duty of a role, which most often is the only one.
+#[derive(Clone, Copy, Debug)]
+struct FirstDuty {
+    /// When it begins; `None`: the role has no duty.
+    when: Option<(PhaseId, Trigger)>,
+    /// Its number, and that of the first one of a later role.
+    numbers: (u32, u32),
+    begins: Beginning,
+}
+
+/// How a duty begins; of none nothing does.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Beginning {
+    pub rules: RuleRange,
+    /// What the first rule does, if it waits for nothing: so nobody has to look at it, which takes longest where tables are large.
+    pub at_once: Option<Action>,
+}
+
+impl Beginning {
+    fn of(tables: &Tables, duty: Duty<'_>) -> Beginning {
+        let rules = duty.range();
+        let first = (rules.count() > 0).then(|| tables.rule(rules, 0));
+        let at_once = first.filter(|first| first.when.is_empty());
+        Beginning {
+            rules,
+            at_once: at_once.map(|first| first.then),
+        }
+    }
+}
+
 impl Index {
     pub fn new(tables: &Tables, seeds: &[Cell]) -> Index {
-        let mut first_duty = vec![0; tables.roles.len() + 1];
+        let none = FirstDuty {
+            when: None,
+            numbers: (0, 0),
+            begins: Beginning::default(),
+        };
+        let mut first_duty = vec![none; tables.roles.len()];
         let mut starting = Vec::new();
-        for (number, duty) in tables.duties().enumerate() {
-            first_duty[duty.role.0 as usize + 1] = number as u32 + 1;
-            if duty.trigger == Trigger::Start {
-                starting.push((duty.phase, number as u32));
+        for (number, duty) in (0..).zip(tables.duties()) {
+            let first = &mut first_duty[duty.role.0 as usize];
+            if first.when.is_none() {
+                *first = FirstDuty {
+                    when: Some((duty.phase, duty.trigger)),
+                    numbers: (number, number),
+                    begins: Beginning::of(tables, duty),
+                };
             }
-        }
-        let mut last = 0;
-        for first in &mut first_duty {
-            last = last.max(*first);
-            *first = last;
+            first.numbers.1 = number + 1;
+            if duty.trigger == Trigger::Start {
+                starting.push((duty.phase, number));
+            }
         }
         starting.sort_unstable();
         let seeds = (0..).map(BlockSlot).zip(seeds);
@@ -50,32 +89,21 @@ impl Index {
         self.seeds.get(&cell).copied()
     }
 
-    /// The number of the duty of a role in a phase from `trigger` on.
-    pub fn duty(
+    /// How the duty of a role in a phase from `trigger` on begins.
+    #[inline]
+    pub fn beginning(
         &self,
         tables: &Tables,
         role: RoleId,
         phase: PhaseId,
         trigger: Trigger,
-    ) -> Option<u32> {
-        let (mut low, mut high) = (
-            self.first_duty[role.0 as usize],
-            self.first_duty[role.0 as usize + 1],
-        );
-        while low < high {
-            let middle = low.midpoint(high);
-            let Duty {
-                phase: its,
-                trigger: when,
-                ..
-            } = tables.duty_at(middle as usize);
-            match (its, when).cmp(&(phase, trigger)) {
-                std::cmp::Ordering::Less => low = middle + 1,
-                std::cmp::Ordering::Equal => return Some(middle),
-                std::cmp::Ordering::Greater => high = middle,
-            }
+    ) -> Beginning {
+        let first = &self.first_duty[role.0 as usize];
+        match first.when.map(|when| when.cmp(&(phase, trigger))) {
+            Some(Ordering::Equal) => first.begins,
+            Some(Ordering::Less) => later_beginning(tables, first.numbers, (phase, trigger)),
+            _ => Beginning::default(),
         }
-        None
     }
 
     /// The duties that begin with a phase.
@@ -94,6 +122,24 @@ impl Index {
         let &(given, when, captor) = captors.get(first)?;
         ((given, when) == (child, phase)).then_some(captor)
     }
+}
+
+/// How the duty that begins then does, among those with these numbers.
+fn later_beginning(
+    tables: &Tables,
+    (mut low, mut high): (u32, u32),
+    when: (PhaseId, Trigger),
+) -> Beginning {
+    while low < high {
+        let middle = low.midpoint(high);
+        let duty = tables.duty_at(middle as usize);
+        match (duty.phase, duty.trigger).cmp(&when) {
+            Ordering::Less => low = middle + 1,
+            Ordering::Equal => return Beginning::of(tables, duty),
+            Ordering::Greater => high = middle,
+        }
+    }
+    Beginning::default()
 }
 
 fn captors(tables: &Tables) -> Vec<(RoleId, PhaseId, RoleId)> {

@@ -1,6 +1,7 @@
 //! The machine of all blocks together.
 mod block;
 mod environment;
+mod few;
 mod index;
 mod message;
 mod routing;

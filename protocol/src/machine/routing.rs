@@ -6,6 +6,7 @@
 //! let go leaves what it has heard to the next one in its role.
 use stochc_ir::table::RoleId;
 
+use super::block::Path;
 use super::environment::Environment;
 use super::message::{Message, Recipient};
 use super::slots::BlockSlot;
@@ -23,11 +24,11 @@ impl<M: Copy> Structure<'_, M> {
         let Some(block) = self.slots.get(at).filter(|block| !block.is_dead) else {
             return;
         };
-        let parent = block.parent;
+        let (parent, depth) = (block.parent, block.path.depth);
         let goal = match message.target {
             Recipient::Plate
                 if parent == BlockSlot::NONE
-                    || (!self.has_dead && environment.carry_to_plate(block.path.depth)) =>
+                    || (!self.has_dead && environment.carry_to_plate(depth)) =>
             {
                 return self.hand_over(at, message, environment);
             }
@@ -39,7 +40,7 @@ impl<M: Copy> Structure<'_, M> {
         if goal == at {
             return self.hand_over(at, message, environment);
         }
-        match self.ancestor(goal, block.path.depth + 1) {
+        match self.ancestor(goal, depth + 1) {
             Some(child)
                 if self
                     .slots
@@ -93,9 +94,42 @@ impl<M: Copy> Structure<'_, M> {
         None
     }
 
+    /// Makes the ways known of a block and of those between it and the plate.
+    fn find_path(&mut self, slot: BlockSlot) {
+        let mut unknown = Vec::new();
+        let mut at = slot;
+        while let Some(block) = self.slots.get(at).filter(|block| !block.path.is_known()) {
+            unknown.push((at, block.parent));
+            at = block.parent;
+        }
+        for (slot, parent) in unknown.into_iter().rev() {
+            let path = self.path_from(parent);
+            if let (Some(block), Some(path)) = (self.slots.get_mut(slot), path) {
+                block.path = path;
+            }
+        }
+    }
+
+    /// The way to the plate of a child of this block: it jumps as far again as its parent's last two jumps, if these are equal.
+    fn path_from(&self, parent: BlockSlot) -> Option<Path> {
+        let Path { depth, jump, after } = self.slots.get(parent)?.path;
+        let is_twice = after[0] > after[1] && depth - after[0] == after[0] - after[1];
+        let first = self.slots.get(jump).filter(|_| is_twice);
+        let (jump, after) = match first.map(|first| first.path) {
+            Some(first) => (first.jump, [after[1], first.after[1]]),
+            None => (parent, [depth, after[0]]),
+        };
+        Some(Path {
+            depth: depth + 1,
+            jump,
+            after,
+        })
+    }
+
     /// The block between `slot` and the plate, or itself, that is so far from the plate; `None`: it is nearer
     /// to the plate.
-    fn ancestor(&self, mut slot: BlockSlot, depth: u32) -> Option<BlockSlot> {
+    fn ancestor(&mut self, mut slot: BlockSlot, depth: u32) -> Option<BlockSlot> {
+        self.find_path(slot);
         loop {
             let block = self.slots.get(slot)?;
             let path = block.path;

@@ -43,6 +43,7 @@ impl<M> Slots<M> {
     }
 
     /// Where a block is kept; `None`: it is not anchored.
+    #[inline]
     pub fn find(&self, index: &Index, body: Body) -> Option<BlockSlot> {
         match body {
             Body::Seed(cell) => index.seed(cell),
@@ -61,26 +62,27 @@ impl<M> Slots<M> {
         }
     }
 
-    /// Keeps a block that was free. One in the same body is kept no longer.
+    /// Where a block that was free is kept from now on. One in the same body is kept no longer.
     #[inline]
-    pub fn insert(&mut self, id: u32, block: StructureBlock<M>) -> BlockSlot {
+    pub fn reserve(&mut self, id: u32) -> BlockSlot {
         if self.of_free.len() <= id as usize {
             self.of_free.resize(id as usize + 1, BlockSlot::NONE);
         }
-        let known = self.of_free[id as usize];
-        let kept = (known != BlockSlot::NONE).then_some(known);
-        let slot = match kept.or_else(|| self.vacant.pop()) {
-            Some(slot) => {
-                self.blocks[slot.0 as usize] = Some(block);
-                slot
-            }
-            None => {
-                self.blocks.push(Some(block));
-                BlockSlot(self.blocks.len() as u32 - 1)
-            }
-        };
-        self.of_free[id as usize] = slot;
-        slot
+        let known = &mut self.of_free[id as usize];
+        if *known == BlockSlot::NONE {
+            let next = BlockSlot(self.blocks.len() as u32);
+            *known = self.vacant.pop().unwrap_or(next);
+        }
+        *known
+    }
+
+    /// Keeps a block that was free [there](Self::reserve).
+    #[inline]
+    pub fn put(&mut self, slot: BlockSlot, block: StructureBlock<M>) {
+        match self.blocks.get_mut(slot.0 as usize) {
+            Some(place) => *place = Some(block),
+            None => self.blocks.push(Some(block)),
+        }
     }
 
     /// Takes out a block that was free once.
@@ -93,10 +95,12 @@ impl<M> Slots<M> {
         Some(block)
     }
 
+    #[inline]
     pub fn get(&self, slot: BlockSlot) -> Option<&StructureBlock<M>> {
         self.blocks.get(slot.0 as usize)?.as_ref()
     }
 
+    #[inline]
     pub fn get_mut(&mut self, slot: BlockSlot) -> Option<&mut StructureBlock<M>> {
         self.blocks.get_mut(slot.0 as usize)?.as_mut()
     }

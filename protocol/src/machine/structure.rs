@@ -151,9 +151,10 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
         let mut starting = Vec::new();
         for duty in self.index.starting(PhaseId(self.phase)) {
-            let slot = self.holders[self.tables.duty_at(duty as usize).role.0 as usize];
+            let duty = self.tables.duty_at(duty as usize);
+            let slot = self.holders[duty.role.0 as usize];
             if let Some(block) = self.slots.get_mut(slot) {
-                block.begin(Trigger::Start, Some(duty), self.tables);
+                block.begin(Trigger::Start, duty.range());
                 block.is_changed = true;
                 let body = block.body;
                 starting.push((self.slots.rank(body, slot), slot));
@@ -189,11 +190,22 @@ impl<'t, M: Copy> Structure<'t, M> {
         };
         let orientation =
             Orientation::docked(parent.orientation, face, docking.child_face, docking.turn);
+        let child = self.slots.reserve(docking.child);
+        let Some(parent) = self.slots.get_mut(at) else {
+            return;
+        };
         parent.see(Condition::Docked(open.child));
+        parent.hold(open.child, child);
+        if !parent.is_changed {
+            parent.is_changed = true;
+            self.changed.push(at);
+        }
+        let wakes = parent.may_act();
         let waiting = parent.take_waiting();
-        let path = parent.path;
+        let depth = parent.path.depth + 1;
+        let phase = PhaseId(self.phase);
         let capture = PlannedCapture {
-            phase: PhaseId(self.phase),
+            phase,
             parent: parent.role,
             face: open.face,
             child: open.child,
@@ -202,36 +214,25 @@ impl<'t, M: Copy> Structure<'t, M> {
         environment.captured(&capture, docking, open.mark);
         let mut block = StructureBlock::new(Body::Free(docking.child), open.child, orientation);
         block.parent = at;
-        block.path = self.path_from(at, path);
+        block.path = Path::unknown(depth);
         block.is_changed = true;
-        let phase = PhaseId(self.phase);
-        let duty = (self.index).duty(self.tables, open.child, phase, Trigger::Anchored);
-        block.begin(Trigger::Anchored, duty, self.tables);
-        let child = self.slots.insert(docking.child, block);
+        let begins = (self.index).beginning(self.tables, open.child, phase, Trigger::Anchored);
+        block.begin(Trigger::Anchored, begins.rules);
+        self.slots.put(child, block);
         self.changed.push(child);
         self.holders[open.child.0 as usize] = child;
-        self.change(at, |parent| parent.hold(open.child, child));
         for message in waiting {
             self.forward(at, message, environment);
         }
-        self.fire(at, environment);
-        self.fire(child, environment);
-    }
-
-    /// The way to the plate of a child of this block: it jumps as far again as its parent's last two jumps, if these are equal.
-    fn path_from(&self, parent: BlockSlot, of_parent: Path) -> Path {
-        let Path { depth, jump, after } = of_parent;
-        let is_twice = after[0] > after[1] && depth - after[0] == after[0] - after[1];
-        let first = self.slots.get(jump).filter(|_| is_twice);
-        let (jump, after) = match first.map(|first| first.path) {
-            Some(first) => (first.jump, [after[1], first.after[1]]),
-            None => (parent, [depth, after[0]]),
-        };
-        Path {
-            depth: depth + 1,
-            jump,
-            after,
+        if wakes {
+            self.fire(at, environment);
         }
+        if let Some(action) = begins.at_once
+            && (self.slots.get_mut(child)).is_some_and(StructureBlock::take_first)
+        {
+            self.act(child, 0, action, environment);
+        }
+        self.fire(child, environment);
     }
 
     /// A block dies where it is.
@@ -315,7 +316,7 @@ impl<'t, M: Copy> Structure<'t, M> {
 
     /// Fires every rule of a block that is ready, in their order, until none is.
     fn fire(&mut self, at: BlockSlot, environment: &mut impl Environment<Mark = M>) {
-        while let Some(block) = self.slots.get_mut(at) {
+        while let Some(block) = self.slots.get_mut(at).filter(|block| block.may_act()) {
             let Some((rule, action)) = block.next_action(self.tables) else {
                 return;
             };
@@ -323,6 +324,8 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
+    /// Does what a rule of a block says.
+    #[inline]
     fn act(
         &mut self,
         at: BlockSlot,
@@ -333,49 +336,55 @@ impl<'t, M: Copy> Structure<'t, M> {
         let Some(block) = self.slots.get_mut(at) else {
             return;
         };
-        let (body, role, trigger) = (block.body, block.role, block.trigger());
-        let parent = block.parent;
-        let (target, payload) = match action {
+        match action {
             Action::Magnetize { face, child, cell } => {
-                let own = block.orientation.to_own(face);
                 let capture = PlannedCapture {
                     phase: PhaseId(self.phase),
-                    parent: role,
+                    parent: block.role,
                     face,
                     child,
                     cell,
                 };
-                let site = BlockFace { body, face: own };
-                let mark = environment.magnetize(site, &capture);
-                block.switch_on(Open {
-                    own,
-                    face,
-                    child,
-                    cell,
-                    mark,
-                });
+                let site = magnetize(block, &capture, environment);
                 if self.is_planting() {
                     self.to_plant.insert(site);
                 }
-                return;
             }
             Action::SwitchOff { face, child } => {
                 let own = block.orientation.to_own(face);
-                return self.let_go(at, own, child, environment);
+                self.let_go(at, own, child, environment);
             }
-            Action::AskRelease => match self.slots.get(parent).map(StructureBlock::body) {
-                Some(parent) => (Recipient::Block(parent), Payload::Ask(role)),
+            action => self.say(at, rule, action, environment),
+        }
+    }
+
+    /// Sends what an action of a block says.
+    fn say(
+        &mut self,
+        at: BlockSlot,
+        rule: u32,
+        action: Action,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        let Some(block) = self.slots.get(at) else {
+            return;
+        };
+        let role = block.role;
+        let (target, payload) = match action {
+            Action::AskRelease => match self.slots.get(block.parent) {
+                Some(parent) => (Recipient::Block(parent.body), Payload::Ask(role)),
                 None => return,
             },
             Action::Tell { to, news } => (Recipient::Role(to), Payload::Tell(news)),
             Action::Report => {
                 let by = Reporter {
                     role,
-                    trigger,
+                    trigger: block.trigger(),
                     rule,
                 };
                 (Recipient::Plate, Payload::Report(by))
             }
+            Action::Magnetize { .. } | Action::SwitchOff { .. } => return,
         };
         self.forward(at, Message { target, payload }, environment);
     }
@@ -424,10 +433,10 @@ impl<'t, M: Copy> Structure<'t, M> {
             if *holder == slot {
                 *holder = BlockSlot::NONE;
             }
-            environment.released(by, block.role, block.body, block.children.len());
+            environment.released(by, block.role, block.body, block.children().len());
             left.extend(block.legacy());
             let below = block
-                .children
+                .children()
                 .iter()
                 .filter_map(|(_, child)| self.slots.get(*child));
             let unreceived = block.unreceived + below.map(|child| child.unreceived).sum::<u32>();
@@ -437,7 +446,7 @@ impl<'t, M: Copy> Structure<'t, M> {
             left.extend(recalled.from.into_iter().filter(|_| !block.is_dead));
             going.extend(
                 block
-                    .children
+                    .children()
                     .iter()
                     .rev()
                     .map(|(_, child)| (block.role, *child)),
@@ -465,6 +474,29 @@ impl<'t, M: Copy> Structure<'t, M> {
             (is, did, block.open(), block.seen(), block.waiting())
         })
     }
+}
+
+/// Switches a face of a block on: which.
+#[inline]
+fn magnetize<M: Copy>(
+    block: &mut StructureBlock<M>,
+    capture: &PlannedCapture,
+    environment: &mut impl Environment<Mark = M>,
+) -> BlockFace {
+    let own = block.orientation.to_own(capture.face);
+    let site = BlockFace {
+        body: block.body,
+        face: own,
+    };
+    let mark = environment.magnetize(site, capture);
+    block.switch_on(Open {
+        own,
+        face: capture.face,
+        child: capture.child,
+        cell: capture.cell,
+        mark,
+    });
+    site
 }
 
 impl<M: Copy + Hash + Eq> PartialEq for Structure<'_, M> {

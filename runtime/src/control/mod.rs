@@ -34,6 +34,8 @@ pub struct Controller<'t> {
     structure: Structure<'t, u64>,
     recorder: RunRecorder,
     phase_began: u64,
+    /// When its time is over; `None`: never.
+    phase_ends: Option<u64>,
     phase_ticks: Vec<u64>,
     /// Why the run cannot go on.
     fault: Option<String>,
@@ -41,7 +43,7 @@ pub struct Controller<'t> {
 
 stochc_ir::state! {
     () Controller<'_>;
-    values: phase_began, phase_ticks, fault;
+    values: phase_began, phase_ends, phase_ticks, fault;
     parts: structure, recorder;
     same: tables
 }
@@ -62,6 +64,7 @@ impl<'t> Controller<'t> {
             structure: Structure::new(tables),
             recorder: RunRecorder::new(Network::new(messages, seed, run), tables.captures()),
             phase_began: 0,
+            phase_ends: None,
             phase_ticks: Vec::new(),
             fault: None,
         }
@@ -82,8 +85,7 @@ impl<'t> Controller<'t> {
     /// A world without enough free blocks for it leaves a [`Controller::fault`].
     pub fn start(&mut self, world: &mut impl World) {
         self.recorder.tick = world.tick();
-        self.phase_began = self.recorder.tick;
-        self.recorder.note_phase(self.structure.phase());
+        self.note_phase(self.structure.phase());
         self.structure.start(&mut self.recorder.in_world(world));
         self.plant(world);
         if self.fault.is_none() {
@@ -109,21 +111,25 @@ impl<'t> Controller<'t> {
 
     /// Whether the running phase has used up its time.
     pub fn timed_out(&self) -> bool {
-        let timeout = self
-            .phase()
-            .and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
-        timeout.is_some_and(|timeout| self.recorder.tick - self.phase_began >= timeout)
+        self.phase_ends.is_some_and(|end| self.recorder.tick >= end)
     }
 
     /// The first tick at which something is due, whatever the world does: a message, the end of the time of the phase, or
     /// `max_ticks`.
+    #[inline]
     pub(crate) fn next_due(&self, max_ticks: Option<u64>) -> u64 {
-        let timeout = self
-            .phase()
-            .and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
-        let timeout = timeout.map(|timeout| self.phase_began.saturating_add(timeout));
-        let dues = [timeout, max_ticks, self.recorder.network.next_due()];
-        dues.into_iter().flatten().min().unwrap_or(u64::MAX)
+        let or_never = |tick: Option<u64>| tick.unwrap_or(u64::MAX);
+        or_never(self.phase_ends)
+            .min(or_never(max_ticks))
+            .min(or_never(self.recorder.network.next_due()))
+    }
+
+    /// A phase begins, if there is one left.
+    fn note_phase(&mut self, phase: Option<PhaseId>) {
+        self.phase_began = self.recorder.tick;
+        let timeout = phase.and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
+        self.phase_ends = timeout.map(|ticks| self.phase_began.saturating_add(ticks));
+        self.recorder.note_phase(phase);
     }
 
     /// Why the run cannot go on, if so.
@@ -194,10 +200,9 @@ impl<'t> Controller<'t> {
 
     fn next_phase(&mut self, world: &mut impl World) {
         self.phase_ticks.push(self.recorder.tick - self.phase_began);
-        self.phase_began = self.recorder.tick;
         let next = self.structure.phase().map(|phase| PhaseId(phase.0 + 1));
         let next = next.filter(|phase| (phase.0 as usize) < self.tables.phases.len());
-        self.recorder.note_phase(next);
+        self.note_phase(next);
         self.structure
             .next_phase(&mut self.recorder.in_world(world));
     }

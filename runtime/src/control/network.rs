@@ -94,15 +94,18 @@ impl Network {
     }
 
     /// When something is due next.
+    #[inline]
     pub fn next_due(&self) -> Option<u64> {
-        let first = |queue: &VecDeque<Transfer>| queue.front().map(|transfer| transfer.due);
-        [first(&self.under_way), first(&self.reminders)]
-            .into_iter()
-            .flatten()
-            .min()
+        let arrives = self.under_way.front().map(|transfer| transfer.due);
+        let is_reminded = self.reminders.front().map(|transfer| transfer.due);
+        match (arrives, is_reminded) {
+            (Some(one), Some(other)) => Some(one.min(other)),
+            (one, other) => one.or(other),
+        }
     }
 
     /// Takes the next message that has arrived by `tick`, with its last hop: from whom, and where it is.
+    #[inline]
     pub fn due(&mut self, tick: u64, log: &mut Log) -> Option<(Body, Body, Message)> {
         while !(self.under_way.is_empty() && self.reminders.is_empty()) {
             let key = |transfer: &Transfer| (transfer.due, transfer.order);

@@ -12,48 +12,73 @@ const LANES: usize = 4;
 /// Words of keystream in one block of ChaCha.
 const BLOCK: usize = 16;
 
-/// The draws of the first `N` blocks in a stream, up to 4: those of [`Draws`](super::Draws), cheapest in rising order of steps.
+/// The draws of blocks 0 to 3 in a stream: those of [`Draws`](super::Draws), cheapest in rising order of steps, and of
+/// block 0 alone.
 #[derive(Clone, Debug)]
-pub struct DrawsAhead<const N: usize> {
+pub struct DrawsAhead {
     key: [u32; 8],
-    /// The first step that is at hand; `None`: none is.
-    first: Option<u64>,
-    /// The words of each block in each step.
-    words: [[[u32; WORDS as usize]; LANES]; N],
+    front: Ahead<{ WORDS as usize }>,
+    all: Ahead<BLOCK>,
 }
 
-impl<const N: usize> DrawsAhead<N> {
+/// The first words of some steps.
+#[derive(Clone, Debug)]
+struct Ahead<const COUNT: usize> {
+    /// The first step that is at hand; `None`: none is.
+    first: Option<u64>,
+    words: [[u32; LANES]; COUNT],
+}
+
+impl DrawsAhead {
     /// The draws of `stream` in run number `run` of the ensemble with this seed.
-    pub fn new(seed: u64, run: u64, stream: Stream) -> DrawsAhead<N> {
+    pub fn new(seed: u64, run: u64, stream: Stream) -> DrawsAhead {
         let key = key(seed, run, stream);
         let word = |i: usize| std::array::from_fn(|byte| key[4 * i + byte]);
         DrawsAhead {
             key: std::array::from_fn(|i| u32::from_le_bytes(word(i))),
-            first: None,
-            words: [[[0; WORDS as usize]; LANES]; N],
+            front: Ahead::NONE,
+            all: Ahead::NONE,
         }
     }
 
-    /// The words of a block, from 0 on, in one step.
+    /// The words of a block, 0 to 3, in one step.
     #[inline]
     pub fn block(&mut self, step: u64, block: u32) -> [u32; WORDS as usize] {
-        let at_hand = self.first.and_then(|first| step.checked_sub(first));
-        let lane = match at_hand.filter(|lane| *lane < LANES as u64) {
-            Some(lane) => lane as usize,
-            None => {
-                self.first = Some(step);
-                self.words = keystreams(&self.key, step);
-                0
-            }
-        };
-        self.words[block as usize][lane]
+        let first = (block * WORDS) as usize;
+        match block {
+            0 if self.all.lane(step).is_none() => self.front.words(&self.key, step, first),
+            _ => self.all.words(&self.key, step, first),
+        }
     }
 }
 
-/// The first blocks of the ChaCha8 keystreams with successive nonces (D. J. Bernstein 2008).
-///
-/// Of its last rounds, what no block needs is left out by the compiler.
-fn keystreams<const N: usize>(key: &[u32; 8], nonce: u64) -> [[[u32; WORDS as usize]; LANES]; N] {
+impl<const COUNT: usize> Ahead<COUNT> {
+    const NONE: Self = Ahead {
+        first: None,
+        words: [[0; LANES]; COUNT],
+    };
+
+    /// Where the words of a step are, if they are at hand.
+    #[inline]
+    fn lane(&self, step: u64) -> Option<usize> {
+        let lane = self.first.and_then(|first| step.checked_sub(first))?;
+        (lane < LANES as u64).then_some(lane as usize)
+    }
+
+    /// The words of a step from one on.
+    #[inline]
+    fn words(&mut self, key: &[u32; 8], step: u64, first: usize) -> [u32; WORDS as usize] {
+        let lane = self.lane(step).unwrap_or_else(|| {
+            self.first = Some(step);
+            self.words = keystreams(key, step);
+            0
+        });
+        std::array::from_fn(|word| self.words[first + word][lane])
+    }
+}
+
+/// The first words of the ChaCha8 keystreams with successive nonces (D. J. Bernstein 2008), of one block at most.
+fn keystreams<const COUNT: usize>(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; COUNT] {
     let nonces: [u64; LANES] = std::array::from_fn(|lane| nonce.wrapping_add(lane as u64));
     let start: [u32x4; BLOCK] = std::array::from_fn(|word| match word {
         0 => u32x4::splat(0x6170_7865),
@@ -66,23 +91,24 @@ fn keystreams<const N: usize>(key: &[u32; 8], nonce: u64) -> [[[u32; WORDS as us
         _ => u32x4::new(nonces.map(|nonce| (nonce >> 32) as u32)),
     });
     let mut w = start;
-    for _ in 0..4 {
-        quarter_round::<0, 4, 8, 12>(&mut w);
-        quarter_round::<1, 5, 9, 13>(&mut w);
-        quarter_round::<2, 6, 10, 14>(&mut w);
-        quarter_round::<3, 7, 11, 15>(&mut w);
-        quarter_round::<0, 5, 10, 15>(&mut w);
-        quarter_round::<1, 6, 11, 12>(&mut w);
-        quarter_round::<2, 7, 8, 13>(&mut w);
-        quarter_round::<3, 4, 9, 14>(&mut w);
+    for _ in 0..3 {
+        double_round(&mut w);
     }
-    std::array::from_fn(|block| {
-        let words: [[u32; LANES]; WORDS as usize] = std::array::from_fn(|word| {
-            let word = block * WORDS as usize + word;
-            (w[word] + start[word]).to_array()
-        });
-        std::array::from_fn(|lane| words.map(|word| word[lane]))
-    })
+    // By itself, so that what only later words need is left out.
+    double_round(&mut w);
+    std::array::from_fn(|word| (w[word] + start[word]).to_array())
+}
+
+#[inline(always)]
+fn double_round(w: &mut [u32x4; BLOCK]) {
+    quarter_round::<0, 4, 8, 12>(w);
+    quarter_round::<1, 5, 9, 13>(w);
+    quarter_round::<2, 6, 10, 14>(w);
+    quarter_round::<3, 7, 11, 15>(w);
+    quarter_round::<0, 5, 10, 15>(w);
+    quarter_round::<1, 6, 11, 12>(w);
+    quarter_round::<2, 7, 8, 13>(w);
+    quarter_round::<3, 4, 9, 14>(w);
 }
 
 #[inline(always)]
@@ -113,7 +139,7 @@ mod tests {
     fn the_draws_are_the_same_in_any_order_of_steps() {
         let (mut one, mut ahead) = (
             Draws::new(u64::MAX - 7, 3, Stream::Shuffle),
-            DrawsAhead::<4>::new(u64::MAX - 7, 3, Stream::Shuffle),
+            DrawsAhead::new(u64::MAX - 7, 3, Stream::Shuffle),
         );
         let far = [
             u64::from(u32::MAX) - 2,

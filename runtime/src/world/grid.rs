@@ -3,8 +3,9 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
-/// Cells along each side of a chunk.
-const SIDE: i32 = 4;
+/// Cells along each side of a chunk, a power of two: then no division is needed.
+const SIDE: i32 = 1 << SIDE_BITS;
+const SIDE_BITS: u32 = 2;
 
 /// Cells of a chunk.
 const CELLS: usize = SIDE.pow(3) as usize;
@@ -188,7 +189,7 @@ impl<T: Copy> ChunkedGrid<T> {
     }
 
     /// The chunk in a place, if it is there.
-    #[inline]
+    #[inline(always)]
     fn find(&self, key: ChunkKey) -> Chunk {
         match self.window.number(key) {
             Some(number) => self.window.chunks[number],
@@ -202,7 +203,7 @@ impl<T: Copy> ChunkedGrid<T> {
     }
 
     /// Marks a cell, or takes its mark away: its value.
-    #[inline]
+    #[inline(always)]
     pub fn mark(&mut self, cell: Cell, is_marked: bool) -> &mut T {
         let (key, offset) = place(cell);
         let chunk = self.chunk(key);
@@ -318,7 +319,7 @@ impl<T: Copy> ChunkedGrid<T> {
         (self.window, self.chunks) = (wider, outside);
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn get_mut(&mut self, cell: Cell) -> &mut T {
         let (key, offset) = place(cell);
         let start = self.chunk(key).start as usize;
@@ -330,8 +331,8 @@ impl<T: Copy> ChunkedGrid<T> {
 #[inline]
 fn place(cell: Cell) -> (ChunkKey, usize) {
     let at = [cell.x, cell.y, cell.z];
-    let offset = number(at.map(|of| of.rem_euclid(SIDE)));
-    (at.map(|of| of.div_euclid(SIDE)), offset)
+    let offset = number(at.map(|of| of & (SIDE - 1)));
+    (at.map(|of| of >> SIDE_BITS), offset)
 }
 
 /// The number of a cell in its chunk, so far from its corner.

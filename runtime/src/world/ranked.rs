@@ -1,74 +1,171 @@
 //! Sets of numbers that know their k-th member.
 use serde::{Deserialize, Serialize};
-use wide::i32x4;
+use wide::{i8x16, i16x8, i32x4};
 
 /// Children of a node.
 const FANOUT: usize = 16;
 
+/// Numbers of a leaf.
+const LEAF: usize = 8 * FANOUT;
+
+/// Levels above the leaves in which no count is larger than an `i16`.
+const LOW: usize = 2;
+
 /// For each child of a node, the members in those before it.
-type Node = [[i32; 4]; FANOUT / 4];
+trait Node {
+    /// That of children with so many members.
+    fn of(counts: &[u32]) -> Self;
 
-/// The numbers of the children.
-const NUMBERS: Node = [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9, 10, 11], [12, 13, 14, 15]];
+    /// The child with the member before which there are `rank` others, and how many of those are in it.
+    fn find(&self, rank: u32) -> (usize, u32);
 
-/// A set of some of the numbers 0 to n: one bit each, below a tree of counts.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(from = "Vec<u64>", into = "Vec<u64>")]
-pub(super) struct RankedSet {
-    words: Vec<u64>,
-    /// From the words up.
-    levels: Vec<Vec<Node>>,
-    len: u32,
+    /// Counts one member more in a child, or one less.
+    fn count<const IS_MORE: bool>(&mut self, child: usize);
 }
 
-impl From<Vec<u64>> for RankedSet {
-    fn from(words: Vec<u64>) -> RankedSet {
-        RankedSet::of(words)
+/// All sixteen children at once, so that it takes no branch.
+macro_rules! node {
+    ($node:ident, $count:ty, $vector:ty, $lanes:literal) => {
+        #[derive(Clone, Copy, Debug)]
+        struct $node([[$count; $lanes]; FANOUT / $lanes]);
+
+        impl Node for $node {
+            fn of(counts: &[u32]) -> $node {
+                let mut sum = 0;
+                $node(std::array::from_fn(|i| {
+                    std::array::from_fn(|lane| {
+                        let before = sum;
+                        sum += counts.get($lanes * i + lane).unwrap_or(&0);
+                        before as $count
+                    })
+                }))
+            }
+
+            #[inline]
+            fn find(&self, rank: u32) -> (usize, u32) {
+                let wanted = <$vector>::splat(rank as $count);
+                let mut behind = 1 << FANOUT;
+                for (i, before) in self.0.iter().enumerate() {
+                    let is_behind = <$vector>::new(*before).simd_gt(wanted);
+                    behind |= is_behind.to_bitmask() << ($lanes * i);
+                }
+                // Nothing is before the first.
+                let child = (behind.trailing_zeros() as usize - 1) % FANOUT;
+                (child, rank - self.0.as_flattened()[child] as u32)
+            }
+
+            #[inline]
+            fn count<const IS_MORE: bool>(&mut self, child: usize) {
+                /// For each child, -1 for those after it.
+                static AFTER: [[[$count; $lanes]; FANOUT / $lanes]; FANOUT] = {
+                    let mut after = [[[0; $lanes]; FANOUT / $lanes]; FANOUT];
+                    let mut i = 0;
+                    while i < FANOUT * FANOUT {
+                        let (child, other) = (i / FANOUT, i % FANOUT);
+                        if other > child {
+                            after[child][other / $lanes][other % $lanes] = -1;
+                        }
+                        i += 1;
+                    }
+                    after
+                };
+                for (before, after) in self.0.iter_mut().zip(&AFTER[child % FANOUT]) {
+                    let (was, after) = (<$vector>::new(*before), <$vector>::new(*after));
+                    let is = if IS_MORE { was - after } else { was + after };
+                    *before = is.to_array();
+                }
+            }
+        }
+    };
+}
+
+node!(Bytes, i8, i8x16, 16);
+node!(Low, i16, i16x8, 8);
+node!(High, i32, i32x4, 4);
+
+/// The members of a row of numbers, a bit each, and for each byte those in the bytes before it.
+#[derive(Clone, Copy, Debug)]
+struct Leaf {
+    before: Bytes,
+    bytes: [u8; FANOUT],
+}
+
+impl Leaf {
+    /// Says whether a number of its row is a member; whether that is new.
+    #[inline]
+    fn put<const IS_IN: bool>(&mut self, number: usize) -> bool {
+        let byte = number / 8 % FANOUT;
+        let bit = 1 << (number % 8);
+        let is_new = (self.bytes[byte] & bit != 0) != IS_IN;
+        if is_new {
+            self.bytes[byte] ^= bit;
+            self.before.count::<IS_IN>(byte);
+        }
+        is_new
     }
 }
 
-impl From<RankedSet> for Vec<u64> {
-    fn from(set: RankedSet) -> Vec<u64> {
-        set.words
+/// A set of some of the numbers 0 to n: leaves below a tree of counts, which are as small as they can be.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "Vec<u128>", into = "Vec<u128>")]
+pub(super) struct RankedSet {
+    leaves: Vec<Leaf>,
+    /// From the leaves up.
+    low: Vec<Vec<Low>>,
+    high: Vec<Vec<High>>,
+    len: u32,
+}
+
+impl From<Vec<u128>> for RankedSet {
+    fn from(leaves: Vec<u128>) -> RankedSet {
+        RankedSet::of(&leaves)
+    }
+}
+
+impl From<RankedSet> for Vec<u128> {
+    fn from(set: RankedSet) -> Vec<u128> {
+        let leaves = set.leaves.iter();
+        leaves.map(|leaf| u128::from_le_bytes(leaf.bytes)).collect()
     }
 }
 
 impl RankedSet {
     /// None of `n` numbers.
     pub fn empty(n: usize) -> RankedSet {
-        RankedSet::of(vec![0; n.div_ceil(64)])
+        RankedSet::of(&vec![0; n.div_ceil(LEAF)])
     }
 
     /// All of `n` numbers.
     pub fn full(n: usize) -> RankedSet {
-        let mut words = vec![u64::MAX; n.div_ceil(64)];
-        if let Some(last) = words.last_mut().filter(|_| !n.is_multiple_of(64)) {
-            *last >>= 64 - n % 64;
+        let mut leaves = vec![u128::MAX; n.div_ceil(LEAF)];
+        if let Some(last) = leaves.last_mut().filter(|_| !n.is_multiple_of(LEAF)) {
+            *last >>= LEAF - n % LEAF;
         }
-        RankedSet::of(words)
+        RankedSet::of(&leaves)
     }
 
-    fn of(words: Vec<u64>) -> RankedSet {
-        let mut counts: Vec<i32> = words.iter().map(|word| word.count_ones() as i32).collect();
-        let mut levels = Vec::new();
-        while counts.len() > 1 || levels.is_empty() {
-            let mut sums = Vec::with_capacity(counts.len().div_ceil(FANOUT));
-            let node = |of: &[i32]| {
-                let mut sum = 0;
-                let before: [i32; FANOUT] = std::array::from_fn(|child| {
-                    let before = sum;
-                    sum += of.get(child).unwrap_or(&0);
-                    before
-                });
-                sums.push(sum);
-                std::array::from_fn(|i| std::array::from_fn(|child| before[4 * i + child]))
-            };
-            let nodes: Vec<Node> = counts.chunks(FANOUT).map(node).collect();
-            counts = sums;
-            levels.push(nodes);
+    fn of(leaves: &[u128]) -> RankedSet {
+        let mut counts: Vec<u32> = leaves.iter().map(|leaf| leaf.count_ones()).collect();
+        let leaf = |leaf: &u128| {
+            let bytes = leaf.to_le_bytes();
+            Leaf {
+                before: Bytes::of(&bytes.map(u8::count_ones)),
+                bytes,
+            }
+        };
+        let (mut low, mut high) = (Vec::new(), Vec::new());
+        while counts.len() > 1 {
+            match low.len() {
+                0..LOW => low.push(level(&mut counts)),
+                LOW.. => high.push(level(&mut counts)),
+            }
         }
-        let len = counts.first().map_or(0, |count| *count as u32);
-        RankedSet { words, levels, len }
+        RankedSet {
+            leaves: leaves.iter().map(leaf).collect(),
+            low,
+            high,
+            len: counts.first().copied().unwrap_or(0),
+        }
     }
 
     /// How many members it has.
@@ -78,71 +175,68 @@ impl RankedSet {
 
     #[inline]
     pub fn contains(&self, number: usize) -> bool {
-        self.words[number / 64] & (1 << (number % 64)) != 0
+        self.leaves[number / LEAF].bytes[number / 8 % FANOUT] & (1 << (number % 8)) != 0
     }
 
     #[inline]
     pub fn insert(&mut self, number: usize) {
-        if !self.contains(number) {
+        if self.leaves[number / LEAF].put::<true>(number % LEAF) {
             self.len += 1;
-            self.flip(number, 1);
+            self.count::<true>(number / LEAF);
         }
     }
 
     #[inline]
     pub fn remove(&mut self, number: usize) {
-        if self.contains(number) {
+        if self.leaves[number / LEAF].put::<false>(number % LEAF) {
             self.len -= 1;
-            self.flip(number, -1);
+            self.count::<false>(number / LEAF);
         }
     }
 
-    fn flip(&mut self, number: usize, change: i32) {
-        self.words[number / 64] ^= 1 << (number % 64);
-        let mut at = number / 64;
-        let change = i32x4::splat(change);
-        for level in &mut self.levels {
-            let changed = i32x4::splat((at % FANOUT) as i32);
+    /// Counts one member more in a leaf, or one less.
+    #[inline]
+    fn count<const IS_MORE: bool>(&mut self, leaf: usize) {
+        let mut at = leaf;
+        for level in &mut self.low {
+            level[at / FANOUT].count::<IS_MORE>(at % FANOUT);
             at /= FANOUT;
-            // All sixteen, so that it takes no branch.
-            for (four, numbers) in level[at].iter_mut().zip(NUMBERS) {
-                let is_after = i32x4::new(numbers).simd_gt(changed);
-                *four = (i32x4::new(*four) + (change & is_after)).to_array();
-            }
+        }
+        for level in &mut self.high {
+            level[at / FANOUT].count::<IS_MORE>(at % FANOUT);
+            at /= FANOUT;
         }
     }
 
     /// The member before which there are `rank` others, fewer than all.
     #[inline]
-    pub fn select(&self, rank: u32) -> usize {
-        let (mut at, mut rank) = (0, rank as i32);
-        for level in self.levels.iter().rev() {
-            let node = &level[at];
-            let wanted = i32x4::splat(rank);
-            let is_behind = |i: usize| i32x4::new(node[i]).simd_gt(wanted).to_bitmask();
-            let behind = is_behind(0) | is_behind(1) << 4 | is_behind(2) << 8 | is_behind(3) << 12;
-            // Nothing is before the first.
-            let child = ((behind | 1 << FANOUT).trailing_zeros() as usize - 1) % FANOUT;
-            rank -= node[child / 4][child % 4];
-            at = at * FANOUT + child;
+    pub fn select(&self, mut rank: u32) -> usize {
+        let mut at = 0;
+        for level in self.high.iter().rev() {
+            (at, rank) = below(level, at, rank);
         }
-        64 * at + select_in(self.words[at], rank as u32) as usize
+        for level in self.low.iter().rev() {
+            (at, rank) = below(level, at, rank);
+        }
+        let leaf = &self.leaves[at];
+        let (byte, rank) = leaf.before.find(rank);
+        let place = IN_BYTE[usize::from(leaf.bytes[byte])][rank as usize % 8];
+        LEAF * at + 8 * byte + usize::from(place)
     }
 }
 
-/// The place of the bit before which `rank` others are set, fewer than all that are.
-fn select_in(word: u64, rank: u32) -> u32 {
-    const ONES: u64 = 0x0101_0101_0101_0101;
-    // In each byte, its own bits; then also those of the bytes before it.
-    let pairs = word - ((word >> 1) & (0x55 * ONES));
-    let fours = (pairs & (0x33 * ONES)) + ((pairs >> 2) & (0x33 * ONES));
-    let upto = ((fours + (fours >> 4)) & (0x0f * ONES)).wrapping_mul(ONES);
-    // Bytes after which there still are not more than `rank`: their top bits stay set.
-    let not_yet = ((u64::from(rank) * ONES) | (0x80 * ONES)) - upto;
-    let shift = ((not_yet >> 7) & ONES).wrapping_mul(ONES) >> 56 << 3;
-    let before = (upto << 8) >> shift & 0xff;
-    let byte = usize::from((word >> shift) as u8);
-    shift as u32 + u32::from(IN_BYTE[byte][(u64::from(rank) - before) as usize % 8])
+/// The nodes above those with these counts, whose counts are theirs then.
+fn level<N: Node>(counts: &mut Vec<u32>) -> Vec<N> {
+    let nodes = counts.chunks(FANOUT).map(N::of).collect();
+    *counts = (counts.chunks(FANOUT)).map(|of| of.iter().sum()).collect();
+    nodes
+}
+
+/// One level down, to where the member of a rank is: the place there, and the rank in it.
+#[inline]
+fn below<N: Node>(level: &[N], at: usize, rank: u32) -> (usize, u32) {
+    let (child, rank) = level[at].find(rank);
+    (FANOUT * at + child, rank)
 }
 
 /// Of each byte, the places of its set bits.
@@ -172,14 +266,6 @@ mod tests {
     use super::*;
 
     proptest! {
-        #[test]
-        fn a_word_knows_its_bits(word in prop_oneof![any::<u64>(), Just(u64::MAX), Just(1 << 63)]) {
-            let bits = (0..64).filter(|bit| word & (1 << bit) != 0);
-            for (rank, bit) in (0..).zip(bits) {
-                prop_assert_eq!(select_in(word, rank), bit);
-            }
-        }
-
         #[test]
         fn the_set_is_that_of_the_library(
             n in 1usize..40_000,

@@ -33,7 +33,7 @@ pub struct RateWorld<'r> {
     waits: Waits<'r>,
     /// Slots of faces whose waits have to be said anew, while these are gathered.
     changed: Vec<Slot>,
-    draws: DrawsAhead<1>,
+    draws: DrawsAhead,
     /// Draws so far.
     drawn: u64,
 }

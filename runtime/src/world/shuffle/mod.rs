@@ -23,7 +23,7 @@ use groups::DisjointSets;
 #[derive(Clone, Debug)]
 pub struct ShuffleWorld {
     tick: u64,
-    draws: DrawsAhead<3>,
+    draws: DrawsAhead,
     /// Chance per tick that a block docks on a face that is off.
     strays: f64,
     /// `None`: free blocks do not bond.
@@ -95,6 +95,7 @@ impl ShuffleWorld {
 
 impl ShuffleWorld {
     /// Puts a block that docks on a face into its cell, which is empty.
+    #[inline]
     fn dock(&mut self, seat: usize, face: Face, cell: Cell, docking: &Docking) {
         let tell = |change| note(&mut self.open, change);
         self.lattice.dock(seat, face, cell, docking, tell);
@@ -129,6 +130,7 @@ impl ShuffleWorld {
     }
 
     /// By chance, two blocks bond, and with them their groups.
+    #[inline]
     fn gather(&mut self) {
         let Some(groups) = &mut self.groups else {
             return;
@@ -141,10 +143,14 @@ impl ShuffleWorld {
     }
 
     /// By chance, a block docks where nobody expects it.
+    #[inline]
     fn stray(&mut self, dockings: &mut Vec<Docking>) {
-        if self.strays <= 0.0 {
-            return;
+        if self.strays > 0.0 {
+            self.draw_stray(dockings);
         }
+    }
+
+    fn draw_stray(&mut self, dockings: &mut Vec<Docking>) {
         let [whether, which, who, how] = self.draws.block(self.tick, 1);
         if unit(whether) >= self.strays {
             return;
@@ -162,6 +168,7 @@ impl ShuffleWorld {
     }
 
     /// Docks a free block on a face to which it can come (there is room), both it and the way it is turned drawn by these words.
+    #[inline]
     fn dock_one(
         &mut self,
         seat: usize,
