@@ -326,7 +326,7 @@ pub struct AdaptiveGap {
     pub planned: f64,
     /// Of the best program that was found.
     pub program: f64,
-    /// Less than of any program, by [`ExactTimes::best_fixed`]; `None`: there are too many trees of captures to say.
+    /// Less than of any program; `None`: there are too many trees of captures to say.
     pub fixed: Option<f64>,
     /// Of the best policy that sees every docking.
     pub policy: f64,
