@@ -21,7 +21,7 @@ use crate::scaffold::{SitePart, SiteRoles};
 use crate::sites::{NONE, Sites};
 use crate::waits::{Moment, RateLaw, Stand};
 pub use adaptive::{ExactTimes, MOST_ADAPTIVE};
-pub use exact::{Branching, MOST_SITES, settled, value};
+pub use exact::{Branching, MOST_SITES, estimated, value};
 use phase::SchedulePhase;
 pub use programs::FixedProgram;
 

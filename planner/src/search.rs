@@ -10,7 +10,7 @@ use crate::free_space::FreeSpace;
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::schedule::{
     Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Schedule, SchedulingJob, WAIT,
-    settled, value,
+    estimated, value,
 };
 use crate::sites::Sites;
 use crate::waiting::Waiting;
@@ -373,8 +373,7 @@ fn branch_and_bound(
 ) -> Result<ScheduleGap, Refusal> {
     let value = |samples: &Samples, found: &FoundSchedule| {
         let job = SchedulingJob::new(sites, &found.apart, &found.corridors, hardware, waits);
-        let schedule = settled(&job, found.schedule.clone());
-        value(&job, samples, &schedule, search.objective)
+        value(&job, samples, &found.schedule, search.objective)
     };
     let samples = Samples::new(sites.len(), SMALL_RUNS, search.seed);
     let mut best = found.clone();
@@ -461,18 +460,6 @@ pub fn improved(
         }
     }
     (keys, schedule, rounds)
-}
-
-/// How long the program of a schedule takes.
-fn estimated(
-    job: &SchedulingJob<'_>,
-    samples: &Samples,
-    schedule: &Schedule,
-    waiting: &Waiting,
-) -> PlanEstimate {
-    let mut schedule = schedule.clone();
-    schedule.set_means(job.sites, job.hardware, job.waits, waiting);
-    samples.estimate(&schedule, waiting, &mut Vec::new())
 }
 
 /// Keys of which a few are different: mostly of sites that decide when a run ends.

@@ -10,7 +10,7 @@ use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
 use crate::free_space::FreeSpace;
 use crate::makespan::{CellSamples, PlanEstimate, Samples};
-use crate::schedule::{Schedule, SchedulingJob, settled};
+use crate::schedule::{Schedule, SchedulingJob, estimated};
 use crate::search::{FoundSchedule, JAMS, PlanSearch, improved};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
@@ -137,8 +137,7 @@ impl Study<'_> {
         apart: &Disassembly,
     ) -> (PlanEstimate, f64) {
         let waiting = Waiting::of(job, schedule);
-        let settled = settled(job, schedule.clone());
-        let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
+        let estimate = estimated(job, samples, schedule, &waiting);
         let jams = JAMS * apart.tight() as f64;
         (estimate, estimate.of(self.how.objective) + jams)
     }

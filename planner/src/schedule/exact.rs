@@ -9,7 +9,7 @@ use stochc_grammar::Cancellation;
 use stochc_ir::Face;
 
 use super::{Schedule, ScheduleState, SchedulingJob, SiteState};
-use crate::makespan::{Objective, Samples};
+use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::sites::NONE;
 use crate::waiting::Waiting;
 use crate::waits::{Moment, Stand};
@@ -84,10 +84,10 @@ impl<'a> Branching<'a> {
     /// open now, those before `from` have been decided.
     fn branch(&mut self, state: &ScheduleState<'_>, now: f32, times: &[f32], from: usize) {
         if state.schedule.order.len() == state.state.len() {
-            let schedule = settled(self.job, state.schedule.clone());
-            let value = value(self.job, self.samples, &schedule, self.objective);
+            let schedule = &state.schedule;
+            let value = value(self.job, self.samples, schedule, self.objective);
             if value < self.value {
-                (self.value, self.best) = (value, Some(schedule));
+                (self.value, self.best) = (value, Some(schedule.clone()));
             }
             return;
         }
@@ -158,15 +158,7 @@ impl<'a> Branching<'a> {
     }
 }
 
-/// A schedule with the mean waits that the estimate of its program has: in the structure as it stands when the turn of each capture comes
-/// and all take equally long. Those that list scheduling counts with depend on the order in which faces open at the same time.
-pub fn settled(job: &SchedulingJob<'_>, mut schedule: Schedule) -> Schedule {
-    let waiting = Waiting::of(job, &schedule);
-    schedule.set_means(job.sites, job.hardware, job.waits, &waiting);
-    schedule
-}
-
-/// What matters of the time that a schedule takes.
+/// What matters of the time that the program of a schedule takes.
 pub fn value(
     job: &SchedulingJob<'_>,
     samples: &Samples,
@@ -174,8 +166,21 @@ pub fn value(
     objective: Objective,
 ) -> f64 {
     let waiting = Waiting::of(job, schedule);
-    let estimate = samples.estimate(schedule, &waiting, &mut Vec::new());
-    estimate.of(objective)
+    estimated(job, samples, schedule, &waiting).of(objective)
+}
+
+/// How long the program of a schedule takes, by the mean waits that the estimate of that program has: in the structure as it stands when the turn of
+/// each capture comes and all take equally long. Those that a schedule is made with depend on the order in which faces open at the same time.
+pub fn estimated(
+    job: &SchedulingJob<'_>,
+    samples: &Samples,
+    schedule: &Schedule,
+    waiting: &Waiting,
+) -> PlanEstimate {
+    // What waits for what is decided before: other means would be those of another program.
+    let mut settled = schedule.clone();
+    settled.set_means(job.sites, job.hardware, job.waits, waiting);
+    samples.estimate(&settled, waiting, &mut Vec::new())
 }
 
 /// The faces that may open now: a number by which they are ordered, the way, and the mean wait.
@@ -307,7 +312,7 @@ mod tests {
             let all = Branching { prunes: false, ..of() }.search(f64::INFINITY, u64::MAX);
             prop_assert!(best.left >= all.left && all.left > 0);
             prop_assert_eq!(best.value, all.value);
-            let of = |schedule| value(&job, &samples, &settled(&job, schedule), Objective::Mean);
+            let of = |schedule| value(&job, &samples, &schedule, Objective::Mean);
             prop_assert!((of(best.better.unwrap()) - best.value).abs() < 0.01);
             let listed = job.schedule(&keys, Cancellation::NEVER).unwrap();
             prop_assert!(best.value <= of(listed) + 0.01);
