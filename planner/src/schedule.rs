@@ -5,7 +5,9 @@
 mod adaptive;
 mod exact;
 mod phase;
+mod priorities;
 mod programs;
+mod serial;
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -23,6 +25,7 @@ use crate::waits::{Moment, RateLaw, Stand};
 pub use adaptive::{ExactTimes, MOST_ADAPTIVE};
 pub use exact::{Branching, MOST_SITES, estimated, value};
 use phase::SchedulePhase;
+pub use priorities::Priorities;
 pub use programs::FixedProgram;
 
 /// Ticks of a wait of which nothing is known yet.
@@ -153,16 +156,30 @@ impl<'a> SchedulingJob<'a> {
         self.sites.next(site, way.opposite())
     }
 
-    /// A schedule in which cells with a high key open early.
+    /// What ways into a site are compared by: a wait, and whether it goes on straight \[ticks\].
+    fn price(&self, schedule: &Schedule, site: u32, way: Face, wait: f32) -> f32 {
+        let parent = self.parent(site, way);
+        let is_straight = parent == NONE || schedule.way[parent as usize] == way;
+        if is_straight { 0.98 * wait } else { wait }
+    }
+
+    /// A schedule in which urgent cells open early.
     ///
     /// # Errors
     /// [`Cancelled`] if nobody waits for it.
     pub fn schedule(
         &self,
-        keys: &[f32],
+        priorities: &Priorities,
         cancellation: Cancellation<'_>,
     ) -> Result<Schedule, Cancelled> {
-        let schedule = self.within(keys, f32::INFINITY, cancellation)?;
+        let serial = match priorities.is_serial && self.has_serial() {
+            true => self.serial(priorities, cancellation)?,
+            false => None,
+        };
+        let schedule = match serial {
+            Some(schedule) => Some(schedule),
+            None => self.within(priorities, f32::INFINITY, cancellation)?,
+        };
         Ok(schedule.expect("an order that builds it all is known"))
     }
 
@@ -172,12 +189,12 @@ impl<'a> SchedulingJob<'a> {
     /// [`Cancelled`] if nobody waits for it.
     pub fn any(
         &self,
-        keys: &[f32],
+        priorities: &Priorities,
         cancellation: Cancellation<'_>,
     ) -> Result<Option<Schedule>, Cancelled> {
         match self.roles {
-            Some(roles) => self.scaffolded(roles, keys, cancellation),
-            None => self.schedule(keys, cancellation).map(Some),
+            Some(roles) => self.scaffolded(roles, priorities, cancellation),
+            None => self.schedule(priorities, cancellation).map(Some),
         }
     }
 
@@ -186,27 +203,27 @@ impl<'a> SchedulingJob<'a> {
     fn scaffolded(
         &self,
         roles: &SiteRoles,
-        keys: &[f32],
+        priorities: &Priorities,
         cancellation: Cancellation<'_>,
     ) -> Result<Option<Schedule>, Cancelled> {
-        let Some(first) = self.within(keys, f32::INFINITY, cancellation)? else {
+        let Some(first) = self.within(priorities, f32::INFINITY, cancellation)? else {
             return Ok(None);
         };
         let needed = (0..self.sites.len() as u32).filter(|&site| roles.part(site) != SitePart::Own);
         let ends = needed.map(|site| first.end[site as usize]);
         let last = ends.fold(0.0, f32::max);
-        Ok(self.within(keys, last, cancellation)?.or(Some(first)))
+        Ok(self.within(priorities, last, cancellation)?.or(Some(first)))
     }
 
     /// A schedule in which nothing opens that is not needed, half of whose wait would be over too late for the first phase.
     fn within(
         &self,
-        keys: &[f32],
+        priorities: &Priorities,
         limit: f32,
         cancellation: Cancellation<'_>,
     ) -> Result<Option<Schedule>, Cancelled> {
         let count = self.sites.len();
-        let mut state = self.begin(keys);
+        let mut state = self.begin(priorities);
         state.phase = self.roles.map(|roles| SchedulePhase::first(roles, limit));
         for site in 0..count as u32 {
             state.consider(site);
@@ -225,7 +242,7 @@ impl<'a> SchedulingJob<'a> {
     }
 
     /// Nothing has been opened yet: there is what stands before.
-    fn begin<'b>(&'b self, keys: &'b [f32]) -> ScheduleState<'b> {
+    fn begin<'b>(&'b self, priorities: &'b Priorities) -> ScheduleState<'b> {
         let count = self.sites.len();
         let mut missing = vec![0u32; count];
         for waiting in &self.corridors.waiting {
@@ -243,7 +260,7 @@ impl<'a> SchedulingJob<'a> {
         }
         ScheduleState {
             job: self,
-            keys,
+            priorities,
             missing,
             anchored: schedule.order.len() as u32,
             state,
@@ -269,7 +286,7 @@ enum SiteState {
 #[derive(Clone)]
 struct ScheduleState<'a> {
     job: &'a SchedulingJob<'a>,
-    keys: &'a [f32],
+    priorities: &'a Priorities,
     /// Of each site, those it still has to wait for.
     missing: Vec<u32>,
     state: Vec<SiteState>,
@@ -302,7 +319,7 @@ impl ScheduleState<'_> {
             });
         if is_held {
             self.is_ready[here] = true;
-            let urgency = self.job.tail[here] * (0.5 + self.keys[here]);
+            let urgency = self.priorities.urgency(site, self.job.tail[here]);
             self.ready.push((urgency.to_bits(), Reverse(site)));
         }
     }
@@ -325,18 +342,14 @@ impl ScheduleState<'_> {
         (self.state[here] == SiteState::Open).then(|| self.schedule.way[here])
     }
 
-    /// The way with the shortest wait from a parent that has a face to spare; the straight one of two equal ones.
+    /// The way with the shortest wait from a parent that has a face to spare, or another one if priorities say so; the straight one of two
+    /// equal ones.
     fn best_way(&self, site: u32, now: f32) -> Option<(Face, f32)> {
-        let mut best: Option<(Face, f32, f32)> = None;
-        for (way, mean) in self.ways(site, now) {
-            let parent = self.job.parent(site, way);
-            let is_straight = parent == NONE || self.schedule.way[parent as usize] == way;
-            let price = if is_straight { 0.98 * mean } else { mean };
-            if best.is_none_or(|(_, _, least)| price < least) {
-                best = Some((way, mean, price));
-            }
-        }
-        best.map(|(way, mean, _)| (way, mean))
+        let ways = self.ways(site, now).map(|(way, mean)| {
+            let price = self.job.price(&self.schedule, site, way, mean);
+            ((way, mean), price)
+        });
+        self.priorities.chosen(site, ways)
     }
 
     /// The ways from parents that have a face to spare, each with its mean wait \[ticks\].

@@ -9,8 +9,8 @@ use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::schedule::{
-    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Schedule, SchedulingJob, WAIT,
-    estimated, value,
+    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Priorities, Schedule,
+    SchedulingJob, WAIT, estimated, value,
 };
 use crate::sites::Sites;
 use crate::waiting::Waiting;
@@ -77,10 +77,19 @@ struct ScheduleCandidate {
     has_gaps: bool,
     apart: Disassembly,
     corridors: Corridors,
-    keys: Vec<f32>,
-    schedule: Schedule,
+    scheduled: PrioritizedSchedule,
     value: f64,
-    estimate: PlanEstimate,
+}
+
+/// A schedule, what it was made by, and how long its program takes.
+#[derive(Clone)]
+pub struct PrioritizedSchedule {
+    /// What it was made by.
+    pub priorities: Priorities,
+    /// The schedule.
+    pub schedule: Schedule,
+    /// How long its program takes.
+    pub estimate: PlanEstimate,
 }
 
 /// Runs by which schedules are compared: fewer for what is large.
@@ -102,6 +111,9 @@ const URGENCIES: u64 = 150;
 
 /// Schedules that are tried with the ways in that look worse, at most.
 const MOST_FIRST: u64 = 1500;
+
+/// The part by which a schedule may take longer than the best and is gone on from, at first.
+const TOLERANCE: f64 = 0.02;
 
 /// Runs by which schedules of small targets are compared.
 const SMALL_RUNS: usize = 128;
@@ -149,8 +161,11 @@ fn listed(
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
     let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
+    let valued = |scheduled: &PrioritizedSchedule, apart: &Disassembly| {
+        scheduled.estimate.of(search.objective) + JAMS * apart.tight() as f64
+    };
     let candidate = |order: Vec<f32>,
-                     keys: Vec<f32>,
+                     priorities: Priorities,
                      has_gaps: bool,
                      wanted: Cancellation<'_>|
      -> Result<ScheduleCandidate, Refusal> {
@@ -158,26 +173,28 @@ fn listed(
         let apart = disassemble(sites, [wide.with_gaps(has_gaps), narrow], &order, wanted)?;
         let corridors = Corridors::of(sites, &apart, wanted)?;
         let job = SchedulingJob::new(sites, &apart, &corridors, hardware, waits);
-        let schedule = job.schedule(&keys, wanted)?;
+        let schedule = job.schedule(&priorities, wanted)?;
         let waiting = Waiting::of(&job, &schedule);
-        let estimate = estimated(&job, &samples, &schedule, &waiting);
+        let scheduled = PrioritizedSchedule {
+            estimate: estimated(&job, &samples, &schedule, &waiting),
+            priorities,
+            schedule,
+        };
         Ok(ScheduleCandidate {
-            value: estimate.of(search.objective) + JAMS * apart.tight() as f64,
+            value: valued(&scheduled, &apart),
             order,
             has_gaps,
             apart,
             corridors,
-            keys,
-            schedule,
-            estimate,
+            scheduled,
         })
     };
-    let keys = vec![0.5; sites.len()];
-    let mut order = keys.clone();
+    let even = Priorities::even(sites.len());
+    let mut order = vec![0.5; sites.len()];
     let mut rounds = 1;
     let first = candidate(
         order.clone(),
-        keys.clone(),
+        even.clone(),
         takes_gaps(waits, 1),
         search.cancellation,
     )?;
@@ -191,9 +208,9 @@ fn listed(
             order.fill_with(|| rng.random());
         }
         rounds += 1;
-        (search.tried)(rounds, best[0].estimate.of(search.objective));
+        (search.tried)(rounds, best[0].scheduled.estimate.of(search.objective));
         let has_gaps = takes_gaps(waits, rounds);
-        match candidate(order.clone(), keys.clone(), has_gaps, search.enough) {
+        match candidate(order.clone(), even.clone(), has_gaps, search.enough) {
             Ok(other) if best.len() == kind => best.push(other),
             Ok(other) if other.value < best[kind].value => best[kind] = other,
             Ok(_) => {}
@@ -206,21 +223,15 @@ fn listed(
     let share = (left / (best.len() as u64 + 1)).min(MOST_FIRST);
     let reschedule = |best: ScheduleCandidate, rounds: &mut u64, most: u64, rng: &mut _| {
         let job = SchedulingJob::new(sites, &best.apart, &best.corridors, hardware, waits);
-        let start = (best.keys, best.schedule, best.estimate);
         let search = PlanSearch {
             rounds: most.min(search.rounds),
             ..search
         };
-        let (keys, schedule, made) = improved(&job, &samples, start, *rounds, search, rng);
+        let (scheduled, made) = improved(&job, &samples, best.scheduled, *rounds, search, rng);
         *rounds = made;
-        let waiting = Waiting::of(&job, &schedule);
-        let estimate = estimated(&job, &samples, &schedule, &waiting);
-        drop(job);
         ScheduleCandidate {
-            value: estimate.of(search.objective) + JAMS * best.apart.tight() as f64,
-            keys,
-            schedule,
-            estimate,
+            value: valued(&scheduled, &best.apart),
+            scheduled,
             ..best
         }
     };
@@ -239,9 +250,10 @@ fn listed(
         let most = search.rounds.min(rounds + WAYS / sites.len() as u64);
         while rounds < most && !search.enough.is_cancelled() {
             rounds += 1;
-            (search.tried)(rounds, found.estimate.of(search.objective));
+            (search.tried)(rounds, found.scheduled.estimate.of(search.objective));
             let order = rearranged(&found, &mut rng);
-            match candidate(order, found.keys.clone(), found.has_gaps, search.enough) {
+            let priorities = found.scheduled.priorities.clone();
+            match candidate(order, priorities, found.has_gaps, search.enough) {
                 Ok(other) if other.value <= found.value => found = other,
                 Ok(_) => {}
                 Err(_) => break,
@@ -253,7 +265,7 @@ fn listed(
     Ok(FoundSchedule {
         apart: found.apart,
         corridors: found.corridors,
-        schedule: found.schedule,
+        schedule: found.scheduled.schedule,
         rounds,
         is_best: false,
     })
@@ -268,7 +280,7 @@ fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
     let mut order = of.order.clone();
     if rng.random_range(0..4) == 0 {
         for (key, (end, level)) in
-            (order.iter_mut()).zip(of.schedule.end.iter().zip(&of.apart.level))
+            (order.iter_mut()).zip(of.scheduled.schedule.end.iter().zip(&of.apart.level))
         {
             let place = end / WAIT + CHANCE * rng.random::<f32>();
             *key = 0.5 * (place - *level as f32);
@@ -427,52 +439,50 @@ fn branch_and_bound(
     })
 }
 
-/// The best schedule of a job that is found by changing keys, and the rounds that were made by then.
+/// The best schedule of a job that is found by changing priorities, and the rounds that were made by then. What is a bit longer than the best is
+/// gone on from as well at first, and less and less so (G. Dueck and T. Scheuer, *Threshold accepting*, Journal of Computational Physics 90,
+/// 1990).
 pub fn improved(
     job: &SchedulingJob<'_>,
     samples: &Samples,
-    (mut keys, mut schedule, estimate): (Vec<f32>, Schedule, PlanEstimate),
+    mut best: PrioritizedSchedule,
     mut rounds: u64,
     search: PlanSearch<'_>,
     rng: &mut ChaCha8Rng,
-) -> (Vec<f32>, Schedule, u64) {
-    let mut value = estimate.of(search.objective);
-    let mut critical = samples.criticality(&schedule, &Waiting::of(job, &schedule));
+) -> (PrioritizedSchedule, u64) {
+    let value = |of: &PrioritizedSchedule| of.estimate.of(search.objective);
+    let waiting = Waiting::of(job, &best.schedule);
+    let mut critical = samples.criticality(&best.schedule, &waiting);
+    let mut current = best.clone();
+    let from = rounds;
     while rounds < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
-        (search.tried)(rounds, value);
-        let changed = changed(&keys, &critical, rng);
-        let other = match job.any(&changed, search.enough) {
-            Ok(Some(other)) => other,
+        (search.tried)(rounds, value(&best));
+        let may_be_serial = job.has_serial();
+        let priorities = current.priorities.changed(&critical, may_be_serial, rng);
+        let schedule = match job.any(&priorities, search.enough) {
+            Ok(Some(schedule)) => schedule,
             Ok(None) => continue,
             Err(_) => break,
         };
-        let waiting = Waiting::of(job, &other);
-        let estimate = estimated(job, samples, &other, &waiting);
+        let waiting = Waiting::of(job, &schedule);
+        let other = PrioritizedSchedule {
+            estimate: estimated(job, samples, &schedule, &waiting),
+            priorities,
+            schedule,
+        };
+        let left = (search.rounds - rounds) as f64 / (search.rounds - from) as f64;
+        let most = value(&best) * (1.0 + TOLERANCE * left);
         // Equally good ones as well, to get across plateaus.
-        if estimate.of(search.objective) <= value {
-            if estimate.of(search.objective) < value {
-                critical = samples.criticality(&other, &waiting);
+        if value(&other) <= most.max(value(&current)) {
+            if value(&other) != value(&current) {
+                critical = samples.criticality(&other.schedule, &waiting);
             }
-            value = estimate.of(search.objective);
-            keys = changed;
-            schedule = other;
+            if value(&other) <= value(&best) {
+                best = other.clone();
+            }
+            current = other;
         }
     }
-    (keys, schedule, rounds)
-}
-
-/// Keys of which a few are different: mostly of sites that decide when a run ends.
-fn changed(keys: &[f32], critical: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
-    const MOST: usize = 4;
-    let mut keys = keys.to_vec();
-    let sites = keys.len();
-    for _ in 0..rng.random_range(1..=MOST) {
-        // Of three at random, the most critical.
-        let mut sites = (0..3).map(|_| rng.random_range(0..sites));
-        let first = sites.next().expect("three are drawn");
-        let site = sites.fold(first, |a, b| if critical[b] > critical[a] { b } else { a });
-        keys[site] = rng.random();
-    }
-    keys
+    (best, rounds)
 }

@@ -10,8 +10,8 @@ use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
 use crate::free_space::FreeSpace;
 use crate::makespan::{CellSamples, PlanEstimate, Samples};
-use crate::schedule::{Schedule, SchedulingJob, estimated};
-use crate::search::{FoundSchedule, JAMS, PlanSearch, improved};
+use crate::schedule::{Priorities, Schedule, SchedulingJob, estimated};
+use crate::search::{FoundSchedule, JAMS, PlanSearch, PrioritizedSchedule, improved};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
@@ -102,7 +102,8 @@ pub fn scaffolded(
     let grown = Grown::of(sites, &without.schedule, &Scaffolding::default());
     let samples = study.samples.of(sites);
     let job = SchedulingJob::new(sites, &without.apart, &without.corridors, hardware, waits);
-    let (_, value) = study.valued(&job, &samples, &without.schedule, &without.apart);
+    let estimate = study.estimated(&job, &samples, &without.schedule);
+    let value = study.value(&estimate, &without.apart);
     let mut best: Option<(f64, Scaffolded)> = None;
     for seed in (0..).map(|number| how.seed.wrapping_add(number)) {
         study.before += study.all;
@@ -128,18 +129,19 @@ pub fn scaffolded(
 }
 
 impl Study<'_> {
-    /// How long the program of a schedule takes, and that with its narrow ways, which is compared.
-    fn valued(
+    /// How long the program of a schedule takes.
+    fn estimated(
         &self,
         job: &SchedulingJob<'_>,
         samples: &Samples,
         schedule: &Schedule,
-        apart: &Disassembly,
-    ) -> (PlanEstimate, f64) {
-        let waiting = Waiting::of(job, schedule);
-        let estimate = estimated(job, samples, schedule, &waiting);
-        let jams = JAMS * apart.tight() as f64;
-        (estimate, estimate.of(self.how.objective) + jams)
+    ) -> PlanEstimate {
+        estimated(job, samples, schedule, &Waiting::of(job, schedule))
+    }
+
+    /// That with its narrow ways, which is compared.
+    fn value(&self, estimate: &PlanEstimate, apart: &Disassembly) -> f64 {
+        estimate.of(self.how.objective) + JAMS * apart.tight() as f64
     }
 
     /// The part of its tries that is left.
@@ -266,12 +268,12 @@ impl Study<'_> {
         let corridors = Corridors::of(&sites, &apart, how.enough).ok()?;
         let job = SchedulingJob::new(&sites, &apart, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
-        let keys = vec![0.5; sites.len()];
-        let schedule = job.any(&keys, how.enough).ok()??;
+        let even = Priorities::even(sites.len());
+        let schedule = job.any(&even, how.enough).ok()??;
         let samples = self.samples.of(&sites);
-        let (estimate, value) = self.valued(&job, &samples, &schedule, &apart);
+        let estimate = self.estimated(&job, &samples, &schedule);
         Some(ScaffoldCandidate {
-            value,
+            value: self.value(&estimate, &apart),
             scaffolding,
             apart,
             corridors,
@@ -298,20 +300,24 @@ impl Study<'_> {
         let job = job.with_roles(&roles);
         let samples = self.samples.of(&sites);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let start = (vec![0.5; sites.len()], schedule, estimate);
+        let start = PrioritizedSchedule {
+            priorities: Priorities::even(sites.len()),
+            schedule,
+            estimate,
+        };
         let how = PlanSearch {
             rounds: self.before + self.all,
             ..self.how
         };
         let tried = how.rounds - self.tries;
-        let (_, schedule, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
-        let (_, value) = self.valued(&job, &samples, &schedule, &apart);
+        let (found, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
+        let value = self.value(&found.estimate, &apart);
         let scaffolded = Scaffolded {
             found: FoundSchedule {
                 rounds,
                 apart,
                 corridors,
-                schedule,
+                schedule: found.schedule,
                 is_best: false,
             },
             union,

@@ -8,7 +8,7 @@ use std::cmp::Reverse;
 use stochc_grammar::Cancellation;
 use stochc_ir::Face;
 
-use super::{Schedule, ScheduleState, SchedulingJob, SiteState};
+use super::{Priorities, Schedule, ScheduleState, SchedulingJob, SiteState};
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::sites::NONE;
 use crate::waiting::Waiting;
@@ -70,8 +70,8 @@ impl<'a> Branching<'a> {
         (self.value, self.left) = (value, left);
         let job = self.job;
         // They decide nothing here.
-        let keys = vec![0.5; job.sites.len()];
-        let state = job.begin(&keys);
+        let priorities = Priorities::even(job.sites.len());
+        let state = job.begin(&priorities);
         self.branch(&state, 0.0, &[], 0);
         Searched {
             better: self.best,
@@ -314,7 +314,8 @@ mod tests {
             prop_assert_eq!(best.value, all.value);
             let of = |schedule| value(&job, &samples, &schedule, Objective::Mean);
             prop_assert!((of(best.better.unwrap()) - best.value).abs() < 0.01);
-            let listed = job.schedule(&keys, Cancellation::NEVER).unwrap();
+            let even = Priorities::even(sites.len());
+            let listed = job.schedule(&even, Cancellation::NEVER).unwrap();
             prop_assert!(best.value <= of(listed) + 0.01);
         }
     }

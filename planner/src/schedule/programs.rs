@@ -169,7 +169,8 @@ mod tests {
         };
         let law = RateLaw::new(None);
         let job = SchedulingJob::new(&sites, &apart, &corridors, hardware, &law);
-        let schedule = job.schedule(&keys, Cancellation::NEVER).unwrap();
+        let even = Priorities::even(sites.len());
+        let schedule = job.schedule(&even, Cancellation::NEVER).unwrap();
         find(&mut ExactTimes::new(&job, keeps_ways), &schedule)
     }
 

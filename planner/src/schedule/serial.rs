@@ -1,0 +1,198 @@
+//! Serial schedule generation: sites are placed one after the other, the most urgent first, each as early as those before it allow
+//! (R. Kolisch, *Serial and parallel resource-constrained project scheduling methods revisited*, European Journal of Operational Research
+//! 90, 1996). Where list scheduling opens what may open now, a face here stays closed for one that is more urgent and comes later.
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use stochc_grammar::{Cancellation, Cancelled};
+use stochc_ir::{Cell, Face};
+
+use super::{Priorities, Schedule, SchedulingJob};
+use crate::crowding::Crowding;
+use crate::sites::NONE;
+use crate::waits::{Moment, Stand};
+
+/// Sites for which it is worth it, at most.
+const MOST_SITES: usize = 400;
+
+struct SerialState<'a> {
+    job: &'a SchedulingJob<'a>,
+    crowding: Crowding<'a>,
+    /// Of each site, those before it that have not been placed.
+    missing: Vec<u32>,
+    /// When the last of those before it comes \[ticks\].
+    after: Vec<f32>,
+    /// When each site opens \[ticks\].
+    start: Vec<f32>,
+    schedule: Schedule,
+}
+
+impl SchedulingJob<'_> {
+    /// Whether [`SchedulingJob::serial`] makes schedules of this.
+    pub fn has_serial(&self) -> bool {
+        self.roles.is_none() && self.hardware.faces == 1 && self.sites.len() <= MOST_SITES
+    }
+
+    /// A schedule in which urgent sites are placed early; `None`: not all can be.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if nobody waits for it.
+    pub(super) fn serial(
+        &self,
+        priorities: &Priorities,
+        cancellation: Cancellation<'_>,
+    ) -> Result<Option<Schedule>, Cancelled> {
+        let count = self.sites.len();
+        let mut missing = vec![0u32; count];
+        for &site in self.corridors.waiting.iter().flatten() {
+            missing[site as usize] += 1;
+        }
+        let mut state = SerialState {
+            job: self,
+            crowding: self.crowding(),
+            missing,
+            after: vec![0.0; count],
+            start: vec![0.0; count],
+            schedule: Schedule::empty(count),
+        };
+        let mut ready: BinaryHeap<(u32, Reverse<u32>)> = BinaryHeap::new();
+        let mut is_ready = vec![false; count];
+        let consider = |state: &SerialState<'_>,
+                        site: u32,
+                        ready: &mut BinaryHeap<(u32, Reverse<u32>)>,
+                        is_ready: &mut [bool]| {
+            let here = site as usize;
+            if !is_ready[here] && state.may_be_placed(site) {
+                is_ready[here] = true;
+                let urgency = priorities.urgency(site, self.tail[here]);
+                ready.push((urgency.to_bits(), Reverse(site)));
+            }
+        };
+        for (site, way) in self.sites.standing() {
+            is_ready[site as usize] = true;
+            state.place(site, way, 0.0, 0.0);
+        }
+        for site in 0..count as u32 {
+            consider(&state, site, &mut ready, &mut is_ready);
+        }
+        while let Some((_, Reverse(site))) = ready.pop() {
+            cancellation.check()?;
+            let (way, start, mean) = state.earliest(site, priorities);
+            state.place(site, way, start, mean);
+            let after = self.corridors.waiting[site as usize].iter().copied();
+            for next in after.chain(self.sites.adjacent(site)) {
+                consider(&state, next, &mut ready, &mut is_ready);
+            }
+        }
+        Ok((state.schedule.order.len() == count).then(|| state.sorted()))
+    }
+}
+
+impl SerialState<'_> {
+    /// The ways into a site from what has been placed.
+    fn ways(&self, site: u32) -> impl Iterator<Item = Face> {
+        let job = self.job;
+        let along = job.corridors.along[site as usize];
+        Face::ALL.into_iter().filter(move |&way| {
+            if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
+                return false;
+            }
+            match job.parent(site, way) {
+                NONE => way == Face::Up && job.sites.is_on_seed(site),
+                parent => {
+                    self.schedule.rank[parent as usize] != NONE && !job.sites.is_inert(parent)
+                }
+            }
+        })
+    }
+
+    fn may_be_placed(&self, site: u32) -> bool {
+        let here = site as usize;
+        self.schedule.rank[here] == NONE
+            && self.missing[here] == 0
+            && self.ways(site).next().is_some()
+    }
+
+    /// The way by which the block of a site comes first, or another one if priorities say so; when its face opens, and how long it waits.
+    fn earliest(&self, site: u32, priorities: &Priorities) -> (Face, f32, f32) {
+        let ways = self.ways(site).map(|way| {
+            let start = self.start(site, way);
+            let mean = self.mean(site, way, start);
+            let price = start + self.job.price(&self.schedule, site, way, mean);
+            ((way, start, mean), price)
+        });
+        let chosen = priorities.chosen(site, ways);
+        chosen.expect("it has a way")
+    }
+
+    /// When a face may open.
+    fn start(&self, site: u32, way: Face) -> f32 {
+        let (job, schedule) = (self.job, &self.schedule);
+        let end = |site: u32| schedule.end[site as usize];
+        let mut start = self.after[site as usize];
+        let parent = job.parent(site, way);
+        if parent != NONE {
+            start = start.max(end(parent));
+            if !job.hardware.attracts_always {
+                let siblings = job.sites.adjacent(parent).filter(|&other| {
+                    schedule.rank[other as usize] != NONE
+                        && job.parent(other, schedule.way[other as usize]) == parent
+                });
+                start = siblings.map(end).fold(start, f32::max);
+            }
+        }
+        let before = |near: u32| {
+            (schedule.rank[near as usize] != NONE)
+                .then(|| (schedule.way[near as usize], schedule.end[near as usize]))
+        };
+        let crowd = self.crowding.waits(site, way, before);
+        crowd.into_iter().map(end).fold(start, f32::max)
+    }
+
+    fn mean(&self, site: u32, way: Face, start: f32) -> f32 {
+        let (job, schedule) = (self.job, &self.schedule);
+        let stands = |near: Cell| match job.sites.at(near) {
+            NONE => Stand::Empty,
+            near if schedule.rank[near as usize] == NONE => Stand::Empty,
+            near if schedule.end[near as usize] <= start => Stand::Full,
+            near if self.start[near as usize] <= start => {
+                Stand::Awaited(schedule.way[near as usize])
+            }
+            _ => Stand::Empty,
+        };
+        let bound = schedule.order.len() as f64 / f64::from(job.hardware.free.max(1));
+        let moment = Moment {
+            free: 1.0 - bound,
+            is_first: start == 0.0 && job.sites.standing_count() == 0,
+        };
+        job.waits.mean(job.sites.cell(site), way, moment, stands) as f32
+    }
+
+    fn place(&mut self, site: u32, way: Face, start: f32, mean: f32) {
+        let here = site as usize;
+        let schedule = &mut self.schedule;
+        schedule.rank[here] = schedule.order.len() as u32;
+        schedule.order.push(site);
+        schedule.way[here] = way;
+        schedule.mean[here] = mean;
+        schedule.end[here] = start + mean;
+        self.start[here] = start;
+        for &waiting in &self.job.corridors.waiting[here] {
+            self.missing[waiting as usize] -= 1;
+            let after = &mut self.after[waiting as usize];
+            *after = after.max(start + mean);
+        }
+    }
+
+    /// In the order in which faces open.
+    fn sorted(mut self) -> Schedule {
+        let standing = self.job.sites.standing_count();
+        let start = &self.start;
+        self.schedule.order[standing..]
+            .sort_by(|&a, &b| start[a as usize].total_cmp(&start[b as usize]));
+        for (rank, &site) in (0..).zip(&self.schedule.order) {
+            self.schedule.rank[site as usize] = rank;
+        }
+        self.schedule
+    }
+}
