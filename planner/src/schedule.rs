@@ -21,6 +21,7 @@ use crate::crowding::Crowding;
 use crate::disassembly::Disassembly;
 use crate::scaffold::{SitePart, SiteRoles};
 use crate::sites::{NONE, Sites};
+use crate::waiting::Waiting;
 use crate::waits::{Moment, RateLaw, Stand};
 pub use adaptive::{ExactTimes, MOST_ADAPTIVE};
 pub use exact::{Branching, MOST_SITES, estimated, value};
@@ -180,7 +181,12 @@ impl<'a> SchedulingJob<'a> {
             Some(schedule) => Some(schedule),
             None => self.within(priorities, f32::INFINITY, cancellation)?,
         };
-        Ok(schedule.expect("an order that builds it all is known"))
+        let mut schedule = schedule.expect("an order that builds it all is known");
+        if priorities.is_settled {
+            let waiting = Waiting::of(self, &schedule);
+            schedule.set_means(self.sites, self.hardware, self.waits, &waiting);
+        }
+        Ok(schedule)
     }
 
     /// One of these: with scaffolds there may be none.

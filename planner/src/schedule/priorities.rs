@@ -12,6 +12,8 @@ pub struct Priorities {
     skipped: Vec<u8>,
     /// Whether sites are placed one after the other, or opened as soon as they may.
     pub is_serial: bool,
+    /// Whether it is by the means of the program that it is seen which of several faces near one closes last, for which that one need not wait.
+    pub is_settled: bool,
 }
 
 impl Priorities {
@@ -21,6 +23,7 @@ impl Priorities {
             keys: vec![0.5; sites],
             skipped: vec![0; sites],
             is_serial: false,
+            is_settled: false,
         }
     }
 
@@ -49,12 +52,13 @@ impl Priorities {
         rng: &mut ChaCha8Rng,
     ) -> Priorities {
         const MOST: usize = 4;
-        /// One change in so many is of a way, and one in so many of how sites are placed.
+        /// One change in so many is of a way, and one in so many of how sites are placed, or of whose means count.
         const WAYS: u32 = 4;
         const PLACING: u32 = 8;
         let mut other = self.clone();
         let sites = self.keys.len();
         other.is_serial ^= may_be_serial && rng.random_range(0..PLACING) == 0;
+        other.is_settled ^= may_be_serial && rng.random_range(0..PLACING) == 0;
         for _ in 0..rng.random_range(1..=MOST) {
             // Of three at random, the most critical.
             let mut three = (0..3).map(|_| rng.random_range(0..sites));
