@@ -1,4 +1,4 @@
-//! Better schedules, by trying others: random keys, with the same chance for all.
+//! Better schedules, by trying others: other ways in and other priorities, with the same chance for all.
 use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -112,8 +112,12 @@ const URGENCIES: u64 = 150;
 /// Schedules that are tried with the ways in that look worse, at most.
 const MOST_FIRST: u64 = 1500;
 
-/// The part by which a schedule may take longer than the best and is gone on from, at first.
+/// The part by which a schedule may take longer than the best and is gone on from, at first; of larger targets less, as a change of theirs changes
+/// less.
 const TOLERANCE: f64 = 0.02;
+
+/// Sites of a target that is larger.
+const SMALL: f64 = 12.0;
 
 /// Runs by which schedules of small targets are compared.
 const SMALL_RUNS: usize = 128;
@@ -144,15 +148,15 @@ pub fn search(
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
 ) -> Result<FoundSchedule, Refusal> {
-    let mut found = listed(sites, hardware, waits, how)?;
+    let mut found = heuristic(sites, hardware, waits, how)?;
     if sites.len() <= MOST_SITES && sites.standing_count() == 0 && found.rounds >= VARIANTS {
         found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?.is_finished;
     }
     Ok(found)
 }
 
-/// The best that list scheduling finds.
-fn listed(
+/// The best that is found by trying.
+fn heuristic(
     sites: &Sites<'_>,
     hardware: Hardware,
     waits: &RateLaw<'_>,
@@ -302,18 +306,18 @@ fn takes_gaps(waits: &RateLaw<'_>, variant: u64) -> bool {
     waits.has_passable_gaps() && variant % 2 == 1
 }
 
-/// How far list scheduling is off the best of all schedules.
+/// How far the search that tries is off the best of all schedules.
 #[derive(Clone, Copy, Debug)]
 pub struct ScheduleGap {
-    /// How long its schedule takes \[ticks\].
-    pub listed: f64,
+    /// How long the schedule takes that it finds \[ticks\].
+    pub heuristic: f64,
     /// How long the best one takes that is known \[ticks\].
     pub best: f64,
     /// Whether all schedules have been looked at.
     pub is_finished: bool,
 }
 
-/// Compares list scheduling with the best of all schedules; `None`: the target has too many cells.
+/// Compares the search that tries with the best of all schedules; `None`: the target has too many cells.
 ///
 /// # Errors
 /// If no order builds it, or nobody waits for it.
@@ -327,7 +331,7 @@ pub fn gap(
     if sites.len() > MOST_SITES {
         return Ok(None);
     }
-    let mut found = listed(&sites, hardware, waits, how)?;
+    let mut found = heuristic(&sites, hardware, waits, how)?;
     branch_and_bound(&sites, hardware, waits, how, &mut found).map(Some)
 }
 
@@ -428,13 +432,13 @@ fn branch_and_bound(
     }
     // By other chances than those by which it was chosen.
     let samples = Samples::new(sites.len(), OTHER_RUNS, search.seed ^ 0xbb);
-    let (listed, least) = (value(&samples, found), value(&samples, &best));
-    if least < listed {
+    let (heuristic, least) = (value(&samples, found), value(&samples, &best));
+    if least < heuristic {
         *found = best;
     }
     Ok(ScheduleGap {
-        listed,
-        best: least.min(listed),
+        heuristic,
+        best: least.min(heuristic),
         is_finished: left > 0,
     })
 }
@@ -455,6 +459,7 @@ pub fn improved(
     let mut critical = samples.criticality(&best.schedule, &waiting);
     let mut current = best.clone();
     let from = rounds;
+    let tolerance = TOLERANCE * (SMALL / job.sites.len() as f64).min(1.0);
     while rounds < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
         (search.tried)(rounds, value(&best));
@@ -472,7 +477,7 @@ pub fn improved(
             schedule,
         };
         let left = (search.rounds - rounds) as f64 / (search.rounds - from) as f64;
-        let most = value(&best) * (1.0 + TOLERANCE * left);
+        let most = value(&best) * (1.0 + tolerance * left);
         // Equally good ones as well, to get across plateaus.
         if value(&other) <= most.max(value(&current)) {
             if value(&other) != value(&current) {

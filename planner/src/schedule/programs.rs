@@ -144,6 +144,7 @@ mod tests {
     use crate::corridor::Corridors;
     use crate::disassembly::disassemble;
     use crate::free_space::FreeSpace;
+    use crate::schedule::Priorities;
     use crate::schedule::SchedulingJob;
     use crate::sites::Sites;
     use crate::waits::RateLaw;

@@ -196,3 +196,65 @@ impl SerialState<'_> {
         self.schedule
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+    use stochc_ir::table::Plate;
+
+    use super::*;
+    use crate::Hardware;
+    use crate::corridor::Corridors;
+    use crate::disassembly::disassemble;
+    use crate::free_space::FreeSpace;
+    use crate::sites::Sites;
+    use crate::target::held;
+    use crate::waiting::Waiting;
+    use crate::waits::RateLaw;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+
+        /// Whatever the priorities: all sites are placed, once, and none opens before what its program waits for has come.
+        #[test]
+        fn everything_is_placed_behind_what_it_waits_for(
+            cells in proptest::collection::vec((0..4, 0..3, 1..4), 1..16),
+            seed: u64,
+        ) {
+            let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
+            let Some(target) = held(cells, &Plate { width: 3, depth: 2 }) else {
+                return Ok(());
+            };
+            let sites = Sites::of(&target);
+            let spaces = [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
+            let keys = vec![0.5; sites.len()];
+            let apart = disassemble(&sites, spaces, &keys, Cancellation::NEVER).unwrap();
+            let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
+            let hardware = Hardware { faces: 1, attracts_always: false, free: 100 };
+            let law = RateLaw::new(None);
+            let job = SchedulingJob::new(&sites, &apart, &corridors, hardware, &law);
+            prop_assert!(job.has_serial());
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut priorities = Priorities::even(sites.len());
+            for _ in 0..4 {
+                priorities = priorities.changed(&vec![1.0; sites.len()], true, &mut rng);
+                let serial = job.serial(&priorities, Cancellation::NEVER).unwrap();
+                let schedule = serial.expect("an order that builds it all is known");
+                let mut order = schedule.order.clone();
+                order.sort_unstable();
+                prop_assert!(order.into_iter().eq(0..sites.len() as u32));
+                let start = |site: u32| schedule.end[site as usize] - schedule.mean[site as usize];
+                for (&site, before) in schedule.order.iter().zip(&Waiting::of(&job, &schedule).before) {
+                    let parent = schedule.parent(&sites, site);
+                    prop_assert!(parent == NONE || schedule.end[parent as usize] <= start(site) + 0.1);
+                    for &other in before {
+                        let other = schedule.order[other as usize];
+                        prop_assert!(start(other) <= start(site) + 0.1);
+                    }
+                }
+            }
+        }
+    }
+}
