@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use stochc_protocol::Orientation;
 
 use super::quaternion::{SMALL, columns, large, small, turned};
-use super::simd::{ABREAST, LANES, Lane, Wide, square, transposed};
+use super::simd::{ABREAST, LANES, Lane, Wide, filled, square, transposed};
 use crate::world::blocks::{Blocks, Pose};
 use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
@@ -177,13 +177,16 @@ impl<R: Lane> Bodies<R> {
                 }
             }
         }
-        self.show_abreast(&late[..count]);
+        if count > 0 {
+            self.show_abreast(&late[..count]);
+        }
     }
 
-    /// At most [`ABREAST`] of them.
+    /// At most [`ABREAST`] of them, and at least one.
     fn show_abreast(&mut self, blocks: &[usize]) {
-        let rotation = transposed(blocks.iter().map(|&i| self.rotation[i].coords.into()));
-        let angle = transposed(blocks.iter().map(|&i| {
+        let lanes = filled(blocks);
+        let rotation = transposed(lanes.map(|i| self.rotation[i].coords.into()));
+        let angle = transposed(lanes.map(|i| {
             let late = R::of((self.now - self.turned[i]) as f64);
             (self.spin[i] * (self.dt * late)).into()
         }));
@@ -192,7 +195,7 @@ impl<R: Lane> Bodies<R> {
         let mut half = small(s, of);
         if of(SMALL).above(s).bits() != (1 << ABREAST) - 1 {
             let (mut cos, mut over) = (half.0.store(), half.1.store());
-            for (lane, s) in s.store().into_iter().enumerate() {
+            for (lane, s) in s.store().into_iter().take(blocks.len()).enumerate() {
                 if s >= R::of(SMALL) {
                     (cos[lane], over[lane]) = large(s);
                 }

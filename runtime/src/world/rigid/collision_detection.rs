@@ -176,8 +176,9 @@ impl<R: Lane> Contacts<R> {
                 && bonds.is_none_or(|bonds| !bonds.groups.same(a, b))
         });
         let [on_ground, mutually] = shape.has_edges();
-        bodies.show(low.iter().copied().filter(|_| on_ground));
-        bodies.show(close.iter().flat_map(|&(a, b)| [a, b]).filter(|_| mutually));
+        let low_ones = low.iter().copied().filter(|_| on_ground);
+        let close_ones = close.iter().flat_map(|&(a, b)| [a, b]);
+        bodies.show(low_ones.chain(close_ones.filter(|_| mutually)));
         for &id in &*low {
             if let Some(manifold) = shape.on_ground(bodies, id) {
                 solver.add(bodies, id, None, &manifold);

@@ -70,6 +70,15 @@ pub fn opposite_face<R: Real>(of: &Cuboid<R>, out: Vector3<R>) -> (Polygon<R>, V
 
 /// Cuts off what is farther than `limit` along a direction.
 fn clip<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
+    let is_within = |corner: &Vector3<R>| along.dot(corner) - limit <= R::zero();
+    if polygon.iter().all(is_within) {
+        return;
+    }
+    cut(polygon, along, limit);
+}
+
+/// The same where there is something to cut off.
+fn cut<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     let Some(&last) = polygon.last() else {
         return;
     };

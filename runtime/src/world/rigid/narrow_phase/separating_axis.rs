@@ -47,12 +47,15 @@ struct SeparatingAxisSearch<R: Lane> {
     axis: R::Quad,
 }
 
-/// How each of at most [`ABREAST`] pairs of boxes overlaps; `None`: they do not.
+/// How each of at most [`ABREAST`] pairs of boxes overlaps, and at least one; `None`: they do not.
 pub(super) fn least<R: Lane>(
     pairs: &[(Cuboid<R>, Cuboid<R>)],
 ) -> [Option<LeastOverlap<R>>; ABREAST] {
-    let (a, b) = (gather(pairs, |pair| &pair.0), gather(pairs, |pair| &pair.1));
-    let offset = vector(pairs, |(a, b)| b.centre - a.centre);
+    let last = pairs.len() - 1;
+    let pair = |lane: usize| &pairs[lane.min(last)];
+    let lanes = [pair(0), pair(1), pair(2), pair(3)];
+    let (a, b) = (gather(lanes, |pair| &pair.0), gather(lanes, |pair| &pair.1));
+    let offset = vector(lanes, |(a, b)| b.centre - a.centre);
     let dot = |u: &LaneVector<R>, v: &LaneVector<R>| sum([0, 1, 2].map(|i| u[i] * v[i]));
     let in_a = [0, 1, 2].map(|i| dot(&a.axes[i], &offset));
     let turn: LaneMatrix<R> = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&a.axes[i], &b.axes[j])));
@@ -67,6 +70,9 @@ pub(super) fn least<R: Lane>(
     for (axis, apart) in in_b.into_iter().enumerate() {
         let reach = b.half[axis] + dot(&column(&size, axis), &a.half);
         search.face(3 + axis, reach - apart.abs());
+    }
+    if search.meet.bits() == 0 {
+        return [None; ABREAST];
     }
     let face = search.depth - R::Quad::splat(R::of(PREFER_FACE));
     let skew = R::Quad::splat(R::of(PARALLEL * PARALLEL));
@@ -151,20 +157,23 @@ impl<R: Lane> SeparatingAxisSearch<R> {
     }
 }
 
+#[inline(always)]
 fn gather<R: Lane>(
-    pairs: &[(Cuboid<R>, Cuboid<R>)],
+    pairs: [&(Cuboid<R>, Cuboid<R>); ABREAST],
     which: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> &Cuboid<R>,
 ) -> Boxes<R> {
+    let axis = |axis: usize| vector(pairs, |pair| which(pair).axis(axis));
     Boxes {
-        axes: [0, 1, 2].map(|axis| vector(pairs, |pair| which(pair).axis(axis))),
+        axes: [axis(0), axis(1), axis(2)],
         half: vector(pairs, |pair| which(pair).half),
     }
 }
 
 /// A vector of each pair.
+#[inline(always)]
 fn vector<R: Lane>(
-    pairs: &[(Cuboid<R>, Cuboid<R>)],
+    [a, b, c, d]: [&(Cuboid<R>, Cuboid<R>); ABREAST],
     of: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> nalgebra::Vector3<R>,
 ) -> LaneVector<R> {
-    transposed(pairs.iter().map(|pair| of(pair).into()))
+    transposed([of(a).into(), of(b).into(), of(c).into(), of(d).into()])
 }
