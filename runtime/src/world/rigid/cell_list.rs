@@ -139,23 +139,27 @@ impl<R: Lane> CellList<R> {
                 *anchored = sum;
             }
         }
-        let [x, y, z] = [0, 1, 2].map(|axis| &bodies.position[axis][..cells.len()]);
+        let sorted = &mut self.sorted[..cells.len()];
         let [to_x, to_y, to_z] = self
             .places
             .each_mut()
             .map(|places| &mut places[..cells.len()]);
-        for (i, &cell) in cells.iter().enumerate() {
-            let place = &mut self.start[cell as usize + 1];
-            let at = *place as usize;
-            *place += 1;
-            self.sorted[at] = (cell, Tag::new(i as u32, !bodies.is_free(i as u32)));
-            (to_x[at], to_y[at], to_z[at]) = (x[i], y[i], z[i]);
+        let groups = bodies.groups().iter().zip(cells.chunks(LANES));
+        for (first, (group, cells)) in (0..).step_by(LANES).zip(groups) {
+            let [x, y, z] = &group.position;
+            for (lane, &cell) in cells.iter().enumerate().take(LANES) {
+                let place = &mut self.start[cell as usize + 1];
+                let at = *place as usize;
+                *place += 1;
+                let is_anchored = group.mobility[lane] == R::zero();
+                sorted[at] = (cell, Tag::new(first + lane as u32, is_anchored));
+                (to_x[at], to_y[at], to_z[at]) = (x[lane], y[lane], z[lane]);
+            }
         }
     }
 
     /// Finds the cell of each block.
     fn look_up_cells(&mut self, bodies: &Bodies<R>) {
-        let [x, y, z] = [0, 1, 2].map(|axis| bodies.position[axis].as_chunks::<LANES>().0);
         let [row, slab] = self.stride.map(|cells| R::Wide::splat(R::of(cells as f64)));
         let first = R::Wide::splat(R::of(self.cell([0; 3]) as f64));
         let zero = R::Wide::splat(R::zero());
@@ -164,18 +168,14 @@ impl<R: Lane> CellList<R> {
         let (low, scale) = (self.low.map(R::Wide::splat), self.scale.map(R::Wide::splat));
         let last = self.last.map(R::Wide::splat);
         let (groups, _) = self.cells.as_chunks_mut::<LANES>();
-        for (group, cells) in groups.iter_mut().enumerate() {
+        for (group, cells) in bodies.groups().iter().zip(groups) {
             let along = |axis: usize, x: &[R; LANES]| {
                 let cell = (R::Wide::load(x) - low[axis]) * scale[axis];
                 // What is not a number is in the first cell.
                 let cell = cell.above(zero).choose(cell, zero);
                 cell.least(last[axis]) + large - large
             };
-            let [x, y, z] = [
-                along(0, &x[group]),
-                along(1, &y[group]),
-                along(2, &z[group]),
-            ];
+            let [x, y, z] = [0, 1, 2].map(|axis| along(axis, &group.position[axis]));
             let all = (x * slab + z * row + y + first).store();
             for (cell, number) in cells.iter_mut().zip(all) {
                 *cell = number.round_small();
@@ -243,40 +243,50 @@ impl<R: Lane> CellList<R> {
                 edge = self.edge(cell / slab, slabs);
                 end = (cell / slab + 1) * slab;
             }
-            let here = places.map(|x| R::Quad::splat(x[k]));
             if own.is_anchored() && self.has_no_free_neighbour(cell) {
                 continue;
             }
-            let mut meet = |from: u32, to: u32| {
-                let (mut from, to) = (from as usize, to as usize);
-                loop {
-                    let mut hits = near.above(squares(places, &here, from)).bits();
-                    // Whoever is near beyond the end of the stretch is met twice.
-                    while hits != 0 {
-                        let other = self.sorted[from + hits.trailing_zeros() as usize].1;
-                        hits &= hits - 1;
-                        if !own.are_anchored(other) {
-                            let (i, j) = (own.id(), other.id());
-                            pairs.push((i.min(j), i.max(j)));
-                        }
-                    }
-                    from += ABREAST;
-                    if from >= to {
-                        break;
-                    }
-                }
+            let seeker = Seeker {
+                here: places.map(|x| R::Quad::splat(x[k])),
+                near,
+                own,
             };
-            meet(k as u32 + 1, start[cell + 2]);
             let above = &start[cell + row - 1..][..4];
-            meet(above[0], above[3]);
+            self.meet(&seeker, [k as u32 + 1, start[cell + 2]], pairs);
+            self.meet(&seeker, [above[0], above[3]], pairs);
             if places[0][k] > edge {
                 for other in [cell + slab - row, cell + slab, cell + slab + row] {
-                    meet(start[other - 1], start[other + 2]);
+                    self.meet(&seeker, [start[other - 1], start[other + 2]], pairs);
                 }
             }
         }
-        pairs.sort_unstable();
+        pairs.sort_unstable_by_key(|&(i, j)| u64::from(i) << 32 | u64::from(j));
         pairs.dedup();
+    }
+
+    /// Adds the pairs of a block with those near it in a stretch of the sorted list, and maybe with some beyond its end.
+    #[inline(always)]
+    fn meet(&self, seeker: &Seeker<R>, stretch: [u32; 2], pairs: &mut Vec<(u32, u32)>) {
+        let [mut from, to] = stretch.map(|at| at as usize);
+        let places = [0, 1, 2].map(|axis| &self.places[axis][..self.sorted.len() + ABREAST]);
+        loop {
+            let mut hits = (seeker.near)
+                .above(squares(places, &seeker.here, from))
+                .bits();
+            // Whoever is near beyond the end of the stretch is met twice.
+            while hits != 0 {
+                let other = self.sorted[from + hits.trailing_zeros() as usize].1;
+                hits &= hits - 1;
+                if !seeker.own.are_anchored(other) {
+                    let (i, j) = (seeker.own.id(), other.id());
+                    pairs.push((i.min(j), i.max(j)));
+                }
+            }
+            from += ABREAST;
+            if from >= to {
+                break;
+            }
+        }
     }
 
     /// The blocks that may be within `reach` of a place, in rising order.
@@ -299,12 +309,20 @@ impl<R: Lane> CellList<R> {
     }
 }
 
+/// A block whose neighbours are looked for.
+struct Seeker<R: Lane> {
+    own: Tag,
+    here: [R::Quad; 3],
+    /// Closer than this is near, squared.
+    near: R::Quad,
+}
+
 /// How far a group of blocks is from a place, squared.
 #[inline(always)]
 fn squares<R: Lane>([x, y, z]: [&[R]; 3], here: &[R::Quad; 3], from: usize) -> R::Quad {
     let square = |places: &[R], here: R::Quad| {
-        let group = &places[from..from + ABREAST];
-        let way = R::Quad::load(&std::array::from_fn(|lane| group[lane])) - here;
+        let group = places[from..from + ABREAST].first_chunk();
+        let way = R::Quad::load(group.expect("as many as there are lanes")) - here;
         way * way
     };
     square(x, here[0]) + square(y, here[1]) + square(z, here[2])

@@ -34,8 +34,8 @@ pub(super) struct NeighbourList<R: Lane> {
     /// [`SKIN`], or 0: there is no list, and everybody is looked up in every step.
     skin: f64,
     pairs: Vec<(u32, u32)>,
-    /// Where the blocks were when the list was made; empty: there is none.
-    places: [Vec<R>; 3],
+    /// Where the blocks were when the list was made, in the same groups; empty: there is none.
+    places: Vec<[[R; LANES]; 3]>,
     /// Steps until the next review.
     due: u32,
 }
@@ -51,7 +51,7 @@ impl<R: Lane> NeighbourList<R> {
             grid: CellList::new(count, span, heights, TOUCH + SKIN),
             skin: SKIN,
             pairs: Vec::new(),
-            places: [const { Vec::new() }; 3],
+            places: Vec::new(),
             due: 0,
         }
     }
@@ -62,14 +62,14 @@ impl<R: Lane> NeighbourList<R> {
             Some(due) => self.due = due,
             None => self.review(bodies),
         }
-        if !self.places[0].is_empty() && self.holds(bodies) {
+        if !self.places.is_empty() && self.holds(bodies) {
             return false;
         }
         self.grid.sort(bodies);
         if self.skin > 0.0 {
-            for (kept, now) in self.places.iter_mut().zip(&bodies.position) {
-                kept.clone_from(now);
-            }
+            self.places.clear();
+            let places = bodies.groups().iter().map(|group| group.position);
+            self.places.extend(places);
             self.grid.close_pairs(&mut self.pairs);
         }
         true
@@ -77,7 +77,7 @@ impl<R: Lane> NeighbourList<R> {
 
     /// A block that was anchored is free: its pairs with others that still are may not be listed.
     pub fn forget(&mut self) {
-        self.places.iter_mut().for_each(Vec::clear);
+        self.places.clear();
     }
 
     /// Decides whether there is to be a list, and how far the grid reaches.
@@ -112,13 +112,9 @@ impl<R: Lane> NeighbourList<R> {
     /// Whether no block has moved by half of the skin.
     fn holds(&self, bodies: &Bodies<R>) -> bool {
         let load = |x: &[R; LANES]| R::Wide::load(x);
-        let [x, y, z] = [0, 1, 2].map(|axis| {
-            let now = bodies.position[axis].as_chunks::<LANES>().0;
-            now.iter().zip(self.places[axis].as_chunks::<LANES>().0)
-        });
         let mut farthest = R::Wide::splat(R::zero());
-        for ((x, y), z) in x.zip(y).zip(z) {
-            let way = [x, y, z].map(|(now, then)| load(now) - load(then));
+        for (group, then) in bodies.groups().iter().zip(&self.places) {
+            let way = [0, 1, 2].map(|axis| load(&group.position[axis]) - load(&then[axis]));
             farthest = square(way).most(farthest);
         }
         let most = R::of(self.skin * self.skin / 4.0);

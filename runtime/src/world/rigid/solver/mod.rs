@@ -95,14 +95,14 @@ impl<R: Lane> Solver<R> {
         }
         self.moving.start(|id| {
             let velocity = bodies.velocity(id);
-            let place = bodies.position(id) - velocity * bodies.step[id as usize];
+            let place = bodies.position(id) - velocity * bodies.step(id);
             let late = push(place) * (bodies.span(id) * R::of(0.5));
             (velocity - late, bodies.spin(id))
         });
         self.find_impulses();
         let rigid = self.law.restitution().is_some();
         for (id, change) in self.moving.changes() {
-            let dt = bodies.step[id as usize];
+            let dt = bodies.step(id);
             let way = change.velocity + change.shift.velocity.unpack();
             bodies.shift(id, way * dt);
             if rigid {
