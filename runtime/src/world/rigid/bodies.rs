@@ -119,6 +119,20 @@ impl<R: Lane> Bodies<R> {
         self.attitudes[id as usize].spin = spin;
     }
 
+    /// Moves a block by this way, and changes its motion.
+    pub fn correct(&mut self, id: u32, way: Vector3<R>, faster: Vector3<R>, spin: Vector3<R>) {
+        self.rotation(id);
+        self.attitudes[id as usize].spin = spin;
+        let (group, lane) = place(id);
+        let group = &mut self.groups[group];
+        for axis in 0..3 {
+            let (place, rounded) = (group.position[axis][lane], group.rounded[axis][lane]);
+            let (place, rounded) = add(place, way[axis], rounded);
+            (group.position[axis][lane], group.rounded[axis][lane]) = (place, rounded);
+            group.velocity[axis][lane] += faster[axis];
+        }
+    }
+
     /// Changes the velocity alone: the block turns as before.
     pub fn set_moved(&mut self, id: u32, velocity: Vector3<R>) {
         let (group, lane) = place(id);
@@ -201,19 +215,18 @@ impl<R: Lane> Bodies<R> {
     pub fn show(&mut self, ids: impl Iterator<Item = u32>) {
         let mut late = [0; ABREAST];
         let mut count = 0;
-        for id in ids {
-            let i = id as usize;
-            let attitude = &mut self.attitudes[i];
+        ids.for_each(|id| {
+            let attitude = &mut self.attitudes[id as usize];
             if attitude.shown != self.now {
                 attitude.shown = self.now;
-                late[count] = i;
+                late[count % ABREAST] = id as usize;
                 count += 1;
                 if count == ABREAST {
                     self.show_abreast(&late);
                     count = 0;
                 }
             }
-        }
+        });
         if count > 0 {
             self.show_abreast(&late[..count]);
         }

@@ -270,21 +270,28 @@ impl<R: Lane> CellList<R> {
         let [mut from, to] = stretch.map(|at| at as usize);
         let places = [0, 1, 2].map(|axis| &self.places[axis][..self.sorted.len() + ABREAST]);
         loop {
-            let mut hits = (seeker.near)
-                .above(squares(places, &seeker.here, from))
-                .bits();
+            let squares = squares(places, &seeker.here, from);
+            let hits = seeker.near.above(squares).bits();
             // Whoever is near beyond the end of the stretch is met twice.
-            while hits != 0 {
-                let other = self.sorted[from + hits.trailing_zeros() as usize].1;
-                hits &= hits - 1;
-                if !seeker.own.are_anchored(other) {
-                    let (i, j) = (seeker.own.id(), other.id());
-                    pairs.push((i.min(j), i.max(j)));
-                }
+            if hits != 0 {
+                self.note(seeker.own, from, hits, pairs);
             }
             from += ABREAST;
             if from >= to {
                 break;
+            }
+        }
+    }
+
+    /// Adds the pairs of a block with those of a group that are near it. Rare enough for a call.
+    #[inline(never)]
+    fn note(&self, own: Tag, from: usize, mut hits: u32, pairs: &mut Vec<(u32, u32)>) {
+        while hits != 0 {
+            let other = self.sorted[from + hits.trailing_zeros() as usize].1;
+            hits &= hits - 1;
+            if !own.are_anchored(other) {
+                let (i, j) = (own.id(), other.id());
+                pairs.push((i.min(j), i.max(j)));
             }
         }
     }

@@ -47,22 +47,20 @@ struct SeparatingAxisSearch<R: Lane> {
     axis: R::Quad,
 }
 
-/// How each of at most [`ABREAST`] pairs of boxes overlaps, and at least one; `None`: they do not.
-pub(super) fn least<R: Lane>(
-    pairs: &[(Cuboid<R>, Cuboid<R>)],
+/// How pairs of boxes overlap, as many of them as count; `None`: they do not.
+pub(super) fn least<'a, R: Lane>(
+    pairs: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
+    count: usize,
 ) -> [Option<LeastOverlap<R>>; ABREAST] {
-    let last = pairs.len() - 1;
-    let pair = |lane: usize| &pairs[lane.min(last)];
-    let lanes = [pair(0), pair(1), pair(2), pair(3)];
-    let (a, b) = (gather(lanes, |pair| &pair.0), gather(lanes, |pair| &pair.1));
-    let offset = vector(lanes, |(a, b)| b.centre - a.centre);
+    let (a, b) = (gather(pairs, |pair| &pair.0), gather(pairs, |pair| &pair.1));
+    let offset = vector(pairs, |(a, b)| b.centre - a.centre);
     let dot = |u: &LaneVector<R>, v: &LaneVector<R>| sum([0, 1, 2].map(|i| u[i] * v[i]));
     let in_a = [0, 1, 2].map(|i| dot(&a.axes[i], &offset));
     let turn: LaneMatrix<R> = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&a.axes[i], &b.axes[j])));
     let column = |of: &LaneMatrix<R>, j: usize| [0, 1, 2].map(|i| of[i][j]);
     let in_b = [0, 1, 2].map(|j| dot(&column(&turn, j), &in_a));
     let size = turn.map(|row| row.map(Wide::abs));
-    let mut search = SeparatingAxisSearch::<R>::new(pairs.len());
+    let mut search = SeparatingAxisSearch::<R>::new(count);
     for axis in 0..3 {
         let reach = a.half[axis] + dot(&size[axis], &b.half);
         search.face(axis, reach - in_a[axis].abs());
@@ -158,9 +156,9 @@ impl<R: Lane> SeparatingAxisSearch<R> {
 }
 
 #[inline(always)]
-fn gather<R: Lane>(
-    pairs: [&(Cuboid<R>, Cuboid<R>); ABREAST],
-    which: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> &Cuboid<R>,
+fn gather<'a, R: Lane>(
+    pairs: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
+    which: impl for<'b> Fn(&'b (Cuboid<'a, R>, Cuboid<'a, R>)) -> &'b Cuboid<'a, R>,
 ) -> Boxes<R> {
     let axis = |axis: usize| vector(pairs, |pair| which(pair).axis(axis));
     Boxes {
@@ -171,9 +169,9 @@ fn gather<R: Lane>(
 
 /// A vector of each pair.
 #[inline(always)]
-fn vector<R: Lane>(
-    [a, b, c, d]: [&(Cuboid<R>, Cuboid<R>); ABREAST],
-    of: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> nalgebra::Vector3<R>,
+fn vector<'a, R: Lane>(
+    [a, b, c, d]: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
+    of: impl Fn(&(Cuboid<'a, R>, Cuboid<'a, R>)) -> nalgebra::Vector3<R>,
 ) -> LaneVector<R> {
     transposed([of(a).into(), of(b).into(), of(c).into(), of(d).into()])
 }

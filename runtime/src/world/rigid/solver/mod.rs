@@ -17,7 +17,7 @@ use sequential::SequentialContacts;
 
 use super::bodies::Bodies;
 use super::narrow_phase::Manifold;
-use super::simd::{Lane, Quad};
+use super::simd::Lane;
 use crate::world::blocks::Blocks;
 use centre_of_pressure::centre_of_pressure;
 pub(super) use contact_law::Law;
@@ -93,25 +93,21 @@ impl<R: Lane> Solver<R> {
         if self.touches.list.is_empty() {
             return;
         }
-        self.moving.start(|id| {
+        let rigid = self.law.restitution().is_some();
+        self.moving.start(rigid, |id| {
             let velocity = bodies.velocity(id);
             let place = bodies.position(id) - velocity * bodies.step(id);
             let late = push(place) * (bodies.span(id) * R::of(0.5));
             (velocity - late, bodies.spin(id))
         });
         self.find_impulses();
-        let rigid = self.law.restitution().is_some();
         for (id, change) in self.moving.changes() {
             let dt = bodies.step(id);
-            let way = change.velocity + change.shift.velocity.unpack();
-            bodies.shift(id, way * dt);
+            let [shift, turn] = change.shift;
             if rigid {
-                bodies.turn_now(id, change.shift.spin.unpack() * dt);
-            } else {
-                bodies.rotation(id);
+                bodies.turn_now(id, turn * dt);
             }
-            let velocity = bodies.velocity(id) + change.velocity;
-            bodies.set_velocity_of_turned(id, velocity, change.spin);
+            bodies.correct(id, (change.velocity + shift) * dt, change.velocity, change.spin);
             moved(bodies, id);
         }
     }
@@ -146,8 +142,9 @@ impl<R: Lane> Solver<R> {
             self.double.part(rounds, tolerance);
             self.chains.part(moving, rounds, tolerance);
         }
-        self.single.store(moving);
-        self.double.store(moving);
+        let rigid = law.restitution().is_some();
+        self.single.store(moving, rigid);
+        self.double.store(moving, rigid);
     }
 }
 
@@ -203,7 +200,7 @@ mod tests {
             id += if single { 1 } else { 2 };
         }
         let moving = &mut solver.moving;
-        moving.start(|id| (bodies.velocity(id), bodies.spin(id)));
+        moving.start(true, |id| (bodies.velocity(id), bodies.spin(id)));
         if !side_by_side {
             moving.entangle();
         }
@@ -211,7 +208,6 @@ mod tests {
         let alone = solver.moving.changes();
         let found = alone.map(|(_, change)| {
             let shift = change.shift;
-            let shift = [shift.velocity.unpack(), shift.spin.unpack()];
             [change.velocity, change.spin, shift[0], shift[1]]
         });
         found.collect()

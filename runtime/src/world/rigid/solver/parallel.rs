@@ -107,10 +107,10 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
         }
     }
 
-    /// Writes down what has been found.
-    pub fn store(&mut self, moving: &mut SolverBodies<R>) {
+    /// Writes down what has been found; `rigid`: what undoes overlaps as well.
+    pub fn store(&mut self, moving: &mut SolverBodies<R>, rigid: bool) {
         for group in self.groups() {
-            group.store(moving);
+            group.store(moving, rigid);
         }
     }
 }
@@ -216,50 +216,56 @@ impl<R: Lane, const N: usize> Batch<R, N> {
 
     fn push(&mut self, law: &Law<R>, rounds: u32, tolerance: R, inertia: R) {
         let before = self.bodies;
+        let mut bodies = before;
         let mut active = self.real;
         for _ in 0..rounds {
-            let greatest = self.push_once(law.friction, active);
+            let greatest = self.push_once(&mut bodies, law.friction, active);
             active = active & greatest.above(R::Quad::splat(tolerance));
             if active.bits() == 0 {
                 break;
             }
         }
+        self.bodies = bodies;
         if law.restitution().is_some_and(|part| part > R::zero()) {
             self.keep_energy(&before, inertia);
         }
     }
 
     /// One round of impulses; the greatest change of velocity at a point.
-    fn push_once(&mut self, friction: R, active: R::Quad) -> R::Quad {
+    #[inline(always)]
+    fn push_once(
+        &mut self,
+        bodies: &mut [BatchBody<R>; N],
+        friction: R,
+        active: R::Quad,
+    ) -> R::Quad {
         let mut greatest = all::<R>(0.0);
-        let mut bodies = self.bodies;
         let [along, across @ ..] = &self.frame;
         for spot in &mut self.spots {
             let active = active & spot.real;
             let missing = spot.target
-                - velocity(along, &spot.torques[0], &bodies)
+                - velocity(along, &spot.torques[0], bodies)
                 - self.softness * spot.impulses[0];
             let wanted = (spot.impulses[0] + missing * spot.masses[0]).most(all::<R>(0.0));
             let change = spot.press(0, wanted, active);
-            push(change, along, &spot.torques[0], &mut bodies);
+            push(change, along, &spot.torques[0], bodies);
             greatest = greatest.most((change / spot.masses[0]).abs());
             if friction > R::zero() {
                 // Coulomb's cone, of the impulse that presses now.
                 let most = R::Quad::splat(friction) * spot.impulses[0];
                 let [one, two] = [0, 1].map(|row| {
-                    let slip = velocity(&across[row], &spot.torques[row + 1], &bodies);
+                    let slip = velocity(&across[row], &spot.torques[row + 1], bodies);
                     spot.impulses[row + 1] - slip * spot.masses[1]
                 });
                 let square = one * one + two * two;
                 let by = (square.above(most * most)).choose(most / square.sqrt(), all::<R>(1.0));
                 for (row, wanted) in [one * by, two * by].into_iter().enumerate() {
                     let change = spot.press(row + 1, wanted, active);
-                    push(change, &across[row], &spot.torques[row + 1], &mut bodies);
+                    push(change, &across[row], &spot.torques[row + 1], bodies);
                     greatest = greatest.most((change / spot.masses[1]).abs());
                 }
             }
         }
-        self.bodies = bodies;
         greatest
     }
 
@@ -318,12 +324,14 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         }
     }
 
-    fn store(&self, moving: &mut SolverBodies<R>) {
+    fn store(&self, moving: &mut SolverBodies<R>, rigid: bool) {
         let count = self.real.bits().count_ones() as usize;
         for which in 0..N {
             let places = self.places[..count].iter().map(|places| places[which]);
             self.bodies[which].scatter(places.clone(), &mut moving.motions);
-            self.shifts[which].scatter(places, &mut moving.shifts);
+            if rigid {
+                self.shifts[which].scatter(places, &mut moving.shifts);
+            }
         }
     }
 }
