@@ -14,9 +14,6 @@ use crate::world::real::{Real, cast};
 use crate::world::rotation::quaternion;
 use crate::world::{BodyState, Fault};
 
-/// No substep.
-const NEVER: u64 = u64::MAX;
-
 /// The blocks by number.
 ///
 /// What every step reads of all of them lies in groups. Orientations are brought up to date only when somebody looks:
@@ -27,8 +24,13 @@ pub(crate) struct Bodies<R: Lane> {
     /// The last one is filled up with blocks that are anchored for ever.
     groups: Vec<MotionGroup<R>>,
     attitudes: Vec<Attitude<R>>,
+    /// Whose matrices are as of `shown_at`: a bit for each, which stay in the cache, whoever is asked for.
+    shown: Vec<u64>,
+    shown_at: u64,
     /// How a block sits in the structure; `None`: it is free.
     anchored: Vec<Option<Orientation>>,
+    /// How many are not free.
+    anchored_count: usize,
     /// Short steps that have passed.
     pub now: u64,
     /// Length of a short step \[tick\].
@@ -42,15 +44,14 @@ struct Attitude<R: Lane> {
     /// As of `turned`, by the number of the substep.
     rotation: UnitQuaternion<R>,
     turned: u64,
-    /// The same as a matrix, as of `shown`.
+    /// The same as a matrix, as of when it was shown last.
     axes: Rotation3<R>,
-    shown: u64,
     spin: Vector3<R>,
 }
 
 stochc_ir::state! {
     (<R: Lane>) Bodies<R>;
-    values: groups, attitudes, anchored, now;
+    values: groups, attitudes, shown, shown_at, anchored, anchored_count, now;
     parts: ;
     same: dt
 }
@@ -69,13 +70,15 @@ impl<R: Lane> Bodies<R> {
             rotation: UnitQuaternion::identity(),
             turned: 0,
             axes: Rotation3::identity(),
-            shown: NEVER,
             spin: Vector3::zeros(),
         };
         let mut bodies = Bodies {
             groups: vec![MotionGroup::at_rest(step); blocks.len().div_ceil(LANES)],
             attitudes: vec![attitude; blocks.len()],
+            shown: vec![0; blocks.len().div_ceil(64)],
+            shown_at: 0,
             anchored: vec![None; blocks.len()],
+            anchored_count: 0,
             now: 0,
             dt,
         };
@@ -119,9 +122,15 @@ impl<R: Lane> Bodies<R> {
         self.attitudes[id as usize].spin = spin;
     }
 
-    /// Moves a block by this way, and changes its motion.
-    pub fn correct(&mut self, id: u32, way: Vector3<R>, faster: Vector3<R>, spin: Vector3<R>) {
-        self.rotation(id);
+    /// Moves a block by this way, and changes its motion: its place, velocity and spin from now on, and how it is turned.
+    pub fn correct(
+        &mut self,
+        id: u32,
+        way: Vector3<R>,
+        faster: Vector3<R>,
+        spin: Vector3<R>,
+    ) -> ([Vector3<R>; 3], UnitQuaternion<R>) {
+        let rotation = self.rotation(id);
         self.attitudes[id as usize].spin = spin;
         let (group, lane) = place(id);
         let group = &mut self.groups[group];
@@ -131,6 +140,8 @@ impl<R: Lane> Bodies<R> {
             (group.position[axis][lane], group.rounded[axis][lane]) = (place, rounded);
             group.velocity[axis][lane] += faster[axis];
         }
+        let position = gather(&group.position, lane);
+        ([position, gather(&group.velocity, lane), spin], rotation)
     }
 
     /// Changes the velocity alone: the block turns as before.
@@ -189,7 +200,7 @@ impl<R: Lane> Bodies<R> {
 
     /// How many are anchored.
     pub fn count_anchored(&self) -> usize {
-        self.anchored.iter().flatten().count()
+        self.anchored_count
     }
 
     /// How many blocks have a coordinate beyond this \[side\].
@@ -213,12 +224,17 @@ impl<R: Lane> Bodies<R> {
 
     /// Brings the matrices of these blocks up to date, several side by side.
     pub fn show(&mut self, ids: impl Iterator<Item = u32>) {
+        if self.shown_at != self.now {
+            self.shown_at = self.now;
+            self.shown.fill(0);
+        }
         let mut late = [0; ABREAST];
         let mut count = 0;
         ids.for_each(|id| {
-            let attitude = &mut self.attitudes[id as usize];
-            if attitude.shown != self.now {
-                attitude.shown = self.now;
+            let (word, bit) = shown_bit(id);
+            let shown = &mut self.shown[word];
+            if *shown & bit == 0 {
+                *shown |= bit;
                 late[count % ABREAST] = id as usize;
                 count += 1;
                 if count == ABREAST {
@@ -271,8 +287,8 @@ impl<R: Lane> Bodies<R> {
     /// Turns a block at once, about its centre.
     pub fn turn_now(&mut self, id: u32, angle: Vector3<R>) {
         let turned = turn(angle, self.rotation(id));
-        let attitude = &mut self.attitudes[id as usize];
-        (attitude.rotation, attitude.shown) = (turned, NEVER);
+        self.attitudes[id as usize].rotation = turned;
+        self.forget_axes(id);
     }
 
     /// The free blocks whose centres are below a height, in rising order.
@@ -293,7 +309,14 @@ impl<R: Lane> Bodies<R> {
         let attitude = &mut self.attitudes[id as usize];
         let rotation = rotation.coords.map(R::of);
         attitude.rotation = UnitQuaternion::from_quaternion(rotation.into());
-        (attitude.turned, attitude.shown) = (self.now, NEVER);
+        attitude.turned = self.now;
+        self.forget_axes(id);
+    }
+
+    /// The matrix of a block is not what it was shown as.
+    fn forget_axes(&mut self, id: u32) {
+        let (word, bit) = shown_bit(id);
+        self.shown[word] &= !bit;
     }
 }
 
@@ -374,17 +397,24 @@ impl<R: Lane> Blocks for Bodies<R> {
             ..BodyState::at_rest(cast(centre))
         };
         self.set_state(id, &state);
-        self.anchored[id as usize] = Some(orientation);
+        let before = self.anchored[id as usize].replace(orientation);
+        self.anchored_count += usize::from(before.is_none());
         let (group, lane) = place(id);
         self.groups[group].mobility[lane] = R::zero();
     }
 
     fn release(&mut self, id: u32, velocity: Vector3<R>) {
-        self.anchored[id as usize] = None;
+        let before = self.anchored[id as usize].take();
+        self.anchored_count -= usize::from(before.is_some());
         let (group, lane) = place(id);
         self.groups[group].mobility[lane] = R::one();
         self.set_moved(id, velocity);
     }
+}
+
+/// Which bit says of a block that it is shown.
+fn shown_bit(id: u32) -> (usize, u64) {
+    (id as usize / 64, 1 << (id % 64))
 }
 
 /// A place after a way, and what rounding has added to it; `rounded`: what it had added before.

@@ -54,6 +54,11 @@ pub(super) struct CellList<R: Lane> {
     /// Places go on for [`ABREAST`] blocks that are nowhere.
     sorted: Vec<(u32, Tag)>,
     places: [Vec<R>; 3],
+    /// Pairs as they are found, and where those of each block end: kept to be used again.
+    #[serde(skip)]
+    found: Vec<(u32, u32)>,
+    #[serde(skip)]
+    ends: Vec<u32>,
 }
 
 /// A block's number, and whether it is anchored.
@@ -109,6 +114,8 @@ impl<R: Lane> CellList<R> {
             cells: vec![0; count.next_multiple_of(LANES)],
             sorted: vec![(0, Tag::default()); count],
             places: [(); 3].map(|()| vec![R::of(f64::NAN); count + ABREAST]),
+            found: Vec::new(),
+            ends: Vec::new(),
         }
     }
 
@@ -227,7 +234,15 @@ impl<R: Lane> CellList<R> {
 
     /// Every pair of blocks that are near each other, but those of which both are anchored; once,
     /// the lower number first, in rising order.
-    pub fn close_pairs(&self, pairs: &mut Vec<(u32, u32)>) {
+    pub fn close_pairs(&mut self, pairs: &mut Vec<(u32, u32)>) {
+        let mut found = std::mem::take(&mut self.found);
+        self.find_pairs(&mut found);
+        self.in_order(&found, pairs);
+        self.found = found;
+    }
+
+    /// The same, the lower number first, but in any order and some of them twice.
+    fn find_pairs(&self, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
         let count = self.sorted.len();
         let [row, slab] = self.stride;
@@ -260,7 +275,37 @@ impl<R: Lane> CellList<R> {
                 }
             }
         }
-        pairs.sort_unstable_by_key(|&(i, j)| u64::from(i) << 32 | u64::from(j));
+    }
+
+    /// Sorts pairs, each once: by counting for the first of both, as they are many and each has few others.
+    fn in_order(&mut self, found: &[(u32, u32)], pairs: &mut Vec<(u32, u32)>) {
+        let ends = &mut self.ends;
+        ends.clear();
+        ends.resize(self.sorted.len() + 1, 0);
+        for &(i, _) in found {
+            ends[i as usize + 1] += 1;
+        }
+        let mut sum = 0;
+        for end in &mut *ends {
+            sum += *end;
+            *end = sum;
+        }
+        pairs.clear();
+        pairs.resize(found.len(), (0, 0));
+        for &(i, j) in found {
+            let end = &mut ends[i as usize];
+            pairs[*end as usize] = (i, j);
+            *end += 1;
+        }
+        for sorted in 1..pairs.len() {
+            let pair = pairs[sorted];
+            let mut at = sorted;
+            while at > 0 && pairs[at - 1].0 == pair.0 && pairs[at - 1].1 > pair.1 {
+                pairs[at] = pairs[at - 1];
+                at -= 1;
+            }
+            pairs[at] = pair;
+        }
         pairs.dedup();
     }
 

@@ -44,7 +44,12 @@ struct Plate<R: Real> {
 
 impl<R: Lane> CollisionShape<R> {
     /// Without an enclosure there is no floor.
-    pub fn new(floor: bool, plate: &table::Plate, spheres: bool, compliant: bool) -> CollisionShape<R> {
+    pub fn new(
+        floor: bool,
+        plate: &table::Plate,
+        spheres: bool,
+        compliant: bool,
+    ) -> CollisionShape<R> {
         let half = |blocks: u32| R::of(f64::from(blocks) / 2.0);
         let ground = if floor {
             Ground::Plane

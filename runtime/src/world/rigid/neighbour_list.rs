@@ -9,7 +9,7 @@ use crate::world::blocks::Blocks;
 use crate::world::motion_limits::FARTHEST;
 
 /// So much farther apart than touching \[side\], pairs are on a list that is to last.
-const SKIN: f64 = 1.2;
+const SKIN: f64 = 1.6;
 
 /// More than rounding can change a distance by \[side\].
 const ROUNDING: f64 = 0.01;
@@ -167,8 +167,7 @@ impl<R: Lane> NeighbourList<R> {
     /// The blocks that may come within `reach` of a place before the list is made anew, in rising
     /// order.
     pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
-        self.grid
-            .around(centre, reach + R::of(self.skin), found);
+        self.grid.around(centre, reach + R::of(self.skin), found);
     }
 }
 

@@ -51,7 +51,11 @@ pub fn boxes<'a, R: Lane>(
 }
 
 /// Where two boxes touch that overlap least like this.
-fn manifold<R: Lane>(a: &Cuboid<'_, R>, b: &Cuboid<'_, R>, least: &LeastOverlap<R>) -> Option<Manifold<R>> {
+fn manifold<R: Lane>(
+    a: &Cuboid<'_, R>,
+    b: &Cuboid<'_, R>,
+    least: &LeastOverlap<R>,
+) -> Option<Manifold<R>> {
     let offset = b.centre - a.centre;
     match least.direction {
         Direction::Face { first: true, axis } => {

@@ -12,7 +12,7 @@ mod parallel;
 mod sequential;
 mod solver_bodies;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use sequential::SequentialContacts;
 
 use super::bodies::Bodies;
@@ -83,12 +83,12 @@ impl<R: Lane> Solver<R> {
     /// `push` is what the shell does to a block at a place, in unit time: in the middle of a step its
     /// velocity was that much less far. A collision at another velocity than that would add to the
     /// energy of all blocks that meet in the shell. `moved` is told of every block whose motion has
-    /// changed.
+    /// changed: its place, velocity and spin, and how it is turned.
     pub fn solve(
         &mut self,
         bodies: &mut Bodies<R>,
         push: impl Fn(Vector3<R>) -> Vector3<R>,
-        mut moved: impl FnMut(&Bodies<R>, u32),
+        mut moved: impl FnMut(u32, [Vector3<R>; 3], &UnitQuaternion<R>),
     ) {
         if self.touches.list.is_empty() {
             return;
@@ -107,8 +107,9 @@ impl<R: Lane> Solver<R> {
             if rigid {
                 bodies.turn_now(id, turn * dt);
             }
-            bodies.correct(id, (change.velocity + shift) * dt, change.velocity, change.spin);
-            moved(bodies, id);
+            let way = (change.velocity + shift) * dt;
+            let (motion, rotation) = bodies.correct(id, way, change.velocity, change.spin);
+            moved(id, motion, &rotation);
         }
     }
 
