@@ -91,11 +91,11 @@ impl<R: Lane> Bodies<R> {
     }
 
     /// All blocks, and some more in the end.
-    pub fn groups(&self) -> &[MotionGroup<R>] {
+    pub(super) fn groups(&self) -> &[MotionGroup<R>] {
         &self.groups
     }
 
-    pub fn groups_mut(&mut self) -> &mut [MotionGroup<R>] {
+    pub(super) fn groups_mut(&mut self) -> &mut [MotionGroup<R>] {
         &mut self.groups
     }
 
