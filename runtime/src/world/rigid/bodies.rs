@@ -1,137 +1,198 @@
-//! Where every block is and how it moves, in arrays.
+//! Where every block is and how it moves.
 use std::ops::{Add, Sub};
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 use stochc_protocol::Orientation;
 
+use super::motion_groups::{MotionGroup, gather, place, scatter};
 use super::quaternion::{SMALL, columns, large, small, turned};
-use super::simd::{ABREAST, LANES, Lane, Wide, square, transposed};
+use super::simd::{ABREAST, LANES, Lane, Wide, filled, square, transposed};
 use crate::world::blocks::{Blocks, Pose};
 use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
 use crate::world::rotation::quaternion;
 use crate::world::{BodyState, Fault};
 
-/// No substep.
-const NEVER: u64 = u64::MAX;
-
 /// The blocks by number.
 ///
-/// Positions and velocities are one array per component, because every step reads all of them.
-/// Orientations are brought up to date only when somebody looks: between two changes of its spin
-/// a cube turns at a constant rate, whatever its motion, as its inertia is the same about all axes.
+/// What every step reads of all of them lies in groups. Orientations are brought up to date only when somebody looks:
+/// between two changes of its spin a cube turns at a constant rate, whatever its motion, as its inertia is the same about all
+/// axes.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies<R: Lane> {
-    pub position: [Vec<R>; 3],
-    /// What rounding has taken from the positions: to be subtracted (W. Kahan, 1965). Steps far smaller than the last digit of
-    /// a place add up.
-    pub rounded: [Vec<R>; 3],
-    pub velocity: [Vec<R>; 3],
-    /// 1 if the block is free, 0 if it is anchored.
-    ///
-    /// These twelve arrays are longer than there are blocks, by blocks that are anchored for ever, to
-    /// make full groups of [`LANES`].
-    pub mobility: Vec<R>,
-    /// Length of the step that a block takes next, and of the one that it has taken last \[tick\].
-    pub step: Vec<R>,
-    pub last: Vec<R>,
-    /// As of `turned`, by the number of the substep.
-    rotation: Vec<UnitQuaternion<R>>,
-    turned: Vec<u64>,
-    /// The same as matrices, as of `shown`.
-    axes: Vec<Rotation3<R>>,
+    /// The last one is filled up with blocks that are anchored for ever.
+    groups: Vec<MotionGroup<R>>,
+    attitudes: Vec<Attitude<R>>,
+    /// Whose matrices are as of `shown_at`: a bit for each, which stay in the cache, whoever is asked for.
     shown: Vec<u64>,
-    spin: Vec<Vector3<R>>,
+    shown_at: u64,
     /// How a block sits in the structure; `None`: it is free.
     anchored: Vec<Option<Orientation>>,
+    /// How many are not free.
+    anchored_count: usize,
     /// Short steps that have passed.
     pub now: u64,
     /// Length of a short step \[tick\].
     pub dt: R,
 }
 
+/// How a block is turned, and how it turns.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
+struct Attitude<R: Lane> {
+    /// As of `turned`, by the number of the substep.
+    rotation: UnitQuaternion<R>,
+    turned: u64,
+    /// The same as a matrix, as of when it was shown last.
+    axes: Rotation3<R>,
+    spin: Vector3<R>,
+}
+
 stochc_ir::state! {
     (<R: Lane>) Bodies<R>;
-    values: position, rounded, velocity, mobility, step, last, rotation, turned, axes, shown, spin, anchored, now;
+    values: groups, attitudes, shown, shown_at, anchored, anchored_count, now;
     parts: ;
     same: dt
+}
+
+impl<R: Lane> Attitude<R> {
+    /// What it has turned by since, as a rotation vector.
+    fn late(&self, now: u64, dt: R) -> Vector3<R> {
+        self.spin * (dt * R::of((now - self.turned) as f64))
+    }
 }
 
 impl<R: Lane> Bodies<R> {
     /// `step`: how long a step is; `dt`: how long the shortest one is that a block may take.
     pub fn new(blocks: &[BodyState], step: R, dt: R) -> Bodies<R> {
-        let zeros = vec![R::zero(); blocks.len().next_multiple_of(LANES)];
-        let mut mobility = zeros.clone();
-        mobility[..blocks.len()].fill(R::one());
+        let attitude = Attitude {
+            rotation: UnitQuaternion::identity(),
+            turned: 0,
+            axes: Rotation3::identity(),
+            spin: Vector3::zeros(),
+        };
         let mut bodies = Bodies {
-            position: std::array::from_fn(|_| zeros.clone()),
-            rounded: std::array::from_fn(|_| zeros.clone()),
-            velocity: std::array::from_fn(|_| zeros.clone()),
-            mobility,
-            step: vec![step; zeros.len()],
-            last: vec![step; zeros.len()],
-            rotation: vec![UnitQuaternion::identity(); blocks.len()],
-            turned: vec![0; blocks.len()],
-            axes: vec![Rotation3::identity(); blocks.len()],
-            shown: vec![NEVER; blocks.len()],
-            spin: vec![Vector3::zeros(); blocks.len()],
+            groups: vec![MotionGroup::at_rest(step); blocks.len().div_ceil(LANES)],
+            attitudes: vec![attitude; blocks.len()],
+            shown: vec![0; blocks.len().div_ceil(64)],
+            shown_at: 0,
             anchored: vec![None; blocks.len()],
+            anchored_count: 0,
             now: 0,
             dt,
         };
         for (id, block) in (0..).zip(blocks) {
+            let (group, lane) = place(id);
+            bodies.groups[group].mobility[lane] = R::one();
             bodies.set_state(id, block);
         }
         bodies
     }
 
+    /// All blocks, and some more in the end.
+    pub(super) fn groups(&self) -> &[MotionGroup<R>] {
+        &self.groups
+    }
+
+    pub(super) fn groups_mut(&mut self) -> &mut [MotionGroup<R>] {
+        &mut self.groups
+    }
+
+    /// Length of the step that a block takes next \[tick\].
+    pub fn step(&self, id: u32) -> R {
+        let (group, lane) = place(id);
+        self.groups[group].step[lane]
+    }
+
+    pub fn set_step(&mut self, id: u32, step: R) {
+        let (group, lane) = place(id);
+        self.groups[group].step[lane] = step;
+    }
+
+    /// Changes the length of the step that a block has taken last \[tick\].
+    pub fn set_last(&mut self, id: u32, step: R) {
+        let (group, lane) = place(id);
+        self.groups[group].last[lane] = step;
+    }
+
     /// Changes the motion of a block whose rotation is up to date.
     pub fn set_velocity_of_turned(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
-        scatter(&mut self.velocity, id, velocity);
-        self.spin[id as usize] = spin;
+        self.set_moved(id, velocity);
+        self.attitudes[id as usize].spin = spin;
+    }
+
+    /// Moves a block by this way, and changes its motion: its place, velocity and spin from now on, and how it is turned.
+    pub fn correct(
+        &mut self,
+        id: u32,
+        way: Vector3<R>,
+        faster: Vector3<R>,
+        spin: Vector3<R>,
+    ) -> ([Vector3<R>; 3], UnitQuaternion<R>) {
+        let rotation = self.rotation(id);
+        self.attitudes[id as usize].spin = spin;
+        let (group, lane) = place(id);
+        let group = &mut self.groups[group];
+        for axis in 0..3 {
+            let (place, rounded) = (group.position[axis][lane], group.rounded[axis][lane]);
+            let (place, rounded) = add(place, way[axis], rounded);
+            (group.position[axis][lane], group.rounded[axis][lane]) = (place, rounded);
+            group.velocity[axis][lane] += faster[axis];
+        }
+        let position = gather(&group.position, lane);
+        ([position, gather(&group.velocity, lane), spin], rotation)
     }
 
     /// Changes the velocity alone: the block turns as before.
     pub fn set_moved(&mut self, id: u32, velocity: Vector3<R>) {
-        scatter(&mut self.velocity, id, velocity);
+        let (group, lane) = place(id);
+        scatter(&mut self.groups[group].velocity, lane, velocity);
     }
 
     pub fn set_position(&mut self, id: u32, position: Vector3<R>) {
-        scatter(&mut self.position, id, position);
-        scatter(&mut self.rounded, id, Vector3::zeros());
+        let (group, lane) = place(id);
+        let group = &mut self.groups[group];
+        scatter(&mut group.position, lane, position);
+        scatter(&mut group.rounded, lane, Vector3::zeros());
     }
 
     /// Moves a block by this way.
     pub fn shift(&mut self, id: u32, way: Vector3<R>) {
-        let i = id as usize;
+        let (group, lane) = place(id);
+        let MotionGroup {
+            position, rounded, ..
+        } = &mut self.groups[group];
         for axis in 0..3 {
-            let place = &mut self.position[axis][i];
-            (*place, self.rounded[axis][i]) = add(*place, way[axis], self.rounded[axis][i]);
+            let (place, rounded) = (&mut position[axis][lane], &mut rounded[axis][lane]);
+            (*place, *rounded) = add(*place, way[axis], *rounded);
         }
     }
 
     /// How long the forces of a block act that it is moved by next: velocities are half a step behind places.
     pub fn span(&self, id: u32) -> R {
-        let i = id as usize;
-        (self.step[i] + self.last[i]) * R::of(0.5)
+        let (group, lane) = place(id);
+        let group = &self.groups[group];
+        (group.step[lane] + group.last[lane]) * R::of(0.5)
     }
 
     /// How long the force acts between two blocks that touch, of which one may be anchored: as long as that on whoever takes
     /// the longer steps.
     pub fn span_of_pair(&self, [a, b]: [u32; 2]) -> R {
-        let longer = |steps: &[R]| {
-            let of = |id: u32| steps[id as usize] * self.mobility[id as usize];
-            of(a).max(of(b))
+        let steps = |id: u32| {
+            let (group, lane) = place(id);
+            let group = &self.groups[group];
+            [&group.step, &group.last].map(|of| of[lane] * group.mobility[lane])
         };
-        (longer(&self.step) + longer(&self.last)) * R::of(0.5)
+        let ([step, last], [other_step, other_last]) = (steps(a), steps(b));
+        (step.max(other_step) + last.max(other_last)) * R::of(0.5)
     }
 
     /// The greatest speed \[side / tick\].
     pub fn fastest(&self) -> R {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.velocity[axis].as_chunks::<LANES>().0.iter());
         let mut most = R::Wide::splat(R::zero());
-        for ((x, y), z) in x.zip(y).zip(z) {
-            most = square([x, y, z].map(R::Wide::load)).most(most);
+        for group in &self.groups {
+            most = square(group.velocity.each_ref().map(R::Wide::load)).most(most);
         }
         let squares = most.store().into_iter();
         squares.fold(R::zero(), R::max).sqrt()
@@ -139,7 +200,7 @@ impl<R: Lane> Bodies<R> {
 
     /// How many are anchored.
     pub fn count_anchored(&self) -> usize {
-        self.anchored.iter().flatten().count()
+        self.anchored_count
     }
 
     /// How many blocks have a coordinate beyond this \[side\].
@@ -150,49 +211,54 @@ impl<R: Lane> Bodies<R> {
 
     /// How many blocks are higher than this \[side\].
     pub fn count_above(&self, height: R) -> usize {
-        let blocks = &self.position[2][..self.anchored.len()];
-        blocks.iter().filter(|&&z| z > height).count()
+        let above = |&id: &u32| self.position(id).z > height;
+        (0..self.count()).filter(above).count()
     }
 
     /// # Errors
     /// If the motion of a block makes no sense.
     pub fn check(&self, id: u32, limits: &MotionLimits) -> Result<(), Fault> {
         let motion = [self.position(id), self.velocity(id), self.spin(id)];
-        limits.check(id, motion, &self.rotation[id as usize])
+        limits.check(id, motion, &self.attitudes[id as usize].rotation)
     }
 
     /// Brings the matrices of these blocks up to date, several side by side.
     pub fn show(&mut self, ids: impl Iterator<Item = u32>) {
+        if self.shown_at != self.now {
+            self.shown_at = self.now;
+            self.shown.fill(0);
+        }
         let mut late = [0; ABREAST];
         let mut count = 0;
-        for id in ids {
-            let i = id as usize;
-            if self.shown[i] != self.now {
-                self.shown[i] = self.now;
-                late[count] = i;
+        ids.for_each(|id| {
+            let (word, bit) = shown_bit(id);
+            let shown = &mut self.shown[word];
+            if *shown & bit == 0 {
+                *shown |= bit;
+                late[count % ABREAST] = id as usize;
                 count += 1;
                 if count == ABREAST {
                     self.show_abreast(&late);
                     count = 0;
                 }
             }
+        });
+        if count > 0 {
+            self.show_abreast(&late[..count]);
         }
-        self.show_abreast(&late[..count]);
     }
 
-    /// At most [`ABREAST`] of them.
+    /// At most [`ABREAST`] of them, and at least one.
     fn show_abreast(&mut self, blocks: &[usize]) {
-        let rotation = transposed(blocks.iter().map(|&i| self.rotation[i].coords.into()));
-        let angle = transposed(blocks.iter().map(|&i| {
-            let late = R::of((self.now - self.turned[i]) as f64);
-            (self.spin[i] * (self.dt * late)).into()
-        }));
+        let lanes = filled(blocks).map(|i| &self.attitudes[i]);
+        let rotation = transposed(lanes.map(|of| of.rotation.coords.into()));
+        let angle = transposed(lanes.map(|of| of.late(self.now, self.dt).into()));
         let of = |value: f64| R::Quad::splat(R::of(value));
         let s = square(angle) * of(0.25);
         let mut half = small(s, of);
         if of(SMALL).above(s).bits() != (1 << ABREAST) - 1 {
             let (mut cos, mut over) = (half.0.store(), half.1.store());
-            for (lane, s) in s.store().into_iter().enumerate() {
+            for (lane, s) in s.store().into_iter().take(blocks.len()).enumerate() {
                 if s >= R::of(SMALL) {
                     (cos[lane], over[lane]) = large(s);
                 }
@@ -205,47 +271,52 @@ impl<R: Lane> Bodies<R> {
         let columns = columns(rotation, of).map(|column| column.map(Wide::store));
         let rotation = rotation.map(Wide::store);
         for (lane, &i) in blocks.iter().enumerate() {
-            self.turned[i] = self.now;
-            self.rotation[i].as_mut_unchecked().coords = rotation.map(|lanes| lanes[lane]).into();
+            let attitude = &mut self.attitudes[i];
+            attitude.turned = self.now;
+            attitude.rotation.as_mut_unchecked().coords = rotation.map(|lanes| lanes[lane]).into();
             let columns = columns.map(|column| column.map(|lanes| lanes[lane]));
-            self.axes[i] = Rotation3::from_matrix_unchecked(Matrix3::from(columns));
+            attitude.axes = Rotation3::from_matrix_unchecked(Matrix3::from(columns));
         }
     }
 
     /// The same as a matrix, own directions to the world's, as of the last time that it was shown.
     pub fn axes(&self, id: u32) -> &Rotation3<R> {
-        &self.axes[id as usize]
+        &self.attitudes[id as usize].axes
     }
 
     /// Turns a block at once, about its centre.
     pub fn turn_now(&mut self, id: u32, angle: Vector3<R>) {
         let turned = turn(angle, self.rotation(id));
-        self.rotation[id as usize] = turned;
-        self.shown[id as usize] = NEVER;
+        self.attitudes[id as usize].rotation = turned;
+        self.forget_axes(id);
     }
 
     /// The free blocks whose centres are below a height, in rising order.
     pub fn list_below(&self, height: R, found: &mut Vec<u32>) {
         found.clear();
-        let height = R::Wide::splat(height);
-        for (group, z) in self.position[2].as_chunks::<LANES>().0.iter().enumerate() {
-            let mut low = height.above(R::Wide::load(z)).bits();
+        let (height, zero) = (R::Wide::splat(height), R::Wide::splat(R::zero()));
+        for (first, group) in (0..).step_by(LANES).zip(&self.groups) {
+            let is_low = height.above(R::Wide::load(&group.position[2]));
+            let mut low = (is_low & R::Wide::load(&group.mobility).above(zero)).bits();
             while low != 0 {
-                let id = (group * LANES) as u32 + low.trailing_zeros();
+                found.push(first + low.trailing_zeros());
                 low &= low - 1;
-                if id < self.count() && self.is_free(id) {
-                    found.push(id);
-                }
             }
         }
     }
 
     fn set_rotation(&mut self, id: u32, rotation: UnitQuaternion<f64>) {
-        let i = id as usize;
+        let attitude = &mut self.attitudes[id as usize];
         let rotation = rotation.coords.map(R::of);
-        self.rotation[i] = UnitQuaternion::from_quaternion(rotation.into());
-        self.turned[i] = self.now;
-        self.shown[i] = NEVER;
+        attitude.rotation = UnitQuaternion::from_quaternion(rotation.into());
+        attitude.turned = self.now;
+        self.forget_axes(id);
+    }
+
+    /// The matrix of a block is not what it was shown as.
+    fn forget_axes(&mut self, id: u32) {
+        let (word, bit) = shown_bit(id);
+        self.shown[word] &= !bit;
     }
 }
 
@@ -261,44 +332,48 @@ impl<R: Lane> Blocks for Bodies<R> {
     }
 
     fn position(&self, id: u32) -> Vector3<R> {
-        gather(&self.position, id)
+        let (group, lane) = place(id);
+        gather(&self.groups[group].position, lane)
     }
 
     fn velocity(&self, id: u32) -> Vector3<R> {
-        gather(&self.velocity, id)
+        let (group, lane) = place(id);
+        gather(&self.groups[group].velocity, lane)
     }
 
     fn spin(&self, id: u32) -> Vector3<R> {
-        self.spin[id as usize]
+        self.attitudes[id as usize].spin
     }
 
     fn rotation(&mut self, id: u32) -> UnitQuaternion<R> {
-        let i = id as usize;
-        let late = self.now - self.turned[i];
-        if late > 0 {
-            self.turned[i] = self.now;
-            let angle = self.spin[i] * (self.dt * R::of(late as f64));
-            self.rotation[i] = turn(angle, self.rotation[i]);
+        let attitude = &mut self.attitudes[id as usize];
+        if self.now > attitude.turned {
+            let angle = attitude.late(self.now, self.dt);
+            attitude.turned = self.now;
+            attitude.rotation = turn(angle, attitude.rotation);
         }
-        self.rotation[i]
+        attitude.rotation
     }
 
     fn state(&self, id: u32) -> BodyState {
-        let i = id as usize;
-        let late = R::of((self.now - self.turned[i]) as f64);
-        let rotation = turn(self.spin[i] * (self.dt * late), self.rotation[i]);
+        let attitude = &self.attitudes[id as usize];
+        let rotation = turn(attitude.late(self.now, self.dt), attitude.rotation);
+        let (group, lane) = place(id);
+        let rounded = gather(&self.groups[group].rounded, lane);
         BodyState {
-            position: cast::<R, f64>(self.position(id)) - cast(gather(&self.rounded, id)),
+            position: cast::<R, f64>(self.position(id)) - cast(rounded),
             orientation: UnitQuaternion::from_quaternion(rotation.coords.map(Real::double).into()),
             velocity: cast(self.velocity(id)),
-            spin: cast(self.spin[i]),
+            spin: cast(attitude.spin),
         }
     }
 
     fn set_state(&mut self, id: u32, state: &BodyState) {
         self.set_position(id, cast(state.position));
         let kept: Vector3<f64> = cast(self.position(id));
-        scatter(&mut self.rounded, id, cast(kept - state.position));
+        let (group, lane) = place(id);
+        let rounded = cast(kept - state.position);
+        scatter(&mut self.groups[group].rounded, lane, rounded);
         self.set_velocity_of_turned(id, cast(state.velocity), cast(state.spin));
         self.set_rotation(id, state.orientation);
     }
@@ -309,7 +384,7 @@ impl<R: Lane> Blocks for Bodies<R> {
     }
 
     fn set_velocity(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
-        if self.spin[id as usize] != spin {
+        if self.spin(id) != spin {
             // What it is turned by now, it was turned to before its spin changes.
             self.rotation(id);
         }
@@ -322,15 +397,24 @@ impl<R: Lane> Blocks for Bodies<R> {
             ..BodyState::at_rest(cast(centre))
         };
         self.set_state(id, &state);
-        self.anchored[id as usize] = Some(orientation);
-        self.mobility[id as usize] = R::zero();
+        let before = self.anchored[id as usize].replace(orientation);
+        self.anchored_count += usize::from(before.is_none());
+        let (group, lane) = place(id);
+        self.groups[group].mobility[lane] = R::zero();
     }
 
     fn release(&mut self, id: u32, velocity: Vector3<R>) {
-        self.anchored[id as usize] = None;
-        self.mobility[id as usize] = R::one();
-        scatter(&mut self.velocity, id, velocity);
+        let before = self.anchored[id as usize].take();
+        self.anchored_count -= usize::from(before.is_some());
+        let (group, lane) = place(id);
+        self.groups[group].mobility[lane] = R::one();
+        self.set_moved(id, velocity);
     }
+}
+
+/// Which bit says of a block that it is shown.
+fn shown_bit(id: u32) -> (usize, u64) {
+    (id as usize / 64, 1 << (id % 64))
 }
 
 /// A place after a way, and what rounding has added to it; `rounded`: what it had added before.
@@ -343,17 +427,6 @@ pub(super) fn add<W: Copy + Add<Output = W> + Sub<Output = W>>(
     let way = way - rounded;
     let moved = place + way;
     (moved, (moved - place) - way)
-}
-
-fn gather<R: Real>(arrays: &[Vec<R>; 3], id: u32) -> Vector3<R> {
-    let i = id as usize;
-    Vector3::new(arrays[0][i], arrays[1][i], arrays[2][i])
-}
-
-fn scatter<R: Real>(arrays: &mut [Vec<R>; 3], id: u32, value: Vector3<R>) {
-    for (axis, array) in arrays.iter_mut().enumerate() {
-        array[id as usize] = value[axis];
-    }
 }
 
 /// `rotation`, turned by a rotation vector: exact for a constant spin.

@@ -54,6 +54,11 @@ pub(super) struct CellList<R: Lane> {
     /// Places go on for [`ABREAST`] blocks that are nowhere.
     sorted: Vec<(u32, Tag)>,
     places: [Vec<R>; 3],
+    /// Pairs as they are found, and where those of each block end: kept to be used again.
+    #[serde(skip)]
+    found: Vec<(u32, u32)>,
+    #[serde(skip)]
+    ends: Vec<u32>,
 }
 
 /// A block's number, and whether it is anchored.
@@ -109,6 +114,8 @@ impl<R: Lane> CellList<R> {
             cells: vec![0; count.next_multiple_of(LANES)],
             sorted: vec![(0, Tag::default()); count],
             places: [(); 3].map(|()| vec![R::of(f64::NAN); count + ABREAST]),
+            found: Vec::new(),
+            ends: Vec::new(),
         }
     }
 
@@ -139,23 +146,27 @@ impl<R: Lane> CellList<R> {
                 *anchored = sum;
             }
         }
-        let [x, y, z] = [0, 1, 2].map(|axis| &bodies.position[axis][..cells.len()]);
+        let sorted = &mut self.sorted[..cells.len()];
         let [to_x, to_y, to_z] = self
             .places
             .each_mut()
             .map(|places| &mut places[..cells.len()]);
-        for (i, &cell) in cells.iter().enumerate() {
-            let place = &mut self.start[cell as usize + 1];
-            let at = *place as usize;
-            *place += 1;
-            self.sorted[at] = (cell, Tag::new(i as u32, !bodies.is_free(i as u32)));
-            (to_x[at], to_y[at], to_z[at]) = (x[i], y[i], z[i]);
+        let groups = bodies.groups().iter().zip(cells.chunks(LANES));
+        for (first, (group, cells)) in (0..).step_by(LANES).zip(groups) {
+            let [x, y, z] = &group.position;
+            for (lane, &cell) in cells.iter().enumerate().take(LANES) {
+                let place = &mut self.start[cell as usize + 1];
+                let at = *place as usize;
+                *place += 1;
+                let is_anchored = group.mobility[lane] == R::zero();
+                sorted[at] = (cell, Tag::new(first + lane as u32, is_anchored));
+                (to_x[at], to_y[at], to_z[at]) = (x[lane], y[lane], z[lane]);
+            }
         }
     }
 
     /// Finds the cell of each block.
     fn look_up_cells(&mut self, bodies: &Bodies<R>) {
-        let [x, y, z] = [0, 1, 2].map(|axis| bodies.position[axis].as_chunks::<LANES>().0);
         let [row, slab] = self.stride.map(|cells| R::Wide::splat(R::of(cells as f64)));
         let first = R::Wide::splat(R::of(self.cell([0; 3]) as f64));
         let zero = R::Wide::splat(R::zero());
@@ -164,18 +175,14 @@ impl<R: Lane> CellList<R> {
         let (low, scale) = (self.low.map(R::Wide::splat), self.scale.map(R::Wide::splat));
         let last = self.last.map(R::Wide::splat);
         let (groups, _) = self.cells.as_chunks_mut::<LANES>();
-        for (group, cells) in groups.iter_mut().enumerate() {
+        for (group, cells) in bodies.groups().iter().zip(groups) {
             let along = |axis: usize, x: &[R; LANES]| {
                 let cell = (R::Wide::load(x) - low[axis]) * scale[axis];
                 // What is not a number is in the first cell.
                 let cell = cell.above(zero).choose(cell, zero);
                 cell.least(last[axis]) + large - large
             };
-            let [x, y, z] = [
-                along(0, &x[group]),
-                along(1, &y[group]),
-                along(2, &z[group]),
-            ];
+            let [x, y, z] = [0, 1, 2].map(|axis| along(axis, &group.position[axis]));
             let all = (x * slab + z * row + y + first).store();
             for (cell, number) in cells.iter_mut().zip(all) {
                 *cell = number.round_small();
@@ -227,7 +234,15 @@ impl<R: Lane> CellList<R> {
 
     /// Every pair of blocks that are near each other, but those of which both are anchored; once,
     /// the lower number first, in rising order.
-    pub fn close_pairs(&self, pairs: &mut Vec<(u32, u32)>) {
+    pub fn close_pairs(&mut self, pairs: &mut Vec<(u32, u32)>) {
+        let mut found = std::mem::take(&mut self.found);
+        self.find_pairs(&mut found);
+        self.in_order(&found, pairs);
+        self.found = found;
+    }
+
+    /// The same, the lower number first, but in any order and some of them twice.
+    fn find_pairs(&self, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
         let count = self.sorted.len();
         let [row, slab] = self.stride;
@@ -243,40 +258,87 @@ impl<R: Lane> CellList<R> {
                 edge = self.edge(cell / slab, slabs);
                 end = (cell / slab + 1) * slab;
             }
-            let here = places.map(|x| R::Quad::splat(x[k]));
             if own.is_anchored() && self.has_no_free_neighbour(cell) {
                 continue;
             }
-            let mut meet = |from: u32, to: u32| {
-                let (mut from, to) = (from as usize, to as usize);
-                loop {
-                    let mut hits = near.above(squares(places, &here, from)).bits();
-                    // Whoever is near beyond the end of the stretch is met twice.
-                    while hits != 0 {
-                        let other = self.sorted[from + hits.trailing_zeros() as usize].1;
-                        hits &= hits - 1;
-                        if !own.are_anchored(other) {
-                            let (i, j) = (own.id(), other.id());
-                            pairs.push((i.min(j), i.max(j)));
-                        }
-                    }
-                    from += ABREAST;
-                    if from >= to {
-                        break;
-                    }
-                }
+            let seeker = Seeker {
+                here: places.map(|x| R::Quad::splat(x[k])),
+                near,
+                own,
             };
-            meet(k as u32 + 1, start[cell + 2]);
             let above = &start[cell + row - 1..][..4];
-            meet(above[0], above[3]);
+            self.meet(&seeker, [k as u32 + 1, start[cell + 2]], pairs);
+            self.meet(&seeker, [above[0], above[3]], pairs);
             if places[0][k] > edge {
                 for other in [cell + slab - row, cell + slab, cell + slab + row] {
-                    meet(start[other - 1], start[other + 2]);
+                    self.meet(&seeker, [start[other - 1], start[other + 2]], pairs);
                 }
             }
         }
-        pairs.sort_unstable();
+    }
+
+    /// Sorts pairs, each once: by counting for the first of both, as they are many and each has few others.
+    fn in_order(&mut self, found: &[(u32, u32)], pairs: &mut Vec<(u32, u32)>) {
+        let ends = &mut self.ends;
+        ends.clear();
+        ends.resize(self.sorted.len() + 1, 0);
+        for &(i, _) in found {
+            ends[i as usize + 1] += 1;
+        }
+        let mut sum = 0;
+        for end in &mut *ends {
+            sum += *end;
+            *end = sum;
+        }
+        pairs.clear();
+        pairs.resize(found.len(), (0, 0));
+        for &(i, j) in found {
+            let end = &mut ends[i as usize];
+            pairs[*end as usize] = (i, j);
+            *end += 1;
+        }
+        for sorted in 1..pairs.len() {
+            let pair = pairs[sorted];
+            let mut at = sorted;
+            while at > 0 && pairs[at - 1].0 == pair.0 && pairs[at - 1].1 > pair.1 {
+                pairs[at] = pairs[at - 1];
+                at -= 1;
+            }
+            pairs[at] = pair;
+        }
         pairs.dedup();
+    }
+
+    /// Adds the pairs of a block with those near it in a stretch of the sorted list, and maybe with some beyond its end.
+    #[inline(always)]
+    fn meet(&self, seeker: &Seeker<R>, stretch: [u32; 2], pairs: &mut Vec<(u32, u32)>) {
+        let [mut from, to] = stretch.map(|at| at as usize);
+        let places = [0, 1, 2].map(|axis| &self.places[axis][..self.sorted.len() + ABREAST]);
+        loop {
+            let squares = squares(places, &seeker.here, from);
+            let hits = seeker.near.above(squares).bits();
+            // Whoever is near beyond the end of the stretch is met twice.
+            if hits != 0 {
+                self.note(seeker.own, from, hits, pairs);
+            }
+            from += ABREAST;
+            if from >= to {
+                break;
+            }
+        }
+    }
+
+    /// Adds the pairs of a block with those of a group that are near it. Rare enough for a call.
+    #[inline(never)]
+    fn note(&self, own: Tag, from: usize, mut hits: u32, pairs: &mut Vec<(u32, u32)>) {
+        while hits != 0 {
+            let other = self.sorted[from + hits.trailing_zeros() as usize].1;
+            hits &= hits - 1;
+            if !own.are_anchored(other) {
+                let (i, j) = (own.id(), other.id());
+                pairs.push((i.min(j), i.max(j)));
+            }
+        }
     }
 
     /// The blocks that may be within `reach` of a place, in rising order.
@@ -299,12 +361,20 @@ impl<R: Lane> CellList<R> {
     }
 }
 
+/// A block whose neighbours are looked for.
+struct Seeker<R: Lane> {
+    own: Tag,
+    here: [R::Quad; 3],
+    /// Closer than this is near, squared.
+    near: R::Quad,
+}
+
 /// How far a group of blocks is from a place, squared.
 #[inline(always)]
 fn squares<R: Lane>([x, y, z]: [&[R]; 3], here: &[R::Quad; 3], from: usize) -> R::Quad {
     let square = |places: &[R], here: R::Quad| {
-        let group = &places[from..from + ABREAST];
-        let way = R::Quad::load(&std::array::from_fn(|lane| group[lane])) - here;
+        let group = places[from..from + ABREAST].first_chunk();
+        let way = R::Quad::load(group.expect("as many as there are lanes")) - here;
         way * way
     };
     square(x, here[0]) + square(y, here[1]) + square(z, here[2])

@@ -1,7 +1,6 @@
 //! Who touches whom at the beginning of a substep.
-use nalgebra::Vector3;
-use smallvec::SmallVec;
-use stochc_ir::table::Plate;
+use nalgebra::{Rotation3, Vector3};
+use stochc_ir::table;
 
 use super::bodies::Bodies;
 use super::cell_list::TOUCH;
@@ -10,7 +9,7 @@ use super::narrow_phase::{
     Cuboid, Manifold, ball_on_ground, balls, boxes, cube_on_ground, face_on_ground,
 };
 use super::neighbour_list::NeighbourList;
-use super::simd::{ABREAST, Lane};
+use super::simd::{ABREAST, Lane, filled};
 use super::solver::{Law, Solver};
 use crate::settings::{ROUNDS, Reduction, Settings};
 use crate::world::blocks::Blocks;
@@ -32,19 +31,32 @@ enum Ground<R: Real> {
     /// The plane z = 0, level with the plate.
     Plane,
     /// Nothing but the plate.
-    Plate(Cuboid<R>),
+    Plate(Plate<R>),
+}
+
+/// The box that all seeds are.
+#[derive(Clone, Copy, Debug)]
+struct Plate<R: Real> {
+    centre: Vector3<R>,
+    axes: Rotation3<R>,
+    half: Vector3<R>,
 }
 
 impl<R: Lane> CollisionShape<R> {
     /// Without an enclosure there is no floor.
-    pub fn new(floor: bool, plate: &Plate, spheres: bool, compliant: bool) -> CollisionShape<R> {
+    pub fn new(
+        floor: bool,
+        plate: &table::Plate,
+        spheres: bool,
+        compliant: bool,
+    ) -> CollisionShape<R> {
         let half = |blocks: u32| R::of(f64::from(blocks) / 2.0);
         let ground = if floor {
             Ground::Plane
         } else {
-            Ground::Plate(Cuboid {
+            Ground::Plate(Plate {
                 centre: Vector3::z() * R::of(-0.5),
-                axes: nalgebra::Rotation3::identity(),
+                axes: Rotation3::identity(),
                 half: Vector3::new(half(plate.width), half(plate.depth), R::of(0.5)),
             })
         };
@@ -65,15 +77,22 @@ impl<R: Lane> CollisionShape<R> {
         }
     }
 
-    /// How a block and the ground overlap.
-    fn on_ground(&self, bodies: &Bodies<R>, id: u32) -> Option<Manifold<R>> {
-        match &self.ground {
-            Ground::Plane if self.spheres => ball_on_ground(bodies.position(id)),
-            Ground::Plane if self.compliant => face_on_ground(bodies.position(id), bodies.axes(id)),
-            Ground::Plane => cube_on_ground(bodies.position(id), bodies.axes(id)),
+    /// Shows how a block and the ground overlap, if they do.
+    fn on_ground(&self, bodies: &Bodies<R>, id: u32, mut touch: impl FnMut(&Manifold<R>)) {
+        let place = bodies.position(id);
+        let on_plane = match &self.ground {
+            Ground::Plane if self.spheres => ball_on_ground(place),
+            Ground::Plane if self.compliant => face_on_ground(place, bodies.axes(id)),
+            Ground::Plane => cube_on_ground(place, bodies.axes(id)),
             // A ball on an edge of the plate is a rare thing that is not worth a rule of its own.
-            Ground::Plate(plate) => boxes(&[(cube(bodies, id), *plate)]).next().flatten(),
-        }
+            Ground::Plate(Plate { centre, axes, half }) => {
+                let (centre, half) = (*centre, *half);
+                let pair = (cube(bodies, id), Cuboid { centre, axes, half });
+                boxes(&[pair; ABREAST], 1, |_, manifold| touch(manifold));
+                return;
+            }
+        };
+        on_plane.iter().for_each(touch);
     }
 
     /// Whether it matters how blocks are turned that touch the ground, and those that touch each other.
@@ -84,8 +103,8 @@ impl<R: Lane> CollisionShape<R> {
 }
 
 /// A block.
-fn cube<R: Lane>(bodies: &Bodies<R>, id: u32) -> Cuboid<R> {
-    Cuboid::cube(bodies.position(id), *bodies.axes(id))
+fn cube<R: Lane>(bodies: &Bodies<R>, id: u32) -> Cuboid<'_, R> {
+    Cuboid::cube(bodies.position(id), bodies.axes(id))
 }
 
 /// Who can touch what, and who does.
@@ -104,7 +123,7 @@ impl<R: Lane> Contacts<R> {
     pub fn new(
         contact: &ContactParameters,
         floor: bool,
-        plate: &Plate,
+        plate: &table::Plate,
         settings: &Settings,
         count: usize,
     ) -> Contacts<R> {
@@ -176,30 +195,28 @@ impl<R: Lane> Contacts<R> {
                 && bonds.is_none_or(|bonds| !bonds.groups.same(a, b))
         });
         let [on_ground, mutually] = shape.has_edges();
-        bodies.show(low.iter().copied().filter(|_| on_ground));
-        bodies.show(close.iter().flat_map(|&(a, b)| [a, b]).filter(|_| mutually));
+        let low_ones = low.iter().copied().filter(|_| on_ground);
+        let close_ones = close.iter().flat_map(|&(a, b)| [a, b]);
+        bodies.show(low_ones.chain(close_ones.filter(|_| mutually)));
         for &id in &*low {
-            if let Some(manifold) = shape.on_ground(bodies, id) {
-                solver.add(bodies, id, None, &manifold);
-            }
+            shape.on_ground(bodies, id, |manifold| {
+                solver.add(bodies, id, None, manifold);
+            });
         }
         for pairs in close.chunks(ABREAST) {
-            let mut add = |(a, b): (u32, u32), manifold: Option<Manifold<R>>| {
-                if let Some(manifold) = manifold {
-                    solver.add(bodies, a, Some(b), &manifold);
-                }
+            let mut add = |(a, b): (u32, u32), manifold: &Manifold<R>| {
+                solver.add(bodies, a, Some(b), manifold);
             };
             if shape.spheres {
                 for &(a, b) in pairs {
-                    add((a, b), balls(bodies.position(a), bodies.position(b)));
+                    let manifold = balls(bodies.position(a), bodies.position(b));
+                    manifold.iter().for_each(|manifold| add((a, b), manifold));
                 }
             } else {
-                let cubes: SmallVec<[_; ABREAST]> = (pairs.iter())
-                    .map(|&(a, b)| (cube(bodies, a), cube(bodies, b)))
-                    .collect();
-                for (&pair, manifold) in pairs.iter().zip(boxes(&cubes)) {
-                    add(pair, manifold);
-                }
+                let cubes = filled(pairs).map(|(a, b)| (cube(bodies, a), cube(bodies, b)));
+                boxes(&cubes, pairs.len(), |nth, manifold| {
+                    add(pairs[nth], manifold);
+                });
             }
         }
     }

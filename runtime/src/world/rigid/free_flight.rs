@@ -60,7 +60,7 @@ impl<R: Lane> FreeFlight<R> {
         draws: &mut Vec<u8>,
     ) -> bool {
         let kicks = kicks.filter(|_| built::AGITATION).map(|(kicks, step)| {
-            step.fill(bodies.mobility.len(), draws);
+            step.fill(bodies.groups().len() * LANES, draws);
             Kick::new(kicks)
         });
         let kicked = built::AGITATION && kicks.is_some();
@@ -117,46 +117,29 @@ impl<R: Lane> FreeFlight<R> {
             R::of(1.0 / (self.limits.far * self.limits.far)),
         );
         let mut sound = true;
-        let [px, py, pz] = bodies
-            .position
-            .each_mut()
-            .map(|x| x.as_chunks_mut::<LANES>().0);
-        let [ex, ey, ez] = (bodies.rounded.each_mut()).map(|e| e.as_chunks_mut::<LANES>().0);
-        let [vx, vy, vz] = bodies
-            .velocity
-            .each_mut()
-            .map(|v| v.as_chunks_mut::<LANES>().0);
-        let mobility = bodies.mobility.as_chunks::<LANES>().0;
-        let (steps, last) = (&bodies.step, &bodies.last);
-        let (steps, last) = (steps.as_chunks::<LANES>().0, last.as_chunks::<LANES>().0);
         let (words, _) = draws.as_chunks::<4>();
         let (words, _) = words.as_chunks::<{ WORDS as usize * LANES }>();
-        let groups = mobility.len();
-        let (px, py, pz) = (&mut px[..groups], &mut py[..groups], &mut pz[..groups]);
-        let (ex, ey, ez) = (&mut ex[..groups], &mut ey[..groups], &mut ez[..groups]);
-        let (vx, vy, vz) = (&mut vx[..groups], &mut vy[..groups], &mut vz[..groups]);
-        let (steps, last) = (&steps[..groups], &last[..groups]);
         let (speeds, ways) = (R::Wide::splat(speeds), R::Wide::splat(ways));
         let half = R::Wide::splat(R::of(0.5));
         let load = R::Wide::load;
-        for from in (0..groups).step_by(CHECKED) {
+        for (number, groups) in bodies.groups_mut().chunks_mut(CHECKED).enumerate() {
             let mut excess = R::Wide::splat(R::zero());
-            for group in from..(from + CHECKED).min(groups) {
-                let mut x = [load(&px[group]), load(&py[group]), load(&pz[group])];
-                let mut rounded = [load(&ex[group]), load(&ey[group]), load(&ez[group])];
-                let mut v = [load(&vx[group]), load(&vy[group]), load(&vz[group])];
-                let mobility = load(&mobility[group]);
-                let dt = load(&steps[group]);
+            for (nth, group) in groups.iter_mut().enumerate() {
+                let mut x = group.position.each_ref().map(load);
+                let mut rounded = group.rounded.each_ref().map(load);
+                let mut v = group.velocity.each_ref().map(load);
+                let mobility = load(&group.mobility);
+                let dt = load(&group.step);
                 if SHELL {
                     let way = [x[0], x[1], x[2] - R::Wide::splat(shell.height)];
-                    let span = (dt + load(&last[group])) * half;
+                    let span = (dt + load(&group.last)) * half;
                     let by = shell.factor(&way) * span * mobility;
                     for axis in 0..3 {
                         v[axis] -= way[axis] * by;
                     }
                 }
                 if KICKS {
-                    let kick = kick.draw(&words[group]);
+                    let kick = kick.draw(&words[number * CHECKED + nth]);
                     for axis in 0..3 {
                         v[axis] += kick[axis] * mobility;
                     }
@@ -173,9 +156,9 @@ impl<R: Lane> FreeFlight<R> {
                     (x[axis], rounded[axis]) = add(x[axis], v[axis] * dt, rounded[axis]);
                 }
                 excess += square(v) * speeds + square(x) * ways;
-                [px[group], py[group], pz[group]] = x.map(Wide::store);
-                [ex[group], ey[group], ez[group]] = rounded.map(Wide::store);
-                [vx[group], vy[group], vz[group]] = v.map(Wide::store);
+                group.position = x.map(Wide::store);
+                group.rounded = rounded.map(Wide::store);
+                group.velocity = v.map(Wide::store);
             }
             // What is not a number is not below anything.
             sound &= excess.store().iter().all(|&excess| excess < R::one());

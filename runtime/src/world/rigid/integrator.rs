@@ -172,9 +172,9 @@ impl<R: Lane> Kernel<R> {
         };
         let (mut sound, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
         let push = |place| shell.map_or_else(Vector3::zeros, |shell| shell.push(place));
-        contacts.solver.solve(bodies, push, |bodies, id| {
+        (contacts.solver).solve(bodies, push, |id, motion, rotation| {
             if sound.is_ok() {
-                sound = bodies.check(id, limits);
+                sound = limits.check(id, motion, rotation);
             }
         });
         sound

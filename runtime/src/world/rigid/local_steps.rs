@@ -56,11 +56,11 @@ impl<R: Lane> LocalSteps<R> {
         in_field: &[u32],
     ) {
         for &id in &self.before {
-            bodies.last[id as usize] = self.long;
+            bodies.set_last(id, self.long);
         }
         for &id in &self.blocks {
-            bodies.last[id as usize] = self.short;
-            bodies.step[id as usize] = self.long;
+            bodies.set_last(id, self.short);
+            bodies.set_step(id, self.long);
         }
         std::mem::swap(&mut self.before, &mut self.blocks);
         self.blocks.clear();
@@ -82,7 +82,7 @@ impl<R: Lane> LocalSteps<R> {
         self.blocks.sort_unstable();
         self.blocks.dedup();
         for &id in &self.blocks {
-            bodies.step[id as usize] = self.short;
+            bodies.set_step(id, self.short);
         }
         self.pairs.clear();
         for &id in &self.blocks {
@@ -90,7 +90,7 @@ impl<R: Lane> LocalSteps<R> {
             neighbours.around(place, reach(bodies, id) + most, &mut found);
             found.retain(|&other| {
                 let is_partner = if bodies.is_free(other) {
-                    other > id && bodies.step[other as usize] == self.short
+                    other > id && bodies.step(other) == self.short
                 } else {
                     true
                 };
@@ -106,7 +106,7 @@ impl<R: Lane> LocalSteps<R> {
     /// The first short step is done.
     pub fn has_begun(&self, bodies: &mut Bodies<R>) {
         for &id in &self.blocks {
-            bodies.last[id as usize] = self.short;
+            bodies.set_last(id, self.short);
         }
     }
 }

@@ -10,6 +10,7 @@ mod collision_detection;
 mod free_flight;
 mod integrator;
 mod local_steps;
+mod motion_groups;
 mod narrow_phase;
 mod neighbour_list;
 mod quaternion;

@@ -9,7 +9,10 @@ use crate::world::blocks::Blocks;
 use crate::world::motion_limits::FARTHEST;
 
 /// So much farther apart than touching \[side\], pairs are on a list that is to last.
-const SKIN: f64 = 1.2;
+const SKIN: f64 = 1.6;
+
+/// More than rounding can change a distance by \[side\].
+const ROUNDING: f64 = 0.01;
 
 /// A list has to last for so many steps, or it costs more than it saves.
 const LASTING: f64 = 2.5;
@@ -34,8 +37,12 @@ pub(super) struct NeighbourList<R: Lane> {
     /// [`SKIN`], or 0: there is no list, and everybody is looked up in every step.
     skin: f64,
     pairs: Vec<(u32, u32)>,
-    /// Where the blocks were when the list was made; empty: there is none.
-    places: [Vec<R>; 3],
+    /// How far apart each of them was when the list was made, and by how much any two blocks have come closer since, at
+    /// most \[side\].
+    distances: Vec<R>,
+    closer: R,
+    /// Where the blocks were when the list was made, in the same groups; empty: there is none.
+    places: Vec<[[R; LANES]; 3]>,
     /// Steps until the next review.
     due: u32,
 }
@@ -51,7 +58,9 @@ impl<R: Lane> NeighbourList<R> {
             grid: CellList::new(count, span, heights, TOUCH + SKIN),
             skin: SKIN,
             pairs: Vec::new(),
-            places: [const { Vec::new() }; 3],
+            distances: Vec::new(),
+            closer: R::zero(),
+            places: Vec::new(),
             due: 0,
         }
     }
@@ -62,22 +71,27 @@ impl<R: Lane> NeighbourList<R> {
             Some(due) => self.due = due,
             None => self.review(bodies),
         }
-        if !self.places[0].is_empty() && self.holds(bodies) {
+        if !self.places.is_empty() && self.holds(bodies) {
             return false;
         }
         self.grid.sort(bodies);
         if self.skin > 0.0 {
-            for (kept, now) in self.places.iter_mut().zip(&bodies.position) {
-                kept.clone_from(now);
-            }
+            self.places.clear();
+            let places = bodies.groups().iter().map(|group| group.position);
+            self.places.extend(places);
             self.grid.close_pairs(&mut self.pairs);
+            let way = |&(i, j): &(u32, u32)| bodies.position(i) - bodies.position(j);
+            self.distances.clear();
+            let distances = self.pairs.iter().map(|pair| way(pair).norm());
+            self.distances.extend(distances);
+            self.closer = R::zero();
         }
         true
     }
 
     /// A block that was anchored is free: its pairs with others that still are may not be listed.
     pub fn forget(&mut self) {
-        self.places.iter_mut().for_each(Vec::clear);
+        self.places.clear();
     }
 
     /// Decides whether there is to be a list, and how far the grid reaches.
@@ -109,20 +123,23 @@ impl<R: Lane> NeighbourList<R> {
         }
     }
 
-    /// Whether no block has moved by half of the skin.
-    fn holds(&self, bodies: &Bodies<R>) -> bool {
+    /// Sees how far blocks have moved; whether no two of them have come closer by the skin.
+    fn holds(&mut self, bodies: &Bodies<R>) -> bool {
         let load = |x: &[R; LANES]| R::Wide::load(x);
-        let [x, y, z] = [0, 1, 2].map(|axis| {
-            let now = bodies.position[axis].as_chunks::<LANES>().0;
-            now.iter().zip(self.places[axis].as_chunks::<LANES>().0)
-        });
-        let mut farthest = R::Wide::splat(R::zero());
-        for ((x, y), z) in x.zip(y).zip(z) {
-            let way = [x, y, z].map(|(now, then)| load(now) - load(then));
-            farthest = square(way).most(farthest);
+        let [mut farthest, mut second] = [R::Wide::splat(R::zero()); 2];
+        for (group, then) in bodies.groups().iter().zip(&self.places) {
+            let way = [0, 1, 2].map(|axis| load(&group.position[axis]) - load(&then[axis]));
+            let way = square(way);
+            second = second.most(way.least(farthest));
+            farthest = way.most(farthest);
         }
-        let most = R::of(self.skin * self.skin / 4.0);
-        farthest.store().iter().all(|&square| square < most)
+        let mut two = [R::zero(); 2];
+        for way in farthest.store().into_iter().chain(second.store()) {
+            let [most, next] = two;
+            two = [most.max(way), next.max(way.min(most))];
+        }
+        self.closer = two[0].sqrt() + two[1].sqrt();
+        self.closer < R::of(self.skin)
     }
 
     /// Every pair of blocks that may touch, but those of which both are anchored; once, the lower
@@ -134,17 +151,23 @@ impl<R: Lane> NeighbourList<R> {
         }
         let touch = R::of(TOUCH * TOUCH);
         pairs.clear();
-        pairs.extend(self.pairs.iter().filter(|&&(i, j)| {
+        // Farther apart than this then, they do not touch now, whatever rounding does.
+        let far = R::of(TOUCH + ROUNDING) + self.closer;
+        for (&(i, j), &distance) in self.pairs.iter().zip(&self.distances) {
+            if distance > far {
+                continue;
+            }
             let way = bodies.position(i) - bodies.position(j);
-            way.norm_squared() < touch
-        }));
+            if way.norm_squared() < touch {
+                pairs.push((i, j));
+            }
+        }
     }
 
     /// The blocks that may come within `reach` of a place before the list is made anew, in rising
     /// order.
     pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
-        self.grid
-            .around(centre, reach + R::of(self.skin / 2.0), found);
+        self.grid.around(centre, reach + R::of(self.skin), found);
     }
 }
 

@@ -91,18 +91,18 @@ pub(super) fn square<W: Copy + Add<Output = W> + Mul<Output = W>>(vector: [W; 3]
     sum(vector.map(|part| part * part))
 }
 
-/// At most [`ABREAST`] vectors, each in its lane; 0 in the lanes that are left.
+/// Vectors, each in its lane.
 #[inline(always)]
-pub(super) fn transposed<R: Lane, const K: usize>(
-    vectors: impl Iterator<Item = [R; K]>,
-) -> [R::Quad; K] {
-    let mut lanes = [[R::zero(); ABREAST]; K];
-    for (lane, vector) in vectors.enumerate() {
-        for (to, from) in lanes.iter_mut().zip(vector) {
-            to[lane] = from;
-        }
-    }
-    lanes.map(|lanes| R::Quad::load(&lanes))
+pub(super) fn transposed<R: Lane, const K: usize>(vectors: [[R; K]; ABREAST]) -> [R::Quad; K] {
+    let [a, b, c, d] = vectors;
+    std::array::from_fn(|axis| R::Quad::load(&[a[axis], b[axis], c[axis], d[axis]]))
+}
+
+/// At most [`ABREAST`] of something and at least one, the last of them again in the lanes that are left.
+#[inline(always)]
+pub(super) fn filled<T: Copy>(some: &[T]) -> [T; ABREAST] {
+    let last = some.len() - 1;
+    [0, 1, 2, 3].map(|lane: usize| some[lane.min(last)])
 }
 
 /// So many lanes from the first on, as a mask.

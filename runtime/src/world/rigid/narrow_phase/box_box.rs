@@ -6,21 +6,21 @@ use super::clipping::face_points;
 use super::separating_axis::{Direction, LeastOverlap, least};
 use super::{Manifold, ManifoldPoint};
 use crate::world::real::Real;
-use crate::world::rigid::simd::Lane;
+use crate::world::rigid::simd::{ABREAST, Lane};
 
 /// A box in space.
 #[derive(Clone, Copy, Debug)]
-pub struct Cuboid<R: Real> {
+pub struct Cuboid<'a, R: Real> {
     pub centre: Vector3<R>,
     /// Own directions to the world's.
-    pub axes: Rotation3<R>,
+    pub axes: &'a Rotation3<R>,
     /// Half of its edges.
     pub half: Vector3<R>,
 }
 
-impl<R: Real> Cuboid<R> {
+impl<R: Real> Cuboid<'_, R> {
     /// A block.
-    pub fn cube(centre: Vector3<R>, axes: Rotation3<R>) -> Cuboid<R> {
+    pub fn cube(centre: Vector3<R>, axes: &Rotation3<R>) -> Cuboid<'_, R> {
         Cuboid {
             centre,
             axes,
@@ -33,19 +33,29 @@ impl<R: Real> Cuboid<R> {
     }
 }
 
-/// How each of at most [`ABREAST`] pairs of boxes overlaps; `None`: they do not. Normals point from
-/// the second box to the first.
-///
-/// [`ABREAST`]: crate::world::rigid::simd::ABREAST
-pub fn boxes<R: Lane>(
-    pairs: &[(Cuboid<R>, Cuboid<R>)],
-) -> impl Iterator<Item = Option<Manifold<R>>> {
-    let all = pairs.iter().zip(least(pairs));
-    all.map(|((a, b), least)| least.and_then(|least| manifold(a, b, &least)))
+/// Shows how pairs of boxes overlap, as many of them as count: which it is, and its manifold. Normals point from the second
+/// box to the first.
+pub fn boxes<'a, R: Lane>(
+    pairs: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
+    count: usize,
+    mut touch: impl FnMut(usize, &Manifold<R>),
+) {
+    for (number, overlap) in least(pairs, count).iter().enumerate() {
+        let (a, b) = &pairs[number];
+        if let Some(overlap) = overlap
+            && let Some(manifold) = manifold(a, b, overlap)
+        {
+            touch(number, &manifold);
+        }
+    }
 }
 
 /// Where two boxes touch that overlap least like this.
-fn manifold<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &LeastOverlap<R>) -> Option<Manifold<R>> {
+fn manifold<R: Lane>(
+    a: &Cuboid<'_, R>,
+    b: &Cuboid<'_, R>,
+    least: &LeastOverlap<R>,
+) -> Option<Manifold<R>> {
     let offset = b.centre - a.centre;
     match least.direction {
         Direction::Face { first: true, axis } => {
@@ -91,13 +101,13 @@ fn outward<R: Real>(axis: Vector3<R>, towards: Vector3<R>) -> Vector3<R> {
 
 /// Halfway between the edge of `a` that is farthest along `out` and the edge of `b` farthest back.
 fn between<R: Real>(
-    a: &Cuboid<R>,
+    a: &Cuboid<'_, R>,
     own: usize,
-    b: &Cuboid<R>,
+    b: &Cuboid<'_, R>,
     other: usize,
     out: Vector3<R>,
 ) -> Vector3<R> {
-    let middle = |of: &Cuboid<R>, edge: usize, towards: Vector3<R>| {
+    let middle = |of: &Cuboid<'_, R>, edge: usize, towards: Vector3<R>| {
         (1..3).fold(of.centre, |middle, step| {
             let axis = (edge + step) % 3;
             middle + outward(of.axis(axis), towards) * of.half[axis]

@@ -13,8 +13,8 @@ pub type Polygon<R> = SmallVec<[Vector3<R>; 8]>;
 /// The points of `other`'s most opposite face that are below the face of `own` that looks along
 /// `out`, which is its direction number `axis` or the opposite; and how much deeper they are per length.
 pub fn face_points<R: Real>(
-    own: &Cuboid<R>,
-    other: &Cuboid<R>,
+    own: &Cuboid<'_, R>,
+    other: &Cuboid<'_, R>,
     out: Vector3<R>,
     axis: usize,
 ) -> Option<Patch<R>> {
@@ -47,7 +47,7 @@ pub fn slope<R: Real>(face: Vector3<R>, out: Vector3<R>) -> Vector3<R> {
 }
 
 /// The corners of the face that looks most against `out`, in order, and where it looks.
-pub fn opposite_face<R: Real>(of: &Cuboid<R>, out: Vector3<R>) -> (Polygon<R>, Vector3<R>) {
+pub fn opposite_face<R: Real>(of: &Cuboid<'_, R>, out: Vector3<R>) -> (Polygon<R>, Vector3<R>) {
     let along = of.axes.inverse_transform_vector(&out);
     let axis = along.iamax();
     let sign = if along[axis] > R::zero() {
@@ -70,6 +70,15 @@ pub fn opposite_face<R: Real>(of: &Cuboid<R>, out: Vector3<R>) -> (Polygon<R>, V
 
 /// Cuts off what is farther than `limit` along a direction.
 fn clip<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
+    let is_within = |corner: &Vector3<R>| along.dot(corner) - limit <= R::zero();
+    if polygon.iter().all(is_within) {
+        return;
+    }
+    cut(polygon, along, limit);
+}
+
+/// The same where there is something to cut off.
+fn cut<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     let Some(&last) = polygon.last() else {
         return;
     };

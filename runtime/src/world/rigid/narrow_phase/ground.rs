@@ -44,7 +44,7 @@ pub fn face_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Optio
     if centre.z >= row[0].abs() + row[1].abs() + row[2].abs() {
         return None;
     }
-    let (face, out) = opposite_face(&Cuboid::cube(centre, *axes), Vector3::z());
+    let (face, out) = opposite_face(&Cuboid::cube(centre, axes), Vector3::z());
     let below = face.iter().filter(|corner| corner.z < R::zero());
     let points: SmallVec<_> = below.map(|&corner| raised(corner)).collect();
     (!points.is_empty()).then_some(Manifold {

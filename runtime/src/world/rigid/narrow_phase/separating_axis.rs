@@ -47,9 +47,10 @@ struct SeparatingAxisSearch<R: Lane> {
     axis: R::Quad,
 }
 
-/// How each of at most [`ABREAST`] pairs of boxes overlaps; `None`: they do not.
-pub(super) fn least<R: Lane>(
-    pairs: &[(Cuboid<R>, Cuboid<R>)],
+/// How pairs of boxes overlap, as many of them as count; `None`: they do not.
+pub(super) fn least<'a, R: Lane>(
+    pairs: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
+    count: usize,
 ) -> [Option<LeastOverlap<R>>; ABREAST] {
     let (a, b) = (gather(pairs, |pair| &pair.0), gather(pairs, |pair| &pair.1));
     let offset = vector(pairs, |(a, b)| b.centre - a.centre);
@@ -59,7 +60,7 @@ pub(super) fn least<R: Lane>(
     let column = |of: &LaneMatrix<R>, j: usize| [0, 1, 2].map(|i| of[i][j]);
     let in_b = [0, 1, 2].map(|j| dot(&column(&turn, j), &in_a));
     let size = turn.map(|row| row.map(Wide::abs));
-    let mut search = SeparatingAxisSearch::<R>::new(pairs.len());
+    let mut search = SeparatingAxisSearch::<R>::new(count);
     for axis in 0..3 {
         let reach = a.half[axis] + dot(&size[axis], &b.half);
         search.face(axis, reach - in_a[axis].abs());
@@ -67,6 +68,9 @@ pub(super) fn least<R: Lane>(
     for (axis, apart) in in_b.into_iter().enumerate() {
         let reach = b.half[axis] + dot(&column(&size, axis), &a.half);
         search.face(3 + axis, reach - apart.abs());
+    }
+    if search.meet.bits() == 0 {
+        return [None; ABREAST];
     }
     let face = search.depth - R::Quad::splat(R::of(PREFER_FACE));
     let skew = R::Quad::splat(R::of(PARALLEL * PARALLEL));
@@ -151,20 +155,23 @@ impl<R: Lane> SeparatingAxisSearch<R> {
     }
 }
 
-fn gather<R: Lane>(
-    pairs: &[(Cuboid<R>, Cuboid<R>)],
-    which: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> &Cuboid<R>,
+#[inline(always)]
+fn gather<'a, R: Lane>(
+    pairs: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
+    which: impl for<'b> Fn(&'b (Cuboid<'a, R>, Cuboid<'a, R>)) -> &'b Cuboid<'a, R>,
 ) -> Boxes<R> {
+    let axis = |axis: usize| vector(pairs, |pair| which(pair).axis(axis));
     Boxes {
-        axes: [0, 1, 2].map(|axis| vector(pairs, |pair| which(pair).axis(axis))),
+        axes: [axis(0), axis(1), axis(2)],
         half: vector(pairs, |pair| which(pair).half),
     }
 }
 
 /// A vector of each pair.
-fn vector<R: Lane>(
-    pairs: &[(Cuboid<R>, Cuboid<R>)],
-    of: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> nalgebra::Vector3<R>,
+#[inline(always)]
+fn vector<'a, R: Lane>(
+    [a, b, c, d]: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
+    of: impl Fn(&(Cuboid<'a, R>, Cuboid<'a, R>)) -> nalgebra::Vector3<R>,
 ) -> LaneVector<R> {
-    transposed(pairs.iter().map(|pair| of(pair).into()))
+    transposed([of(a).into(), of(b).into(), of(c).into(), of(d).into()])
 }

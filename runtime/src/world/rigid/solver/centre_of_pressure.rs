@@ -20,7 +20,7 @@ pub(super) fn centre_of_pressure<R: Real>(
     centres: [Option<Vector3<R>>; 2],
     response: R,
 ) -> ManifoldPoint<R> {
-    let points = &manifold.points;
+    let points = manifold.points.as_slice();
     let deepest = points.iter().fold(points[0], |deepest, point| {
         if point.depth > deepest.depth {
             *point
@@ -42,23 +42,24 @@ pub(super) fn centre_of_pressure<R: Real>(
     let flat = |way: Vector3<R>| way - normal * normal.dot(&way);
     let wanted = flat(middle) + manifold.slope / levelling;
     // Within the patch, if it is on the same side of all of its edges.
-    let around = |i: usize| (points[i].place, points[(i + 1) % points.len()].place);
-    let side = |i: usize| {
-        let (from, to) = around(i);
-        normal.dot(&flat(to - from).cross(&(wanted - flat(from))))
-    };
-    let inside = points.len() > 2
-        && ((0..points.len()).all(|i| side(i) >= R::zero())
-            || (0..points.len()).all(|i| side(i) <= R::zero()));
-    let place = if inside {
+    let nexts = points[1..].iter().chain(&points[..1]);
+    let edges = || (points.iter().zip(nexts.clone())).map(|(from, to)| (from.place, to.place));
+    let (mut left, mut right) = (points.len() > 2, points.len() > 2);
+    for (from, to) in edges() {
+        if !left && !right {
+            break;
+        }
+        let side = normal.dot(&flat(to - from).cross(&(wanted - flat(from))));
+        (left, right) = (left && side >= R::zero(), right && side <= R::zero());
+    }
+    let place = if left || right {
         let height = points
             .iter()
             .fold(R::zero(), |sum, point| sum + normal.dot(&point.place));
         wanted + normal * (height / R::of(points.len() as f64))
     } else {
         let mut best = (deepest.place, None);
-        for i in 0..points.len() {
-            let (from, to) = around(i);
+        for (from, to) in edges() {
             let (start, along) = (flat(from), flat(to - from));
             let length = along.norm_squared();
             let part = if length > R::zero() {

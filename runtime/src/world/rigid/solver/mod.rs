@@ -12,12 +12,12 @@ mod parallel;
 mod sequential;
 mod solver_bodies;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use sequential::SequentialContacts;
 
 use super::bodies::Bodies;
 use super::narrow_phase::Manifold;
-use super::simd::{Lane, Quad};
+use super::simd::Lane;
 use crate::world::blocks::Blocks;
 use centre_of_pressure::centre_of_pressure;
 pub(super) use contact_law::Law;
@@ -83,36 +83,33 @@ impl<R: Lane> Solver<R> {
     /// `push` is what the shell does to a block at a place, in unit time: in the middle of a step its
     /// velocity was that much less far. A collision at another velocity than that would add to the
     /// energy of all blocks that meet in the shell. `moved` is told of every block whose motion has
-    /// changed.
+    /// changed: its place, velocity and spin, and how it is turned.
     pub fn solve(
         &mut self,
         bodies: &mut Bodies<R>,
         push: impl Fn(Vector3<R>) -> Vector3<R>,
-        mut moved: impl FnMut(&Bodies<R>, u32),
+        mut moved: impl FnMut(u32, [Vector3<R>; 3], &UnitQuaternion<R>),
     ) {
         if self.touches.list.is_empty() {
             return;
         }
-        self.moving.start(|id| {
+        let rigid = self.law.restitution().is_some();
+        self.moving.start(rigid, |id| {
             let velocity = bodies.velocity(id);
-            let place = bodies.position(id) - velocity * bodies.step[id as usize];
+            let place = bodies.position(id) - velocity * bodies.step(id);
             let late = push(place) * (bodies.span(id) * R::of(0.5));
             (velocity - late, bodies.spin(id))
         });
         self.find_impulses();
-        let rigid = self.law.restitution().is_some();
         for (id, change) in self.moving.changes() {
-            let dt = bodies.step[id as usize];
-            let way = change.velocity + change.shift.velocity.unpack();
-            bodies.shift(id, way * dt);
+            let dt = bodies.step(id);
+            let [shift, turn] = change.shift;
             if rigid {
-                bodies.turn_now(id, change.shift.spin.unpack() * dt);
-            } else {
-                bodies.rotation(id);
+                bodies.turn_now(id, turn * dt);
             }
-            let velocity = bodies.velocity(id) + change.velocity;
-            bodies.set_velocity_of_turned(id, velocity, change.spin);
-            moved(bodies, id);
+            let way = (change.velocity + shift) * dt;
+            let (motion, rotation) = bodies.correct(id, way, change.velocity, change.spin);
+            moved(id, motion, &rotation);
         }
     }
 
@@ -146,8 +143,9 @@ impl<R: Lane> Solver<R> {
             self.double.part(rounds, tolerance);
             self.chains.part(moving, rounds, tolerance);
         }
-        self.single.store(moving);
-        self.double.store(moving);
+        let rigid = law.restitution().is_some();
+        self.single.store(moving, rigid);
+        self.double.store(moving, rigid);
     }
 }
 
@@ -203,7 +201,7 @@ mod tests {
             id += if single { 1 } else { 2 };
         }
         let moving = &mut solver.moving;
-        moving.start(|id| (bodies.velocity(id), bodies.spin(id)));
+        moving.start(true, |id| (bodies.velocity(id), bodies.spin(id)));
         if !side_by_side {
             moving.entangle();
         }
@@ -211,7 +209,6 @@ mod tests {
         let alone = solver.moving.changes();
         let found = alone.map(|(_, change)| {
             let shift = change.shift;
-            let shift = [shift.velocity.unpack(), shift.spin.unpack()];
             [change.velocity, change.spin, shift[0], shift[1]]
         });
         found.collect()

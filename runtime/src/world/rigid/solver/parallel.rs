@@ -6,7 +6,7 @@
 use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP, Spring};
 use super::contact_list::ContactList;
 use super::solver_bodies::{SolverBodies, SolverBody};
-use crate::world::rigid::simd::{ABREAST, Lane, Wide, cross, first, sum, transposed};
+use crate::world::rigid::simd::{ABREAST, Lane, Wide, cross, filled, first, sum, transposed};
 
 /// Contacts of `N` bodies that move: two, or one with something that does not.
 #[derive(Clone, Debug, Default)]
@@ -107,10 +107,10 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
         }
     }
 
-    /// Writes down what has been found.
-    pub fn store(&mut self, moving: &mut SolverBodies<R>) {
+    /// Writes down what has been found; `rigid`: what undoes overlaps as well.
+    pub fn store(&mut self, moving: &mut SolverBodies<R>, rigid: bool) {
         for group in self.groups() {
-            group.store(moving);
+            group.store(moving, rigid);
         }
     }
 }
@@ -118,7 +118,12 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
 impl<R: Lane, const N: usize> Batch<R, N> {
     /// No contacts.
     fn new() -> Batch<R, N> {
-        let nothing = BatchBody::gather(all::<R>(0.0), std::iter::empty());
+        let nothing = BatchBody {
+            velocity: [all::<R>(0.0); 3],
+            spin: [all::<R>(0.0); 3],
+            inverse_mass: all::<R>(1.0),
+            inverse_inertia: all::<R>(0.0),
+        };
         Batch {
             places: [[0; N]; ABREAST],
             real: all::<R>(0.0),
@@ -139,15 +144,13 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         moving: &SolverBodies<R>,
         law: &Law<R>,
     ) -> R {
-        let list = || numbers.iter().map(|&number| &touches.list[number]);
+        let list = filled(numbers).map(|number| &touches.list[number]);
         self.real = first::<R>(numbers.len());
-        for (places, touch) in self.places.iter_mut().zip(list()) {
-            places.copy_from_slice(&touch.bodies[..N]);
-        }
-        self.frame = [0, 1, 2].map(|row| transposed(list().map(|touch| touch.frame[row].into())));
+        self.places = list.map(|touch| std::array::from_fn(|which| touch.bodies[which]));
+        self.frame = [0, 1, 2].map(|row| transposed(list.map(|touch| touch.frame[row].into())));
         for which in 0..N {
-            let motions = list().map(|touch| &moving.motions[touch.bodies[which]]);
-            self.bodies[which] = BatchBody::gather(self.real, motions);
+            let motions = list.map(|touch| &moving.motions[touch.bodies[which]]);
+            self.bodies[which] = BatchBody::gather(motions);
             self.shifts[which] = BatchBody {
                 velocity: [all::<R>(0.0); 3],
                 spin: [all::<R>(0.0); 3],
@@ -156,15 +159,14 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         }
         self.spots.clear();
         // Contacts with most points come first.
-        let most = list().next().map_or(0, |touch| touch.points.len());
-        for nth in 0..most {
-            let points = || list().map_while(|touch| touches.points_of(touch).get(nth));
-            let [depth] = transposed(points().map(|point| [point.depth]));
-            let arms: [BatchVector<R>; N] = std::array::from_fn(|which| {
-                transposed(points().map(|point| point.arms[which].into()))
-            });
+        for nth in 0..list[0].points.len() {
+            let have = numbers.partition_point(|&of| touches.list[of].points.len() > nth);
+            let points = filled(&list[..have]).map(|touch| &touches.points_of(touch)[nth]);
+            let [depth] = transposed(points.map(|point| [point.depth]));
+            let arms: [BatchVector<R>; N] =
+                std::array::from_fn(|which| transposed(points.map(|at| at.arms[which].into())));
             self.spots.push(BatchPoint {
-                real: first::<R>(points().count()),
+                real: first::<R>(have),
                 depth,
                 target: all::<R>(0.0),
                 recovery: all::<R>(0.0),
@@ -174,8 +176,8 @@ impl<R: Lane, const N: usize> Batch<R, N> {
                 shift: all::<R>(0.0),
             });
         }
-        let [span] = transposed(list().map(|touch| [touch.span]));
-        self.prepare(law, self.real.choose(span, all::<R>(1.0)))
+        let [span] = transposed(list.map(|touch| [touch.span]));
+        self.prepare(law, span)
     }
 
     /// Works out what each point asks for; the fastest approach.
@@ -214,50 +216,56 @@ impl<R: Lane, const N: usize> Batch<R, N> {
 
     fn push(&mut self, law: &Law<R>, rounds: u32, tolerance: R, inertia: R) {
         let before = self.bodies;
+        let mut bodies = before;
         let mut active = self.real;
         for _ in 0..rounds {
-            let greatest = self.push_once(law.friction, active);
+            let greatest = self.push_once(&mut bodies, law.friction, active);
             active = active & greatest.above(R::Quad::splat(tolerance));
             if active.bits() == 0 {
                 break;
             }
         }
+        self.bodies = bodies;
         if law.restitution().is_some_and(|part| part > R::zero()) {
             self.keep_energy(&before, inertia);
         }
     }
 
     /// One round of impulses; the greatest change of velocity at a point.
-    fn push_once(&mut self, friction: R, active: R::Quad) -> R::Quad {
+    #[inline(always)]
+    fn push_once(
+        &mut self,
+        bodies: &mut [BatchBody<R>; N],
+        friction: R,
+        active: R::Quad,
+    ) -> R::Quad {
         let mut greatest = all::<R>(0.0);
-        let mut bodies = self.bodies;
         let [along, across @ ..] = &self.frame;
         for spot in &mut self.spots {
             let active = active & spot.real;
             let missing = spot.target
-                - velocity(along, &spot.torques[0], &bodies)
+                - velocity(along, &spot.torques[0], bodies)
                 - self.softness * spot.impulses[0];
             let wanted = (spot.impulses[0] + missing * spot.masses[0]).most(all::<R>(0.0));
             let change = spot.press(0, wanted, active);
-            push(change, along, &spot.torques[0], &mut bodies);
+            push(change, along, &spot.torques[0], bodies);
             greatest = greatest.most((change / spot.masses[0]).abs());
             if friction > R::zero() {
                 // Coulomb's cone, of the impulse that presses now.
                 let most = R::Quad::splat(friction) * spot.impulses[0];
                 let [one, two] = [0, 1].map(|row| {
-                    let slip = velocity(&across[row], &spot.torques[row + 1], &bodies);
+                    let slip = velocity(&across[row], &spot.torques[row + 1], bodies);
                     spot.impulses[row + 1] - slip * spot.masses[1]
                 });
                 let square = one * one + two * two;
                 let by = (square.above(most * most)).choose(most / square.sqrt(), all::<R>(1.0));
                 for (row, wanted) in [one * by, two * by].into_iter().enumerate() {
                     let change = spot.press(row + 1, wanted, active);
-                    push(change, &across[row], &spot.torques[row + 1], &mut bodies);
+                    push(change, &across[row], &spot.torques[row + 1], bodies);
                     greatest = greatest.most((change / spot.masses[1]).abs());
                 }
             }
         }
-        self.bodies = bodies;
         greatest
     }
 
@@ -316,12 +324,14 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         }
     }
 
-    fn store(&self, moving: &mut SolverBodies<R>) {
+    fn store(&self, moving: &mut SolverBodies<R>, rigid: bool) {
         let count = self.real.bits().count_ones() as usize;
         for which in 0..N {
             let places = self.places[..count].iter().map(|places| places[which]);
             self.bodies[which].scatter(places.clone(), &mut moving.motions);
-            self.shifts[which].scatter(places, &mut moving.shifts);
+            if rigid {
+                self.shifts[which].scatter(places, &mut moving.shifts);
+            }
         }
     }
 }
@@ -337,7 +347,8 @@ impl<R: Lane, const N: usize> BatchPoint<R, N> {
 }
 
 impl<R: Lane> BatchBody<R> {
-    fn gather<'a>(real: R::Quad, motions: impl Iterator<Item = &'a SolverBody<R>>) -> BatchBody<R> {
+    #[inline(always)]
+    fn gather(motions: [&SolverBody<R>; ABREAST]) -> BatchBody<R> {
         let [x, y, z, u, v, w, mass, inertia] = transposed(motions.map(|motion| {
             let ([x, y, z, _], [u, v, w, _]) = (motion.velocity.store(), motion.spin.store());
             let (mass, inertia) = (motion.inverse_mass, motion.inverse_inertia);
@@ -346,8 +357,7 @@ impl<R: Lane> BatchBody<R> {
         BatchBody {
             velocity: [x, y, z],
             spin: [u, v, w],
-            // What nobody is in has a mass, so that nothing is divided by zero.
-            inverse_mass: real.choose(mass, all::<R>(1.0)),
+            inverse_mass: mass,
             inverse_inertia: inertia,
         }
     }

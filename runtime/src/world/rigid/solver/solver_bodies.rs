@@ -29,7 +29,7 @@ pub(super) struct SolverBodies<R: Lane> {
     pub motions: Vec<SolverBody<R>>,
     /// Their motions before any impulse.
     pub before: Vec<SolverBody<R>>,
-    /// What undoes overlaps: moves the blocks in this substep and is forgotten.
+    /// What undoes overlaps: moves the blocks in this substep and is forgotten. Empty if contacts give way.
     pub shifts: Vec<SolverBody<R>>,
     /// Which body a block is, or [`NOBODY`].
     place: Vec<u32>,
@@ -43,7 +43,8 @@ pub(super) struct SolverBodyChange<R: Lane> {
     pub velocity: Vector3<R>,
     /// Its spin now.
     pub spin: Vector3<R>,
-    pub shift: SolverBody<R>,
+    /// What undoes its overlaps, as a velocity and a spin.
+    pub shift: [Vector3<R>; 2],
 }
 
 impl<R: Lane> SolverBody<R> {
@@ -113,9 +114,13 @@ impl<R: Lane> SolverBodies<R> {
     }
 
     /// Begins with the velocities and spins of the blocks.
-    pub fn start(&mut self, motion_of: impl Fn(u32) -> (Vector3<R>, Vector3<R>)) {
+    ///
+    /// `rigid`: whether overlaps are undone.
+    pub fn start(&mut self, rigid: bool, motion_of: impl Fn(u32) -> (Vector3<R>, Vector3<R>)) {
         self.shifts.clear();
-        self.shifts.extend_from_slice(&self.motions);
+        if rigid {
+            self.shifts.extend_from_slice(&self.motions);
+        }
         for (motion, &id) in self.motions.iter_mut().zip(&self.blocks).skip(1) {
             let (velocity, spin) = motion_of(id);
             motion.velocity = R::Quad::pack(velocity);
@@ -132,7 +137,9 @@ impl<R: Lane> SolverBodies<R> {
             let change = SolverBodyChange {
                 velocity: (motion.velocity - self.before[place].velocity).unpack(),
                 spin: motion.spin.unpack(),
-                shift: self.shifts[place],
+                shift: self.shifts.get(place).map_or([Vector3::zeros(); 2], |by| {
+                    [by.velocity.unpack(), by.spin.unpack()]
+                }),
             };
             (id, change)
         })
