@@ -21,6 +21,9 @@ pub struct Surroundings {
     pub corner: bool,
     /// The same of the block that captures.
     pub corner_parent: bool,
+    /// Whether nothing is beside the block that captures or across an edge of it, but a block or the ground is two cells from it, at
+    /// right angles to the face's normal.
+    pub near_parent: bool,
     /// Whether a block is ahead of the open cell, on the side opposite to the face, and none beside it: the cell is a gap in a beam.
     pub ahead: bool,
     /// The faces that wait near it.
@@ -45,10 +48,10 @@ pub struct Parameter {
 
 impl Parameters {
     /// How many there are: [`Parameters::RATE`] of the rate, then those of the docking time.
-    pub const COUNT: usize = 17;
+    pub const COUNT: usize = 18;
 
     /// How many belong to the rate.
-    pub const RATE: usize = 11;
+    pub const RATE: usize = 12;
 
     /// What they are, in order.
     pub const ALL: [Parameter; Parameters::COUNT] = [
@@ -97,6 +100,10 @@ impl Parameters {
             meaning: "logarithm of the rate's factor where a block is ahead of the cell, and none beside it",
         },
         Parameter {
+            name: "near-parent",
+            meaning: "logarithm of the rate's factor where a block is two cells from the parent, and none beside it or across an edge of it",
+        },
+        Parameter {
             name: "docking",
             meaning: "logarithm of the mean docking time, in ticks",
         },
@@ -124,15 +131,15 @@ impl Parameters {
 
     /// What was found in the built-in scene `hemisphere`, to begin with in others.
     pub const TYPICAL: Parameters = Parameters([
-        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 5.17, -0.26, -0.81,
-        -0.50, -0.45, 1.40,
+        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 0.27, 5.17, -0.26,
+        -0.81, -0.50, -0.45, 1.40,
     ]);
 
     /// How far scenes are apart from that: a scene of its own has its own rate and docking time, and much the same geometry. What
     /// faces beside each other do depends on whether blocks are easily caught: where they are not, two pulls catch more than one. In a
     /// gap blocks jam in some scenes, and in others they come to rest sooner than elsewhere.
     pub const SPREAD: [f64; Parameters::COUNT] = [
-        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 5.0, 0.3, 0.3, 0.3, 0.3, 0.5,
+        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 0.3, 5.0, 0.3, 0.3, 0.3, 0.3, 0.5,
     ];
 
     /// The numbers that the logarithms of rate and docking time are linear in, of which the number of free blocks has the factor 1.
@@ -159,6 +166,7 @@ impl Parameters {
                 f64::from(of.rivals.across),
                 f64::from(of.rivals.around) / 2.0,
                 indicator(of.ahead),
+                indicator(of.near_parent),
             ],
             [
                 1.0,

@@ -39,6 +39,8 @@ pub(crate) fn blocked_around(cell: Cell, way: Face, near: Neighbourhood) -> Surr
         beside_parent: beside(of_parent),
         corner: corner(of_cell),
         corner_parent: corner(of_parent),
+        near_parent: near.meets(of_parent.two_away)
+            && !near.meets(of_parent.beside.and(of_parent.across_edge)),
         ahead: is_block_ahead && !beside(of_cell),
         rivals: Rivals::default(),
         cold: false,
@@ -49,14 +51,16 @@ pub(crate) fn blocked_around(cell: Cell, way: Face, near: Neighbourhood) -> Surr
 struct Flanks {
     beside: Neighbourhood,
     across_edge: Neighbourhood,
+    two_away: Neighbourhood,
 }
 
 /// Those of the open cell and of the block that captures, for faces of each direction.
 static FLANKS: LazyLock<[[Flanks; 2]; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         [[0; 3], way.opposite().normal()].map(|of| Flanks {
-            beside: Neighbourhood::of_cells(beside(way, of)),
+            beside: Neighbourhood::of_cells(at_distance(1, way, of)),
             across_edge: Neighbourhood::of_cells(across_edge(way, of)),
+            two_away: Neighbourhood::of_cells(at_distance(2, way, of)),
         })
     })
 });
@@ -69,9 +73,11 @@ pub fn feature_cells(way: Face) -> Neighbourhood {
 static FEATURE_CELLS: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         let mut cells = in_reach(way);
-        for of in &FLANKS[way as usize] {
+        let [of_cell, of_parent] = &FLANKS[way as usize];
+        for of in [of_cell, of_parent] {
             cells = cells.and(of.beside).and(of.across_edge);
         }
+        cells = cells.and(of_parent.two_away);
         cells.block(way.normal());
         cells
     })
@@ -83,11 +89,11 @@ pub(crate) fn aside(way: Face) -> impl Iterator<Item = Face> {
     others.filter(move |face| *face != way && *face != way.opposite())
 }
 
-/// The cells beside one, at right angles to a direction.
-fn beside(way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+/// The cells so many steps from one, at right angles to a direction.
+fn at_distance(steps: i32, way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
     aside(way).map(move |face| {
         let step = face.normal();
-        std::array::from_fn(|axis| of[axis] + step[axis])
+        std::array::from_fn(|axis| of[axis] + steps * step[axis])
     })
 }
 
@@ -134,7 +140,10 @@ mod tests {
                 .map(at)
                 .next()
                 .expect("it has four");
-            let flank = beside(way, [0; 3]).map(at).next().expect("it has four");
+            let flank = at_distance(1, way, [0; 3])
+                .map(at)
+                .next()
+                .expect("it has four");
             let seen = |full: &[Cell], open: &[Cell]| {
                 let near = Neighbourhood::of(cell, |cell| full.contains(&cell));
                 around(cell, way, near, |cell| open.contains(&cell).then_some(way))
@@ -149,6 +158,39 @@ mod tests {
             assert!(!both.corner && both.beside && both.corner_parent && !both.beside_parent);
             assert_eq!(both.rivals, Rivals::default());
         }
+    }
+
+    #[test]
+    fn a_block_two_cells_from_the_parent_counts_where_none_is_nearer_to_it() {
+        for way in Face::ALL {
+            let cell = Cell::new(0, 0, 50);
+            let at = |[x, y, z]: [i32; 3]| Cell::new(x, y, 50 + z);
+            let parent = way.opposite().normal();
+            let seen = |full: &[Cell]| {
+                let near =
+                    Neighbourhood::of(cell, |near| near == at(parent) || full.contains(&near));
+                around(cell, way, near, |_| None).near_parent
+            };
+            let near: Vec<Cell> = at_distance(2, way, parent).map(at).collect();
+            assert!(!seen(&[]));
+            assert!(near.iter().all(|near| seen(&[*near])), "{way:?}");
+            // Beside the cell is another matter.
+            let of_cell: Vec<Cell> = at_distance(1, way, [0; 3]).map(at).collect();
+            assert!(seen(&[near[0], of_cell[0]]) && !seen(&of_cell));
+            assert!(!seen(
+                &at_distance(2, way, [0; 3]).map(at).collect::<Vec<_>>()
+            ));
+            let nearer = at_distance(1, way, parent).chain(across_edge(way, parent));
+            for nearer in nearer.map(at) {
+                assert!(!seen(&[near[0], nearer]), "{way:?}");
+            }
+        }
+        let on_arm = |z: i32| {
+            let cell = Cell::new(1, 0, z);
+            let near = Neighbourhood::of(cell, |near| near == Cell::new(0, 0, z));
+            around(cell, Face::East, near, |_| None).near_parent
+        };
+        assert_eq!([1, 2, 3].map(on_arm), [false, true, false]);
     }
 
     #[test]

@@ -187,6 +187,46 @@ fn a_wait_goes_on_where_its_surroundings_change() {
 }
 
 #[test]
+fn a_block_two_cells_from_the_one_that_captures_changes_a_wait() {
+    // The tower's top waits while a block comes two cells from the block below it, or later.
+    let text = "assembly near { seed plate 3 x 1 { A at (0, 0) B at (2, 0) }
+        phase foot { A.up -> C } phase both { C.up -> E B.up -> D } }";
+    let (records, rates) = records(text, 4000);
+    let (tables, _) = compiled(text);
+    let used = records.iter().map(|record| {
+        let bond = |name: &str| {
+            let mut bonds = record.bonds.iter();
+            let named = bonds.find(|bond| tables.name(bond.child) == name);
+            named.expect("it docked")
+        };
+        let (foot, top, near) = (bond("C"), bond("E"), bond("D"));
+        let wait = |is_there: bool| {
+            let is_full = |cell| cell == foot.cell || (is_there && cell == near.cell);
+            let mut seen = rates.surroundings(
+                top.cell,
+                Face::Up,
+                Neighbourhood::of(top.cell, is_full),
+                |_| None,
+            );
+            assert_eq!(seen.near_parent, is_there);
+            seen.free = if is_there { 298.0 } else { 299.0 } / 300.0;
+            rates.wait(&seen)
+        };
+        let since = top.magnetized as f64;
+        let (came, until) = (near.docked as f64 - since, top.docked as f64 - since - 0.5);
+        let (before, then) = (wait(false), wait(true));
+        match until < came {
+            true => before.cumulative_hazard(until),
+            false => {
+                before.cumulative_hazard(came) + then.cumulative_hazard(until)
+                    - then.cumulative_hazard(came)
+            }
+        }
+    });
+    agrees(&used.collect::<Vec<_>>(), 1.0);
+}
+
+#[test]
 fn a_block_that_is_let_go_into_an_open_face_is_caught_at_once() {
     let text = "assembly swap { seed plate 3 x 1 { A at (0, 0) M at (1, 0) }
         phase arm { A.up -> B.up -> C.east -> D M.up -> E }
