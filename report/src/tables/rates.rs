@@ -7,7 +7,7 @@ use crate::text::{TextColumn, TextTable};
 
 /// What goes with every time by rates.
 pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of other programs were 3 % off those with physics on average and 7 % at most; \
-     in other scenes up to 18 %. Blocks jam where `check` warns of a tight approach, or of crowded captures; rates do not know that, and are too \
+     in other scenes up to 20 %. Blocks jam where `check` warns of a tight approach, or of crowded captures; rates do not know that, and are too \
      fast there (docs/rates.md).";
 
 /// What there is to know about waits in a scene that nobody has measured, for whoever tells of them.
