@@ -183,7 +183,7 @@ impl Told {
                 if std::mem::replace(&mut self.mast, true) {
                     return;
                 }
-                "A mast: what hangs on it grows at the same time as the rest, and it guides blocks to what grows beside it.".to_owned()
+                "Masts: what hangs on them grows at the same time as the rest, and they guide blocks to what grows beside them.".to_owned()
             }
             (0, 0) => {
                 if std::mem::replace(&mut self.grows, true) {
