@@ -80,6 +80,16 @@ impl Schedule {
             roots: Vec::new(),
         }
     }
+
+    /// Adds a site that opens after all others, at a time, and waits for so long \[ticks\].
+    fn add(&mut self, site: u32, way: Face, start: f32, mean: f32) {
+        let here = site as usize;
+        self.rank[here] = self.order.len() as u32;
+        self.order.push(site);
+        self.way[here] = way;
+        self.mean[here] = mean;
+        self.end[here] = start + mean;
+    }
 }
 
 impl<'a> SchedulingJob<'a> {
@@ -406,12 +416,7 @@ impl ScheduleState<'_> {
         if parent != NONE {
             self.open_faces[parent as usize] += 1;
         }
-        let schedule = &mut self.schedule;
-        schedule.rank[here] = schedule.order.len() as u32;
-        schedule.order.push(site);
-        schedule.way[here] = way;
-        schedule.mean[here] = mean;
-        schedule.end[here] = now + mean;
+        self.schedule.add(site, way, now, mean);
         self.opened.push(Reverse(((now + mean).to_bits(), site)));
     }
 

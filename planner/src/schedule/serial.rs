@@ -170,12 +170,7 @@ impl SerialState<'_> {
 
     fn place(&mut self, site: u32, way: Face, start: f32, mean: f32) {
         let here = site as usize;
-        let schedule = &mut self.schedule;
-        schedule.rank[here] = schedule.order.len() as u32;
-        schedule.order.push(site);
-        schedule.way[here] = way;
-        schedule.mean[here] = mean;
-        schedule.end[here] = start + mean;
+        self.schedule.add(site, way, start, mean);
         self.start[here] = start;
         for &waiting in &self.job.corridors.waiting[here] {
             self.missing[waiting as usize] -= 1;
