@@ -257,15 +257,18 @@ impl<'a> SchedulingJob<'a> {
         Ok((state.schedule.order.len() == count).then_some(state.schedule))
     }
 
+    /// How many others each site waits for, so that ways in stay open.
+    fn missing(&self) -> Vec<u32> {
+        let mut missing = vec![0; self.sites.len()];
+        for &site in self.corridors.waiting.iter().flatten() {
+            missing[site as usize] += 1;
+        }
+        missing
+    }
+
     /// Nothing has been opened yet: there is what stands before.
     fn begin<'b>(&'b self, priorities: &'b Priorities) -> ScheduleState<'b> {
         let count = self.sites.len();
-        let mut missing = vec![0u32; count];
-        for waiting in &self.corridors.waiting {
-            for &site in waiting {
-                missing[site as usize] += 1;
-            }
-        }
         let mut state = vec![SiteState::Absent; count];
         let mut schedule = Schedule::empty(count);
         for (site, way) in self.sites.standing() {
@@ -277,7 +280,7 @@ impl<'a> SchedulingJob<'a> {
         ScheduleState {
             job: self,
             priorities,
-            missing,
+            missing: self.missing(),
             anchored: schedule.order.len() as u32,
             state,
             open_faces: vec![0; count],
@@ -445,4 +448,24 @@ impl ScheduleState<'_> {
             self.consider(near);
         }
     }
+}
+
+/// Looks at the job that a target makes, with one face a block and typical rates.
+#[cfg(test)]
+fn with_job<T>(target: &crate::Target, look: impl FnOnce(&SchedulingJob<'_>) -> T) -> T {
+    let sites = Sites::of(target);
+    let spaces = [2, 1].map(|side| crate::free_space::FreeSpace::of(&sites, side));
+    let keys = vec![0.5; sites.len()];
+    let apart = crate::disassembly::disassemble(&sites, spaces, &keys, Cancellation::NEVER);
+    let apart = apart.unwrap();
+    let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
+    let hardware = Hardware {
+        faces: 1,
+        attracts_always: false,
+        free: 100,
+    };
+    let law = RateLaw::new(None);
+    look(&SchedulingJob::new(
+        &sites, &apart, &corridors, hardware, &law,
+    ))
 }

@@ -38,6 +38,13 @@ pub struct PlanSearch<'a> {
     pub tried: &'a dyn Fn(u64, f64),
 }
 
+impl PlanSearch<'_> {
+    /// What plans are compared by: how long one takes, and what its narrow ways cost.
+    pub(crate) fn value(&self, estimate: &PlanEstimate, apart: &Disassembly) -> f64 {
+        estimate.of(self.objective) + JAMS * apart.tight() as f64
+    }
+}
+
 impl Default for PlanSearch<'_> {
     /// The first plan for the mean time, and no other.
     fn default() -> Self {
@@ -98,7 +105,7 @@ fn runs(sites: usize) -> usize {
 }
 
 /// What a cell without a wide way costs: it can jam, which no mean tells \[tick\].
-pub const JAMS: f64 = 20_000.0;
+const JAMS: f64 = 20_000.0;
 
 /// Ways in are looked for in so many orders, and at most in a quarter of the rounds.
 const VARIANTS: u64 = 8;
@@ -165,9 +172,6 @@ fn heuristic(
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
     let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
-    let valued = |scheduled: &PrioritizedSchedule, apart: &Disassembly| {
-        scheduled.estimate.of(search.objective) + JAMS * apart.tight() as f64
-    };
     let candidate = |order: Vec<f32>,
                      priorities: Priorities,
                      has_gaps: bool,
@@ -185,7 +189,7 @@ fn heuristic(
             schedule,
         };
         Ok(ScheduleCandidate {
-            value: valued(&scheduled, &apart),
+            value: search.value(&scheduled.estimate, &apart),
             order,
             has_gaps,
             apart,
@@ -234,7 +238,7 @@ fn heuristic(
         let (scheduled, made) = improved(&job, &samples, best.scheduled, *rounds, search, rng);
         *rounds = made;
         ScheduleCandidate {
-            value: valued(&scheduled, &best.apart),
+            value: search.value(&scheduled.estimate, &best.apart),
             scheduled,
             ..best
         }

@@ -11,7 +11,7 @@ use crate::disassembly::Disassembly;
 use crate::free_space::FreeSpace;
 use crate::makespan::{CellSamples, PlanEstimate, Samples};
 use crate::schedule::{Priorities, Schedule, SchedulingJob, estimated};
-use crate::search::{FoundSchedule, JAMS, PlanSearch, PrioritizedSchedule, improved};
+use crate::search::{FoundSchedule, PlanSearch, PrioritizedSchedule, improved};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
@@ -103,7 +103,7 @@ pub fn scaffolded(
     let samples = study.samples.of(sites);
     let job = SchedulingJob::new(sites, &without.apart, &without.corridors, hardware, waits);
     let estimate = study.estimated(&job, &samples, &without.schedule);
-    let value = study.value(&estimate, &without.apart);
+    let value = study.how.value(&estimate, &without.apart);
     let mut best: Option<(f64, Scaffolded)> = None;
     for seed in (0..).map(|number| how.seed.wrapping_add(number)) {
         study.before += study.all;
@@ -137,11 +137,6 @@ impl Study<'_> {
         schedule: &Schedule,
     ) -> PlanEstimate {
         estimated(job, samples, schedule, &Waiting::of(job, schedule))
-    }
-
-    /// That with its narrow ways, which is compared.
-    fn value(&self, estimate: &PlanEstimate, apart: &Disassembly) -> f64 {
-        estimate.of(self.how.objective) + JAMS * apart.tight() as f64
     }
 
     /// The part of its tries that is left.
@@ -273,7 +268,7 @@ impl Study<'_> {
         let samples = self.samples.of(&sites);
         let estimate = self.estimated(&job, &samples, &schedule);
         Some(ScaffoldCandidate {
-            value: self.value(&estimate, &apart),
+            value: how.value(&estimate, &apart),
             scaffolding,
             apart,
             corridors,
@@ -311,7 +306,7 @@ impl Study<'_> {
         };
         let tried = how.rounds - self.tries;
         let (found, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
-        let value = self.value(&found.estimate, &apart);
+        let value = how.value(&found.estimate, &apart);
         let scaffolded = Scaffolded {
             found: FoundSchedule {
                 rounds,

@@ -280,14 +280,9 @@ mod tests {
     use stochc_ir::Cell;
     use stochc_ir::table::Plate;
 
+    use super::super::with_job;
     use super::*;
-    use crate::Hardware;
-    use crate::corridor::Corridors;
-    use crate::disassembly::disassemble;
-    use crate::free_space::FreeSpace;
-    use crate::sites::Sites;
     use crate::target::held;
-    use crate::waits::RateLaw;
 
     proptest! {
         #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
@@ -298,25 +293,20 @@ mod tests {
             let Some(target) = held(cells, &Plate { width: 2, depth: 1 }) else {
                 return Ok(());
             };
-            let sites = Sites::of(&target);
-            let spaces = [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
-            let keys = vec![0.5; sites.len()];
-            let apart = disassemble(&sites, spaces, &keys, Cancellation::NEVER).unwrap();
-            let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
-            let hardware = Hardware { faces: 1, attracts_always: false, free: 100 };
-            let law = RateLaw::new(None);
-            let job = SchedulingJob::new(&sites, &apart, &corridors, hardware, &law);
-            let samples = Samples::new(sites.len(), 20, 3);
-            let of = || Branching::new(&job, &samples, Objective::Mean, Cancellation::NEVER);
-            let best = of().search(f64::INFINITY, u64::MAX);
-            let all = Branching { prunes: false, ..of() }.search(f64::INFINITY, u64::MAX);
-            prop_assert!(best.left >= all.left && all.left > 0);
-            prop_assert_eq!(best.value, all.value);
-            let of = |schedule| value(&job, &samples, &schedule, Objective::Mean);
-            prop_assert!((of(best.better.unwrap()) - best.value).abs() < 0.01);
-            let even = Priorities::even(sites.len());
-            let listed = job.schedule(&even, Cancellation::NEVER).unwrap();
-            prop_assert!(best.value <= of(listed) + 0.01);
+            with_job(&target, |job| {
+                let samples = Samples::new(job.sites.len(), 20, 3);
+                let of = || Branching::new(job, &samples, Objective::Mean, Cancellation::NEVER);
+                let best = of().search(f64::INFINITY, u64::MAX);
+                let all = Branching { prunes: false, ..of() }.search(f64::INFINITY, u64::MAX);
+                prop_assert!(best.left >= all.left && all.left > 0);
+                prop_assert_eq!(best.value, all.value);
+                let of = |schedule| value(job, &samples, &schedule, Objective::Mean);
+                prop_assert!((of(best.better.unwrap()) - best.value).abs() < 0.01);
+                let even = Priorities::even(job.sites.len());
+                let listed = job.schedule(&even, Cancellation::NEVER).unwrap();
+                prop_assert!(best.value <= of(listed) + 0.01);
+                Ok(())
+            })?;
         }
     }
 }

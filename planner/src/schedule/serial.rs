@@ -43,14 +43,10 @@ impl SchedulingJob<'_> {
         cancellation: Cancellation<'_>,
     ) -> Result<Option<Schedule>, Cancelled> {
         let count = self.sites.len();
-        let mut missing = vec![0u32; count];
-        for &site in self.corridors.waiting.iter().flatten() {
-            missing[site as usize] += 1;
-        }
         let mut state = SerialState {
             job: self,
             crowding: self.crowding(),
-            missing,
+            missing: self.missing(),
             after: vec![0.0; count],
             start: vec![0.0; count],
             schedule: Schedule::empty(count),
@@ -199,15 +195,10 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use stochc_ir::table::Plate;
 
+    use super::super::with_job;
     use super::*;
-    use crate::Hardware;
-    use crate::corridor::Corridors;
-    use crate::disassembly::disassemble;
-    use crate::free_space::FreeSpace;
-    use crate::sites::Sites;
     use crate::target::held;
     use crate::waiting::Waiting;
-    use crate::waits::RateLaw;
 
     proptest! {
         #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
@@ -222,34 +213,29 @@ mod tests {
             let Some(target) = held(cells, &Plate { width: 3, depth: 2 }) else {
                 return Ok(());
             };
-            let sites = Sites::of(&target);
-            let spaces = [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
-            let keys = vec![0.5; sites.len()];
-            let apart = disassemble(&sites, spaces, &keys, Cancellation::NEVER).unwrap();
-            let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
-            let hardware = Hardware { faces: 1, attracts_always: false, free: 100 };
-            let law = RateLaw::new(None);
-            let job = SchedulingJob::new(&sites, &apart, &corridors, hardware, &law);
-            prop_assert!(job.has_serial());
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            let mut priorities = Priorities::even(sites.len());
-            for _ in 0..4 {
-                priorities = priorities.changed(&vec![1.0; sites.len()], true, &mut rng);
-                let serial = job.serial(&priorities, Cancellation::NEVER).unwrap();
-                let schedule = serial.expect("an order that builds it all is known");
-                let mut order = schedule.order.clone();
-                order.sort_unstable();
-                prop_assert!(order.into_iter().eq(0..sites.len() as u32));
-                let start = |site: u32| schedule.end[site as usize] - schedule.mean[site as usize];
-                for (&site, before) in schedule.order.iter().zip(&Waiting::of(&job, &schedule).before) {
-                    let parent = schedule.parent(&sites, site);
-                    prop_assert!(parent == NONE || schedule.end[parent as usize] <= start(site) + 0.1);
-                    for &other in before {
-                        let other = schedule.order[other as usize];
-                        prop_assert!(start(other) <= start(site) + 0.1);
+            with_job(&target, |job| {
+                prop_assert!(job.has_serial());
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                let mut priorities = Priorities::even(job.sites.len());
+                for _ in 0..4 {
+                    priorities = priorities.changed(&vec![1.0; job.sites.len()], true, &mut rng);
+                    let serial = job.serial(&priorities, Cancellation::NEVER).unwrap();
+                    let schedule = serial.expect("an order that builds it all is known");
+                    let mut order = schedule.order.clone();
+                    order.sort_unstable();
+                    prop_assert!(order.into_iter().eq(0..job.sites.len() as u32));
+                    let start = |site: u32| schedule.end[site as usize] - schedule.mean[site as usize];
+                    for (&site, before) in schedule.order.iter().zip(&Waiting::of(job, &schedule).before) {
+                        let parent = schedule.parent(job.sites, site);
+                        prop_assert!(parent == NONE || schedule.end[parent as usize] <= start(site) + 0.1);
+                        for &other in before {
+                            let other = schedule.order[other as usize];
+                            prop_assert!(start(other) <= start(site) + 0.1);
+                        }
                     }
                 }
-            }
+                Ok(())
+            })?;
         }
     }
 }
