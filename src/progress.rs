@@ -2,7 +2,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use stochc_ensemble::text::words;
+use stochc_ensemble::text::{whole_percent, words};
 use stochc_ensemble::trade::{self, Extent};
 use stochc_ensemble::{Manifest, Progress, Snapshot, time_left};
 
@@ -40,7 +40,8 @@ pub fn of_trade(extent: Extent, progress: &trade::Progress, elapsed: Duration) -
     WorkProgress {
         share,
         done: format!("{runs} runs"),
-        more: format!("; {:.0} %", (100.0 * share).floor()),
+        // Not all of it before it is done.
+        more: format!("; {}", whole_percent((100.0 * share).floor() / 100.0)),
     }
 }
 

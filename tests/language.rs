@@ -6,6 +6,7 @@
 use stochc::compiler::scene::BUILT_IN;
 use stochc::compiler::{Checked, Limits, check};
 use stochc::diagnostics::{Format, show};
+use stochc::ir::scene::scalars;
 use stochc::ir::scene::schema::CLAUSES;
 
 const REFERENCE: &str = include_str!("../docs/language.md");
@@ -46,20 +47,35 @@ fn the_table_of_scenes_is_that_of_the_schema() {
     for clause in &CLAUSES {
         clause.rows(0, &mut table);
     }
-    let start = REFERENCE
-        .find("| clause and fields |")
-        .expect("a table of scenes");
-    let end = start
-        + REFERENCE[start..]
-            .find("\n\n")
-            .expect("an end of the table")
-        + 1;
+    is_in("docs/language.md", REFERENCE, &table);
+}
+
+/// Likewise.
+#[test]
+fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
+    let mut table = "| name | short | values | what it is |\n|---|---|---|---|\n".to_owned();
+    for number in scalars::all() {
+        let (name, short) = number.names.split_first().expect("each has a name");
+        let short: Vec<_> = short.iter().map(|short| format!("`{short}`")).collect();
+        let short = short.join(", ");
+        let range = number.range.rule();
+        table += &format!("| `{name}` | {short} | {range} | {} |\n", number.meaning);
+    }
+    is_in("docs/sweep.md", include_str!("../docs/sweep.md"), &table);
+}
+
+/// Holds the table of a page with the same head against what it should be, or writes it.
+fn is_in(path: &str, page: &str, table: &str) {
+    let head = table.lines().next().expect("a head");
+    let start = page.find(head).expect("a table with this head");
+    let end = page[start..].find("\n\n").expect("an end of the table");
+    let end = start + end + 1;
     if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
-        let page = [&REFERENCE[..start], &table, &REFERENCE[end..]].concat();
-        std::fs::write("docs/language.md", page).unwrap();
+        let page = [&page[..start], table, &page[end..]].concat();
+        std::fs::write(path, page).unwrap();
     } else {
         assert_eq!(
-            &REFERENCE[start..end],
+            &page[start..end],
             table,
             "write it with STOCHC_WRITE_DOCS=1 cargo test --test language"
         );

@@ -93,7 +93,7 @@ pub enum Stage {
     Order,
     /// Ways in.
     Reach,
-    /// Shapes and inventory.
+    /// Shapes and capacity.
     Compare,
     /// Event tables.
     Lower,

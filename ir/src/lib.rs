@@ -10,6 +10,7 @@ pub mod graph;
 mod invisible;
 mod json;
 pub mod palette;
+mod plate;
 pub mod record;
 pub mod scene;
 pub mod state;

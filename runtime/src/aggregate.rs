@@ -3,7 +3,8 @@ use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, Tables};
 
 use crate::observe::{Look, ObservedEvent};
-use crate::run::{RunError, Watch, resume, show, tell};
+use crate::run_error::RunError;
+use crate::watch::{Watch, resume, show, tell};
 use crate::world::World;
 
 /// How far the groups of a run have grown.

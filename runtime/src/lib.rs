@@ -8,16 +8,20 @@ pub mod control;
 pub mod counter_rng;
 pub mod observe;
 mod run;
+mod run_error;
 mod settings;
 mod step_error;
 pub mod view;
+mod watch;
 pub mod world;
 
 pub use stochc_rates as rates;
 
-pub use run::{RunError, Save, Watch, drive, observe, run};
+pub use run::{drive, observe, run};
+pub use run_error::RunError;
 pub use settings::{Model, Precision, Reduction, Settings, Substeps};
 pub use step_error::{StepError, step_errors};
+pub use watch::{Save, Watch};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

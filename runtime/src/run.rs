@@ -1,135 +1,22 @@
 //! One run, from the first tick to its record.
-use std::io::Read;
-use std::ops::ControlFlow;
-
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::scene::{Messages, Scene};
-use stochc_ir::state::{State, StateError, StateReader, StateWriter};
-use stochc_ir::table::{PhaseId, Tables};
+use stochc_ir::table::Tables;
 
 use crate::aggregate::gather;
 use crate::control::Controller;
 use crate::observe::{Look, Lookout, Observer};
+use crate::run_error::RunError;
 use crate::settings::{Model, Settings};
-use crate::view::{HeldBlock, RunView};
+use crate::watch::{Watch, Watched, resume, show, tell};
 use crate::world::rapier::RapierWorld;
 use crate::world::rate::RateWorld;
 use crate::world::rigid::RigidWorld;
 use crate::world::shuffle::ShuffleWorld;
-use crate::world::{Arena, SceneError, World};
+use crate::world::{Arena, World};
 
 /// Chance of an unplanned bond per tick in a world without physics, where faces always attract.
 const STRAYS: f64 = 0.25;
-
-/// Writes the state of a run.
-pub type Save<'a> = dyn FnMut(&mut StateWriter<'_>) -> Result<(), StateError> + 'a;
-
-/// Looks on while a run goes, and may end it, or keep its state for another one to go on from.
-///
-/// Any `FnMut(u64, PhaseId) -> ControlFlow<()>` is one that keeps nothing.
-pub trait Watch {
-    /// Called before every tick with the number of ticks passed and the phase that is running;
-    /// `Break` cancels the run.
-    fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()>;
-
-    /// Asked once, before the first tick, for what [`Watch::keep`] has kept of the same run.
-    fn kept(&mut self) -> Option<Box<dyn Read>> {
-        None
-    }
-
-    /// Asked after each [`Watch::tick`] whether the state at this tick is to be kept.
-    fn wants_state(&mut self) -> bool {
-        false
-    }
-
-    /// Keeps what `save` writes.
-    fn keep(&mut self, _save: &mut Save<'_>) {}
-
-    /// Asked after each [`Watch::tick`] whether the run is to be seen as it stands.
-    fn wants_view(&mut self) -> bool {
-        false
-    }
-
-    /// Sees what `make` makes, which takes time in proportion to the blocks.
-    fn view(&mut self, _make: &dyn Fn() -> RunView) {}
-}
-
-impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
-    fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
-        self(tick, phase)
-    }
-}
-
-/// A watch, however large.
-struct Watched<'a, W: ?Sized>(&'a mut W);
-
-impl<W: Watch + ?Sized> Watch for Watched<'_, W> {
-    fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
-        self.0.tick(tick, phase)
-    }
-
-    fn kept(&mut self) -> Option<Box<dyn Read>> {
-        self.0.kept()
-    }
-
-    fn wants_state(&mut self) -> bool {
-        self.0.wants_state()
-    }
-
-    fn keep(&mut self, save: &mut Save<'_>) {
-        self.0.keep(save);
-    }
-
-    fn wants_view(&mut self) -> bool {
-        self.0.wants_view()
-    }
-
-    fn view(&mut self, make: &dyn Fn() -> RunView) {
-        self.0.view(make);
-    }
-}
-
-/// Why a run left no record.
-#[derive(Clone, Debug, PartialEq)]
-pub enum RunError {
-    /// The scene cannot be set up.
-    Scene(SceneError),
-    /// The [`Watch`] ended it.
-    Cancelled,
-    /// The model has no places to look at.
-    Nowhere(Model),
-    /// What [`Watch::kept`] has given is no state of this run.
-    State(StateError),
-}
-
-impl std::fmt::Display for RunError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            RunError::Scene(error) => error.fmt(f),
-            RunError::Cancelled => f.write_str("the run was cancelled"),
-            RunError::Nowhere(model) => write!(
-                f,
-                "the model `{}` has no places to look at; `--model rigid` has them",
-                model.name()
-            ),
-            RunError::State(error) => write!(f, "the state to go on from cannot be used: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for RunError {}
-
-impl From<SceneError> for RunError {
-    fn from(error: SceneError) -> RunError {
-        RunError::Scene(error)
-    }
-}
-
-impl From<StateError> for RunError {
-    fn from(error: StateError) -> RunError {
-        RunError::State(error)
-    }
-}
 
 /// Makes run number `run` of the ensemble with this `seed`.
 ///
@@ -259,57 +146,6 @@ pub fn drive(
     }
     let controller = Controller::new(tables, messages, seed, run);
     follow(controller, world, max_ticks, run, watch, ())
-}
-
-/// Goes on from what was kept of a run, if there is anything; whether there is.
-pub(crate) fn resume(
-    watch: &mut (impl Watch + ?Sized),
-    parts: &mut [&mut dyn State],
-) -> Result<bool, StateError> {
-    let Some(mut kept) = watch.kept() else {
-        return Ok(false);
-    };
-    let mut reader = StateReader::new(&mut *kept);
-    parts
-        .iter_mut()
-        .try_for_each(|part| part.restore(&mut reader))?;
-    Ok(true)
-}
-
-/// Tells that a tick begins, and has the state kept if that is wanted.
-///
-/// # Errors
-/// [`RunError::Cancelled`].
-pub(crate) fn tell(
-    watch: &mut (impl Watch + ?Sized),
-    (tick, phase): (u64, PhaseId),
-    parts: &[&dyn State],
-) -> Result<(), RunError> {
-    let flow = watch.tick(tick, phase);
-    if watch.wants_state() {
-        watch.keep(&mut |to| parts.iter().try_for_each(|part| part.save(to)));
-    }
-    match flow {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(RunError::Cancelled),
-    }
-}
-
-/// Shows how a run stands at a tick, if somebody wants to see it.
-pub(crate) fn show(
-    watch: &mut (impl Watch + ?Sized),
-    (tick, phase): (u64, PhaseId),
-    held: impl Fn() -> Vec<HeldBlock>,
-    world: &impl World,
-) {
-    if watch.wants_view() {
-        watch.view(&|| RunView {
-            tick,
-            phase,
-            held: held(),
-            arena: world.view(),
-        });
-    }
 }
 
 /// Drives a world by a controller to the end of the run; `look` is shown every tick.

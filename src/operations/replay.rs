@@ -79,7 +79,12 @@ fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
     if program.sources.is_empty() || program.compiled.graph.events.len() > MOST_STATEMENTS {
         return Vec::new();
     }
-    let checked = recompile(&program.sources, &[], "", &LintLevels::default());
+    let checked = recompile(
+        &program.sources,
+        &program.varied,
+        program.assembly(),
+        &LintLevels::default(),
+    );
     let mut same =
         (checked.programs.iter()).filter(|it| it.tables.as_ref() == Some(program.tables()));
     let Some(plan) = same.next().map(|program| &program.plan) else {

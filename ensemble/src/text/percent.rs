@@ -11,6 +11,16 @@ pub fn percent(share: f64) -> String {
     format!("{} %", text.strip_suffix(".0").unwrap_or(&text))
 }
 
+/// A share, 0 to 1, as a percentage without decimals: `13 %`.
+pub fn whole_percent(share: f64) -> String {
+    format!("{} %", percent_number(share))
+}
+
+/// The same without its sign, beside an axis that has one: `13`.
+pub fn percent_number(share: f64) -> String {
+    format!("{:.0}", 100.0 * share)
+}
+
 /// A relative difference and half of its interval: `-4.0 ± 3.1 %`.
 pub fn relative(difference: &Relative) -> String {
     let value = 100.0 * difference.value;
@@ -36,5 +46,7 @@ mod tests {
     fn a_share_that_is_not_nothing_is_not_told_as_nothing() {
         let told = [0.0, 0.0001, 0.05, 0.0996, 0.125, 1.0].map(percent);
         assert_eq!(told, ["0 %", "< 0.1 %", "5 %", "10 %", "12.5 %", "100 %"]);
+        let whole = [0.0, 0.0049, 0.126, 1.0].map(whole_percent);
+        assert_eq!(whole, ["0 %", "0 %", "13 %", "100 %"]);
     }
 }

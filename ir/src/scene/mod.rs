@@ -16,7 +16,7 @@ pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, 
 
 use serde::{Deserialize, Serialize};
 
-use crate::table::Plate;
+use crate::plate::Plate;
 
 /// A world of free blocks around a seed plate, or without one.
 ///

@@ -9,7 +9,7 @@ use crate::suggest::nearest;
 
 /// Every number of any scene, once, in the order of the language reference; of several that share a name, it stands
 /// for the one that the scene has.
-fn all() -> impl Iterator<Item = &'static SchemaNumber> {
+pub fn all() -> impl Iterator<Item = &'static SchemaNumber> {
     let all: Vec<_> = CLAUSES.iter().flat_map(schema::numbers).collect();
     // What several kinds of a clause share comes behind what is their own.
     let is_last = |i: usize| {

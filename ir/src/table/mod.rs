@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 use crate::scene::BondKind;
 use crate::{Cell, Face};
 
+pub use crate::plate::Plate;
+
 /// A name that blocks take in turn; an index into [`Tables::roles`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct RoleId(pub u32);
@@ -48,20 +50,6 @@ pub struct Tables {
     rules: Vec<RuleRow>,
     /// All conditions; a rule owns a contiguous range.
     conditions: Vec<Condition>,
-}
-
-/// The seed plate: `width` x `depth` blocks at z = 0, only their upper faces exposed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Plate {
-    /// Blocks from west to east.
-    pub width: u32,
-    /// Blocks from south to north.
-    pub depth: u32,
-}
-
-impl Plate {
-    /// Blocks along one edge, at most.
-    pub const LONGEST: u32 = 100_000;
 }
 
 /// The name of the phase of blocks that are attached by hand: a word of the language, so that

@@ -1,6 +1,6 @@
 //! A run in words: the chain of events that decided how long it took.
 use stochc_ensemble::EnsembleProgram;
-use stochc_ensemble::text::{Tick, escaped, number};
+use stochc_ensemble::text::{Tick, escaped, number, whole_percent};
 use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
 
@@ -97,9 +97,9 @@ pub(super) fn story(of: &Telling, run: &FinishedRun) -> Vec<String> {
 pub(super) fn lead(of: &Telling, run: &FinishedRun) -> Option<String> {
     let total = run.record.ticks;
     let longest = run.chain.iter().max_by_key(|link| link.ticks())?;
-    let share = 100.0 * longest.ticks() as f64 / total.max(1) as f64;
+    let share = longest.ticks() as f64 / total.max(1) as f64;
     let text = of.events.events[longest.event()?].text(of.program);
-    (share >= 25.0).then(|| format!("{} alone took {share:.0} % of it.", code(&text)))
+    (share >= 0.25).then(|| format!("{} alone took {} of it.", code(&text), whole_percent(share)))
 }
 
 /// When the largest group of an aggregate had reached each of its sizes, as items of a list.
@@ -139,11 +139,11 @@ fn between(of: &Telling, passed: &[&CriticalPathSegment]) -> Option<String> {
 }
 
 pub(crate) fn item(of: &Telling, run: &FinishedRun, link: &CriticalPathSegment) -> String {
-    let share = 100.0 * link.ticks() as f64 / run.record.ticks.max(1) as f64;
+    let share = link.ticks() as f64 / run.record.ticks.max(1) as f64;
     // The time of the link in seconds, and what part of the run's it is.
     let seconds = of.tick().seconds(link.ticks() as f64);
     let share = match share {
-        share if share >= 0.5 => format!(" ({seconds}, {share:.0} %)"),
+        share if share >= 0.005 => format!(" ({seconds}, {})", whole_percent(share)),
         _ => format!(" ({seconds})"),
     };
     match link.what {

@@ -1,6 +1,6 @@
 //! Shares of runs that are not complete, over time.
 use stochc_ensemble::statistics::{KaplanMeier, Observation, SurvivalPoint};
-use stochc_ensemble::text::number;
+use stochc_ensemble::text::{number, percent_number};
 
 use super::EDGE;
 use crate::svg::letters::{fitted, width};
@@ -57,8 +57,7 @@ pub(crate) fn survival(
     let x = Scale::linear((0.0, last), (left, right));
     let y = Scale::linear(share, (bottom, top));
     let mut foot = out.across(&x, (left, right), bottom, top, axis);
-    let percent = |share: f64| format!("{:.0}", 100.0 * share);
-    out.upward(&y, (bottom, top), left, right, of, percent);
+    out.upward(&y, (bottom, top), left, right, of, percent_number);
     for (i, _, estimate) in known.iter().filter(|_| known.len() <= BANDS) {
         // After the last completion nothing is known, or nothing is left.
         let points: Vec<_> = (thinned(estimate, &x).iter())

@@ -1,6 +1,7 @@
 //! A scene in block units: side 1, mass 1, and the tick as the unit of time.
 //!
 //! Single precision and contact settings then mean the same for a block of 10 um and of 20 cm.
+use stochc_ir::scene::groups::BlockUnits;
 use stochc_ir::scene::{
     Agitation, Anchor, BOLTZMANN, Bond, ContactLaw, Enclosure, Flow, Fluid, Reach, Scene,
 };
@@ -39,8 +40,8 @@ impl WorldParameters {
                 kicks = Some(Kicks { speed });
             }
             Some(Agitation::Brownian { temperature }) => {
-                let energy = BOLTZMANN * temperature / units.mass;
-                let speed = units.tick / units.side;
+                let energy = units.of.mass(BOLTZMANN * temperature);
+                let speed = units.of.speed(1.0);
                 thermal = Some(number("the temperature", energy * speed * speed)?);
             }
             _ => {}
@@ -51,7 +52,7 @@ impl WorldParameters {
             shell,
             kicks,
             drag: made(&scene.drag, |drag| {
-                number("the drag", drag.rate * units.tick)
+                number("the drag", units.of.rate(drag.rate))
             })?,
             weight: made(&scene.gravity, weight)?,
             fluid: made(&scene.fluid, |fluid| units.resistance(fluid))?,
@@ -64,12 +65,10 @@ impl WorldParameters {
     }
 }
 
-/// Makes numbers of values in SI units.
+/// Makes numbers of values in SI units, and sees that they are some.
 #[derive(Clone, Copy)]
 struct Units {
-    side: f64,
-    mass: f64,
-    tick: f64,
+    of: BlockUnits,
 }
 
 type Made<T> = Result<T, SceneError>;
@@ -81,26 +80,23 @@ fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> Made<B>) -> Made<Option
 
 impl Units {
     fn of(scene: &Scene) -> Made<Units> {
-        Ok(Units {
-            side: positive("the side of a block", scene.block.side)?,
-            mass: positive("the mass of a block", scene.block.mass)?,
-            tick: positive("the tick", scene.tick)?,
-        })
+        let of = BlockUnits::of(scene);
+        positive("the side of a block", of.side)?;
+        positive("the mass of a block", of.mass)?;
+        positive("the tick", of.tick)?;
+        Ok(Units { of })
     }
 
     fn length(self, what: &'static str, value: f64) -> Made<f64> {
-        number(what, value / self.side)
+        number(what, self.of.length(value))
     }
 
     fn speed(self, what: &'static str, value: f64) -> Made<f64> {
-        number(what, value * self.tick / self.side)
+        number(what, self.of.speed(value))
     }
 
     fn force(self, what: &'static str, value: f64) -> Made<f64> {
-        number(
-            what,
-            value * self.tick * self.tick / (self.mass * self.side),
-        )
+        number(what, self.of.force(value))
     }
 
     fn reach(self, what: &'static str, reach: &Reach) -> Made<Pull> {
@@ -113,54 +109,46 @@ impl Units {
     fn shell(self, enclosure: &Enclosure, plate: &Plate) -> Made<Shell> {
         let (radius, wall, inside) = match *enclosure {
             Enclosure::Hemisphere { radius, wall } => (radius, wall, 0.0),
-            Enclosure::Sphere { radius, wall } => (radius, wall, self.side / 2.0),
+            Enclosure::Sphere { radius, wall } => (radius, wall, self.of.side / 2.0),
         };
         Ok(Shell {
             radius: self.length("the radius of the enclosure", radius - inside)?,
             height: self.length(
                 "the height of the enclosure",
-                enclosure.centre_height(plate, self.side),
+                enclosure.centre_height(plate, self.of.side),
             )?,
-            stiffness: number("the wall", wall * self.tick * self.tick / self.mass)?,
+            stiffness: number("the wall", self.of.stiffness(wall))?,
         })
     }
 
     fn weight(self, gravity: f64, fluid: Option<&Fluid>) -> Made<f64> {
         let density = fluid.and_then(|fluid| fluid.density).unwrap_or(0.0);
-        let borne = density * self.side.powi(3) / self.mass;
-        let down = gravity * self.tick * self.tick / self.side;
+        let borne = self.of.density(density);
+        let down = self.of.acceleration(gravity);
         number("gravity", down)?;
         number("buoyancy", down * borne)?;
         Ok(down * (1.0 - borne))
     }
 
     fn resistance(self, fluid: &Fluid) -> Made<Resistance> {
-        let inertia = self.mass * self.side * self.side / 6.0;
+        let side = self.of.side;
         let viscosity = fluid.viscosity.unwrap_or(0.0);
         let density = fluid.density.unwrap_or(0.0);
         let what = "the drag of the fluid";
+        let inertia = self.of.mass * side * side / 6.0;
         Ok(Resistance {
             viscous: (
+                number(what, self.of.damping(Fluid::friction(viscosity, side)))?,
                 number(
                     what,
-                    Fluid::friction(viscosity, self.side) * self.tick / self.mass,
-                )?,
-                number(
-                    what,
-                    Fluid::turning_friction(viscosity, self.side) * self.tick / inertia,
+                    Fluid::turning_friction(viscosity, side) * self.of.tick / inertia,
                 )?,
             ),
             wake: (
-                number(
-                    what,
-                    Fluid::wake(density, self.side) * self.side / self.mass,
-                )?,
-                number(what, Fluid::turning_wake(density, self.side) / inertia)?,
+                number(what, self.of.mass(Fluid::wake(density, side) * side))?,
+                number(what, Fluid::turning_wake(density, side) / inertia)?,
             ),
-            displaced: number(
-                "the density of the fluid",
-                density * self.side.powi(3) / self.mass,
-            )?,
+            displaced: number("the density of the fluid", self.of.density(density))?,
         })
     }
 
@@ -168,7 +156,10 @@ impl Units {
         Ok(match flow {
             Flow::Stir(stir) => MeanFlow::Vortex {
                 radius: self.length("the radius of the ring", stir.radius)?,
-                rate: number("the rate of the ring", stir.follow * stir.rate * self.tick)?,
+                rate: number(
+                    "the rate of the ring",
+                    self.of.rate(stir.follow * stir.rate),
+                )?,
             },
             Flow::Jets(jets) => {
                 let Some(shell) = shell else {
@@ -200,7 +191,7 @@ impl Units {
             speed: self.speed("turbulence", speed)?,
             vertical: number("the vertical part of turbulence", turbulence.vertical)?,
             wavenumber: number("the size of an eddy", std::f64::consts::PI / length)?,
-            left: libm::exp(-self.tick / turbulence.time(speed)),
+            left: libm::exp(-self.of.tick / turbulence.time(speed)),
         }))
     }
 
@@ -211,11 +202,8 @@ impl Units {
                     restitution: number("the restitution", restitution)?,
                 },
                 ContactLaw::Compliant { stiffness, damping } => ContactLaw::Compliant {
-                    stiffness: number(
-                        "the stiffness",
-                        stiffness * self.tick * self.tick / self.mass,
-                    )?,
-                    damping: number("the damping", damping * self.tick / self.mass)?,
+                    stiffness: number("the stiffness", self.of.stiffness(stiffness))?,
+                    damping: number("the damping", self.of.damping(damping))?,
                 },
             },
             friction: number("the friction", contact.friction)?,
@@ -239,18 +227,19 @@ impl Units {
                 hold: self.force("the hold of the magnets", magnets.hold)?,
                 depth: self.length("the depth of the magnets", magnets.depth)?,
                 within: self.length("the reach of the magnets", magnets.within)?,
-                impulse: self.speed("the impulse of a rejection", impulse / self.mass)?,
+                impulse: self.speed("the impulse of a rejection", self.of.mass(*impulse))?,
             }),
             Bond::Suction { pump, seal, .. } => {
+                let side = self.of.side;
                 // In block units a pressure is the acceleration of a block on one face of which it acts.
                 let resistance = |value: f64| {
                     number(
                         "a hydraulic resistance",
-                        value * self.side.powi(4) * self.tick / self.mass,
+                        value * side.powi(4) * self.of.tick / self.of.mass,
                     )
                 };
                 Attraction::Suction(Suction {
-                    head: self.force("the head of the pump", pump.head * self.side * self.side)?,
+                    head: self.force("the head of the pump", pump.head * side * side)?,
                     supply: resistance(pump.supply)?,
                     valve: resistance(pump.valve)?,
                     passage: resistance(pump.passage)?,
@@ -277,9 +266,9 @@ fn number(what: &'static str, value: f64) -> Made<f64> {
     }
 }
 
-fn positive(what: &'static str, value: f64) -> Made<f64> {
+fn positive(what: &'static str, value: f64) -> Made<()> {
     if value > 0.0 && value.is_finite() {
-        Ok(value)
+        Ok(())
     } else {
         Err(SceneError::NotANumber { what, value })
     }

@@ -5,11 +5,11 @@ use super::super::Scene;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockUnits {
     /// \[m\]
-    side: f64,
+    pub side: f64,
     /// \[kg\]
-    mass: f64,
+    pub mass: f64,
     /// \[s\]
-    tick: f64,
+    pub tick: f64,
 }
 
 impl BlockUnits {

@@ -1,5 +1,6 @@
 //! What comes first: the page in a few sentences.
 use stochc_ensemble::Time;
+use stochc_ensemble::text::whole_percent;
 
 use super::Parts;
 use super::common::{mean, sentence, tick};
@@ -33,9 +34,9 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         let most = waits.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
         if let Some(wait) = most.filter(|wait| share(wait) > 0.0) {
             item += &format!(
-                "The capture that decides most of that is {}, with {:.0} % of all time.",
+                "The capture that decides most of that is {}, with {} of all time.",
                 code(&wait.text),
-                100.0 * share(&wait)
+                whole_percent(share(&wait))
             );
         }
         items.push(item);

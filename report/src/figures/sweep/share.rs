@@ -1,5 +1,6 @@
 //! The share of runs that completed over a number that was varied.
 use stochc_ensemble::sweep::SweepPoint;
+use stochc_ensemble::text::percent_number;
 
 use super::frame::{Frame, Panel, YScale, aside, told};
 use crate::svg::{Axis, DASHES, Drawing, Style, class};
@@ -14,13 +15,12 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let name = format!("{}-completed", panel.name);
     let notes = ["dots: the part of the finished runs that completed, lines: 95 % intervals"];
     let axis = Axis::new("runs that completed", "%");
-    let percent = |share: f64| format!("{:.0}", 100.0 * share);
     let Frame { mut out, x, y, .. } = panel.frame(
         &name,
         (&title, &words),
         &curves,
         (&axis, YScale::Linear(0.0, 1.0)),
-        (&notes, percent),
+        (&notes, percent_number),
     );
     for (i, curve) in curves.iter().enumerate() {
         let place = |value: f64| x.at(value) + aside(i, curves.len());

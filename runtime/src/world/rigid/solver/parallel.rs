@@ -298,7 +298,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         greatest
     }
 
-    /// See [`super::sequential::Chains`]: bodies must not be livelier than before.
+    /// Bodies must not be livelier than before.
     fn keep_energy(&mut self, before: &[BatchBody<R>; N], inertia: R) {
         let inertia = R::Quad::splat(inertia);
         let (mut work, mut square) = (all::<R>(0.0), all::<R>(0.0));
