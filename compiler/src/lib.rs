@@ -6,6 +6,17 @@
 //! proved (`reach`); then shapes and the scene are compared with what is
 //! built, and what is right is lowered to event tables ([`stochc_ir::table`]). Each stage tells what it finds
 //! and leaves the wrong part out, so that the next one can go on.
+//!
+//! ```
+//! use stochc_compiler::{Limits, check};
+//!
+//! let text = "assembly pair { seed plate 3 x 3 { M at (1, 1) }\nphase grow { M.up -> A   M.up -> B } }";
+//! let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+//! let checked = check("pair.sa", &mut reader, Limits::default());
+//! let finding = &checked.diagnostics[0];
+//! assert_eq!(finding.code.name(), "occupied-face");
+//! assert!(checked.has_errors() && checked.programs[0].tables.is_none());
+//! ```
 mod capacity;
 pub mod cost;
 pub mod diagnostic;

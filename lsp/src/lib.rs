@@ -4,6 +4,18 @@
 //! checked (`programs`) and requests worked out (`requests`) beside it (`jobs`), each on a thread that can be
 //! cancelled. Each feature is a module of pure functions over an `analysis` of what the editor has, saved or
 //! not (`documents`). A change is checked once nothing more has come in for a moment, or somebody asks.
+//!
+//! ```
+//! # fn main() -> std::io::Result<()> {
+//! let message = r#"{"jsonrpc":"2.0","id":1,"method":"initialize","params":{"capabilities":{}}}"#;
+//! let input = format!("Content-Length: {}\r\n\r\n{message}", message.len());
+//! let mut output = Vec::new();
+//! // The client goes without a goodbye.
+//! assert!(!stochc_lsp::serve(std::io::Cursor::new(input), &mut output)?);
+//! assert!(String::from_utf8_lossy(&output).contains("hoverProvider"));
+//! # Ok(())
+//! # }
+//! ```
 mod actions;
 mod analysis;
 mod definition;

@@ -5,6 +5,18 @@
 //! order with a way in for every cell; looks for the ways that have to stay open, and lets the blocks that would close
 //! them wait (`corridor`); decides which face opens next (`schedule`); and tries other decisions on sampled times to
 //! completion (`search`). [`program`] writes it down.
+//!
+//! ```
+//! use stochc_ir::table::Plate;
+//! use stochc_planner::{Target, layers};
+//!
+//! let cells = layers("##\n##").expect("layers of text");
+//! let plate = Plate { width: 2, depth: 2 };
+//! assert!(Target::new(cells.clone(), plate.clone(), None, /* free */ 300).is_ok());
+//! // Blocks that nothing holds.
+//! let floating = cells.into_iter().map(|cell| stochc_ir::Cell::new(cell.x, cell.y, cell.z + 1));
+//! assert!(Target::new(floating.collect(), plate, None, 300).is_err());
+//! ```
 mod corridor;
 mod crowding;
 mod disassembly;

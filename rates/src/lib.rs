@@ -2,6 +2,20 @@
 //!
 //! A capture is a race of arrivals and a docking. [`Rates`] hold what was measured of a scene; their law says the rate of arrivals and the
 //! docking time of a face from the [`Surroundings`] of its cell, and [`Wait`] is the distribution that follows.
+//!
+//! ```
+//! use stochc_ir::{Cell, Face};
+//! use stochc_rates::{Neighbourhood, Parameters, around};
+//!
+//! let wait = |is_full: &dyn Fn(Cell) -> bool| {
+//!     let cell = Cell::new(0, 0, 9);
+//!     let near = Neighbourhood::of(cell, is_full);
+//!     Parameters::TYPICAL.wait(&around(cell, Face::Up, near, |_| None)).mean()
+//! };
+//! let tower = |cell: Cell| (cell.x, cell.y) == (0, 0) && cell.z < 9;
+//! let beside_a_wall = |cell: Cell| tower(cell) || cell.x == 1;
+//! assert!(wait(&beside_a_wall) < wait(&tower));
+//! ```
 mod first_guess;
 mod gap;
 mod interaction;

@@ -3,6 +3,26 @@
 //! [`run()`] is the whole of it: a pure function from tables, scene, settings, seed and number of
 //! the run to a [record](stochc_ir::record::RunRecord). Inside, a [`Controller`](control::Controller) runs
 //! the tables and a [`World`](world::World) moves the blocks; neither knows the other's business.
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//!
+//! use stochc_runtime::{Model, Settings, run};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let text = "assembly pair { seed plate 3 x 3 { M at (1, 1) }\nphase grow { M.up -> A } }";
+//! let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+//! let mut checked = stochc_compiler::check("pair.sa", &mut reader, Default::default());
+//! let program = checked.programs.remove(0).into_executable().ok_or("it is wrong")?;
+//!
+//! let settings = Settings::of(Model::Rigid, /* substeps */ 1);
+//! let mut watch = |_tick, _phase| ControlFlow::Continue(());
+//! let record = run(&program.tables, &program.scene, &settings, /* seed */ 1, /* run */ 0, &mut watch)?;
+//! let capture = &record.bonds[0];
+//! assert!(capture.docked > capture.magnetized && capture.docked == record.ticks);
+//! # Ok(())
+//! # }
+//! ```
 mod aggregate;
 pub mod control;
 pub mod counter_rng;
