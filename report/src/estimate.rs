@@ -4,7 +4,7 @@ use stochc_ensemble::{EnsembleProgram, completion_time};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::rates::{Interaction, Times};
 
-use crate::analysis::critical_path::{chain, moments};
+use crate::analysis::critical_path::{critical_path, moments};
 use crate::analysis::events::Events;
 
 /// What is expected of a program.
@@ -112,9 +112,9 @@ fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
     let events = Events::of(program);
     let mut ticks = vec![0_u64; events.events.len()];
     for record in records {
-        for link in chain(&events, record, &moments(&events, record)) {
-            if let Some(event) = link.event() {
-                ticks[event] += link.ticks();
+        for segment in critical_path(&events, record, &moments(&events, record)) {
+            if let Some(event) = segment.event() {
+                ticks[event] += segment.ticks();
             }
         }
     }
