@@ -84,7 +84,7 @@ pub fn lay_out(
         sizes: Vec::new(),
         emptied: Vec::new(),
     };
-    let mut surveyor = Surveyor {
+    let mut builder = LayoutBuilder {
         plan,
         liveness,
         symbols,
@@ -94,13 +94,13 @@ pub fn lay_out(
         seats,
         taken,
     };
-    for phase in 0..surveyor.plan.phases.len() {
-        surveyor.phase(phase)?;
+    for phase in 0..builder.plan.phases.len() {
+        builder.phase(phase)?;
     }
-    Ok(surveyor.layout)
+    Ok(builder.layout)
 }
 
-struct Surveyor<'a> {
+struct LayoutBuilder<'a> {
     plan: &'a mut ProgramPlan,
     liveness: &'a Liveness,
     symbols: &'a Symbols,
@@ -113,7 +113,7 @@ struct Surveyor<'a> {
     taken: FxHashMap<Cell, RoleId>,
 }
 
-impl Surveyor<'_> {
+impl LayoutBuilder<'_> {
     fn phase(&mut self, number: usize) -> Result<(), Cancelled> {
         let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
         // Releases of this phase, by the block that goes.

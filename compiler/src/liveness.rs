@@ -5,7 +5,7 @@ use stochc_ir::suggest::nearest;
 use stochc_ir::table::{RoleId, Trigger};
 
 use crate::diagnostic::{
-    Code, Diagnostic, Fix, MOST_FINDINGS, entry, hand_in, is_repeated, named, removal, tell,
+    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, named, parameter_hint, removal, tell,
 };
 use crate::members::members;
 use crate::plan::{EventId, EventKind, Key, PatternInstance, ProgramPlan};
@@ -576,7 +576,7 @@ impl Checker<'_> {
         let diagnostic = Diagnostic::new(Code::UnknownName, title)
             .label(site, "not known inside of the pattern")
             .label(there.0, there.1)
-            .help(hand_in(self.sources, &grown, word, &block));
+            .help(parameter_hint(self.sources, &grown, word, &block));
         Some(diagnostic)
     }
 }

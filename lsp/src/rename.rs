@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
 use stochc_compiler::diagnostic::Code;
-use stochc_compiler::names::{NameKind, Names, Thing};
+use stochc_compiler::names::{Definition, NameKind, Names};
 use stochc_compiler::{Cancellation, Checked, Limits, Site, check_cancellable};
 use stochc_grammar::{Symbols, parse_cancellable};
 
@@ -23,11 +23,11 @@ pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, RequestFailure
     };
     let names = &analysis.names;
     let declared = names
-        .of_thing(name.thing)
+        .occurrences_of(name.definition)
         .any(|occurrence| occurrence.declares);
     if !declared {
-        let word = analysis.checked.symbols.word(names.word(name.thing));
-        return Err(RequestFailure::refusal(match names.kind(name.thing) {
+        let word = analysis.checked.symbols.word(names.word(name.definition));
+        return Err(RequestFailure::refusal(match names.kind(name.definition) {
             NameKind::Scene => format!("the scene `{word}` is built in"),
             kind => format!("no {} is called `{word}`", kind.noun()),
         }));
@@ -146,11 +146,11 @@ fn same_structure(old: &Names, new: &Names) -> bool {
     if old.all().len() != new.all().len() {
         return false;
     }
-    let mut there: HashMap<Thing, Thing> = HashMap::new();
-    let mut back: HashMap<Thing, Thing> = HashMap::new();
+    let mut there: HashMap<Definition, Definition> = HashMap::new();
+    let mut back: HashMap<Definition, Definition> = HashMap::new();
     old.all().iter().zip(new.all()).all(|(old, new)| {
-        *there.entry(old.thing).or_insert(new.thing) == new.thing
-            && *back.entry(new.thing).or_insert(old.thing) == old.thing
+        *there.entry(old.definition).or_insert(new.definition) == new.definition
+            && *back.entry(new.definition).or_insert(old.definition) == old.definition
     })
 }
 

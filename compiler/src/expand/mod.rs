@@ -17,7 +17,7 @@ use stochc_grammar::tree::{
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
 use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, tell};
-use crate::names::{Names, Thing};
+use crate::names::{Definition, Names};
 use crate::plan::{
     AfterConstraint, EventId, Key, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
 };
@@ -531,14 +531,14 @@ impl<'a> Expander<'a, '_> {
     }
 
     /// The word of a name of the file at hand, and the number, counter or parameter that it is the name of.
-    fn named(&self, name: Name) -> (Symbol, Option<Thing>) {
+    fn named(&self, name: Name) -> (Symbol, Option<Definition>) {
         (name.symbol, self.names.value(self.file, name.span))
     }
 
     /// The value of what a name of the file at hand stands for, if it has one yet.
     fn value(&self, name: Name) -> Option<BoundValue> {
-        let (word, thing) = self.named(name);
-        self.scope.get(word, thing?).map(|(value, _)| value)
+        let (word, definition) = self.named(name);
+        self.scope.get(word, definition?).map(|(value, _)| value)
     }
 
     fn phase(&mut self, phase: &'a PhaseDeclaration, item: &'a Item) {

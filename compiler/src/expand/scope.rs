@@ -5,7 +5,7 @@ use stochc_grammar::Symbol;
 use stochc_ir::Face;
 
 use crate::Site;
-use crate::names::{Thing, ValueKind};
+use crate::names::{Definition, ValueKind};
 use crate::plan::Key;
 
 /// What a word stands for, other than a block of its own name.
@@ -36,7 +36,7 @@ impl BoundValue {
 #[derive(Clone, Copy, Debug)]
 struct Binding {
     /// What has the value.
-    thing: Option<Thing>,
+    definition: Option<Definition>,
     value: BoundValue,
     site: Site,
     /// How many blocks were open when it was made.
@@ -98,10 +98,10 @@ impl Scope {
         self.instance = mark.instance;
     }
 
-    /// Gives a thing a value, under its word; the place of the old one if the word has one in this very block.
+    /// Gives a definition a value, under its word; the place of the old one if the word has one in this very block.
     pub fn define(
         &mut self,
-        (word, thing): (Symbol, Option<Thing>),
+        (word, definition): (Symbol, Option<Definition>),
         value: BoundValue,
         site: Site,
     ) -> Option<Site> {
@@ -109,7 +109,7 @@ impl Scope {
         let old = bindings.last().filter(|old| old.level == self.level);
         let old = old.map(|old| old.site);
         bindings.push(Binding {
-            thing,
+            definition,
             value,
             site,
             level: self.level,
@@ -119,19 +119,19 @@ impl Scope {
     }
 
     /// Makes a parameter or counter stand for nothing that is known, once it has been told of.
-    pub fn forget(&mut self, word: Symbol, thing: Thing) {
+    pub fn forget(&mut self, word: Symbol, definition: Definition) {
         let floor = self.floor;
         let bindings = self.words.get_mut(&word).into_iter().flatten();
-        let last = bindings.rev().find(|it| it.thing == Some(thing));
+        let last = bindings.rev().find(|it| it.definition == Some(definition));
         if let Some(binding) = last.filter(|binding| binding.level >= floor && floor > 0) {
             binding.value = BoundValue::Unknown;
         }
     }
 
-    /// The value of a thing with this word, and where it has got it.
-    pub fn get(&self, word: Symbol, thing: Thing) -> Option<(BoundValue, Site)> {
+    /// The value of a definition with this word, and where it has got it.
+    pub fn get(&self, word: Symbol, definition: Definition) -> Option<(BoundValue, Site)> {
         let mut bindings = self.words.get(&word)?.iter().rev();
-        let binding = bindings.find(|it| it.thing == Some(thing))?;
+        let binding = bindings.find(|it| it.definition == Some(definition))?;
         Some((binding.value, binding.site))
     }
 
