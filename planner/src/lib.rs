@@ -5,6 +5,7 @@
 //! order with a way in for every cell; looks for the ways that have to stay open, and lets the blocks that would close
 //! them wait (`corridor`); decides which face opens next (`schedule`); and tries other decisions on sampled times to
 //! completion (`search`). [`program`] writes it down.
+mod baseline;
 mod corridor;
 mod crowding;
 mod disassembly;
@@ -13,7 +14,6 @@ mod explanation;
 mod free_space;
 mod grid;
 mod makespan;
-mod naive;
 mod plan;
 mod refusal;
 mod scaffold;
@@ -27,15 +27,15 @@ mod voxels;
 mod waiting;
 mod waits;
 
+pub use baseline::Baseline;
 pub use emit::{Naming, continuation, declaration, draft, program};
 pub use explanation::explanation;
 pub use makespan::{Objective, PlanEstimate};
-pub use naive::Naive;
-pub use plan::{Alternative, BuildPlan, Capture, Hardware, Plans, naive_plans, plan};
+pub use plan::{Alternative, BuildPlan, Capture, Hardware, Plans, baseline_plans, plan};
 pub use refusal::{LoosePart, Refusal};
 pub use scaffold::{Dismantling, HandOver, Mast};
 pub use search::{AdaptiveGap, PlanSearch, ScheduleGap, adaptive_gap, gap};
 pub use target::{FARTHEST, MOST_CELLS, StandingBlock, Target};
 pub use voxels::{UnreadableVoxels, layers, magica_voxel};
 pub use waiting::Why;
-pub use waits::{Moment, RateLaw, Stand};
+pub use waits::{CellState, Moment, RateLaw};

@@ -16,7 +16,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
     Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Refusal, Target,
-    declaration, draft, naive_plans, plan, program,
+    baseline_plans, declaration, draft, plan, program,
 };
 use stochc_rates::Rates;
 
@@ -308,7 +308,7 @@ impl Goal {
         let mut alternatives = Vec::new();
         if self.cells.len() <= MOST_COMPARED && self.repair == Repair::default() {
             let objective = search.objective;
-            for (naive, mut plan) in naive_plans(&target, hardware, &law, search.seed) {
+            for (naive, mut plan) in baseline_plans(&target, hardware, &law, search.seed) {
                 let checked = self.check(&target, &plan, &[]);
                 let estimate = estimated(&checked, &law).unwrap_or(plan.estimate);
                 let mut findings = checked.diagnostics.iter();

@@ -107,12 +107,12 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
     }
     write_releases(target, &mut out);
     out.push_str("}\nphase grow {\n");
-    let mut told = Told::default();
-    told.write(&first, &plan.captures, Words::OWN, &mut out);
+    let mut explained = ExplainedComments::default();
+    explained.write(&first, &plan.captures, Words::OWN, &mut out);
     if let (Some(dismantling), Some(later), Some(second)) = (&plan.dismantling, &later, &second) {
         out.push_str("}\nphase hand_over {\n");
         dismantling::write_releases(dismantling, &mut out);
-        told.write(second, later, Words::OWN, &mut out);
+        explained.write(second, later, Words::OWN, &mut out);
     }
     if let Some(shape) = shape {
         let _ = writeln!(out, "yields {shape}");
@@ -130,20 +130,20 @@ pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<
     };
     let mut out = String::new();
     let statements = statements(&plan.captures, name);
-    Told::default().write(&statements, &plan.captures, words, &mut out);
+    ExplainedComments::default().write(&statements, &plan.captures, words, &mut out);
     out
 }
 
 /// What has been explained once is not explained again.
 #[derive(Default)]
-struct Told {
+struct ExplainedComments {
     grows: bool,
     mast: bool,
     near: bool,
     both: bool,
 }
 
-impl Told {
+impl ExplainedComments {
     /// Writes the statements of a phase, with what they wait for.
     fn write(
         &mut self,
@@ -206,9 +206,9 @@ impl Told {
             }
             (1, 0) => format!("Comes later, because it lies in the way to {}.", ways[0]),
             (n, _) => {
-                let told = crate::refusal::listed_words(&ways);
+                let listed = crate::refusal::listed_words(&ways);
                 let verb = if n == 1 { "is" } else { "are" };
-                format!("Comes later, because {told} {verb} reached through here.")
+                format!("Comes later, because {listed} {verb} reached through here.")
             }
         };
         let _ = writeln!(out, "/// {said}");
