@@ -1,8 +1,8 @@
 //! The machine of all blocks together.
 mod block;
 mod environment;
-mod few;
 mod index;
+mod inline_vec;
 mod message;
 mod routing;
 mod slots;

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 use stochc_ir::Face;
 use stochc_rates::{Neighbourhood, Rates, Wait, feature_cells};
 
-use super::race::OpenFace;
+use super::open_face_hazards::OpenFace;
 
 /// Waits that are kept, at most.
 const KEPT: usize = 1 << 16;

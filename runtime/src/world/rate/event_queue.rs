@@ -4,7 +4,7 @@ use std::collections::BinaryHeap;
 
 use serde::{Deserialize, Serialize};
 
-use super::race::Slot;
+use super::open_face_hazards::Slot;
 use super::tournament::{NONE, Tournament};
 
 /// Something that may happen.
@@ -29,7 +29,7 @@ pub(super) struct HeadStart {
 
 /// The captures of all open faces, and head starts. Of two at one time, that comes first which was noted first.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Agenda {
+pub(super) struct EventQueue {
     /// Moments, by the slots of the faces.
     captures: Tournament,
     /// Those that no longer hold are left in until they come first.
@@ -53,7 +53,7 @@ fn slot(moment: u128) -> Slot {
     moment as Slot
 }
 
-impl Agenda {
+impl EventQueue {
     /// Notes when the face in a slot captures, instead of what was said of that before.
     pub fn note(&mut self, slot: Slot, time: f64) {
         let moment = match time.is_finite() {
