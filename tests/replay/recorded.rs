@@ -1,7 +1,7 @@
 //! Recordings in a folder of results, made at once or afterwards.
 use std::fs;
 
-use stochc::ensemble::recording::{Happening, Recording};
+use stochc::ensemble::recording::{Recording, TimedEvent};
 use stochc::files::checksum::{crc32, sealed};
 use stochc::ir::table::PhaseId;
 use stochc::runtime::observe::ObservedEvent;
@@ -50,7 +50,7 @@ fn a_recording_holds_every_tick_of_note() {
     let recording = results.recording(0);
     let ticks: Vec<u64> = recording.frames().map(|frame| frame.tick).collect();
     let mut wanted: Vec<u64> = (recording.events().iter())
-        .filter(|Happening { event, .. }| {
+        .filter(|TimedEvent { event, .. }| {
             matches!(
                 event,
                 ObservedEvent::Captured { .. }

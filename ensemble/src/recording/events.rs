@@ -12,7 +12,7 @@ use stochc_runtime::world::{Body, FreeBond};
 
 /// An event and its tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Happening {
+pub struct TimedEvent {
     /// When.
     pub tick: u64,
     /// What.
@@ -99,7 +99,7 @@ impl Seeds {
     }
 
     /// The event of a row; `None`: it does not make sense.
-    pub fn event(&self, row: &RawValue) -> Option<Happening> {
+    pub fn event(&self, row: &RawValue) -> Option<TimedEvent> {
         let row: Vec<Value> = serde_json::from_str(row.get()).ok()?;
         let tick = row.first()?.as_u64()?;
         let number = |i: usize| u32::try_from(row.get(i)?.as_u64()?).ok();
@@ -175,6 +175,6 @@ impl Seeds {
             "report" => ObservedEvent::Reported { by: role(2)? },
             _ => return None,
         };
-        Some(Happening { tick, event })
+        Some(TimedEvent { tick, event })
     }
 }

@@ -9,7 +9,7 @@ use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
 
 use super::chunk::Chunk;
-use super::events::{Happening, Seeds};
+use super::events::{Seeds, TimedEvent};
 use super::format::{
     DONE, EVENTS, POSES, RecordingError, RecordingHeader, inflate, read_header, read_section,
 };
@@ -28,13 +28,13 @@ pub struct Outline {
 pub struct Recording {
     outline: Outline,
     chunks: Vec<Chunk>,
-    events: Vec<Happening>,
+    events: Vec<TimedEvent>,
 }
 
 /// What a recording holds, as it is read.
 enum Content {
     Places(Chunk),
-    Event(Happening),
+    Event(TimedEvent),
 }
 
 /// Where all blocks were at a tick.
@@ -234,7 +234,7 @@ impl Recording {
         let outline = walk(from, tables, &mut |_, content| {
             size += match &content {
                 Content::Places(chunk) => chunk.numbers.len() * 2 + chunk.ticks.len() * 8,
-                Content::Event(_) => size_of::<Happening>(),
+                Content::Event(_) => size_of::<TimedEvent>(),
             } as u64;
             match content {
                 _ if size > RECORDING_WHOLE => return Err(RecordingError::TooLarge),
@@ -256,7 +256,7 @@ impl Recording {
     }
 
     /// All that happened, in its order.
-    pub fn events(&self) -> &[Happening] {
+    pub fn events(&self) -> &[TimedEvent] {
         &self.events
     }
 

@@ -11,7 +11,7 @@ use stochc_files::read_file;
 
 use super::ShardError;
 use crate::build::other_build;
-use crate::folder::{JOURNAL, replace, seal, survey};
+use crate::folder::{JOURNAL, replace, survey, write_checksums};
 use crate::journal::{self, JournalHeader, PieceHeader};
 use crate::{Folder, FolderError, Manifest, Resume, this_build};
 
@@ -149,7 +149,7 @@ impl Cut {
         let text = journal::line(self);
         replace(path, SHARDS_FILE, text.as_bytes())?;
         let sum = Sum::of(text.as_bytes());
-        seal(path, manifest, &[(SHARDS_FILE.to_owned(), sum)])
+        write_checksums(path, manifest, &[(SHARDS_FILE.to_owned(), sum)])
     }
 
     /// The jobs of a piece, of so many in `total`: as many as every other piece has, or one fewer.
