@@ -91,10 +91,10 @@ fn imported(analysis: &Analysis, at: usize) -> Option<Site> {
 }
 
 /// A place in a file by its path, which means the same in every program.
-pub type Place = (String, u32, u32);
+pub type FileRange = (String, u32, u32);
 
 /// Every place, in any of the programs, where the thing at a place is named.
-pub fn everywhere(analyses: &[&Analysis], from: Place) -> BTreeSet<Place> {
+pub fn everywhere(analyses: &[&Analysis], from: FileRange) -> BTreeSet<FileRange> {
     let mut places = BTreeSet::from([from.clone()]);
     let mut waiting = vec![from];
     let mut done = BTreeSet::new();
@@ -121,7 +121,10 @@ pub fn everywhere(analyses: &[&Analysis], from: Place) -> BTreeSet<Place> {
 }
 
 /// The name at a place, if it is part of a program.
-pub fn named_at<'a>(analysis: &'a Analysis, (path, start, _): &Place) -> Option<&'a Occurrence> {
+pub fn named_at<'a>(
+    analysis: &'a Analysis,
+    (path, start, _): &FileRange,
+) -> Option<&'a Occurrence> {
     analysis.names.at(analysis.file(path)?, *start)
 }
 

@@ -8,7 +8,7 @@ use stochc_compiler::{Cancellation, Checked, Limits, Site, check_cancellable};
 use stochc_grammar::{Symbols, parse_cancellable};
 
 use super::analysis::Analysis;
-use super::definition::{Place, everywhere};
+use super::definition::{FileRange, everywhere};
 use super::documents::Documents;
 use super::wire::RequestFailure;
 
@@ -53,7 +53,7 @@ pub fn rename(
     check_name(new_name)?;
     let path = analysis.path(site.file).to_owned();
     let places = everywhere(all, (path, site.span.start, site.span.end));
-    let mut by_file: BTreeMap<&str, Vec<&Place>> = BTreeMap::new();
+    let mut by_file: BTreeMap<&str, Vec<&FileRange>> = BTreeMap::new();
     for place in &places {
         by_file.entry(&place.0).or_default().push(place);
     }
@@ -103,7 +103,7 @@ fn check_name(name: &str) -> Result<(), RequestFailure> {
 /// that was not.
 fn stays_the_same(
     analysis: &Analysis,
-    places: &BTreeMap<&str, Vec<&Place>>,
+    places: &BTreeMap<&str, Vec<&FileRange>>,
     new_name: &str,
     cancellation: Cancellation<'_>,
 ) -> Result<(), RequestFailure> {

@@ -91,11 +91,12 @@ pub struct Query {
     /// What has to be known first.
     pub needs: Needs,
     /// Works the answer out.
-    pub answer: Answer,
+    pub answer: RequestHandler,
 }
 
 /// Works an answer out.
-pub type Answer = Box<dyn FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send>;
+pub type RequestHandler =
+    Box<dyn FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send>;
 
 /// What an answer is worked out from.
 pub struct RequestContext<'c> {

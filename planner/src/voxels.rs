@@ -62,9 +62,9 @@ fn number(bytes: &[u8]) -> Result<(u32, &[u8]), UnreadableVoxels> {
 }
 
 /// A name, its own content, that of its children, and what is behind.
-type Chunk<'a> = (&'a [u8], &'a [u8], &'a [u8], &'a [u8]);
+type VoxChunk<'a> = (&'a [u8], &'a [u8], &'a [u8], &'a [u8]);
 
-fn chunk(bytes: &[u8]) -> Result<Chunk<'_>, UnreadableVoxels> {
+fn chunk(bytes: &[u8]) -> Result<VoxChunk<'_>, UnreadableVoxels> {
     let (name, rest) = bytes.split_at_checked(4).ok_or_else(cut_off)?;
     let (own, rest) = number(rest)?;
     let (children, rest) = number(rest)?;

@@ -6,7 +6,7 @@ use stochc_ir::Face;
 
 use crate::Site;
 use crate::names::{Definition, ValueKind};
-use crate::plan::Key;
+use crate::plan::NameKey;
 
 /// What a word stands for, other than a block of its own name.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub enum BoundValue {
     /// A number.
     Number(i64),
     /// A block given to a pattern.
-    Block(Key),
+    Block(NameKey),
     /// A face given to a pattern.
     Face(Face),
     /// Something that could not be worked out; it has been told of.
@@ -58,7 +58,7 @@ pub struct Scope {
 
 /// The state to which the end of a block returns.
 #[derive(Clone, Copy, Debug)]
-pub struct Mark {
+pub struct ScopeMark {
     defined: usize,
     level: u32,
     floor: u32,
@@ -67,8 +67,8 @@ pub struct Mark {
 
 impl Scope {
     /// Opens a block.
-    pub fn mark(&mut self) -> Mark {
-        let mark = Mark {
+    pub fn mark(&mut self) -> ScopeMark {
+        let mark = ScopeMark {
             defined: self.defined.len(),
             level: self.level,
             floor: self.floor,
@@ -79,7 +79,7 @@ impl Scope {
     }
 
     /// Opens an instance.
-    pub fn enter_instance(&mut self, instance: u32) -> Mark {
+    pub fn enter_instance(&mut self, instance: u32) -> ScopeMark {
         let mark = self.mark();
         self.floor = self.level;
         self.instance = instance;
@@ -87,7 +87,7 @@ impl Scope {
     }
 
     /// Closes a block or instance.
-    pub fn restore(&mut self, mark: Mark) {
+    pub fn restore(&mut self, mark: ScopeMark) {
         for word in self.defined.drain(mark.defined..) {
             if let Some(bindings) = self.words.get_mut(&word) {
                 bindings.pop();

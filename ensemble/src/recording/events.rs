@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use serde_json::{Value, json};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::observe::{ObservedEvent, Said};
+use stochc_runtime::observe::{MessageContent, ObservedEvent};
 use stochc_runtime::world::{Body, FreeBond};
 
 /// An event and its tick.
@@ -87,10 +87,10 @@ impl Seeds {
             ObservedEvent::Released { body, role, by } => json!([tick, "free", body, role, by]),
             ObservedEvent::Sent { from, to, said } => {
                 let (what, role) = match said {
-                    Said::Report(role) => ("report", role),
-                    Said::Ask(role) => ("ask", role),
-                    Said::Anchored(role) => ("anchored", role),
-                    Said::Released(role) => ("released", role),
+                    MessageContent::Report(role) => ("report", role),
+                    MessageContent::Ask(role) => ("ask", role),
+                    MessageContent::Anchored(role) => ("anchored", role),
+                    MessageContent::Released(role) => ("released", role),
                 };
                 json!([tick, "say", n(from), n(to), what, role])
             }
@@ -164,10 +164,10 @@ impl Seeds {
                     from: body(2)?,
                     to: body(3)?,
                     said: match row.get(4)?.as_str()? {
-                        "report" => Said::Report(role),
-                        "ask" => Said::Ask(role),
-                        "anchored" => Said::Anchored(role),
-                        "released" => Said::Released(role),
+                        "report" => MessageContent::Report(role),
+                        "ask" => MessageContent::Ask(role),
+                        "anchored" => MessageContent::Anchored(role),
+                        "released" => MessageContent::Released(role),
                         _ => return None,
                     },
                 }

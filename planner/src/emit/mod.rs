@@ -19,7 +19,7 @@ use crate::waiting::Why;
 use repetition::{Repeated, repeated};
 pub use shape::declaration;
 use standing::{name_of, planted, write_releases};
-use statement::{Statement, Words, statements};
+use statement::{NameWords, Statement, statements};
 
 /// What is called how.
 #[derive(Clone, Copy, Debug)]
@@ -103,16 +103,16 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
         });
     }
     for Repeated { first, nest } in &repeated(&there) {
-        nest.write(&mut out, |out, at| first.write(out, at, Words::OWN));
+        nest.write(&mut out, |out, at| first.write(out, at, NameWords::OWN));
     }
     write_releases(target, &mut out);
     out.push_str("}\nphase grow {\n");
     let mut explained = ExplainedComments::default();
-    explained.write(&first, &plan.captures, Words::OWN, &mut out);
+    explained.write(&first, &plan.captures, NameWords::OWN, &mut out);
     if let (Some(dismantling), Some(later), Some(second)) = (&plan.dismantling, &later, &second) {
         out.push_str("}\nphase hand_over {\n");
         dismantling::write_releases(dismantling, &mut out);
-        explained.write(second, later, Words::OWN, &mut out);
+        explained.write(second, later, NameWords::OWN, &mut out);
     }
     if let Some(shape) = shape {
         let _ = writeln!(out, "yields {shape}");
@@ -124,9 +124,9 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
 /// The captures of a plan, as statements for a phase of a program that has built what stands: `name` is what that program calls a block
 /// of its plate or of what stands, and `word` a name that nothing in it has.
 pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<String>) -> String {
-    let words = Words {
+    let words = NameWords {
         block: word,
-        ..Words::OWN
+        ..NameWords::OWN
     };
     let mut out = String::new();
     let statements = statements(&plan.captures, name);
@@ -149,7 +149,7 @@ impl ExplainedComments {
         &mut self,
         statements: &[Statement],
         captures: &[Capture],
-        words: Words<'_>,
+        words: NameWords<'_>,
         out: &mut String,
     ) {
         let repeated = repeated(statements);

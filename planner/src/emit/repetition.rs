@@ -144,7 +144,7 @@ pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
 }
 
 /// Equal statements, at the places of a nest.
-struct Item {
+struct RepeatedItem {
     /// Where they are written.
     at: usize,
     /// Equal ones have one number.
@@ -158,14 +158,14 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
     let mut kinds = FxHashMap::default();
     let items = statements.iter().enumerate().map(|(at, statement)| {
         let next = kinds.len();
-        Item {
+        RepeatedItem {
             at,
             kind: *kinds.entry(statement.signature()).or_insert(next),
             nest: LoopNest::of(statement.base()),
             members: vec![at],
         }
     });
-    let mut items: Vec<Item> = items.collect();
+    let mut items: Vec<RepeatedItem> = items.collect();
     for axis in 0..3 {
         let mut is_gone = vec![false; items.len()];
         for run in runs(axis, items.iter().map(|item| (item.kind, &item.nest))) {
@@ -180,7 +180,7 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
             if members.iter().all(may_move) {
                 let nest = joined(axis, &run, |i| &items[i].nest);
                 let kind = items[run[0]].kind;
-                items[run[0]] = Item {
+                items[run[0]] = RepeatedItem {
                     at,
                     kind,
                     nest,
@@ -192,7 +192,7 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
         items = remaining(items, &is_gone);
     }
     items.sort_by_key(|item| item.at);
-    let repeated = items.into_iter().map(|Item { nest, members, .. }| {
+    let repeated = items.into_iter().map(|RepeatedItem { nest, members, .. }| {
         let first = members.iter().find(|&&i| statements[i].base() == nest.base);
         Repeated {
             first: &statements[*first.expect("a nest begins at one of its members")],

@@ -36,7 +36,7 @@ pub struct StructureBlock<M = ()> {
     /// The blocks that it holds, by role.
     children: InlineVec<(RoleId, BlockSlot)>,
     /// The faces that it has on and that hold nothing yet, sorted.
-    open: InlineVec<Open<M>>,
+    open: InlineVec<ActiveFace<M>>,
     /// What it has seen in this phase, sorted.
     seen: SmallVec<[Condition; 2]>,
     cold: Option<Box<ColdState>>,
@@ -86,7 +86,7 @@ struct ColdState {
 
 /// A face that is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Open<M = ()> {
+pub struct ActiveFace<M = ()> {
     /// In the block's own frame.
     pub own: Face,
     /// The same face in the structure's frame.
@@ -177,15 +177,15 @@ impl<M: Copy> StructureBlock<M> {
 
     /// Adds a face to those that are on.
     #[inline]
-    pub(super) fn switch_on(&mut self, open: Open<M>) {
-        let key = |open: &Open<M>| (open.own, open.face, open.child, open.cell);
+    pub(super) fn switch_on(&mut self, open: ActiveFace<M>) {
+        let key = |open: &ActiveFace<M>| (open.own, open.face, open.child, open.cell);
         let i = (self.open()).partition_point(|other| key(other) <= key(&open));
         self.open.insert(i, open);
     }
 
     /// Takes a face from those that are on.
     #[inline]
-    pub(super) fn close(&mut self, own: Face) -> Option<Open<M>> {
+    pub(super) fn close(&mut self, own: Face) -> Option<ActiveFace<M>> {
         let i = self.open().iter().position(|open| open.own == own)?;
         self.open.remove(i)
     }
@@ -292,7 +292,7 @@ impl<M> StructureBlock<M> {
     }
 
     /// The faces that are on and hold nothing, sorted.
-    pub fn open(&self) -> &[Open<M>] {
+    pub fn open(&self) -> &[ActiveFace<M>] {
         self.open.as_slice()
     }
 

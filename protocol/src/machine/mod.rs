@@ -8,7 +8,7 @@ mod routing;
 mod slots;
 mod structure;
 
-pub use block::{Open, StructureBlock};
+pub use block::{ActiveFace, StructureBlock};
 pub use environment::{Environment, PlannedCapture, Recalled};
 pub use message::{Message, Payload, Recipient, Reporter};
 pub use structure::Structure;

@@ -72,15 +72,15 @@ struct Units {
     tick: f64,
 }
 
-type Made<T> = Result<T, SceneError>;
+type SceneResult<T> = Result<T, SceneError>;
 
 /// A term that a scene need not have.
-fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> Made<B>) -> Made<Option<B>> {
+fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> SceneResult<B>) -> SceneResult<Option<B>> {
     term.as_ref().map(make).transpose()
 }
 
 impl Units {
-    fn of(scene: &Scene) -> Made<Units> {
+    fn of(scene: &Scene) -> SceneResult<Units> {
         Ok(Units {
             side: positive("the side of a block", scene.block.side)?,
             mass: positive("the mass of a block", scene.block.mass)?,
@@ -88,29 +88,29 @@ impl Units {
         })
     }
 
-    fn length(self, what: &'static str, value: f64) -> Made<f64> {
+    fn length(self, what: &'static str, value: f64) -> SceneResult<f64> {
         number(what, value / self.side)
     }
 
-    fn speed(self, what: &'static str, value: f64) -> Made<f64> {
+    fn speed(self, what: &'static str, value: f64) -> SceneResult<f64> {
         number(what, value * self.tick / self.side)
     }
 
-    fn force(self, what: &'static str, value: f64) -> Made<f64> {
+    fn force(self, what: &'static str, value: f64) -> SceneResult<f64> {
         number(
             what,
             value * self.tick * self.tick / (self.mass * self.side),
         )
     }
 
-    fn reach(self, what: &'static str, reach: &Reach) -> Made<Pull> {
+    fn reach(self, what: &'static str, reach: &Reach) -> SceneResult<Pull> {
         Ok(Pull {
             force: self.force(what, reach.force)?,
             within: self.length(what, reach.within)?,
         })
     }
 
-    fn shell(self, enclosure: &Enclosure, plate: &Plate) -> Made<Shell> {
+    fn shell(self, enclosure: &Enclosure, plate: &Plate) -> SceneResult<Shell> {
         let (radius, wall, inside) = match *enclosure {
             Enclosure::Hemisphere { radius, wall } => (radius, wall, 0.0),
             Enclosure::Sphere { radius, wall } => (radius, wall, self.side / 2.0),
@@ -125,7 +125,7 @@ impl Units {
         })
     }
 
-    fn weight(self, gravity: f64, fluid: Option<&Fluid>) -> Made<f64> {
+    fn weight(self, gravity: f64, fluid: Option<&Fluid>) -> SceneResult<f64> {
         let density = fluid.and_then(|fluid| fluid.density).unwrap_or(0.0);
         let borne = density * self.side.powi(3) / self.mass;
         let down = gravity * self.tick * self.tick / self.side;
@@ -134,7 +134,7 @@ impl Units {
         Ok(down * (1.0 - borne))
     }
 
-    fn resistance(self, fluid: &Fluid) -> Made<Resistance> {
+    fn resistance(self, fluid: &Fluid) -> SceneResult<Resistance> {
         let inertia = self.mass * self.side * self.side / 6.0;
         let viscosity = fluid.viscosity.unwrap_or(0.0);
         let density = fluid.density.unwrap_or(0.0);
@@ -164,7 +164,7 @@ impl Units {
         })
     }
 
-    fn stream(self, flow: &Flow, shell: Option<Shell>) -> Made<MeanFlow> {
+    fn stream(self, flow: &Flow, shell: Option<Shell>) -> SceneResult<MeanFlow> {
         Ok(match flow {
             Flow::Stir(stir) => MeanFlow::Vortex {
                 radius: self.length("the radius of the ring", stir.radius)?,
@@ -187,7 +187,7 @@ impl Units {
         })
     }
 
-    fn eddies(self, scene: &Scene) -> Made<Option<Eddies>> {
+    fn eddies(self, scene: &Scene) -> SceneResult<Option<Eddies>> {
         let Some(Agitation::Turbulence(turbulence)) = &scene.agitation else {
             return Ok(None);
         };
@@ -204,7 +204,7 @@ impl Units {
         }))
     }
 
-    fn contact(self, contact: &stochc_ir::scene::Contact) -> Made<ContactParameters> {
+    fn contact(self, contact: &stochc_ir::scene::Contact) -> SceneResult<ContactParameters> {
         Ok(ContactParameters {
             law: match contact.law {
                 ContactLaw::Rigid { restitution } => ContactLaw::Rigid {
@@ -222,7 +222,7 @@ impl Units {
         })
     }
 
-    fn magnet(self, bond: &Bond) -> Made<Magnet> {
+    fn magnet(self, bond: &Bond) -> SceneResult<Magnet> {
         let Anchor {
             measure,
             within,
@@ -269,7 +269,7 @@ impl Units {
 }
 
 /// A number that single precision can hold, and is not negative.
-fn number(what: &'static str, value: f64) -> Made<f64> {
+fn number(what: &'static str, value: f64) -> SceneResult<f64> {
     if value >= 0.0 && value <= f64::from(f32::MAX) {
         Ok(value)
     } else {
@@ -277,7 +277,7 @@ fn number(what: &'static str, value: f64) -> Made<f64> {
     }
 }
 
-fn positive(what: &'static str, value: f64) -> Made<f64> {
+fn positive(what: &'static str, value: f64) -> SceneResult<f64> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
     } else {

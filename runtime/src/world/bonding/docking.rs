@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use stochc_protocol::Orientation;
 
-use super::face_attraction::{AttractingFace, Near, Push, best_turn};
+use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn};
 use super::hydraulic_network::Pressures;
 use super::open_faces::PlacedBlocks;
 use super::swept_docking::FaceSweep;
@@ -352,7 +352,11 @@ impl<R: Real> Faces<R> {
     }
 
     /// What the magnets do to the blocks in reach, in the order of faces and numbers.
-    pub fn pull(&mut self, blocks: &mut impl Blocks<Real = R>, mut push: impl FnMut(u32, Push<R>)) {
+    pub fn pull(
+        &mut self,
+        blocks: &mut impl Blocks<Real = R>,
+        mut push: impl FnMut(u32, VelocityChange<R>),
+    ) {
         self.solve();
         for candidate in &self.candidates {
             let id = candidate.body;

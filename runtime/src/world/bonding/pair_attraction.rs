@@ -3,7 +3,7 @@ use nalgebra::Vector3;
 use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
-use super::face_attraction::{AttractingFace, Push, best_turn};
+use super::face_attraction::{AttractingFace, VelocityChange, best_turn};
 use super::swept_docking::FaceSweep;
 use crate::world::blocks::Pose;
 use crate::world::parameters::{Attraction, Magnet, Passive};
@@ -23,7 +23,7 @@ pub(crate) struct FacePair {
     /// Whether they are close and straight enough to bond.
     pub bonds: bool,
     /// What each of the two feels.
-    pub pushes: [Push<f64>; 2],
+    pub pushes: [VelocityChange<f64>; 2],
 }
 
 /// The pairs of blocks that may be in each other's reach, in rising order: a sweep along x.
@@ -176,7 +176,7 @@ mod tests {
         let [first, second] = face_pair(&magnet(), &a, &b).expect("in reach").pushes;
         assert!(first.linear.norm() > 1e-3);
         assert!((first.linear + second.linear).norm() < 1e-12);
-        let turning = |pose: &Pose, push: &Push<f64>| {
+        let turning = |pose: &Pose, push: &VelocityChange<f64>| {
             pose.position.cross(&push.linear) + push.angular / super::super::INVERSE_INERTIA
         };
         assert!((turning(&a, &first) + turning(&b, &second)).norm() < 1e-12);

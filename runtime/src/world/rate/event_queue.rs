@@ -13,12 +13,12 @@ pub(super) enum ScheduledCapture {
     /// The face that is kept there captures any block.
     OfAny(Slot),
     /// Or one that was let go near it.
-    HeadStart(HeadStart),
+    HeadStart(ScheduledHeadStart),
 }
 
 /// A block that was let go near an open face is there first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(super) struct HeadStart {
+pub(super) struct ScheduledHeadStart {
     /// Where the face is kept.
     pub slot: Slot,
     /// The opening of the face that it was meant for.
@@ -33,7 +33,7 @@ pub(super) struct EventQueue {
     /// Moments, by the slots of the faces.
     captures: Tournament,
     /// Those that no longer hold are left in until they come first.
-    head_starts: BinaryHeap<Reverse<(u128, HeadStart)>>,
+    head_starts: BinaryHeap<Reverse<(u128, ScheduledHeadStart)>>,
     noted: u32,
 }
 
@@ -78,7 +78,7 @@ impl EventQueue {
     }
 
     /// Notes a head start.
-    pub fn note_head_start(&mut self, time: f64, start: HeadStart) {
+    pub fn note_head_start(&mut self, time: f64, start: ScheduledHeadStart) {
         let moment = moment(time, self.order(), start.slot);
         self.head_starts.push(Reverse((moment, start)));
     }

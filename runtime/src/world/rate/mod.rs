@@ -16,9 +16,9 @@ use stochc_rates::{FORGOTTEN, Rates};
 use super::lattice::{Changes, FaceChange, LatticeStructure, bit, occupied_cells, site};
 use super::{Fault, SceneError, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use event_queue::{EventQueue, HeadStart, ScheduledCapture};
+use event_queue::{EventQueue, ScheduledCapture, ScheduledHeadStart};
 use open_face_hazards::{OpenFace, OpenFaceHazards, Slot};
-use waits::Waits;
+use waits::RateModel;
 
 /// A world of cells in which waits are drawn.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ pub struct RateWorld<'r> {
     queue: EventQueue,
     /// Blocks released lately: when, from which cell, and which.
     released: Vec<(u64, Cell, u32)>,
-    waits: Waits<'r>,
+    waits: RateModel<'r>,
     /// Slots of faces whose waits have to be said anew, while these are gathered.
     changed: Vec<Slot>,
     draws: DrawsAhead,
@@ -71,7 +71,7 @@ impl<'r> RateWorld<'r> {
             hazards: OpenFaceHazards::new(count, occupied_cells(tables)),
             queue: EventQueue::default(),
             released: Vec::new(),
-            waits: Waits::new(rates),
+            waits: RateModel::new(rates),
             changed: Vec::new(),
             rates,
             draws: DrawsAhead::new(seed, run, Stream::Rate),
@@ -180,7 +180,7 @@ impl<'r> RateWorld<'r> {
         let [whether, when, ..] = self.draw();
         if unit(whether) < start.probability * left {
             let time = self.tick as f64 + start.ticks * exponential(when);
-            let start = HeadStart {
+            let start = ScheduledHeadStart {
                 slot,
                 opening,
                 block,
