@@ -22,7 +22,7 @@ use stochc::report::figures::{self, Figures, Medium};
 use super::call::call;
 use super::host::Caller;
 use super::program::PythonProgram;
-use super::settings::{Computed, Said, levels, parsed};
+use super::settings::{Computed, LevelSetting, levels, parsed};
 use super::table::PythonTable;
 
 mod derived;
@@ -35,7 +35,7 @@ pub struct EnsembleRequest {
     runs: u64,
     seed: u64,
     sweep: Vec<String>,
-    levels: Vec<Said>,
+    levels: Vec<LevelSetting>,
     computed: Computed,
     threads: Option<u16>,
 }
