@@ -9,7 +9,7 @@ use crate::analysis::events::Events;
 
 /// What is expected of a program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Estimate {
+pub struct CompletionEstimate {
     /// The program.
     pub program: String,
     /// What the times are from.
@@ -66,13 +66,13 @@ pub struct Share {
     pub share: f64,
 }
 
-impl Estimate {
+impl CompletionEstimate {
     /// From the records of a program's runs by rates; `is_compiled`: there was no choice.
     pub fn of_runs(
         program: &EnsembleProgram,
         records: &[&RunRecord],
         is_compiled: bool,
-    ) -> Estimate {
+    ) -> CompletionEstimate {
         let times: Vec<f64> = (records.iter())
             .filter_map(|record| completion_time(record))
             .filter(|time| time.completed)
@@ -95,7 +95,7 @@ impl Estimate {
                 times: of_most(ticks),
             }
         });
-        Estimate {
+        CompletionEstimate {
             program: program.name.clone(),
             method: Method::Runs { is_compiled },
             completed,

@@ -22,7 +22,7 @@ use stochc_rates::Rates;
 
 use crate::{check_text, check_texts};
 pub use completion::{Completion, NotCompleted};
-pub use repair::{Repair, Structure};
+pub use repair::{ExistingStructure, Repair};
 
 /// What is to be built, on what, and where.
 #[derive(Clone, Debug)]

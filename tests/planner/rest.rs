@@ -7,7 +7,7 @@ use stochc::check_text;
 use stochc::ir::Cell;
 use stochc::ir::record::{Outcome, RunRecord};
 use stochc::planner::PlanSearch;
-use stochc::planning::{Completion, Goal, NotCompleted, Planned, Structure, Unplanned};
+use stochc::planning::{Completion, ExistingStructure, Goal, NotCompleted, Planned, Unplanned};
 use stochc_compiler::Checked;
 use stochc_ir::Executable;
 use stochc_runtime::{Model, Settings, run};
@@ -136,12 +136,12 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
 }
 
 /// What is left of a run of the first program of a text after so many ticks, and what its end should be.
-fn left(text: &str, max_ticks: u64) -> (Goal, Structure) {
+fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
     let checked = check_text("run.sa", text);
     let goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
     let executable = executable(checked);
     let record = ran(&executable, Model::Rate, Some(max_ticks));
-    (goal, Structure::of(&executable.tables, &record))
+    (goal, ExistingStructure::of(&executable.tables, &record))
 }
 
 /// A mast from which something hangs where a wall is to stand.
@@ -229,7 +229,7 @@ proptest! {
         let mut goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
         let executable = executable(checked);
         let record = ran(&executable, Model::Rate, Some(ticks));
-        let structure = Structure::of(&executable.tables, &record);
+        let structure = ExistingStructure::of(&executable.tables, &record);
         let names: Vec<&str> = structure.names().collect();
         let dead: BTreeSet<&str> = match names.is_empty() {
             true => BTreeSet::new(),

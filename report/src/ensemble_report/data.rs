@@ -14,7 +14,7 @@ fn maybe(value: Option<f64>) -> String {
 }
 
 /// A file's name and content.
-pub(super) type File = (String, String);
+pub(super) type NamedFile = (String, String);
 
 /// The table of what decided each run.
 pub const CHAINS: &str = "chains.csv";
@@ -53,7 +53,7 @@ pub(super) fn files(
     sweeps: &[Sweep],
     maps: &[Option<Maps>],
     clock: TimeUnit,
-) -> Vec<File> {
+) -> Vec<NamedFile> {
     let names = names(
         subjects,
         !pairwise_tests.is_empty(),

@@ -10,7 +10,7 @@ use super::super::results::read;
 use super::{PlanOptions, impossible, placed, refused, target};
 use crate::exit::Failure;
 use crate::host::Host;
-use crate::planning::{Completion, Goal, NotCompleted, Structure};
+use crate::planning::{Completion, ExistingStructure, Goal, NotCompleted};
 
 /// The end of a run, from which the rest is planned.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         ))
     })?;
     let entry = chosen.entry();
-    let structure = Structure::of(entry.tables(), record);
+    let structure = ExistingStructure::of(entry.tables(), record);
     let dead: BTreeSet<&str> = end.dead.iter().map(String::as_str).collect();
     if let Some(unknown) = dead
         .iter()

@@ -1,7 +1,7 @@
 //! The share of runs that completed over a number that was varied.
 use stochc_ensemble::sweep::SweepPoint;
 
-use super::frame::{Frame, Panel, YScale, aside, told};
+use super::frame::{AxesFrame, Panel, YScale, aside, told};
 use crate::svg::{Axis, DASHES, Drawing, Style, class};
 
 /// Shares with their 95 % intervals; `None`: no run is finished.
@@ -15,7 +15,7 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let notes = ["dots: the part of the finished runs that completed, lines: 95 % intervals"];
     let axis = Axis::new("runs that completed", "%");
     let percent = |share: f64| format!("{:.0}", 100.0 * share);
-    let Frame { mut out, x, y, .. } = panel.frame(
+    let AxesFrame { mut out, x, y, .. } = panel.frame(
         &name,
         (&title, &words),
         &curves,
