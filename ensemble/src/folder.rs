@@ -124,7 +124,7 @@ impl Folder {
     /// Opens the folder at `path` for the ensemble of `manifest`, and makes it if it is not there.
     ///
     /// # Errors
-    /// Every refusal leaves the folder as it was; its message says the way out.
+    /// Every error leaves the folder as it was; its message says the way out.
     pub fn open(
         path: &Path,
         manifest: &Manifest,

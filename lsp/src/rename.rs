@@ -19,7 +19,7 @@ use super::wire::RequestFailure;
 /// If there is none, or if it is not the program that gives it.
 pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
-        return Err(RequestFailure::refusal("there is no name here"));
+        return Err(RequestFailure::request_failed("there is no name here"));
     };
     let names = &analysis.names;
     let declared = names
@@ -27,10 +27,12 @@ pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, RequestFailure
         .any(|occurrence| occurrence.declares);
     if !declared {
         let word = analysis.checked.symbols.word(names.word(name.definition));
-        return Err(RequestFailure::refusal(match names.kind(name.definition) {
-            NameKind::Scene => format!("the scene `{word}` is built in"),
-            kind => format!("no {} is called `{word}`", kind.noun()),
-        }));
+        return Err(RequestFailure::request_failed(
+            match names.kind(name.definition) {
+                NameKind::Scene => format!("the scene `{word}` is built in"),
+                kind => format!("no {} is called `{word}`", kind.noun()),
+            },
+        ));
     }
     Ok(name.site)
 }
@@ -86,13 +88,13 @@ fn check_name(name: &str) -> Result<(), RequestFailure> {
     let is_letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let rest = |c: char| is_letter(c) || c.is_ascii_digit();
     if !name.starts_with(is_letter) || !name.chars().all(rest) {
-        return Err(RequestFailure::refusal(
+        return Err(RequestFailure::request_failed(
             "a name begins with a letter or `_` and goes on with letters, digits and `_`",
         ));
     }
     let symbols = Symbols::new();
     match symbols.get(name) {
-        Some(_) => Err(RequestFailure::refusal(format!(
+        Some(_) => Err(RequestFailure::request_failed(format!(
             "`{name}` is a word of the language"
         ))),
         None => Ok(()),
@@ -113,7 +115,7 @@ fn stays_the_same(
         let parsed = parse_cancellable(&file.text, &mut Symbols::new(), cancellation)?;
         if !parsed.errors.is_empty() {
             let why = format!("`{}` has errors of syntax: mend them first", file.name);
-            return Err(RequestFailure::refusal(why));
+            return Err(RequestFailure::request_failed(why));
         }
         let mut text = String::new();
         let mut done = 0;
@@ -136,7 +138,7 @@ fn stays_the_same(
     let names = Names::of(&new, cancellation)?;
     if !same_structure(&analysis.names, &names) || codes(old) != codes(&new) {
         let why = format!("`{new_name}` already means something where it would stand");
-        return Err(RequestFailure::refusal(why));
+        return Err(RequestFailure::request_failed(why));
     }
     Ok(())
 }

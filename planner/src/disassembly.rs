@@ -7,7 +7,7 @@ use std::collections::BinaryHeap;
 
 use stochc_grammar::Cancellation;
 
-use crate::Refusal;
+use crate::TargetError;
 use crate::free_space::{FreeSpace, WayIn};
 use crate::grid::shifted;
 use crate::sites::{NONE, Sites};
@@ -41,13 +41,13 @@ type Frontier = BinaryHeap<(u32, u32)>;
 /// Takes a target apart; of sites at about the same distance from the plate, those with a high key go first.
 ///
 /// # Errors
-/// [`Refusal::Sealed`] if nothing that is left may go, and [`Refusal::Cancelled`].
+/// [`TargetError::Sealed`] if nothing that is left may go, and [`TargetError::Cancelled`].
 pub fn disassemble(
     sites: &Sites<'_>,
     spaces: [FreeSpace; 2],
     keys: &[f32],
     cancellation: Cancellation<'_>,
-) -> Result<Disassembly, Refusal> {
+) -> Result<Disassembly, TargetError> {
     let support = Support::of(sites);
     let level: Vec<u32> = (0..sites.len() as u32)
         .map(|site| support.level(site))
@@ -86,7 +86,9 @@ pub fn disassemble(
             let stands =
                 |site: &u32| disassembler.support.stands(*site) && !sites.is_standing(*site);
             let left = (0..sites.len() as u32).filter(stands);
-            return Err(Refusal::Sealed(left.map(|site| sites.cell(site)).collect()));
+            return Err(TargetError::Sealed(
+                left.map(|site| sites.cell(site)).collect(),
+            ));
         };
         disassembler.take(site, way_in);
     }

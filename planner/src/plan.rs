@@ -12,7 +12,7 @@ use crate::search::{PlanSearch, search};
 use crate::sites::Sites;
 use crate::waiting::{Waiting, Why};
 use crate::waits::RateLaw;
-use crate::{Refusal, Target};
+use crate::{Target, TargetError};
 
 /// What blocks can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,7 +130,7 @@ pub fn plan(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Result<Plans, Refusal> {
+) -> Result<Plans, TargetError> {
     let sites = Sites::of(target);
     let plain = match has_place(target) {
         // Half of the time is for them.

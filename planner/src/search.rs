@@ -15,7 +15,7 @@ use crate::schedule::{
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
-use crate::{Hardware, Refusal, Target};
+use crate::{Hardware, Target, TargetError};
 
 /// How to look for a plan.
 #[derive(Clone, Copy)]
@@ -154,7 +154,7 @@ pub fn search(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Result<FoundSchedule, Refusal> {
+) -> Result<FoundSchedule, TargetError> {
     let mut found = heuristic(sites, hardware, waits, how)?;
     if sites.len() <= MOST_SITES && sites.standing_count() == 0 && found.rounds >= VARIANTS {
         found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?.is_finished;
@@ -168,7 +168,7 @@ fn heuristic(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     search: PlanSearch<'_>,
-) -> Result<FoundSchedule, Refusal> {
+) -> Result<FoundSchedule, TargetError> {
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
     let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
@@ -176,7 +176,7 @@ fn heuristic(
                      priorities: Priorities,
                      has_gaps: bool,
                      wanted: Cancellation<'_>|
-     -> Result<ScheduleCandidate, Refusal> {
+     -> Result<ScheduleCandidate, TargetError> {
         let [wide, narrow] = spaces.clone();
         let disassembly = disassemble(sites, [wide.with_gaps(has_gaps), narrow], &order, wanted)?;
         let corridors = Corridors::of(sites, &disassembly, wanted)?;
@@ -330,7 +330,7 @@ pub fn gap(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Result<Option<ScheduleGap>, Refusal> {
+) -> Result<Option<ScheduleGap>, TargetError> {
     let sites = Sites::of(target);
     if sites.len() > MOST_SITES {
         return Ok(None);
@@ -363,7 +363,7 @@ pub fn adaptive_gap(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Result<Option<AdaptiveGap>, Refusal> {
+) -> Result<Option<AdaptiveGap>, TargetError> {
     let sites = Sites::of(target);
     if sites.len() > MOST_ADAPTIVE || sites.standing_count() > 0 {
         return Ok(None);
@@ -396,7 +396,7 @@ fn branch_and_bound(
     waits: &RateLaw<'_>,
     search: PlanSearch<'_>,
     found: &mut FoundSchedule,
-) -> Result<ScheduleGap, Refusal> {
+) -> Result<ScheduleGap, TargetError> {
     let value = |samples: &Samples, found: &FoundSchedule| {
         let job = SchedulingJob::new(sites, &found.disassembly, &found.corridors, hardware, waits);
         value(&job, samples, &found.schedule, search.objective)

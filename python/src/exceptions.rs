@@ -13,7 +13,7 @@ pub fn exception(py: Python<'_>, failure: &Failure, log: &HostLog) -> PyErr {
     let findings = serde_json::Value::from(log.findings.clone()).to_string();
     let kind = match failure.exit {
         Exit::Success | Exit::Usage => "usage",
-        Exit::WrongProgram => "program",
+        Exit::InvalidProgram => "program",
         Exit::UnsuccessfulRun => "run",
         Exit::NotAccurate => "accuracy",
         Exit::Interrupted => "interrupted",

@@ -146,7 +146,7 @@ fn end(program: &EnsembleProgram) -> Result<Goal, Failure> {
             ))
         })?;
     Goal::of_end(&checked, plan, None)
-        .map_err(|reason| Failure::wrong_program(format!("`{}`: {reason}", program.name)))
+        .map_err(|reason| Failure::invalid_program(format!("`{}`: {reason}", program.name)))
 }
 
 /// The program of the rest, where a structure stands; `None`: there is none.

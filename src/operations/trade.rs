@@ -31,7 +31,7 @@ pub fn measured(
         measure(programs, setup, &estimated(programs), &progress)
     });
     trade.map_err(|(program, error)| {
-        Failure::wrong_program(format!("{}: {error}", programs[program].name))
+        Failure::invalid_program(format!("{}: {error}", programs[program].name))
     })
 }
 

@@ -15,8 +15,8 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
-    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Refusal, Target,
-    baseline_plans, declaration, draft, plan, program,
+    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Target,
+    TargetError, baseline_plans, declaration, draft, plan, program,
 };
 use stochc_rates::Rates;
 
@@ -60,7 +60,7 @@ pub struct Planned {
 #[derive(Debug)]
 pub enum Unplanned {
     /// The shape cannot be built.
-    Refused(Refusal),
+    Refused(TargetError),
     /// The names, the scene or the room that it has are wrong, as these findings say.
     Wrong(Box<Checked>),
 }

@@ -46,7 +46,7 @@ fn completed(text: &str) -> Result<Planned, NotCompleted> {
     Ok(planned.expect("it can be built"))
 }
 
-fn refusal(text: &str) -> String {
+fn error(text: &str) -> String {
     match completed(text) {
         Err(NotCompleted::Refused(reason)) => reason,
         other => panic!("{other:?}"),
@@ -110,17 +110,17 @@ fn the_claim_that_is_not_true_is_completed() {
 #[test]
 fn what_cannot_be_completed_is_refused_with_a_reason() {
     let whole = completed(PART).unwrap().text;
-    assert_eq!(refusal(&whole), "every phase that claims a shape builds it");
+    assert_eq!(error(&whole), "every phase that claims a shape builds it");
     assert_eq!(
-        refusal(&PART.replace("yields arch", "R.up -> X")),
+        error(&PART.replace("yields arch", "R.up -> X")),
         "no phase claims a shape: say what is to stand, `phase rest { yields NAME }`"
     );
     assert_eq!(
-        refusal(&PART.replace("[1..3]", "[1..4]")),
+        error(&PART.replace("[1..3]", "[1..4]")),
         "`arch` has no block at (0, 0, 4), where `B[4]` stands: release it in this phase or before"
     );
     let looped = PART.replace("phase rest {", "for i in 1..1 { phase rest[i] {");
-    assert!(refusal(&looped.replace("arch\n    }", "arch\n    } }")).contains("in a loop"));
+    assert!(error(&looped.replace("arch\n    }", "arch\n    } }")).contains("in a loop"));
     let second = format!(
         "{PART}\nassembly other {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ yields arch }} }}\n"
     );
@@ -249,7 +249,7 @@ proptest! {
                 prop_assert_eq!(record.outcome, Outcome::Completed);
                 prop_assert_eq!(record.blocks_used as usize, shape.len());
             }
-            Err(Unplanned::Refused(refusal)) => prop_assert!(!dead.is_empty(), "{}", refusal),
+            Err(Unplanned::Refused(error)) => prop_assert!(!dead.is_empty(), "{}", error),
             Err(Unplanned::Wrong(checked)) => prop_assert!(false, "{:?}", checked.diagnostics),
         }
     }

@@ -46,7 +46,7 @@ pub enum Prepared {
 /// Makes the folder of an ensemble at `path`, and cuts it into so many pieces.
 ///
 /// # Errors
-/// Every refusal leaves what is there as it was.
+/// Every error leaves what is there as it was.
 pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared, ShardError> {
     let cut = Cut {
         ensemble: manifest.identity(),

@@ -206,7 +206,7 @@ impl ExplainedComments {
             }
             (1, 0) => format!("Comes later, because it lies in the way to {}.", ways[0]),
             (n, _) => {
-                let listed = crate::refusal::listed_words(&ways);
+                let listed = crate::target_error::listed_words(&ways);
                 let verb = if n == 1 { "is" } else { "are" };
                 format!("Comes later, because {listed} {verb} reached through here.")
             }

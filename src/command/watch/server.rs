@@ -138,7 +138,7 @@ fn answer(stream: &TcpStream, state: &ServerState<'_>) -> io::Result<()> {
     let answer = match request.map_err(HttpResponse::from) {
         Err(bad) => bad,
         Ok(request) => match state.access.admit(&request) {
-            Err(refusal) => refusal.into(),
+            Err(error) => error.into(),
             Ok("events") => return listen(stream, state),
             Ok(path) => found(path, state),
         },

@@ -11,7 +11,7 @@ use std::time::Instant;
 use stochc_compiler::scene::DEFAULT;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
-use stochc_planner::{Objective, PlanSearch, Refusal};
+use stochc_planner::{Objective, PlanSearch, TargetError};
 use stochc_rates::Rates;
 
 use super::programs::verdict;
@@ -202,16 +202,18 @@ fn search(
 
 /// What cannot be built, and why.
 fn refused(target: &str, reason: &str) -> Failure {
-    Failure::error(Exit::WrongProgram, format!("`{target}`: {reason}"))
+    Failure::error(Exit::InvalidProgram, format!("`{target}`: {reason}"))
 }
 
 /// What cannot be built, why, and what would help; options are named where they may be given.
-fn impossible(options: &PlanOptions<'_>, refusal: &Refusal) -> Failure {
-    let mut failure = refused(options.target, &refusal.to_string());
-    if let Some(help) = refusal.help() {
-        let option = match (refusal, options.extent) {
-            (Refusal::Loose(_), PlanScope::Whole) => " (`--seed-plate`)",
-            (Refusal::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => " (`--scene`)",
+fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
+    let mut failure = refused(options.target, &error.to_string());
+    if let Some(help) = error.help() {
+        let option = match (error, options.extent) {
+            (TargetError::Loose(_), PlanScope::Whole) => " (`--seed-plate`)",
+            (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
+                " (`--scene`)"
+            }
             _ => "",
         };
         failure.message += &format!("help: {}{option}\n", visible(&help));
@@ -222,11 +224,11 @@ fn impossible(options: &PlanOptions<'_>, refusal: &Refusal) -> Failure {
 /// Why there is no plan.
 fn told(unplanned: &Unplanned, options: &PlanOptions<'_>, host: &dyn Host) -> Failure {
     match unplanned {
-        Unplanned::Refused(Refusal::Cancelled) => Failure {
+        Unplanned::Refused(TargetError::Cancelled) => Failure {
             exit: Exit::Interrupted,
             message: "stopped before there was a plan\n".to_owned(),
         },
-        Unplanned::Refused(refusal) => impossible(options, refusal),
+        Unplanned::Refused(error) => impossible(options, error),
         Unplanned::Wrong(checked) => {
             host.tell_findings(checked);
             Failure::silent(verdict(checked))

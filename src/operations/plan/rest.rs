@@ -35,7 +35,7 @@ pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completi
             Failure::silent(verdict(&checked))
         }
         NotCompleted::Refused(reason) => refused(options.target, &reason),
-        NotCompleted::Impossible(refusal) => impossible(options, &refusal),
+        NotCompleted::Impossible(error) => impossible(options, &error),
     })
 }
 

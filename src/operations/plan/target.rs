@@ -3,7 +3,7 @@ use std::path::Path;
 
 use stochc_compiler::Checked;
 use stochc_files::budget::VOXELS;
-use stochc_files::programs::refusal;
+use stochc_files::programs::not_a_file;
 use stochc_files::read_file;
 use stochc_grammar::Symbols;
 use stochc_ir::Cell;
@@ -46,7 +46,7 @@ fn voxels(
     let bytes = read_file(Path::new(target), VOXELS)
         .map_err(|error| Failure::usage(format!("cannot read `{target}`: {error}")))?;
     let cells = cells(&bytes)
-        .map_err(|error| Failure::wrong_program(format!("`{target}` is no target: {error}")))?;
+        .map_err(|error| Failure::invalid_program(format!("`{target}` is no target: {error}")))?;
     Ok(Goal::of_cells(&name(target), cells))
 }
 
@@ -61,7 +61,7 @@ fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> 
 
 /// The program of these options, right or wrong.
 pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
-    match refusal(options.target) {
+    match not_a_file(options.target) {
         Some(_) if Path::new(options.target).is_dir() => Err(Failure::usage(format!(
             "`{}` is a folder: name the file of a program or of a shape; `--run N` plans the rest of a run in a folder of results",
             options.target

@@ -58,7 +58,7 @@ impl<'r> RateWorld<'r> {
         seed: u64,
         run: u64,
     ) -> Result<RateWorld<'r>, SceneError> {
-        if let Some(error) = RateWorld::refusal_of(tables, scene) {
+        if let Some(error) = RateWorld::unsupported_by(tables, scene) {
             return Err(error);
         }
         let given = rates.iter().find(|rates| rates.are_of(scene));
@@ -80,14 +80,14 @@ impl<'r> RateWorld<'r> {
     }
 
     /// What a program or its scene has that the law does not know.
-    pub fn refusal_of(tables: &Tables, scene: &Scene) -> Option<SceneError> {
+    pub fn unsupported_by(tables: &Tables, scene: &Scene) -> Option<SceneError> {
         let is_aggregate = tables.aggregate.is_some();
         let of_program = is_aggregate.then(|| not_known("aggregate"));
-        of_program.or_else(|| RateWorld::refusal(scene))
+        of_program.or_else(|| RateWorld::unsupported(scene))
     }
 
     /// What a scene has that the law does not know.
-    pub fn refusal(scene: &Scene) -> Option<SceneError> {
+    pub fn unsupported(scene: &Scene) -> Option<SceneError> {
         let what = match &scene.bond {
             Some(Bond::Reject { .. }) => "bond by magnets that always attract",
             Some(Bond::Suction { .. }) => "bond by suction",
