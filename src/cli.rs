@@ -73,8 +73,8 @@ pub enum Command {
     Man(man::Options),
 }
 
-/// Says what is wrong with a command line, in which a name may hold anything.
-pub fn wrong(error: clap::Error) -> Result<Exit, Failure> {
+/// Reports what is wrong with a command line, in which a name may hold anything.
+pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
     let mut arguments = std::env::args_os().map(|it| it.to_string_lossy().into_owned());
     let strange = arguments.find(|it| it.contains(is_invisible));
     match strange.filter(|_| error.use_stderr()) {

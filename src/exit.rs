@@ -10,7 +10,7 @@ pub enum Exit {
     /// All is well.
     Success,
     /// The program is wrong.
-    WrongProgram,
+    InvalidProgram,
     /// The command line is wrong, or a file cannot be read or written.
     Usage,
     /// A run was unsuccessful.
@@ -26,7 +26,7 @@ impl Exit {
     pub const fn status(self) -> u8 {
         match self {
             Exit::Success => 0,
-            Exit::WrongProgram => 1,
+            Exit::InvalidProgram => 1,
             Exit::Usage => 2,
             Exit::UnsuccessfulRun => 3,
             Exit::NotAccurate => 4,
@@ -65,8 +65,8 @@ impl Failure {
     }
 
     /// A program cannot be run.
-    pub fn wrong_program(reason: impl Display) -> Failure {
-        Failure::error(Exit::WrongProgram, reason)
+    pub fn invalid_program(reason: impl Display) -> Failure {
+        Failure::error(Exit::InvalidProgram, reason)
     }
 
     /// An error in one sentence, whatever names of others it holds.

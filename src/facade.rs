@@ -66,27 +66,27 @@ pub fn check_texts(
 
 /// A program that cannot be run.
 #[derive(Debug)]
-pub struct WrongProgram {
+pub struct CompileError {
     /// Its findings, and the texts that they are about.
     pub checked: Checked,
 }
 
-impl fmt::Display for WrongProgram {
+impl fmt::Display for CompileError {
     /// One line for each finding.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(show(&self.checked, Format::Short, false, 0).trim_end())
     }
 }
 
-impl std::error::Error for WrongProgram {}
+impl std::error::Error for CompileError {}
 
 /// The programs of a file that has been checked, ready to run.
 ///
 /// # Errors
 /// If the file has errors.
-pub fn compile(checked: Checked) -> Result<Vec<Executable>, Box<WrongProgram>> {
+pub fn compile(checked: Checked) -> Result<Vec<Executable>, Box<CompileError>> {
     if checked.has_errors() {
-        return Err(Box::new(WrongProgram { checked }));
+        return Err(Box::new(CompileError { checked }));
     }
     let programs = checked.programs.into_iter();
     Ok(programs.filter_map(Program::into_executable).collect())

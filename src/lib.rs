@@ -43,7 +43,7 @@ mod reader;
 pub mod viewer;
 
 pub use facade::{
-    WrongProgram, check, check_text, check_texts, check_with, check_within, compile, simulate,
+    CompileError, check, check_text, check_texts, check_with, check_within, compile, simulate,
 };
 pub use stochc_compiler as compiler;
 pub use stochc_ensemble as ensemble;

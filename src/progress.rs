@@ -29,7 +29,11 @@ pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) 
 }
 
 /// How far a trade is.
-pub fn of_trade(extent: Extent, progress: &trade::Progress, elapsed: Duration) -> WorkProgress {
+pub fn of_trade(
+    extent: Extent,
+    progress: &trade::MeasurementProgress,
+    elapsed: Duration,
+) -> WorkProgress {
     let runs = progress.runs();
     let share = match (extent, progress.total()) {
         (Extent::Budget(budget), _) => elapsed.as_secs_f64() / budget.as_secs_f64(),

@@ -6,8 +6,8 @@ mod layout;
 use stochc::ensemble::EnsembleProgram;
 use stochc::ensemble::statistics::Relative;
 use stochc::ensemble::trade::{
-    Among, Conditions, Convergence, End, Estimate, Measured, Outcome, Sample, Trade, base, choose,
-    note,
+    Among, CandidateOutcome, Conditions, Convergence, End, EstimatedSamples, Measured, Sample,
+    Trade, base, choose, note,
 };
 use stochc::report::figures;
 use stochc::report::tables::trade_to_text;
@@ -30,8 +30,8 @@ fn sample(mean: u64, cost: f64) -> Sample {
     Sample::new((0..21).map(run).collect(), u64::MAX)
 }
 
-fn outcome(settings: Settings, means: [u64; 2], cost: f64) -> Outcome {
-    Outcome {
+fn outcome(settings: Settings, means: [u64; 2], cost: f64) -> CandidateOutcome {
+    CandidateOutcome {
         settings,
         left_out: None,
         samples: means.map(|mean| sample(mean, cost)).to_vec(),
@@ -51,7 +51,7 @@ fn trade() -> Trade {
         outcome(rigid(8), [1000, 2000], 8.0),
         outcome(reduced(Reduction::NoRotation), [2000, 1000], 0.5),
         outcome(reduced(Reduction::Spheres), [3000, 3001], 0.8),
-        Outcome {
+        CandidateOutcome {
             settings: Settings::default(),
             left_out: Some("it cannot".into()),
             samples: vec![Sample::default(); 2],
@@ -74,7 +74,7 @@ fn trade() -> Trade {
         budget: None,
         complete: true,
     };
-    let estimated = Estimate {
+    let estimated = EstimatedSamples {
         left_out: None,
         samples: [1100, 2200].map(|mean| sample(mean, 0.001)).to_vec(),
     };

@@ -39,7 +39,7 @@ pub struct Attachment {
 
 /// A block that is anchored.
 #[derive(Clone, Copy)]
-struct Seat {
+struct AnchoredPosition {
     cell: Cell,
     /// `None`: part of the plate.
     on: Option<Attachment>,
@@ -58,10 +58,10 @@ pub fn lay_out(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Layout, Cancelled> {
     let count = plan.events.len();
-    let mut seats: Vec<Option<Seat>> = vec![None; plan.roles.count()];
+    let mut seats: Vec<Option<AnchoredPosition>> = vec![None; plan.roles.count()];
     let mut taken: FxHashMap<Cell, RoleId> = FxHashMap::default();
     for seed in &plan.seeds {
-        let seat = Seat {
+        let seat = AnchoredPosition {
             cell: seed.cell,
             on: None,
         };
@@ -84,7 +84,7 @@ pub fn lay_out(
         sizes: Vec::new(),
         emptied: Vec::new(),
     };
-    let mut surveyor = Surveyor {
+    let mut builder = LayoutBuilder {
         plan,
         liveness,
         symbols,
@@ -94,13 +94,13 @@ pub fn lay_out(
         seats,
         taken,
     };
-    for phase in 0..surveyor.plan.phases.len() {
-        surveyor.phase(phase)?;
+    for phase in 0..builder.plan.phases.len() {
+        builder.phase(phase)?;
     }
-    Ok(surveyor.layout)
+    Ok(builder.layout)
 }
 
-struct Surveyor<'a> {
+struct LayoutBuilder<'a> {
     plan: &'a mut ProgramPlan,
     liveness: &'a Liveness,
     symbols: &'a Symbols,
@@ -108,12 +108,12 @@ struct Surveyor<'a> {
     diagnostics: &'a mut Vec<Diagnostic>,
     layout: Layout,
     /// Where the blocks are that are anchored at the start of the phase.
-    seats: Vec<Option<Seat>>,
+    seats: Vec<Option<AnchoredPosition>>,
     /// Who is where at the start of the phase.
     taken: FxHashMap<Cell, RoleId>,
 }
 
-impl Surveyor<'_> {
+impl LayoutBuilder<'_> {
     fn phase(&mut self, number: usize) -> Result<(), Cancelled> {
         let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
         // Releases of this phase, by the block that goes.
@@ -194,7 +194,7 @@ impl Surveyor<'_> {
         let base = match self.liveness.contexts[id.0 as usize].anchored_by {
             Some(capture) => {
                 let i = capture.0 as usize;
-                self.layout.cells[i].map(|cell| Seat {
+                self.layout.cells[i].map(|cell| AnchoredPosition {
                     cell,
                     on: self.layout.parents[i],
                 })
@@ -263,7 +263,7 @@ impl Surveyor<'_> {
         arrivals.insert(cell, id);
     }
 
-    fn is_free_face(&mut self, id: EventId, base: Seat, face: Face) -> bool {
+    fn is_free_face(&mut self, id: EventId, base: AnchoredPosition, face: Face) -> bool {
         let event = *self.plan.event(id);
         let EventKind::Capture { parent, .. } = event.kind else {
             return true;
@@ -418,7 +418,7 @@ impl Surveyor<'_> {
             if event.sound && !is_brief {
                 self.taken.insert(cell, event.role);
                 filled.push(cell);
-                self.seats[event.role.0 as usize] = Some(Seat {
+                self.seats[event.role.0 as usize] = Some(AnchoredPosition {
                     cell,
                     on: self.layout.parents[i],
                 });

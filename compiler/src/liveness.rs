@@ -5,10 +5,10 @@ use stochc_ir::suggest::nearest;
 use stochc_ir::table::{RoleId, Trigger};
 
 use crate::diagnostic::{
-    Code, Diagnostic, Fix, MOST_FINDINGS, entry, hand_in, is_repeated, named, removal, tell,
+    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, named, parameter_hint, removal, tell,
 };
 use crate::members::members;
-use crate::plan::{EventId, EventKind, Key, PatternInstance, ProgramPlan};
+use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
 use crate::{Site, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.
@@ -77,7 +77,7 @@ impl Liveness {
 #[derive(Clone, Copy, Default)]
 struct RoleLiveness {
     /// What anchored the block that has it; `None`: nobody has it.
-    holder: Option<Origin>,
+    holder: Option<BlockOrigin>,
     /// The phase that the two fields below speak of, from 1.
     phase: u32,
     captured: Option<EventId>,
@@ -87,7 +87,7 @@ struct RoleLiveness {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Origin {
+enum BlockOrigin {
     Seed,
     Capture(EventId),
 }
@@ -141,7 +141,7 @@ impl Checker<'_> {
     fn run(&mut self, cancellation: Cancellation<'_>) -> Result<(), Cancelled> {
         for i in 0..self.plan.seeds.len() {
             let role = self.plan.seeds[i].role;
-            self.states[role.0 as usize].holder = Some(Origin::Seed);
+            self.states[role.0 as usize].holder = Some(BlockOrigin::Seed);
         }
         let mut afters = 0;
         for number in 0..self.plan.phases.len() {
@@ -231,7 +231,7 @@ impl Checker<'_> {
     fn enter(&mut self, id: EventId, stamp: u32) {
         let event = *self.plan.event(id);
         let state = *self.state(event.role, stamp);
-        let seed = state.holder == Some(Origin::Seed);
+        let seed = state.holder == Some(BlockOrigin::Seed);
         match event.kind {
             EventKind::Capture { parent, .. } => {
                 self.use_seed(parent);
@@ -285,7 +285,7 @@ impl Checker<'_> {
             EventKind::Capture { parent, .. } => {
                 let freed_by = match (state.holder, state.released) {
                     (Some(_), Some(release)) => Some(release),
-                    (Some(Origin::Capture(first)), None) => {
+                    (Some(BlockOrigin::Capture(first)), None) => {
                         let what = "is captured while it is part of the structure";
                         return self.reject(id, Code::CapturedTwice, what, first);
                     }
@@ -383,7 +383,7 @@ impl Checker<'_> {
             // A name that is freed and taken again ends up taken; the other way round, free.
             EventKind::Capture { .. } => {
                 if state.released.is_none() || context.freed_by.is_some() {
-                    state.holder = Some(Origin::Capture(id));
+                    state.holder = Some(BlockOrigin::Capture(id));
                 }
             }
             EventKind::Release => {
@@ -535,7 +535,7 @@ impl Checker<'_> {
     }
 
     /// The names of all seeds and of all blocks that are ever captured.
-    fn blocks(&self) -> impl Iterator<Item = Key> {
+    fn blocks(&self) -> impl Iterator<Item = NameKey> {
         let captured = (self.plan.events.iter())
             .filter(|event| matches!(event.kind, EventKind::Capture { .. }))
             .map(|event| event.role);
@@ -576,7 +576,7 @@ impl Checker<'_> {
         let diagnostic = Diagnostic::new(Code::UnknownName, title)
             .label(site, "not known inside of the pattern")
             .label(there.0, there.1)
-            .help(hand_in(self.sources, &grown, word, &block));
+            .help(parameter_hint(self.sources, &grown, word, &block));
         Some(diagnostic)
     }
 }

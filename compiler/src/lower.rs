@@ -57,7 +57,7 @@ fn busy(plan: &ProgramPlan, graph: &DependencyGraph) -> Vec<bool> {
 }
 
 /// A rule on its way to its duty.
-struct Loose {
+struct UnassignedRule {
     role: RoleId,
     phase: PhaseId,
     trigger: Trigger,
@@ -71,7 +71,7 @@ struct Lowering<'a> {
     liveness: &'a Liveness,
     layout: &'a Layout,
     graph: &'a DependencyGraph,
-    rules: Vec<Loose>,
+    rules: Vec<UnassignedRule>,
     conditions: Vec<Condition>,
     reports: Vec<u32>,
     duties: Vec<bool>,
@@ -235,7 +235,7 @@ impl Lowering<'_> {
         let start = self.conditions.len() as u32;
         self.conditions.extend(when);
         let when = (start, self.conditions.len() as u32);
-        self.rules.push(Loose {
+        self.rules.push(UnassignedRule {
             role: block.role,
             phase,
             trigger: block.trigger(),

@@ -1,7 +1,7 @@
 //! Which names there are of one word: `T[1..3]` and `T[7]`.
 use stochc_grammar::Symbols;
 
-use crate::plan::{Key, Roles};
+use crate::plan::{NameKey, Roles};
 
 /// Names that are told, at most; ranges count once.
 const MOST: usize = 4;
@@ -29,8 +29,8 @@ impl Members {
 /// The names among `keys` that have the word of `wanted` and belong to the same instance; `None` if
 /// there are none.
 pub(crate) fn members(
-    wanted: Key,
-    keys: impl Iterator<Item = Key>,
+    wanted: NameKey,
+    keys: impl Iterator<Item = NameKey>,
     roles: &Roles,
     symbols: &Symbols,
 ) -> Option<Members> {
@@ -46,10 +46,10 @@ pub(crate) fn members(
         boxes.retain(arity(wanted.arity));
     }
     let is_single = boxes.len() == 1;
-    for dimension in (0..Key::MAX_INDICES).rev() {
+    for dimension in (0..NameKey::MAX_INDICES).rev() {
         boxes = joined(boxes, dimension);
     }
-    let bare = Key { arity: 0, ..wanted };
+    let bare = NameKey { arity: 0, ..wanted };
     let word = roles.name_of(bare, symbols);
     let mut names: Vec<String> = (boxes.iter().take(MOST))
         .map(|one| format!("`{word}{}`", one.indices()))
@@ -73,11 +73,11 @@ pub(crate) fn members(
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct IndexBounds {
     arity: u8,
-    bounds: [(i32, i32); Key::MAX_INDICES],
+    bounds: [(i32, i32); NameKey::MAX_INDICES],
 }
 
 impl IndexBounds {
-    fn of(key: Key) -> IndexBounds {
+    fn of(key: NameKey) -> IndexBounds {
         IndexBounds {
             arity: key.arity,
             bounds: key.index.map(|index| (index, index)),
@@ -132,9 +132,9 @@ mod tests {
         let mut symbols = Symbols::default();
         let word = symbols.intern("T");
         let key = |indices: &[i32]| {
-            let mut index = [0; Key::MAX_INDICES];
+            let mut index = [0; NameKey::MAX_INDICES];
             index[..indices.len()].copy_from_slice(indices);
-            Key {
+            NameKey {
                 scope: 0,
                 word,
                 arity: indices.len() as u8,

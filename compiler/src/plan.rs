@@ -33,7 +33,7 @@ pub struct ProgramPlan {
     /// Of an aggregate, the blocks of a group with which it is complete. It has no plate, no seeds and
     /// no events, and a phase for each size from two on.
     pub aggregate: Option<u32>,
-    /// The instances of patterns, by their scope: that of [`Key::scope`] 1 comes first.
+    /// The instances of patterns, by their scope: that of [`NameKey::scope`] 1 comes first.
     pub grown: Vec<PatternInstance>,
 }
 
@@ -165,7 +165,7 @@ pub struct AfterConstraint {
 
 /// A name without its text: the instance of a pattern it belongs to, a word, and indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Key {
+pub struct NameKey {
     /// Which instance; 0 is the program itself.
     pub scope: u32,
     /// The word.
@@ -173,32 +173,32 @@ pub struct Key {
     /// How many of the indices count.
     pub arity: u8,
     /// The indices.
-    pub index: [i32; Key::MAX_INDICES],
+    pub index: [i32; NameKey::MAX_INDICES],
 }
 
-impl Key {
+impl NameKey {
     /// Indices that a name may have.
     pub const MAX_INDICES: usize = 3;
 
     /// The same name in another scope.
     #[must_use]
-    pub fn within(self, scope: u32) -> Key {
-        Key { scope, ..self }
+    pub fn within(self, scope: u32) -> NameKey {
+        NameKey { scope, ..self }
     }
 }
 
 /// Every name of a block, and every named instance of a pattern.
 #[derive(Clone, Debug, Default)]
 pub struct Roles {
-    roles: FxHashMap<Key, RoleId>,
-    keys: Vec<Key>,
-    scopes: FxHashMap<Key, u32>,
-    scope_keys: Vec<Key>,
+    roles: FxHashMap<NameKey, RoleId>,
+    keys: Vec<NameKey>,
+    scopes: FxHashMap<NameKey, u32>,
+    scope_keys: Vec<NameKey>,
 }
 
 impl Roles {
     /// The role of a name, new or known.
-    pub fn intern(&mut self, key: Key) -> RoleId {
+    pub fn intern(&mut self, key: NameKey) -> RoleId {
         let next = RoleId(self.keys.len() as u32);
         let role = *self.roles.entry(key).or_insert(next);
         if role == next {
@@ -208,7 +208,7 @@ impl Roles {
     }
 
     /// The role of a name, if known.
-    pub fn get(&self, key: &Key) -> Option<RoleId> {
+    pub fn get(&self, key: &NameKey) -> Option<RoleId> {
         self.roles.get(key).copied()
     }
 
@@ -218,15 +218,15 @@ impl Roles {
     }
 
     /// The name of a role, without its text.
-    pub fn key(&self, role: RoleId) -> Key {
+    pub fn key(&self, role: RoleId) -> NameKey {
         self.keys[role.0 as usize]
     }
 
     /// The names that lead to a role: the instances of patterns that hold it, the outermost first, and
     /// its own.
-    pub fn path(&self, role: RoleId) -> Vec<Key> {
+    pub fn path(&self, role: RoleId) -> Vec<NameKey> {
         let mut path = vec![self.key(role)];
-        while let Some(&Key { scope: 1.., .. }) = path.last() {
+        while let Some(&NameKey { scope: 1.., .. }) = path.last() {
             let scope = path[path.len() - 1].scope;
             path.push(self.scope_keys[scope as usize - 1]);
         }
@@ -235,7 +235,7 @@ impl Roles {
     }
 
     /// The scope of an instance, new or known.
-    pub fn intern_scope(&mut self, key: Key) -> u32 {
+    pub fn intern_scope(&mut self, key: NameKey) -> u32 {
         let next = self.scope_keys.len() as u32 + 1;
         let scope = *self.scopes.entry(key).or_insert(next);
         if scope == next {
@@ -245,12 +245,12 @@ impl Roles {
     }
 
     /// The scope of an instance, if known.
-    pub fn scope(&self, key: &Key) -> Option<u32> {
+    pub fn scope(&self, key: &NameKey) -> Option<u32> {
         self.scopes.get(key).copied()
     }
 
     /// The names of the instances in a scope, without their texts.
-    pub fn instances(&self, scope: u32) -> impl Iterator<Item = Key> {
+    pub fn instances(&self, scope: u32) -> impl Iterator<Item = NameKey> {
         let all = self.scope_keys.iter().copied();
         all.filter(move |key| key.scope == scope)
     }
@@ -267,13 +267,13 @@ impl Roles {
     }
 
     /// The name that a key stands for.
-    pub fn name_of(&self, key: Key, symbols: &Symbols) -> String {
+    pub fn name_of(&self, key: NameKey, symbols: &Symbols) -> String {
         let mut text = String::new();
         self.write(key, symbols, &mut text);
         text
     }
 
-    fn write(&self, key: Key, symbols: &Symbols, text: &mut String) {
+    fn write(&self, key: NameKey, symbols: &Symbols, text: &mut String) {
         use std::fmt::Write as _;
         // The depth of scopes is bounded by the depth of the expansion.
         let scope = (key.scope as usize).checked_sub(1);

@@ -140,8 +140,8 @@ pub(crate) fn cures(
         return false;
     }
     let gone = diagnostics().filter(|&(_, &is_mended)| is_mended);
-    let gone = Places::of(&before.sources, gone.map(|(it, _)| it), Some(change));
-    let all = Places::of(&after.sources, after.diagnostics.iter(), None);
+    let gone = FindingSpans::of(&before.sources, gone.map(|(it, _)| it), Some(change));
+    let all = FindingSpans::of(&after.sources, after.diagnostics.iter(), None);
     let codes = |checked: &Checked| -> BTreeSet<Code> {
         checked.diagnostics.iter().map(|it| it.code).collect()
     };
@@ -155,13 +155,13 @@ pub(crate) fn cures(
     let mends_error =
         diagnostics().any(|(diagnostic, &is_mended)| is_mended && is_wrong(diagnostic));
     let kept = diagnostics().filter(|&(_, &is_mended)| !is_mended);
-    let mut old = Places::of(
+    let mut old = FindingSpans::of(
         &before.sources,
         kept.map(|(diagnostic, _)| diagnostic),
         Some(change),
     );
     let new = (after.diagnostics.iter()).filter(|diagnostic| is_wrong(diagnostic) || !mends_error);
-    let new = Places::of(&after.sources, new, None);
+    let new = FindingSpans::of(&after.sources, new, None);
     (new.0).into_iter().all(|(key, places)| {
         let Some(old) = old.0.get_mut(&key) else {
             return false;
@@ -173,14 +173,14 @@ pub(crate) fn cures(
 }
 
 /// Where findings stand, by their code and the name of their file.
-struct Places<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
+struct FindingSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
 
 /// The code of a finding, and the name of its file.
 type Kind<'a> = (Code, Option<&'a str>);
 
-impl<'a> Places<'a> {
+impl<'a> FindingSpans<'a> {
     /// Whether a place of one code lies in one of the same code here.
-    fn meet(&self, others: &Places<'_>) -> bool {
+    fn meet(&self, others: &FindingSpans<'_>) -> bool {
         self.0.iter().any(|(key, places)| {
             let others = others.0.get(key).map_or(&[][..], Vec::as_slice);
             let is_among = |other: &(usize, usize)| {
@@ -195,7 +195,7 @@ impl<'a> Places<'a> {
         sources: &'a Sources,
         diagnostics: impl Iterator<Item = &'a Diagnostic>,
         change: Option<&TextChange<'_>>,
-    ) -> Places<'a> {
+    ) -> FindingSpans<'a> {
         let mut by_file: FxHashMap<(Code, Option<FileId>), Vec<usize>> = FxHashMap::default();
         for diagnostic in diagnostics {
             let site = diagnostic.labels.first().map(|label| label.site);
@@ -212,6 +212,6 @@ impl<'a> Places<'a> {
             let name = file.map(|file| sources.file(file).name.as_str());
             ((code, name), carried)
         });
-        Places(by_name.collect())
+        FindingSpans(by_name.collect())
     }
 }

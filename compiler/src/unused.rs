@@ -8,7 +8,7 @@ use stochc_grammar::{Span, Symbols};
 
 use crate::diagnostic::{Code, Diagnostic, Fix, removal, tell};
 use crate::load::Module;
-use crate::names::{Names, Thing};
+use crate::names::{Definition, Names};
 use crate::scene::DEFAULT;
 use crate::{FileId, Site, Sources};
 
@@ -44,10 +44,10 @@ pub fn check(
     });
     let used = used(&declared, own.file, names);
     for it in &declared {
-        let thing = names
+        let definition = names
             .at(own.file, it.name.span.start)
-            .map(|name| name.thing);
-        if thing.is_some_and(|thing| !used.contains(&thing)) {
+            .map(|name| name.definition);
+        if definition.is_some_and(|definition| !used.contains(&definition)) {
             tell(diagnostics, it.unused(own.file, sources, symbols));
         }
     }
@@ -82,13 +82,13 @@ fn collect<'a>(items: &'a [Item], is_local: bool, declared: &mut Vec<Declared<'a
     }
 }
 
-/// The things that are named elsewhere than where they are declared.
-fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Thing> {
+/// The definitions that are referred to elsewhere than where they are declared.
+fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Definition> {
     // A pattern that only grows itself is not used.
-    let mut own: FxHashMap<Thing, Vec<Span>> = FxHashMap::default();
+    let mut own: FxHashMap<Definition, Vec<Span>> = FxHashMap::default();
     for it in declared {
         if let Some(name) = names.at(file, it.name.span.start) {
-            own.entry(name.thing).or_default().push(it.item.span);
+            own.entry(name.definition).or_default().push(it.item.span);
         }
     }
     let is_elsewhere = |site: Site, spans: &[Span]| {
@@ -101,10 +101,10 @@ fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Thi
     (names.all().iter())
         .filter(|name| !name.declares)
         .filter(|name| {
-            own.get(&name.thing)
+            own.get(&name.definition)
                 .is_some_and(|spans| is_elsewhere(name.site, spans))
         })
-        .map(|name| name.thing)
+        .map(|name| name.definition)
         .collect()
 }
 

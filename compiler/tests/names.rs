@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
-use stochc_compiler::names::{NameKind, Names, Thing};
+use stochc_compiler::names::{Definition, NameKind, Names};
 use stochc_compiler::plan::EventKind;
 use stochc_compiler::source_map::blocks_at;
 use stochc_compiler::{Cancellation, Checked, Limits, LintLevels, check_observed};
@@ -173,10 +173,10 @@ fn structure(checked: &Checked) -> String {
 }
 
 /// A text in which a thing has another name.
-fn renamed(text: &str, names: &Names, thing: Thing, name: &str) -> String {
+fn renamed(text: &str, names: &Names, definition: Definition, name: &str) -> String {
     let mut renamed = String::new();
     let mut done = 0;
-    for occurrence in names.of_thing(thing) {
+    for occurrence in names.occurrences_of(definition) {
         let span = occurrence.site.span;
         renamed.push_str(&text[done..span.start as usize]);
         renamed.push_str(name);
@@ -216,16 +216,17 @@ fn for_programs(test: impl Fn(&str, &Checked, &Names) -> Result<usize, TestCaseE
 fn a_thing_can_have_any_name_and_nothing_else_changes() {
     for_programs(|text, checked_before, names| {
         let before = structure(checked_before);
-        let mut things: Vec<Thing> = names.all().iter().map(|name| name.thing).collect();
-        things.sort_unstable();
-        things.dedup();
-        let count = things.len();
-        for thing in things {
+        let mut definitions: Vec<Definition> =
+            names.all().iter().map(|name| name.definition).collect();
+        definitions.sort_unstable();
+        definitions.dedup();
+        let count = definitions.len();
+        for definition in definitions {
             // What is built in has no other name.
-            if !names.of_thing(thing).any(|name| name.declares) {
+            if !names.occurrences_of(definition).any(|name| name.declares) {
                 continue;
             }
-            let text = renamed(text, names, thing, "fresh");
+            let text = renamed(text, names, definition, "fresh");
             let after = checked(&text);
             prop_assert!(!after.has_errors(), "{text}\n{:#?}", after.diagnostics);
             prop_assert_eq!(&before, &structure(&after), "{}", text);
@@ -239,12 +240,12 @@ fn a_name_of_blocks_is_written_out_to_blocks_of_that_thing() {
     for_programs(|text, checked, names| {
         let mut count = 0;
         // The word of the blocks and what the resolver says of it: one block is one thing.
-        let mut things = std::collections::BTreeMap::new();
+        let mut definitions = std::collections::BTreeMap::new();
         for name in names.all() {
-            let kind = names.kind(name.thing);
+            let kind = names.kind(name.definition);
             let place = (name.site.file, name.site.span.start);
             let located = blocks_at(checked, place, Limits::default(), NEVER).unwrap();
-            let word = checked.symbols.word(names.word(name.thing));
+            let word = checked.symbols.word(names.word(name.definition));
             for located in located {
                 let plan = &checked.programs[located.program].plan;
                 for role in located.roles {
@@ -253,8 +254,10 @@ fn a_name_of_blocks_is_written_out_to_blocks_of_that_thing() {
                     match kind {
                         NameKind::Block => {
                             prop_assert_eq!(stem.split('[').next(), Some(word), "{}", text);
-                            let known = things.entry((located.program, role)).or_insert(name.thing);
-                            prop_assert_eq!(*known, name.thing, "{} of {}", block, text);
+                            let known = definitions
+                                .entry((located.program, role))
+                                .or_insert(name.definition);
+                            prop_assert_eq!(*known, name.definition, "{} of {}", block, text);
                             count += 1;
                         }
                         // It stands for the block that is given for it.

@@ -98,7 +98,7 @@ impl FromStr for Interval {
 }
 
 /// A run, by the number of its program and its own.
-type Key = (usize, u64);
+type RunKey = (usize, u64);
 
 /// The first line of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -132,7 +132,7 @@ pub struct Checkpoints {
     names: Vec<String>,
     interval: Interval,
     /// The runs of which there is one.
-    there: Mutex<BTreeSet<Key>>,
+    there: Mutex<BTreeSet<RunKey>>,
     notes: Mutex<Vec<String>>,
 }
 
@@ -190,20 +190,20 @@ impl Checkpoints {
         }
     }
 
-    fn there(&self) -> std::sync::MutexGuard<'_, BTreeSet<Key>> {
+    fn there(&self) -> std::sync::MutexGuard<'_, BTreeSet<RunKey>> {
         self.there.lock().expect("nobody panics while it is held")
     }
 
-    fn shown(&self, (program, run): Key) -> String {
+    fn shown(&self, (program, run): RunKey) -> String {
         format!("run {run} of `{}`", visible(&self.names[program]))
     }
 
-    fn file(&self, key: Key) -> PathBuf {
+    fn file(&self, key: RunKey) -> PathBuf {
         file(&self.path, key)
     }
 
     /// Moves a checkpoint aside that nothing can go on from.
-    fn refuse(&self, key: Key, why: &str) -> io::Result<()> {
+    fn refuse(&self, key: RunKey, why: &str) -> io::Result<()> {
         self.there().remove(&key);
         let moved = move_aside(&self.file(key), &self.path.join(DAMAGED))?;
         let run = self.shown(key);
@@ -249,7 +249,7 @@ impl Checkpoints {
         }
     }
 
-    fn identify(&self, (program, run): Key, file: &File) -> io::Result<CheckpointFile> {
+    fn identify(&self, (program, run): RunKey, file: &File) -> io::Result<CheckpointFile> {
         let found = match read(file)? {
             Ok(found) => found,
             Err(why) => return Ok(CheckpointFile::Damaged(why.to_owned())),
@@ -274,7 +274,7 @@ impl Checkpoints {
     }
 
     /// Writes a file whole, or leaves the one that is there.
-    fn write(&self, (program, run): Key, tick: u64, save: &mut Save<'_>) -> io::Result<()> {
+    fn write(&self, (program, run): RunKey, tick: u64, save: &mut Save<'_>) -> io::Result<()> {
         let key = SecretKey::of_user()?;
         make_own_folder(&self.path.join(CHECKPOINTS))?;
         // Several machines may make one piece: what each writes is a state of the same run.
@@ -303,7 +303,7 @@ impl Checkpoints {
 /// The checkpoints of one run, for as long as a thread makes it.
 pub(super) struct RunCheckpoints<'a> {
     all: &'a Checkpoints,
-    key: Key,
+    key: RunKey,
     /// That was told last.
     tick: Cell<u64>,
     calls: Cell<u32>,
@@ -394,13 +394,13 @@ impl RunCheckpoints<'_> {
     }
 }
 
-fn file(path: &Path, (program, run): Key) -> PathBuf {
+fn file(path: &Path, (program, run): RunKey) -> PathBuf {
     path.join(CHECKPOINTS)
         .join(format!("{program}-{run}{SUFFIX}"))
 }
 
 /// The checkpoints in a folder of results, sorted.
-fn list(path: &Path) -> io::Result<Vec<(Key, PathBuf)>> {
+fn list(path: &Path) -> io::Result<Vec<(RunKey, PathBuf)>> {
     let of = |path: &Path| {
         let name = path.file_name()?.to_str()?;
         let (program, run) = name.strip_suffix(SUFFIX)?.split_once('-')?;
@@ -456,7 +456,7 @@ pub(super) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Resu
 /// # Errors
 /// Those of the file system.
 pub(super) fn health(path: &Path) -> io::Result<Vec<FileHealth>> {
-    let health = |((program, run), file): (Key, PathBuf)| {
+    let health = |((program, run), file): (RunKey, PathBuf)| {
         let name = format!("{CHECKPOINTS}/{program}-{run}{SUFFIX}");
         let found = opened(&file).and_then(|file| read(&file));
         let why = match found {

@@ -7,7 +7,7 @@
 //! | `runs.parquet`, `phases.parquet`, `bonds.parquet`, `releases.parquet`, `unplanned.parquet` | the same as tables, in the order of program and run; see `docs/results.md` |
 //! | `recordings/` | runs to watch; see [`crate::recording`] |
 //! | `checkpoints/` | the states of runs under way; see [`super::checkpoint`] |
-//! | `checksums.json` | of the others, when they were last written as a whole; see [`super::seal`] |
+//! | `checksums.json` | of the others, when they were last written as a whole; see [`super::folder_checksums`] |
 //! | `.lock` | held by the process that writes |
 //!
 //! Nothing in it is ever replaced by the results of another ensemble.
@@ -27,12 +27,12 @@ use stochc_files::disk::Lock;
 
 use super::build::{UNKNOWN, other_build};
 use super::checkpoint::{self, CHECKPOINTS, Checkpoints, Interval};
+use super::folder_checksums::{CHECKSUMS_FILE, FolderChecksums};
 use super::folder_error::FolderError;
 use super::journal::{self, Finished, Journal, JournalError, JournalHeader};
 use super::manifest::{Manifest, OLDEST};
 use super::parquet;
 use super::records::{LineLocation, Records};
-use super::seal::{SEAL, Seal};
 use super::shards::SHARDS_FILE;
 
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -124,7 +124,7 @@ impl Folder {
     /// Opens the folder at `path` for the ensemble of `manifest`, and makes it if it is not there.
     ///
     /// # Errors
-    /// Every refusal leaves the folder as it was; its message says the way out.
+    /// Every error leaves the folder as it was; its message says the way out.
     pub fn open(
         path: &Path,
         manifest: &Manifest,
@@ -377,7 +377,7 @@ impl Folder {
             source,
         };
         // Tables that are being written are not those that are known.
-        seal(&self.path, &self.manifest, &[])?;
+        write_checksums(&self.path, &self.manifest, &[])?;
         let mut sums = Vec::new();
         let begin = |name: &str| {
             let draft = Draft::new(&self.path.join(name), Replaces::Ordinary)?;
@@ -393,20 +393,20 @@ impl Folder {
             replace(&self.path, &name, &content)?;
             sums.push((name, Sum::of(&content)));
         }
-        seal(&self.path, &self.manifest, &sums)
+        write_checksums(&self.path, &self.manifest, &sums)
     }
 }
 
 /// Writes the manifest of a folder, which has no tables of it yet.
 pub(super) fn write_manifest(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
     // What is there is not what is known, until it is sealed again.
-    remove(path, SEAL)?;
+    remove(path, CHECKSUMS_FILE)?;
     replace(path, MANIFEST, manifest.to_json().as_bytes())?;
-    seal(path, manifest, &[])
+    write_checksums(path, manifest, &[])
 }
 
 /// Writes the checksums of the manifest, of the journal as it is, and of these files.
-pub(super) fn seal(
+pub(super) fn write_checksums(
     path: &Path,
     manifest: &Manifest,
     files: &[(String, Sum)],
@@ -415,17 +415,17 @@ pub(super) fn seal(
         path: path.to_owned(),
         source,
     };
-    let mut seal = Seal::default();
-    seal.note(MANIFEST, Sum::of(manifest.to_json().as_bytes()));
+    let mut checksums = FolderChecksums::default();
+    checksums.note(MANIFEST, Sum::of(manifest.to_json().as_bytes()));
     match files::open(&path.join(JOURNAL)) {
-        Ok(journal) => seal.note(JOURNAL, of_file(journal, u64::MAX).map_err(io)?),
+        Ok(journal) => checksums.note(JOURNAL, of_file(journal, u64::MAX).map_err(io)?),
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => return Err(io(error)),
     }
     for (name, sum) in files {
-        seal.note(name, *sum);
+        checksums.note(name, *sum);
     }
-    replace(path, SEAL, seal.to_json().as_bytes())
+    replace(path, CHECKSUMS_FILE, checksums.to_json().as_bytes())
 }
 
 /// Refuses a folder whose runs are in pieces.
@@ -440,15 +440,17 @@ fn not_cut(path: &Path) -> Result<(), FolderError> {
 
 /// What is wrong with the files of a folder, beside its manifest and what is known of its journal.
 fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
-    let (seal, damage) = Seal::read(path);
+    let (checksums, damage) = FolderChecksums::read(path);
     let mut told = journal;
     told.extend(damage);
-    let Some(seal) = seal else { return told };
-    for name in seal.names() {
+    let Some(checksums) = checksums else {
+        return told;
+    };
+    for name in checksums.names() {
         // Line by line is more to the point.
         let is_journal = name == JOURNAL;
         if !is_journal || told.is_empty() {
-            told.extend(seal.damage(path, name, is_journal));
+            told.extend(checksums.damage(path, name, is_journal));
         }
     }
     told
@@ -488,8 +490,8 @@ pub(super) fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         let name = entry.file_name().unwrap_or_default();
         if name == MANIFEST {
             let bytes = files::read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(io)?;
-            if let (Some(seal), _) = Seal::read(path)
-                && seal.damage(path, MANIFEST, false).is_some()
+            if let (Some(checksums), _) = FolderChecksums::read(path)
+                && checksums.damage(path, MANIFEST, false).is_some()
             {
                 let path = path.to_owned();
                 return Err(FolderError::Damaged { path });

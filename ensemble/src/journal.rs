@@ -20,7 +20,7 @@ use stochc_files::budget::{self, JOURNAL as JOURNAL_BUDGET};
 use stochc_files::checksum::{self, LineIntegrity};
 use stochc_ir::record::{Outcome, RunRecord};
 
-use super::plausible::impossible;
+use super::record_validation::inconsistency;
 use super::records::{LineLocation, Records};
 use super::{EnsembleProgram, Manifest};
 
@@ -301,7 +301,7 @@ pub(super) fn run(line: &[u8], is_sealed: bool, manifest: &Manifest) -> Result<F
         LineIntegrity::Damaged | LineIntegrity::Unsealed => return Err(damaged()),
     }
     let finished = serde_json::from_slice(line).map_err(|_| damaged())?;
-    match impossible(manifest, &finished) {
+    match inconsistency(manifest, &finished) {
         Some(reason) => Err(format!("says what cannot be: {reason}")),
         None => Ok(finished),
     }

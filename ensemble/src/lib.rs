@@ -44,19 +44,19 @@ mod comparison;
 mod executor;
 pub mod fit;
 mod folder;
+mod folder_checksums;
 mod folder_error;
 mod journal;
 mod manifest;
-mod named;
 mod pairwise;
 mod parquet;
-mod plausible;
 mod progress;
+mod record_json;
+mod record_validation;
 pub mod recording;
 mod records;
 pub mod resampling;
 mod run;
-mod seal;
 pub mod shards;
 pub mod slurm;
 pub mod statistics;
@@ -79,12 +79,12 @@ pub use journal::{Finished, JournalError};
 pub use manifest::{
     Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, OLDEST, Source, Varied,
 };
-pub use named::named;
 pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pairwise_tests};
 pub use parquet::{
     ColumnShape, ColumnValues, TableShape, each_row_group, table_metadata, tables, tables_of,
 };
 pub use progress::{ProgramProgress, ProgramTimes, Progress, RunWatch, Snapshot, Totals};
+pub use record_json::record_json;
 pub use records::Records;
 pub use run::{Destination, EnsembleError, Results, check_stored, run};
 pub use time_left::time_left;

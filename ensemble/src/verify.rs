@@ -7,10 +7,10 @@ use stochc_files::{budget, disk, open, read_file};
 
 use super::checkpoint;
 use super::folder::{JOURNAL, MANIFEST, lock, without_manifest, write_manifest};
+use super::folder_checksums::{CHECKSUMS_FILE, FolderChecksums};
 use super::journal::{JournalError, read as read_journal, salvaged};
 use super::manifest::OLDEST;
 use super::recording::{Outline, VERSION, path as recording_path};
-use super::seal::{SEAL, Seal};
 use super::shards::{self, Cut, SHARDS, SHARDS_FILE};
 use super::text::visible;
 use super::{Folder, FolderError, Further, Manifest, RECORDINGS, Records, Resume};
@@ -76,13 +76,19 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         let path = path.to_owned();
         return Err(FolderError::Old { path });
     }
-    let (seal, damage) = Seal::read(path);
-    if seal.is_some() || damage.is_some() {
-        tell(SEAL, Health::of(damage.into_iter().collect(), true));
+    let (checksums, damage) = FolderChecksums::read(path);
+    if checksums.is_some() || damage.is_some() {
+        tell(
+            CHECKSUMS_FILE,
+            Health::of(damage.into_iter().collect(), true),
+        );
     }
-    let seal = seal.unwrap_or_default();
+    let checksums = checksums.unwrap_or_default();
     let read = parsed(&bytes);
-    let mut damage: Vec<String> = seal.damage(path, MANIFEST, false).into_iter().collect();
+    let mut damage: Vec<String> = checksums
+        .damage(path, MANIFEST, false)
+        .into_iter()
+        .collect();
     if let (Err(reason), true) = (&read, damage.is_empty()) {
         damage.push(format!("`{MANIFEST}`: {reason}"));
     }
@@ -91,18 +97,18 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         true => read,
         false => saved(path).map_err(io)?,
     };
-    tell(MANIFEST, Health::of(damage, seal.knows(MANIFEST)));
+    tell(MANIFEST, Health::of(damage, checksums.knows(MANIFEST)));
     let Ok(manifest) = manifest else {
         return Ok(files);
     };
     let mut finished = Records::default();
     let journal = path.join(JOURNAL);
-    if journal.exists() || seal.knows(JOURNAL) {
+    if journal.exists() || checksums.knows(JOURNAL) {
         let health = match read_journal(&journal, &manifest, &manifest.identity()) {
             Ok(stored) => {
                 let mut damage = stored.damage;
                 if damage.is_empty() {
-                    damage.extend(seal.damage(path, JOURNAL, true));
+                    damage.extend(checksums.damage(path, JOURNAL, true));
                 }
                 finished = stored.finished;
                 Health::of(damage, stored.is_sealed)
@@ -111,8 +117,11 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         };
         tell(JOURNAL, health);
     }
-    for name in seal.names().filter(|it| ![MANIFEST, JOURNAL].contains(it)) {
-        let damage = seal.damage(path, name, false).into_iter().collect();
+    for name in checksums
+        .names()
+        .filter(|it| ![MANIFEST, JOURNAL].contains(it))
+    {
+        let damage = checksums.damage(path, name, false).into_iter().collect();
         tell(name, Health::of(damage, true));
     }
     let cut = Cut::read(path).ok().flatten();
@@ -125,7 +134,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
     };
     for table in super::tables() {
         let name = format!("{}.parquet", table.name);
-        if !seal.knows(&name) && path.join(&name).exists() {
+        if !checksums.knows(&name) && path.join(&name).exists() {
             tell(&name, Health::Unprotected);
         }
     }
@@ -174,8 +183,8 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     }
     if is_damaged(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
         let bytes = read_file(&path.join(SHARDS_FILE), budget::SHARDS).map_err(io)?;
-        let (seal, _) = Seal::read(path);
-        let mended = seal.and_then(|seal| seal.mended(SHARDS_FILE, &bytes));
+        let (checksums, _) = FolderChecksums::read(path);
+        let mended = checksums.and_then(|checksums| checksums.mended(SHARDS_FILE, &bytes));
         if mended.is_none() && path.join(SHARDS).exists() {
             // Without it they would be taken for nothing.
             return Err(FolderError::LostCut(path.to_owned()));
@@ -198,8 +207,8 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         }
     }
     // Its checksums are those of what has been.
-    if path.join(SEAL).exists() && health.iter().any(|file| file.health.is_damaged()) {
-        aside(SEAL)?;
+    if path.join(CHECKSUMS_FILE).exists() && health.iter().any(|file| file.health.is_damaged()) {
+        aside(CHECKSUMS_FILE)?;
     }
     if let Ok(Some(cut)) = Cut::read(path) {
         return cut.write(path, &manifest);
@@ -223,8 +232,8 @@ fn parsed(bytes: &[u8]) -> Result<Manifest, String> {
 /// The manifest as it was written, from a damaged one.
 fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST)?;
-    let (seal, _) = Seal::read(path);
-    if let Some(mended) = seal.and_then(|seal| seal.mended(MANIFEST, &bytes)) {
+    let (checksums, _) = FolderChecksums::read(path);
+    if let Some(mended) = checksums.and_then(|checksums| checksums.mended(MANIFEST, &bytes)) {
         return Ok(parsed(&mended));
     }
     // What its journal belongs to is what decides the runs.

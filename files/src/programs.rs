@@ -112,7 +112,7 @@ pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
 }
 
 /// Why an argument cannot be had by a command that takes nothing but files.
-pub fn refusal(argument: &str) -> Option<String> {
+pub fn not_a_file(argument: &str) -> Option<String> {
     let what = match argument {
         STDIN => "the standard input",
         path if Path::new(path).is_dir() => "a folder",

@@ -261,7 +261,7 @@ proptest! {
         let text = pieces.join(if blanks { " " } else { "" });
         match format(&text) {
             Ok(laid_out) => prop_assert_eq!(format(&laid_out), Ok(laid_out), "{:?}", text),
-            Err(refusal) => prop_assert!(matches!(refusal, FormatError::Wrong(_)), "{:?}", text),
+            Err(error) => prop_assert!(matches!(error, FormatError::Wrong(_)), "{:?}", text),
         }
     }
 
@@ -276,7 +276,7 @@ proptest! {
         text.replace_range(start..(start + length).min(text.len()), "");
         match format(&text) {
             Ok(laid_out) => prop_assert_eq!(format(&laid_out), Ok(laid_out), "{:?}", text),
-            Err(refusal) => prop_assert!(matches!(refusal, FormatError::Wrong(_)), "{:?}", text),
+            Err(error) => prop_assert!(matches!(error, FormatError::Wrong(_)), "{:?}", text),
         }
     }
 }

@@ -23,11 +23,11 @@ pub fn definitions(
         return Ok(imported(analysis, at).into_iter().collect());
     };
     let names = &analysis.names;
-    let declarations: Vec<Site> = (names.of_thing(name.thing))
+    let declarations: Vec<Site> = (names.occurrences_of(name.definition))
         .filter(|occurrence| occurrence.declares)
         .map(|occurrence| occurrence.site)
         .collect();
-    if names.kind(name.thing) != NameKind::Block {
+    if names.kind(name.definition) != NameKind::Block {
         return Ok(declarations);
     }
     // Of all blocks with this word, the very ones that are meant here.
@@ -91,10 +91,10 @@ fn imported(analysis: &Analysis, at: usize) -> Option<Site> {
 }
 
 /// A place in a file by its path, which means the same in every program.
-pub type Place = (String, u32, u32);
+pub type FileRange = (String, u32, u32);
 
 /// Every place, in any of the programs, where the thing at a place is named.
-pub fn everywhere(analyses: &[&Analysis], from: Place) -> BTreeSet<Place> {
+pub fn everywhere(analyses: &[&Analysis], from: FileRange) -> BTreeSet<FileRange> {
     let mut places = BTreeSet::from([from.clone()]);
     let mut waiting = vec![from];
     let mut done = BTreeSet::new();
@@ -103,10 +103,10 @@ pub fn everywhere(analyses: &[&Analysis], from: Place) -> BTreeSet<Place> {
             let Some(name) = named_at(analysis, &place) else {
                 continue;
             };
-            if !done.insert((number, name.thing)) {
+            if !done.insert((number, name.definition)) {
                 continue;
             }
-            for occurrence in analysis.names.of_thing(name.thing) {
+            for occurrence in analysis.names.occurrences_of(name.definition) {
                 let span = occurrence.site.span;
                 let path = analysis.path(occurrence.site.file);
                 let found = (path.to_owned(), span.start, span.end);
@@ -121,7 +121,10 @@ pub fn everywhere(analyses: &[&Analysis], from: Place) -> BTreeSet<Place> {
 }
 
 /// The name at a place, if it is part of a program.
-pub fn named_at<'a>(analysis: &'a Analysis, (path, start, _): &Place) -> Option<&'a Occurrence> {
+pub fn named_at<'a>(
+    analysis: &'a Analysis,
+    (path, start, _): &FileRange,
+) -> Option<&'a Occurrence> {
     analysis.names.at(analysis.file(path)?, *start)
 }
 
@@ -132,7 +135,7 @@ pub fn highlights(analysis: &Analysis, at: usize) -> Vec<(Range, bool)> {
     };
     let own = FileId(0);
     let lines = analysis.lines(own);
-    let places = analysis.names.of_thing(name.thing);
+    let places = analysis.names.occurrences_of(name.definition);
     places
         .filter(|occurrence| occurrence.site.file == own)
         .map(|occurrence| (lines.range(occurrence.site.span), occurrence.declares))

@@ -13,8 +13,8 @@ use super::wire::RequestFailure;
 ///
 /// If the text has errors of syntax.
 pub fn edits(text: &str, lines: &LineIndex<'_>) -> Result<Vec<TextEdit>, RequestFailure> {
-    let laid_out = format(text).map_err(|refusal| {
-        RequestFailure::refusal(match refusal {
+    let laid_out = format(text).map_err(|error| {
+        RequestFailure::request_failed(match error {
             FormatError::Wrong(_) => "the program has errors of syntax: mend them first",
             FormatError::Unfaithful => "the layout would change the program: please report this",
         })

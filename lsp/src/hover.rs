@@ -36,7 +36,7 @@ pub fn hover(
     let Some(name) = analysis.name_at(at) else {
         return Ok(scene::hover(analysis, at));
     };
-    let kind = analysis.names.kind(name.thing);
+    let kind = analysis.names.kind(name.definition);
     // A parameter may stand for a block.
     if matches!(kind, NameKind::Block | NameKind::Parameter) {
         let place = (FileId(0), at as u32);
@@ -177,9 +177,9 @@ fn phase_of(program: &Program, event: EventId) -> Option<&PlanPhase> {
 /// What is written where a thing is declared.
 fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String {
     let names = &analysis.names;
-    let word = analysis.checked.symbols.word(names.word(name.thing));
+    let word = analysis.checked.symbols.word(names.word(name.definition));
     let mut text = format!("**`{word}`**, {}\n", kind.noun());
-    let Some(site) = (names.of_thing(name.thing))
+    let Some(site) = (names.occurrences_of(name.definition))
         .find(|occurrence| occurrence.declares)
         .map(|occurrence| occurrence.site)
     else {

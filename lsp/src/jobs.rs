@@ -24,13 +24,13 @@ const STACK: usize = 16 << 20;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct JobId(u64);
 
-/// Who wants a job done.
+/// What a job is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wanted {
+pub enum JobTrigger {
     /// A request waits for it.
-    Asked,
+    Requested,
     /// Nobody waits.
-    Unasked,
+    Background,
 }
 
 /// The jobs under way.
@@ -56,11 +56,11 @@ impl Jobs {
     }
 
     /// Whether one more may be started.
-    pub fn has_room(&self, wanted: Wanted) -> bool {
+    pub fn has_room(&self, wanted: JobTrigger) -> bool {
         self.running.len()
             < match wanted {
-                Wanted::Asked => MOST,
-                Wanted::Unasked => MOST_UNASKED,
+                JobTrigger::Requested => MOST,
+                JobTrigger::Background => MOST_UNASKED,
             }
     }
 

@@ -10,17 +10,17 @@ use stochc_files::bound::ImportFolders;
 use super::analysis::Analysis;
 use super::diagnostics;
 use super::documents::Documents;
-use super::jobs::{JobId, Jobs, Wanted};
+use super::jobs::{JobId, JobTrigger, Jobs};
 use super::position::Encoding;
 use super::server::Done;
 
 /// Diagnostics by the path of their file.
-pub type Found = BTreeMap<String, Vec<LspDiagnostic>>;
+pub type DiagnosticsByFile = BTreeMap<String, Vec<LspDiagnostic>>;
 
 /// A program that has been checked.
 pub struct CheckedProgram {
     analysis: Arc<Analysis>,
-    found: Found,
+    found: DiagnosticsByFile,
 }
 
 /// The open programs, by the paths of their files.
@@ -36,7 +36,7 @@ struct OpenProgram {
     /// The client has not seen its findings as they are now.
     is_unseen: bool,
     /// Its diagnostics, as they were found last.
-    found: Found,
+    found: DiagnosticsByFile,
 }
 
 /// What is known of a program as its texts are now.
@@ -152,7 +152,7 @@ impl Programs {
     pub fn check(
         &mut self,
         path: &str,
-        wanted: Wanted,
+        wanted: JobTrigger,
         documents: &Documents,
         folders: &Arc<[PathBuf]>,
         encoding: Encoding,

@@ -3,12 +3,12 @@ use std::collections::{BTreeMap, HashMap};
 
 use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
 use stochc_compiler::diagnostic::Code;
-use stochc_compiler::names::{NameKind, Names, Thing};
+use stochc_compiler::names::{Definition, NameKind, Names};
 use stochc_compiler::{Cancellation, Checked, Limits, Site, check_cancellable};
 use stochc_grammar::{Symbols, parse_cancellable};
 
 use super::analysis::Analysis;
-use super::definition::{Place, everywhere};
+use super::definition::{FileRange, everywhere};
 use super::documents::Documents;
 use super::wire::RequestFailure;
 
@@ -19,18 +19,20 @@ use super::wire::RequestFailure;
 /// If there is none, or if it is not the program that gives it.
 pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
-        return Err(RequestFailure::refusal("there is no name here"));
+        return Err(RequestFailure::request_failed("there is no name here"));
     };
     let names = &analysis.names;
     let declared = names
-        .of_thing(name.thing)
+        .occurrences_of(name.definition)
         .any(|occurrence| occurrence.declares);
     if !declared {
-        let word = analysis.checked.symbols.word(names.word(name.thing));
-        return Err(RequestFailure::refusal(match names.kind(name.thing) {
-            NameKind::Scene => format!("the scene `{word}` is built in"),
-            kind => format!("no {} is called `{word}`", kind.noun()),
-        }));
+        let word = analysis.checked.symbols.word(names.word(name.definition));
+        return Err(RequestFailure::request_failed(
+            match names.kind(name.definition) {
+                NameKind::Scene => format!("the scene `{word}` is built in"),
+                kind => format!("no {} is called `{word}`", kind.noun()),
+            },
+        ));
     }
     Ok(name.site)
 }
@@ -53,7 +55,7 @@ pub fn rename(
     check_name(new_name)?;
     let path = analysis.path(site.file).to_owned();
     let places = everywhere(all, (path, site.span.start, site.span.end));
-    let mut by_file: BTreeMap<&str, Vec<&Place>> = BTreeMap::new();
+    let mut by_file: BTreeMap<&str, Vec<&FileRange>> = BTreeMap::new();
     for place in &places {
         by_file.entry(&place.0).or_default().push(place);
     }
@@ -86,13 +88,13 @@ fn check_name(name: &str) -> Result<(), RequestFailure> {
     let is_letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let rest = |c: char| is_letter(c) || c.is_ascii_digit();
     if !name.starts_with(is_letter) || !name.chars().all(rest) {
-        return Err(RequestFailure::refusal(
+        return Err(RequestFailure::request_failed(
             "a name begins with a letter or `_` and goes on with letters, digits and `_`",
         ));
     }
     let symbols = Symbols::new();
     match symbols.get(name) {
-        Some(_) => Err(RequestFailure::refusal(format!(
+        Some(_) => Err(RequestFailure::request_failed(format!(
             "`{name}` is a word of the language"
         ))),
         None => Ok(()),
@@ -103,7 +105,7 @@ fn check_name(name: &str) -> Result<(), RequestFailure> {
 /// that was not.
 fn stays_the_same(
     analysis: &Analysis,
-    places: &BTreeMap<&str, Vec<&Place>>,
+    places: &BTreeMap<&str, Vec<&FileRange>>,
     new_name: &str,
     cancellation: Cancellation<'_>,
 ) -> Result<(), RequestFailure> {
@@ -113,7 +115,7 @@ fn stays_the_same(
         let parsed = parse_cancellable(&file.text, &mut Symbols::new(), cancellation)?;
         if !parsed.errors.is_empty() {
             let why = format!("`{}` has errors of syntax: mend them first", file.name);
-            return Err(RequestFailure::refusal(why));
+            return Err(RequestFailure::request_failed(why));
         }
         let mut text = String::new();
         let mut done = 0;
@@ -136,7 +138,7 @@ fn stays_the_same(
     let names = Names::of(&new, cancellation)?;
     if !same_structure(&analysis.names, &names) || codes(old) != codes(&new) {
         let why = format!("`{new_name}` already means something where it would stand");
-        return Err(RequestFailure::refusal(why));
+        return Err(RequestFailure::request_failed(why));
     }
     Ok(())
 }
@@ -146,11 +148,11 @@ fn same_structure(old: &Names, new: &Names) -> bool {
     if old.all().len() != new.all().len() {
         return false;
     }
-    let mut there: HashMap<Thing, Thing> = HashMap::new();
-    let mut back: HashMap<Thing, Thing> = HashMap::new();
+    let mut there: HashMap<Definition, Definition> = HashMap::new();
+    let mut back: HashMap<Definition, Definition> = HashMap::new();
     old.all().iter().zip(new.all()).all(|(old, new)| {
-        *there.entry(old.thing).or_insert(new.thing) == new.thing
-            && *back.entry(new.thing).or_insert(old.thing) == old.thing
+        *there.entry(old.definition).or_insert(new.definition) == new.definition
+            && *back.entry(new.definition).or_insert(old.definition) == old.definition
     })
 }
 

@@ -91,11 +91,12 @@ pub struct Query {
     /// What has to be known first.
     pub needs: Needs,
     /// Works the answer out.
-    pub answer: Answer,
+    pub answer: RequestHandler,
 }
 
 /// Works an answer out.
-pub type Answer = Box<dyn FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send>;
+pub type RequestHandler =
+    Box<dyn FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send>;
 
 /// What an answer is worked out from.
 pub struct RequestContext<'c> {
@@ -122,7 +123,7 @@ impl RequestContext<'_> {
     fn at(&self, position: Position) -> Result<(&Analysis, usize), RequestFailure> {
         let analysis = self.own()?;
         if analysis.checked.sources.files().is_empty() {
-            return Err(RequestFailure::refusal("the file cannot be read"));
+            return Err(RequestFailure::request_failed("the file cannot be read"));
         }
         let at = analysis.lines(FileId(0)).offset(position);
         Ok((analysis, at))
@@ -135,7 +136,7 @@ impl RequestContext<'_> {
 
 /// Says that a file is not open.
 pub fn not_open() -> RequestFailure {
-    RequestFailure::refusal("the file is not open")
+    RequestFailure::request_failed("the file is not open")
 }
 
 impl Query {

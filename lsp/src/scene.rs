@@ -1,6 +1,6 @@
 //! What is known of the words of a scene.
 use serde_json::{Value, json};
-use stochc_compiler::scene::Words;
+use stochc_compiler::scene::WordContext;
 use stochc_compiler::{FileId, Site, Span};
 use stochc_grammar::tree::ItemKind;
 use stochc_ir::scene::schema::SchemaEntry;
@@ -54,7 +54,7 @@ pub fn completions(analysis: &Analysis, at: usize) -> Vec<Value> {
         .collect()
 }
 
-fn words(analysis: &Analysis, at: usize) -> Option<Words> {
+fn words(analysis: &Analysis, at: usize) -> Option<WordContext> {
     let checked = &analysis.checked;
     let is_in_braces = |name: Span| {
         let text = &checked.sources.file(FileId(0)).text;
@@ -64,7 +64,7 @@ fn words(analysis: &Analysis, at: usize) -> Option<Words> {
     let at = at as u32;
     checked.tree.items.iter().find_map(|item| match &item.kind {
         ItemKind::Scene(scene) if is_in_braces(scene.name.span) && at < item.span.end => {
-            Some(Words::at(scene, &checked.symbols, at))
+            Some(WordContext::at(scene, &checked.symbols, at))
         }
         _ => None,
     })

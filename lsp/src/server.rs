@@ -12,10 +12,10 @@ use stochc_files::bound;
 
 use super::analysis::Analysis;
 use super::documents::Documents;
-use super::jobs::{JobId, Jobs, Wanted};
+use super::jobs::{JobId, JobTrigger, Jobs};
 use super::position::Encoding;
 use super::programs::{CheckedProgram, Knowledge, Programs};
-use super::requests::{self, Answer, Needs, Notification, Query, RequestContext};
+use super::requests::{self, Needs, Notification, Query, RequestContext, RequestHandler};
 use super::uri;
 use super::wire::{self, ClientMessage, Incoming, Reason, RequestFailure};
 
@@ -58,7 +58,7 @@ pub struct Server<W> {
     /// Those that the client has open, from which every program may import.
     folders: Arc<[PathBuf]>,
     /// Requests without an answer, in the order in which they have come in.
-    requests: Vec<Request>,
+    requests: Vec<PendingRequest>,
     /// The diagnostics of each file, as the client has them, and the number of its text.
     shown: BTreeMap<String, (Option<i32>, Vec<LspDiagnostic>)>,
     /// Nobody listens any more.
@@ -66,7 +66,7 @@ pub struct Server<W> {
 }
 
 /// A request without an answer.
-struct Request {
+struct PendingRequest {
     id: Value,
     method: String,
     path: String,
@@ -77,11 +77,11 @@ struct Request {
 /// How far a request is.
 enum Work {
     /// Something has to be known first.
-    Waiting(Answer),
+    Waiting(RequestHandler),
     UnderWay(JobId),
 }
 
-impl Request {
+impl PendingRequest {
     /// Whether its answer would be about texts that are not as they are now.
     fn is_about(&self, changed: &str, outdated: &BTreeSet<String>) -> bool {
         match self.needs {
@@ -133,7 +133,7 @@ impl<W: Write> Server<W> {
                 Ok(ServerEvent::Done(job, done)) => self.done(job, done),
                 Err(RecvTimeoutError::Timeout) => {
                     if let Some(path) = self.unchecked() {
-                        self.check(&path, Wanted::Unasked);
+                        self.check(&path, JobTrigger::Background);
                     }
                 }
                 Ok(ServerEvent::Incoming(Incoming::End)) | Err(RecvTimeoutError::Disconnected) => {
@@ -179,7 +179,7 @@ impl<W: Write> Server<W> {
             ),
             (_, SessionStage::Serving) => match self.query(&method, params) {
                 Ok(query) => {
-                    self.requests.push(Request {
+                    self.requests.push(PendingRequest {
                         id,
                         method,
                         path: query.path,
@@ -228,7 +228,7 @@ impl<W: Write> Server<W> {
     }
 
     /// Says of some requests why they are not answered, and lets their work end.
-    fn fail(&mut self, is_meant: impl Fn(&Request) -> bool, why: &RequestFailure) {
+    fn fail(&mut self, is_meant: impl Fn(&PendingRequest) -> bool, why: &RequestFailure) {
         let (meant, rest) = std::mem::take(&mut self.requests)
             .into_iter()
             .partition(is_meant);
@@ -244,7 +244,8 @@ impl<W: Write> Server<W> {
     /// Takes over what has come out of a job.
     fn done(&mut self, job: JobId, done: Option<Done>) {
         self.jobs.ended(job);
-        let is_it = |request: &Request| matches!(request.work, Work::UnderWay(own) if own == job);
+        let is_it =
+            |request: &PendingRequest| matches!(request.work, Work::UnderWay(own) if own == job);
         if let Some(at) = self.requests.iter().position(is_it) {
             let request = self.requests.remove(at);
             let result = match done {
@@ -268,7 +269,7 @@ impl<W: Write> Server<W> {
         for mut request in std::mem::take(&mut self.requests) {
             if let Work::Waiting(answer) = request.work {
                 request.work = match self.needed(&request.path, request.needs) {
-                    Some(Ok(programs)) if self.jobs.has_room(Wanted::Asked) => {
+                    Some(Ok(programs)) if self.jobs.has_room(JobTrigger::Requested) => {
                         match self.work_out(request.path.clone(), programs, answer) {
                             Some(job) => Work::UnderWay(job),
                             None => {
@@ -313,7 +314,7 @@ impl<W: Write> Server<W> {
                 }
                 Some(Knowledge::Failed) | None => return Some(Err(())),
                 Some(Knowledge::Waiting) => {
-                    self.check(&path, Wanted::Asked);
+                    self.check(&path, JobTrigger::Requested);
                     programs = None;
                 }
             }
@@ -326,7 +327,7 @@ impl<W: Write> Server<W> {
         &mut self,
         path: String,
         programs: Vec<Arc<Analysis>>,
-        answer: Answer,
+        answer: RequestHandler,
     ) -> Option<JobId> {
         let (documents, encoding) = (self.documents.clone(), self.encoding);
         let job = self.jobs.start(move |cancellation| {
@@ -346,11 +347,11 @@ impl<W: Write> Server<W> {
     fn unchecked(&self) -> Option<String> {
         let unchecked = self.programs.unchecked();
         unchecked
-            .filter(|_| self.jobs.has_room(Wanted::Unasked))
+            .filter(|_| self.jobs.has_room(JobTrigger::Background))
             .cloned()
     }
 
-    fn check(&mut self, path: &str, wanted: Wanted) {
+    fn check(&mut self, path: &str, wanted: JobTrigger) {
         let (documents, encoding) = (&self.documents, self.encoding);
         let (folders, jobs) = (&self.folders, &mut self.jobs);
         (self.programs).check(path, wanted, documents, folders, encoding, jobs);

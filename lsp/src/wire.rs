@@ -209,7 +209,7 @@ impl RequestFailure {
     }
 
     /// What was wanted makes sense, but cannot be done here.
-    pub fn refusal(message: impl Into<String>) -> RequestFailure {
+    pub fn request_failed(message: impl Into<String>) -> RequestFailure {
         RequestFailure::new(Reason::RequestFailed, message)
     }
 }

@@ -35,20 +35,20 @@ impl Corridors {
     /// [`Cancelled`] if nobody waits for it.
     pub fn of(
         sites: &Sites<'_>,
-        apart: &Disassembly,
+        disassembly: &Disassembly,
         cancellation: Cancellation<'_>,
     ) -> Result<Corridors, Cancelled> {
         let mut search = CorridorSearch {
             sites,
-            apart,
+            disassembly,
             first: Default::default(),
         };
         let mut waiting = vec![Vec::new(); sites.len()];
-        for &site in apart.order[sites.standing_count()..].iter().rev() {
+        for &site in disassembly.order[sites.standing_count()..].iter().rev() {
             cancellation.check()?;
             waiting[site as usize] = search.cheapest(site);
         }
-        let along = apart.way_in.iter().map(|way_in| match way_in {
+        let along = disassembly.way_in.iter().map(|way_in| match way_in {
             Some(WayIn::Gap(axis)) => Some(*axis),
             _ => None,
         });
@@ -61,7 +61,7 @@ impl Corridors {
 
 struct CorridorSearch<'a> {
     sites: &'a Sites<'a>,
-    apart: &'a Disassembly,
+    disassembly: &'a Disassembly,
     /// Of cubes of two sides and of one: the sites whose ways begin at a place.
     first: [FxHashMap<Cell, u32>; 2],
 }
@@ -69,11 +69,11 @@ struct CorridorSearch<'a> {
 impl CorridorSearch<'_> {
     /// The sites that wait for one, by the cheapest way.
     fn cheapest(&mut self, site: u32) -> Vec<u32> {
-        let way_in = self.apart.way_in[site as usize];
+        let way_in = self.disassembly.way_in[site as usize];
         let number = usize::from(way_in.is_none());
-        let space = &self.apart.spaces[number];
-        let rank = self.apart.rank[site as usize];
-        let earlier = |other: u32| self.apart.rank[other as usize] < rank;
+        let space = &self.disassembly.spaces[number];
+        let rank = self.disassembly.rank[site as usize];
+        let earlier = |other: u32| self.disassembly.rank[other as usize] < rank;
         let mut best: FxHashMap<Cell, (u32, Cell)> = FxHashMap::default();
         let mut open = BinaryHeap::new();
         let cell = self.sites.cell(site);
@@ -94,7 +94,7 @@ impl CorridorSearch<'_> {
             }
             // A site in this place waits, and with it whatever would close the rest of its way.
             let leads_on = (self.first[number].get(&low))
-                .is_some_and(|&other| self.apart.rank[other as usize] > rank);
+                .is_some_and(|&other| self.disassembly.rank[other as usize] > rank);
             if space.is_always_open(low) || leads_on {
                 return self.follow(site, number, low, &best);
             }
@@ -114,8 +114,8 @@ impl CorridorSearch<'_> {
 
     /// What it costs to keep a place open that is entered from another.
     fn toll(&self, site: u32, number: usize, low: Cell, from: Option<Cell>) -> u32 {
-        let space = &self.apart.spaces[number];
-        let level = |site: u32| self.apart.level[site as usize];
+        let space = &self.disassembly.spaces[number];
+        let level = |site: u32| self.disassembly.level[site as usize];
         let is_new = |cell: &Cell| from.is_none_or(|from| space.cells(from).all(|it| it != *cell));
         let sites = space
             .cells(low)
@@ -138,7 +138,7 @@ impl CorridorSearch<'_> {
         mut low: Cell,
         best: &FxHashMap<Cell, (u32, Cell)>,
     ) -> Vec<u32> {
-        let space = &self.apart.spaces[number];
+        let space = &self.disassembly.spaces[number];
         let mut waiting = Vec::new();
         loop {
             let inside = space.cells(low).map(|cell| self.sites.at(cell));
@@ -149,7 +149,7 @@ impl CorridorSearch<'_> {
             }
             low = before;
         }
-        match self.apart.way_in[site as usize] {
+        match self.disassembly.way_in[site as usize] {
             // Nothing stands beside the gap. Whoever is in the place before it need not wait for what comes into it.
             Some(WayIn::Gap(axis)) => {
                 let beside = beside_gap(self.sites.cell(site), axis);

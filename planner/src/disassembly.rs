@@ -7,7 +7,7 @@ use std::collections::BinaryHeap;
 
 use stochc_grammar::Cancellation;
 
-use crate::Refusal;
+use crate::TargetError;
 use crate::free_space::{FreeSpace, WayIn};
 use crate::grid::shifted;
 use crate::sites::{NONE, Sites};
@@ -41,13 +41,13 @@ type Frontier = BinaryHeap<(u32, u32)>;
 /// Takes a target apart; of sites at about the same distance from the plate, those with a high key go first.
 ///
 /// # Errors
-/// [`Refusal::Sealed`] if nothing that is left may go, and [`Refusal::Cancelled`].
+/// [`TargetError::Sealed`] if nothing that is left may go, and [`TargetError::Cancelled`].
 pub fn disassemble(
     sites: &Sites<'_>,
     spaces: [FreeSpace; 2],
     keys: &[f32],
     cancellation: Cancellation<'_>,
-) -> Result<Disassembly, Refusal> {
+) -> Result<Disassembly, TargetError> {
     let support = Support::of(sites);
     let level: Vec<u32> = (0..sites.len() as u32)
         .map(|site| support.level(site))
@@ -57,7 +57,7 @@ pub fn disassemble(
         // The bits of positive numbers are ordered as they are.
         (key.to_bits(), site)
     };
-    let mut apart = Apart {
+    let mut disassembler = Disassembler {
         sites,
         support,
         spaces,
@@ -68,29 +68,36 @@ pub fn disassemble(
         doubtful: [Vec::new(), Vec::new()],
         urgency: &urgency,
     };
-    while apart.taken.len() < sites.len() - sites.standing_count() {
+    while disassembler.taken.len() < sites.len() - sites.standing_count() {
         cancellation.check()?;
-        let wide = apart.next(0).or_else(|| apart.next_exactly(0));
+        let wide = disassembler
+            .next(0)
+            .or_else(|| disassembler.next_exactly(0));
         let found = match wide {
             Some((site, way_in)) => Some((site, Some(way_in))),
             None => {
-                let narrow = apart.next(1).or_else(|| apart.next_exactly(1));
+                let narrow = disassembler
+                    .next(1)
+                    .or_else(|| disassembler.next_exactly(1));
                 narrow.map(|(site, _)| (site, None))
             }
         };
         let Some((site, way_in)) = found else {
-            let stands = |site: &u32| apart.support.stands(*site) && !sites.is_standing(*site);
+            let stands =
+                |site: &u32| disassembler.support.stands(*site) && !sites.is_standing(*site);
             let left = (0..sites.len() as u32).filter(stands);
-            return Err(Refusal::Sealed(left.map(|site| sites.cell(site)).collect()));
+            return Err(TargetError::Sealed(
+                left.map(|site| sites.cell(site)).collect(),
+            ));
         };
-        apart.take(site, way_in);
+        disassembler.take(site, way_in);
     }
-    let Apart {
+    let Disassembler {
         taken: mut order,
         way_in,
         spaces,
         ..
-    } = apart;
+    } = disassembler;
     // What is there before comes first.
     order.extend(sites.standing().map(|(site, _)| site));
     order.reverse();
@@ -107,7 +114,7 @@ pub fn disassemble(
     })
 }
 
-struct Apart<'a, U> {
+struct Disassembler<'a, U> {
     sites: &'a Sites<'a>,
     support: Support,
     spaces: [FreeSpace; 2],
@@ -122,7 +129,7 @@ struct Apart<'a, U> {
     urgency: &'a U,
 }
 
-impl<U: Fn(u32) -> (u32, u32)> Apart<'_, U> {
+impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
     /// A site that may go by way of a space. Others are looked at again when something near them has changed.
     fn next(&mut self, space: usize) -> Option<(u32, WayIn)> {
         while let Some((_, site)) = self.frontiers[space].pop() {
@@ -269,16 +276,16 @@ mod tests {
             let sites = Sites::of(&target);
             let spaces = || [FreeSpace::of(&sites, 2).with_gaps(has_gaps), FreeSpace::of(&sites, 1)];
             let keys = vec![0.5; sites.len()];
-            let apart = disassemble(&sites, spaces(), &keys, Cancellation::NEVER);
+            let disassembly = disassemble(&sites, spaces(), &keys, Cancellation::NEVER);
             // Whatever hangs together can be built.
-            let apart = apart.unwrap();
+            let disassembly = disassembly.unwrap();
             let mut full: BTreeSet<Cell> = BTreeSet::new();
-            for &site in &apart.order {
+            for &site in &disassembly.order {
                 let cell = sites.cell(site);
                 let is_held = sites.is_on_seed(site)
                     || Face::ALL.iter().any(|&face| full.contains(&cell.across(face).unwrap()));
                 prop_assert!(is_held);
-                let way_in = apart.way_in[site as usize];
+                let way_in = disassembly.way_in[site as usize];
                 let is_there = match way_in {
                     Some(WayIn::Inside) => has_way(&full, cell, 2),
                     Some(WayIn::Gap(axis)) => {

@@ -54,7 +54,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
             out,
             "ways in: two cells wide, but for {} of one: {}",
             tight.len(),
-            crate::refusal::listed(&tight)
+            crate::target_error::listed(&tight)
         ),
     };
     if let Some(dismantling) = &plan.dismantling {

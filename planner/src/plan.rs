@@ -3,16 +3,16 @@ use serde::Serialize;
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::{Cell, Face};
 
+use crate::baseline::Baseline;
 use crate::free_space::WayIn;
 use crate::makespan::{PlanEstimate, Samples};
-use crate::naive::Naive;
 use crate::scaffold::{Dismantling, Scaffolded, SitePart, SiteRoles, has_place, scaffolded};
 use crate::schedule::{Schedule, SchedulingJob};
 use crate::search::{PlanSearch, search};
 use crate::sites::Sites;
 use crate::waiting::{Waiting, Why};
 use crate::waits::RateLaw;
-use crate::{Refusal, Target};
+use crate::{Target, TargetError};
 
 /// What blocks can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ pub struct BuildPlan {
     /// Whether all schedules in one phase, with the ways in that were found, have been looked at, and none is better.
     pub is_best: bool,
     /// The plan that needs no thought which it is; `None`: one that was looked for.
-    pub naive: Option<Naive>,
+    pub naive: Option<Baseline>,
     /// What plans that need no thought would take; none where nobody has looked.
     pub alternatives: Vec<Alternative>,
 }
@@ -66,7 +66,7 @@ pub struct BuildPlan {
 #[derive(Clone, Debug, Serialize)]
 pub struct Alternative {
     /// Which.
-    pub naive: Naive,
+    pub naive: Baseline,
     /// How long it takes, if no block jams \[ticks\].
     pub estimate: PlanEstimate,
     /// What the check finds in its program first, if anything.
@@ -130,7 +130,7 @@ pub fn plan(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Result<Plans, Refusal> {
+) -> Result<Plans, TargetError> {
     let sites = Sites::of(target);
     let plain = match has_place(target) {
         // Half of the time is for them.
@@ -141,9 +141,15 @@ pub fn plan(
         false => how,
     };
     let found = search(&sites, hardware, waits, plain)?;
-    let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
+    let job = SchedulingJob::new(
+        &sites,
+        &found.disassembly,
+        &found.corridors,
+        hardware,
+        waits,
+    );
     let waiting = Waiting::of(&job, &found.schedule);
-    let ways = (&found.corridors.waiting[..], &found.apart.way_in[..]);
+    let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
     let plain = BuildPlan {
         rounds: found.rounds,
         is_best: found.is_best,
@@ -160,14 +166,14 @@ pub fn plan(
 }
 
 /// The plans that need no thought, whose ways in nobody has looked at.
-pub fn naive_plans(
+pub fn baseline_plans(
     target: &Target,
     hardware: Hardware,
     waits: &RateLaw<'_>,
     seed: u64,
-) -> Vec<(Naive, BuildPlan)> {
+) -> Vec<(Baseline, BuildPlan)> {
     let sites = Sites::of(target);
-    let plans = Naive::ALL.into_iter().map(|naive| {
+    let plans = Baseline::ALL.into_iter().map(|naive| {
         let (schedule, waiting) = naive.schedule(&sites, hardware, waits);
         (
             naive,
@@ -191,10 +197,16 @@ impl BuildPlan {
         } = it;
         let sites = Sites::of(&union);
         let roles = SiteRoles::of(&sites, &scaffolding);
-        let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
+        let job = SchedulingJob::new(
+            &sites,
+            &found.disassembly,
+            &found.corridors,
+            hardware,
+            waits,
+        );
         let job = job.with_roles(&roles);
         let waiting = Waiting::of(&job, &found.schedule);
-        let ways = (&found.corridors.waiting[..], &found.apart.way_in[..]);
+        let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
         let mut plan = BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed);
         for capture in &mut plan.captures {
             capture.is_temporary = matches!(roles.part(sites.at(capture.cell)), SitePart::Mast(_));

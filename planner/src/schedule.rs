@@ -22,7 +22,7 @@ use crate::disassembly::Disassembly;
 use crate::scaffold::{SitePart, SiteRoles};
 use crate::sites::{NONE, Sites};
 use crate::waiting::Waiting;
-use crate::waits::{Moment, RateLaw, Stand};
+use crate::waits::{CellState, Moment, RateLaw};
 pub use adaptive::{ExactTimes, MOST_ADAPTIVE};
 pub use exact::{Branching, MOST_SITES, estimated, value};
 use phase::SchedulePhase;
@@ -96,13 +96,13 @@ impl<'a> SchedulingJob<'a> {
     /// Prepares schedules.
     pub fn new(
         sites: &'a Sites<'a>,
-        apart: &'a Disassembly,
+        disassembly: &'a Disassembly,
         corridors: &'a Corridors,
         hardware: Hardware,
         waits: &'a RateLaw<'a>,
     ) -> SchedulingJob<'a> {
         let mut tail = vec![WAIT; sites.len()];
-        for &site in apart.order.iter().rev() {
+        for &site in disassembly.order.iter().rev() {
             let here = tail[site as usize];
             for &other in &corridors.waiting[site as usize] {
                 tail[site as usize] = tail[site as usize].max(WAIT + tail[other as usize]);
@@ -111,11 +111,11 @@ impl<'a> SchedulingJob<'a> {
             let held = sites
                 .adjacent(site)
                 .filter(|&next| !sites.is_inert(next))
-                .min_by_key(|&next| apart.rank[next as usize]);
+                .min_by_key(|&next| disassembly.rank[next as usize]);
             let longest = here.max(tail[site as usize]);
             if let Some(parent) = held
                 && !sites.is_on_seed(site)
-                && apart.rank[parent as usize] < apart.rank[site as usize]
+                && disassembly.rank[parent as usize] < disassembly.rank[site as usize]
             {
                 let parent = &mut tail[parent as usize];
                 *parent = parent.max(WAIT + longest);
@@ -376,11 +376,11 @@ impl ScheduleState<'_> {
         let job = self.job;
         let cell = job.sites.cell(site);
         let stands = |near: Cell| match job.sites.at(near) {
-            NONE => Stand::Empty,
+            NONE => CellState::Empty,
             near => match self.state[near as usize] {
-                SiteState::Absent | SiteState::Gone => Stand::Empty,
-                SiteState::Open => Stand::Awaited(self.schedule.way[near as usize]),
-                SiteState::Anchored => Stand::Full,
+                SiteState::Absent | SiteState::Gone => CellState::Empty,
+                SiteState::Open => CellState::Awaited(self.schedule.way[near as usize]),
+                SiteState::Anchored => CellState::Full,
             },
         };
         let bound = f64::from(self.anchored) / f64::from(job.hardware.free.max(1));
@@ -456,9 +456,9 @@ fn with_job<T>(target: &crate::Target, look: impl FnOnce(&SchedulingJob<'_>) -> 
     let sites = Sites::of(target);
     let spaces = [2, 1].map(|side| crate::free_space::FreeSpace::of(&sites, side));
     let keys = vec![0.5; sites.len()];
-    let apart = crate::disassembly::disassemble(&sites, spaces, &keys, Cancellation::NEVER);
-    let apart = apart.unwrap();
-    let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
+    let disassembly = crate::disassembly::disassemble(&sites, spaces, &keys, Cancellation::NEVER);
+    let disassembly = disassembly.unwrap();
+    let corridors = Corridors::of(&sites, &disassembly, Cancellation::NEVER).unwrap();
     let hardware = Hardware {
         faces: 1,
         attracts_always: false,
@@ -466,6 +466,10 @@ fn with_job<T>(target: &crate::Target, look: impl FnOnce(&SchedulingJob<'_>) -> 
     };
     let law = RateLaw::new(None);
     look(&SchedulingJob::new(
-        &sites, &apart, &corridors, hardware, &law,
+        &sites,
+        &disassembly,
+        &corridors,
+        hardware,
+        &law,
     ))
 }

@@ -15,7 +15,7 @@ use crate::schedule::{
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
-use crate::{Hardware, Refusal, Target};
+use crate::{Hardware, Target, TargetError};
 
 /// How to look for a plan.
 #[derive(Clone, Copy)]
@@ -40,8 +40,8 @@ pub struct PlanSearch<'a> {
 
 impl PlanSearch<'_> {
     /// What plans are compared by: how long one takes, and what its narrow ways cost.
-    pub(crate) fn value(&self, estimate: &PlanEstimate, apart: &Disassembly) -> f64 {
-        estimate.of(self.objective) + JAMS * apart.tight() as f64
+    pub(crate) fn value(&self, estimate: &PlanEstimate, disassembly: &Disassembly) -> f64 {
+        estimate.of(self.objective) + JAMS * disassembly.tight() as f64
     }
 }
 
@@ -65,7 +65,7 @@ impl Default for PlanSearch<'_> {
 #[derive(Clone, Debug)]
 pub struct FoundSchedule {
     /// How ways are kept open.
-    pub apart: Disassembly,
+    pub disassembly: Disassembly,
     /// What waits so that they are.
     pub corridors: Corridors,
     /// In which order, and held by whom.
@@ -82,7 +82,7 @@ struct ScheduleCandidate {
     order: Vec<f32>,
     /// Whether ways lead through gaps.
     has_gaps: bool,
-    apart: Disassembly,
+    disassembly: Disassembly,
     corridors: Corridors,
     scheduled: PrioritizedSchedule,
     value: f64,
@@ -154,7 +154,7 @@ pub fn search(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Result<FoundSchedule, Refusal> {
+) -> Result<FoundSchedule, TargetError> {
     let mut found = heuristic(sites, hardware, waits, how)?;
     if sites.len() <= MOST_SITES && sites.standing_count() == 0 && found.rounds >= VARIANTS {
         found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?.is_finished;
@@ -168,7 +168,7 @@ fn heuristic(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     search: PlanSearch<'_>,
-) -> Result<FoundSchedule, Refusal> {
+) -> Result<FoundSchedule, TargetError> {
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
     let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
@@ -176,11 +176,11 @@ fn heuristic(
                      priorities: Priorities,
                      has_gaps: bool,
                      wanted: Cancellation<'_>|
-     -> Result<ScheduleCandidate, Refusal> {
+     -> Result<ScheduleCandidate, TargetError> {
         let [wide, narrow] = spaces.clone();
-        let apart = disassemble(sites, [wide.with_gaps(has_gaps), narrow], &order, wanted)?;
-        let corridors = Corridors::of(sites, &apart, wanted)?;
-        let job = SchedulingJob::new(sites, &apart, &corridors, hardware, waits);
+        let disassembly = disassemble(sites, [wide.with_gaps(has_gaps), narrow], &order, wanted)?;
+        let corridors = Corridors::of(sites, &disassembly, wanted)?;
+        let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);
         let schedule = job.schedule(&priorities, wanted)?;
         let waiting = Waiting::of(&job, &schedule);
         let scheduled = PrioritizedSchedule {
@@ -189,10 +189,10 @@ fn heuristic(
             schedule,
         };
         Ok(ScheduleCandidate {
-            value: search.value(&scheduled.estimate, &apart),
+            value: search.value(&scheduled.estimate, &disassembly),
             order,
             has_gaps,
-            apart,
+            disassembly,
             corridors,
             scheduled,
         })
@@ -230,7 +230,7 @@ fn heuristic(
     let left = search.rounds.saturating_sub(rounds);
     let share = (left / (best.len() as u64 + 1)).min(MOST_FIRST);
     let reschedule = |best: ScheduleCandidate, rounds: &mut u64, most: u64, rng: &mut _| {
-        let job = SchedulingJob::new(sites, &best.apart, &best.corridors, hardware, waits);
+        let job = SchedulingJob::new(sites, &best.disassembly, &best.corridors, hardware, waits);
         let search = PlanSearch {
             rounds: most.min(search.rounds),
             ..search
@@ -238,7 +238,7 @@ fn heuristic(
         let (scheduled, made) = improved(&job, &samples, best.scheduled, *rounds, search, rng);
         *rounds = made;
         ScheduleCandidate {
-            value: search.value(&scheduled.estimate, &best.apart),
+            value: search.value(&scheduled.estimate, &best.disassembly),
             scheduled,
             ..best
         }
@@ -271,7 +271,7 @@ fn heuristic(
         found = reschedule(found, &mut rounds, most, &mut rng);
     }
     Ok(FoundSchedule {
-        apart: found.apart,
+        disassembly: found.disassembly,
         corridors: found.corridors,
         schedule: found.scheduled.schedule,
         rounds,
@@ -288,7 +288,7 @@ fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
     let mut order = of.order.clone();
     if rng.random_range(0..4) == 0 {
         for (key, (end, level)) in
-            (order.iter_mut()).zip(of.scheduled.schedule.end.iter().zip(&of.apart.level))
+            (order.iter_mut()).zip(of.scheduled.schedule.end.iter().zip(&of.disassembly.level))
         {
             let place = end / WAIT + CHANCE * rng.random::<f32>();
             *key = 0.5 * (place - *level as f32);
@@ -299,7 +299,7 @@ fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
         }
     }
     // Urgencies are positive.
-    for (key, level) in order.iter_mut().zip(&of.apart.level) {
+    for (key, level) in order.iter_mut().zip(&of.disassembly.level) {
         *key = key.max(-0.5 * *level as f32);
     }
     order
@@ -330,7 +330,7 @@ pub fn gap(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Result<Option<ScheduleGap>, Refusal> {
+) -> Result<Option<ScheduleGap>, TargetError> {
     let sites = Sites::of(target);
     if sites.len() > MOST_SITES {
         return Ok(None);
@@ -363,16 +363,22 @@ pub fn adaptive_gap(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Result<Option<AdaptiveGap>, Refusal> {
+) -> Result<Option<AdaptiveGap>, TargetError> {
     let sites = Sites::of(target);
     if sites.len() > MOST_ADAPTIVE || sites.standing_count() > 0 {
         return Ok(None);
     }
     let found = search(&sites, hardware, waits, how)?;
-    let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
+    let job = SchedulingJob::new(
+        &sites,
+        &found.disassembly,
+        &found.corridors,
+        hardware,
+        waits,
+    );
     let mut heedless = ExactTimes::new(&job, false);
     // Where a plan has narrow ways, others may as well.
-    let mut times = ExactTimes::new(&job, found.apart.tight() == 0);
+    let mut times = ExactTimes::new(&job, found.disassembly.tight() == 0);
     let planned = FixedProgram::of(&times, &found.schedule);
     Ok(Some(AdaptiveGap {
         planned: times.of(&planned),
@@ -390,9 +396,9 @@ fn branch_and_bound(
     waits: &RateLaw<'_>,
     search: PlanSearch<'_>,
     found: &mut FoundSchedule,
-) -> Result<ScheduleGap, Refusal> {
+) -> Result<ScheduleGap, TargetError> {
     let value = |samples: &Samples, found: &FoundSchedule| {
-        let job = SchedulingJob::new(sites, &found.apart, &found.corridors, hardware, waits);
+        let job = SchedulingJob::new(sites, &found.disassembly, &found.corridors, hardware, waits);
         value(&job, samples, &found.schedule, search.objective)
     };
     let samples = Samples::new(sites.len(), SMALL_RUNS, search.seed);
@@ -402,21 +408,21 @@ fn branch_and_bound(
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let mut tried: Vec<Vec<Vec<u32>>> = Vec::new();
     for variant in 0..ALL_VARIANTS {
-        let (apart, corridors) = match variant {
-            0 => (found.apart.clone(), found.corridors.clone()),
+        let (disassembly, corridors) = match variant {
+            0 => (found.disassembly.clone(), found.corridors.clone()),
             _ => {
                 let wide = FreeSpace::of(sites, 2).with_gaps(takes_gaps(waits, variant));
                 let spaces = [wide, FreeSpace::of(sites, 1)];
                 let keys: Vec<f32> = (0..sites.len()).map(|_| rng.random()).collect();
-                let apart = disassemble(sites, spaces, &keys, search.cancellation)?;
-                let corridors = Corridors::of(sites, &apart, search.cancellation)?;
-                (apart, corridors)
+                let disassembly = disassemble(sites, spaces, &keys, search.cancellation)?;
+                let corridors = Corridors::of(sites, &disassembly, search.cancellation)?;
+                (disassembly, corridors)
             }
         };
-        if apart.tight() > found.apart.tight() || tried.contains(&corridors.waiting) {
+        if disassembly.tight() > found.disassembly.tight() || tried.contains(&corridors.waiting) {
             continue;
         }
-        let job = SchedulingJob::new(sites, &apart, &corridors, hardware, waits);
+        let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);
         let branching = Branching::new(&job, &samples, search.objective, search.enough);
         let searched = branching.search(least * (1.0 - WORTH), left);
         left = searched.left;
@@ -424,7 +430,7 @@ fn branch_and_bound(
         if let Some(schedule) = searched.better {
             least = searched.value;
             best = FoundSchedule {
-                apart,
+                disassembly,
                 corridors,
                 schedule,
                 ..best

@@ -9,7 +9,7 @@ use crate::grid::{Grid, shifted};
 pub const NONE: u32 = u32::MAX;
 
 /// The cells around one, itself included: bit (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
-pub type Window = u32;
+pub type NeighbourMask = u32;
 
 /// The bit of the cell in the middle of its window.
 pub const MIDDLE: usize = 13;
@@ -179,7 +179,7 @@ impl<'a> Sites<'a> {
     }
 
     /// Which cells of a site's window `has`.
-    pub fn window(&self, site: u32, has: impl Fn(u32) -> bool) -> Window {
+    pub fn window(&self, site: u32, has: impl Fn(u32) -> bool) -> NeighbourMask {
         let window = self.windows[site as usize].iter().enumerate();
         let full = window.filter(|&(_, &near)| near != NONE && has(near));
         full.fold(0, |bits, (i, _)| bits | 1 << i)

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
-use crate::refusal::{LoosePart, Refusal};
+use crate::target_error::{LoosePart, TargetError};
 
 /// Cells of a target, at most: as many as a program may capture.
 pub const MOST_CELLS: usize = 10_000_000;
@@ -48,7 +48,7 @@ impl Target {
         plate: Plate,
         seeds: Option<Vec<(i32, i32)>>,
         free: u32,
-    ) -> Result<Target, Refusal> {
+    ) -> Result<Target, TargetError> {
         Target::with_standing(cells, (Vec::new(), Vec::new()), plate, seeds, free)
     }
 
@@ -63,7 +63,7 @@ impl Target {
         plate: Plate,
         seeds: Option<Vec<(i32, i32)>>,
         free: u32,
-    ) -> Result<Target, Refusal> {
+    ) -> Result<Target, TargetError> {
         standing.sort_unstable();
         standing.dedup_by_key(|block| block.cell);
         released.sort_unstable();
@@ -71,7 +71,7 @@ impl Target {
         cells.sort_unstable();
         cells.dedup();
         if cells.len() == standing.len() {
-            return Err(Refusal::Empty);
+            return Err(TargetError::Empty);
         }
         let is_far = |cell: &&Cell| {
             let Cell { x, y, z } = **cell;
@@ -80,15 +80,15 @@ impl Target {
                 .any(|at| !(-FARTHEST..=FARTHEST).contains(at))
         };
         if let Some(&cell) = cells.iter().find(is_far) {
-            return Err(Refusal::TooFar(cell));
+            return Err(TargetError::TooFar(cell));
         }
         let below: Vec<Cell> = cells.iter().filter(|cell| cell.z < 1).copied().collect();
         if !below.is_empty() {
-            return Err(Refusal::BelowPlate(below));
+            return Err(TargetError::BelowPlate(below));
         }
         if cells.len() > MOST_CELLS.min(free as usize) {
             let needed = cells.len();
-            return Err(Refusal::TooFewBlocks { needed, free });
+            return Err(TargetError::TooFewBlocks { needed, free });
         }
         let seeds = seeds.map(|mut seeds| {
             seeds.sort_unstable();
@@ -104,7 +104,7 @@ impl Target {
         };
         match target.loose() {
             parts if parts.is_empty() => Ok(target),
-            parts => Err(Refusal::Loose(parts)),
+            parts => Err(TargetError::Loose(parts)),
         }
     }
 
@@ -243,7 +243,7 @@ impl Target {
 pub fn held(cells: Vec<Cell>, plate: &Plate) -> Option<Target> {
     let target = |cells: Vec<Cell>| Target::new(cells, plate.clone(), None, u32::MAX);
     match target(cells.clone()) {
-        Err(Refusal::Loose(parts)) => {
+        Err(TargetError::Loose(parts)) => {
             let loose: FxHashSet<Cell> = parts.into_iter().flat_map(|part| part.cells).collect();
             let held = cells.into_iter().filter(|cell| !loose.contains(cell));
             target(held.collect()).ok()

@@ -9,7 +9,7 @@ use crate::target::MOST_CELLS;
 #[error("{0}")]
 pub struct UnreadableVoxels(String);
 
-fn wrong(what: impl Into<String>) -> UnreadableVoxels {
+fn unreadable(what: impl Into<String>) -> UnreadableVoxels {
     UnreadableVoxels(what.into())
 }
 
@@ -20,12 +20,12 @@ fn wrong(what: impl Into<String>) -> UnreadableVoxels {
 pub fn magica_voxel(bytes: &[u8]) -> Result<Vec<Cell>, UnreadableVoxels> {
     let rest = bytes
         .strip_prefix(b"VOX ")
-        .ok_or_else(|| wrong("it does not begin as a `.vox` file does"))?;
+        .ok_or_else(|| unreadable("it does not begin as a `.vox` file does"))?;
     // The version says nothing of what is read here.
     let rest = rest.get(4..).ok_or_else(cut_off)?;
     let (name, own, children, _) = chunk(rest)?;
     if name != b"MAIN" || !own.is_empty() {
-        return Err(wrong("it does not begin with the chunk `MAIN`"));
+        return Err(unreadable("it does not begin with the chunk `MAIN`"));
     }
     let mut models = Vec::new();
     let mut left = children;
@@ -37,7 +37,7 @@ pub fn magica_voxel(bytes: &[u8]) -> Result<Vec<Cell>, UnreadableVoxels> {
         left = rest;
     }
     let [model] = models[..] else {
-        return Err(wrong(format!(
+        return Err(unreadable(format!(
             "it holds {} models, and one is needed: join them into one in the editor",
             models.len()
         )));
@@ -52,7 +52,7 @@ pub fn magica_voxel(bytes: &[u8]) -> Result<Vec<Cell>, UnreadableVoxels> {
 }
 
 fn cut_off() -> UnreadableVoxels {
-    wrong("it is cut off")
+    unreadable("it is cut off")
 }
 
 /// A number of 32 bits, and what is behind it.
@@ -62,9 +62,9 @@ fn number(bytes: &[u8]) -> Result<(u32, &[u8]), UnreadableVoxels> {
 }
 
 /// A name, its own content, that of its children, and what is behind.
-type Chunk<'a> = (&'a [u8], &'a [u8], &'a [u8], &'a [u8]);
+type VoxChunk<'a> = (&'a [u8], &'a [u8], &'a [u8], &'a [u8]);
 
-fn chunk(bytes: &[u8]) -> Result<Chunk<'_>, UnreadableVoxels> {
+fn chunk(bytes: &[u8]) -> Result<VoxChunk<'_>, UnreadableVoxels> {
     let (name, rest) = bytes.split_at_checked(4).ok_or_else(cut_off)?;
     let (own, rest) = number(rest)?;
     let (children, rest) = number(rest)?;
@@ -102,7 +102,7 @@ pub fn layers(text: &str) -> Result<Vec<Cell>, UnreadableVoxels> {
             .collect();
         let row = row.ok_or_else(|| {
             let line = i + 1;
-            wrong(format!(
+            unreadable(format!(
                 "line {line}: a row has `#` for a block and `.` for none"
             ))
         })?;
@@ -118,7 +118,9 @@ pub fn layers(text: &str) -> Result<Vec<Cell>, UnreadableVoxels> {
             let full = row.iter().enumerate().filter(|(_, is_full)| **is_full);
             cells.extend(full.map(|(x, _)| Cell::new(x as i32, y as i32, z as i32)));
             if cells.len() > MOST_CELLS {
-                return Err(wrong(format!("a target has at most {MOST_CELLS} cells")));
+                return Err(unreadable(format!(
+                    "a target has at most {MOST_CELLS} cells"
+                )));
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::grid::shifted;
 
 /// What is in a cell when a face near it opens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stand {
+pub enum CellState {
     /// Nothing.
     Empty,
     /// Nothing yet: a face is open towards it, in this direction.
@@ -88,14 +88,14 @@ impl<'a> RateLaw<'a> {
         self.has_passable_gaps
     }
 
-    /// The mean ticks from when a face opens until its block is anchored in `cell`, `way` from its parent, in what `stands` around it; of
+    /// The mean ticks from when a face opens until its block is anchored in `cell`, `way` from its parent, in what is around it by `state`; of
     /// what is awaited half is taken to come before.
     pub fn mean(
         &self,
         cell: Cell,
         way: Face,
         moment: Moment,
-        stands: impl Fn(Cell) -> Stand,
+        state: impl Fn(Cell) -> CellState,
     ) -> f64 {
         let aside = || {
             Face::ALL
@@ -107,7 +107,7 @@ impl<'a> RateLaw<'a> {
             shifted(cell, dx, dy, dz)
         };
         let is_ground = |face: &Face| beside(*face).z < 1;
-        let is_block = |face: &Face| !is_ground(face) && stands(beside(*face)) == Stand::Full;
+        let is_block = |face: &Face| !is_ground(face) && state(beside(*face)) == CellState::Full;
         let walls = aside().filter(|face| is_ground(face) || is_block(face));
         let has_room = self.has_passable_gaps && !aside().any(|face| is_block(&face));
         if is_ground(&way) || (is_block(&way) && !has_room) || walls.count() == 4 {
@@ -117,15 +117,15 @@ impl<'a> RateLaw<'a> {
         let mut awaited = Neighbourhood::EMPTY;
         for offset in offsets(way) {
             let [dx, dy, dz] = offset;
-            match stands(shifted(cell, dx, dy, dz)) {
-                Stand::Empty => {}
-                Stand::Awaited(_) => awaited.block(offset),
-                Stand::Full => full.block(offset),
+            match state(shifted(cell, dx, dy, dz)) {
+                CellState::Empty => {}
+                CellState::Awaited(_) => awaited.block(offset),
+                CellState::Full => full.block(offset),
             }
         }
-        let way_into = |near: Cell| match stands(near) {
-            Stand::Awaited(way) => Some(way),
-            Stand::Empty | Stand::Full => None,
+        let way_into = |near: Cell| match state(near) {
+            CellState::Awaited(way) => Some(way),
+            CellState::Empty | CellState::Full => None,
         };
         let without = self.wait(cell.z, way, full, moment, rivals(cell, way, way_into));
         if awaited == Neighbourhood::EMPTY {
@@ -194,8 +194,8 @@ mod tests {
                 .map(|face| cell.across(face).unwrap())
                 .collect();
             law.mean(cell, way, LATER, |near| match full.contains(&near) {
-                true => Stand::Full,
-                false => Stand::Empty,
+                true => CellState::Full,
+                false => CellState::Empty,
             })
         };
         let sides = [Face::East, Face::West, Face::North, Face::South];
@@ -230,9 +230,9 @@ mod tests {
             let [without, with] = [false, true].map(|with| Parameters::TYPICAL.wait(&at(with)));
             let direct = without.between(with);
             let mean = law.mean(cell, way, LATER, |near| match () {
-                () if is_full(near) => Stand::Full,
-                () if is_awaited(near) => Stand::Awaited(way),
-                () => Stand::Empty,
+                () if is_full(near) => CellState::Full,
+                () if is_awaited(near) => CellState::Awaited(way),
+                () => CellState::Empty,
             });
             assert!(
                 (mean / direct.mean() - 1.0).abs() < 0.01,

@@ -16,8 +16,8 @@ pub use body::{BlockFace, Body, Docking};
 pub use channel::Channels;
 pub use lattice::{Lattice, LatticePose};
 pub use machine::{
-    Environment, Message, Open, Payload, PlannedCapture, Recalled, Recipient, Reporter, Structure,
-    StructureBlock,
+    ActiveFace, Environment, Message, Payload, PlannedCapture, Recalled, Recipient, Reporter,
+    Structure, StructureBlock,
 };
 pub use orientation::Orientation;
 

@@ -67,16 +67,16 @@ pub fn call<T: Send + 'static>(
     if let Some(raised) = interrupt {
         return Err(raised);
     }
-    let heard = caller.heard();
+    let log = caller.log();
     match done {
         Err(panic) | Ok(Err(panic)) => Err(defect(py, &*panic)),
         Ok(Ok(Err(failure))) => {
-            warn(py, &heard)?;
-            Err(exception(py, &failure, &heard))
+            warn(py, &log)?;
+            Err(exception(py, &failure, &log))
         }
         Ok(Ok(Ok(value))) => {
             show(caller.state())?;
-            warn(py, &heard)?;
+            warn(py, &log)?;
             Ok(value)
         }
     }

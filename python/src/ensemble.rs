@@ -7,8 +7,8 @@ use stochc::ensemble::recording::Selection;
 use stochc::ensemble::shards::{prepare as cut, status as status_of};
 use stochc::ensemble::sweep::Axis;
 use stochc::ensemble::{
-    EnsembleProgram, Interval, JournalError, Manifest, Records, Resume, each_row_group, named,
-    table_metadata, tables_of,
+    EnsembleProgram, Interval, JournalError, Manifest, Records, Resume, each_row_group,
+    record_json, table_metadata, tables_of,
 };
 use stochc::exit::{Exit, Failure};
 use stochc::host::Host;
@@ -22,7 +22,7 @@ use stochc::report::figures::{self, Figures, Medium};
 use super::call::call;
 use super::host::Caller;
 use super::program::PythonProgram;
-use super::settings::{Computed, Said, levels, parsed};
+use super::settings::{Computed, LevelSetting, levels, parsed};
 use super::table::PythonTable;
 
 mod derived;
@@ -30,12 +30,12 @@ mod derived;
 /// What an ensemble depends on.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Asked {
+pub struct EnsembleRequest {
     programs: Vec<Py<PythonProgram>>,
     runs: u64,
     seed: u64,
     sweep: Vec<String>,
-    levels: Vec<Said>,
+    levels: Vec<LevelSetting>,
     computed: Computed,
     threads: Option<u16>,
 }
@@ -53,11 +53,11 @@ pub struct StorageOptions {
 
 /// The same without the interpreter.
 struct Detached {
-    asked: Asked,
+    asked: EnsembleRequest,
     programs: Vec<EnsembleProgram>,
 }
 
-impl Asked {
+impl EnsembleRequest {
     fn detached(self) -> Detached {
         let programs = self.programs.iter();
         let programs = programs.map(|program| (*program.get().0).clone());
@@ -96,7 +96,7 @@ impl Detached {
 #[pyfunction]
 pub fn simulate(
     py: Python<'_>,
-    asked: Asked,
+    asked: EnsembleRequest,
     kept: StorageOptions,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<PythonEnsemble> {
@@ -144,7 +144,7 @@ fn interrupted() -> Failure {
 
 /// Prepares the pieces of an ensemble, and says how many runs it has.
 #[pyfunction]
-pub fn prepare(py: Python<'_>, asked: Asked, out: PathBuf, shards: u64) -> PyResult<u64> {
+pub fn prepare(py: Python<'_>, asked: EnsembleRequest, out: PathBuf, shards: u64) -> PyResult<u64> {
     let detached = asked.detached();
     call(py, None, move |host| {
         let manifest = detached.manifest(None, host)?;
@@ -407,7 +407,7 @@ impl PythonEnsemble {
                 None => made_again(&chosen.manifest, host.stop())(chosen.program, chosen.run)
                     .map_err(|_| interrupted())?,
             };
-            Ok(named(&record, chosen.entry()).to_string())
+            Ok(record_json(&record, chosen.entry()).to_string())
         })
     }
 

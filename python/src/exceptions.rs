@@ -2,18 +2,18 @@
 use pyo3::prelude::*;
 use stochc::exit::{Exit, Failure};
 
-use super::host::Heard;
+use super::host::HostLog;
 
 /// The module that declares them.
 const MODULE: &str = "stochc._errors";
 
 /// The exception for a failure, of which the caller may have heard the reasons before.
-pub fn exception(py: Python<'_>, failure: &Failure, heard: &Heard) -> PyErr {
-    let message = heard.failures.clone() + &failure.message;
-    let findings = serde_json::Value::from(heard.findings.clone()).to_string();
+pub fn exception(py: Python<'_>, failure: &Failure, log: &HostLog) -> PyErr {
+    let message = log.failures.clone() + &failure.message;
+    let findings = serde_json::Value::from(log.findings.clone()).to_string();
     let kind = match failure.exit {
         Exit::Success | Exit::Usage => "usage",
-        Exit::WrongProgram => "program",
+        Exit::InvalidProgram => "program",
         Exit::UnsuccessfulRun => "run",
         Exit::NotAccurate => "accuracy",
         Exit::Interrupted => "interrupted",
@@ -39,9 +39,9 @@ fn raised(py: Python<'_>, kind: &str, message: &str, findings: &str) -> PyErr {
 ///
 /// # Errors
 /// The warning, where the caller takes warnings for errors.
-pub fn warn(py: Python<'_>, heard: &Heard) -> PyResult<()> {
-    let all = heard.doubts.iter().map(|text| ("findings", text));
-    let all = all.chain(heard.warnings.iter().map(|text| ("note", text)));
+pub fn warn(py: Python<'_>, log: &HostLog) -> PyResult<()> {
+    let all = log.doubts.iter().map(|text| ("findings", text));
+    let all = all.chain(log.warnings.iter().map(|text| ("note", text)));
     for (kind, text) in all {
         py.import(MODULE)?.call_method1("warn", (kind, text))?;
     }

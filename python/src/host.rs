@@ -16,13 +16,13 @@ pub const WIDTH: usize = 100;
 #[derive(Debug, Default)]
 pub struct Caller {
     stop: AtomicBool,
-    heard: Mutex<Heard>,
+    log: Mutex<HostLog>,
     state: Mutex<WorkProgress>,
 }
 
 /// What it has heard.
 #[derive(Debug, Default)]
-pub struct Heard {
+pub struct HostLog {
     /// Notes and warnings.
     pub warnings: Vec<String>,
     /// Findings of files that have nothing but warnings, drawn.
@@ -40,8 +40,8 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Caller {
     /// All that it has heard until now, once.
-    pub fn heard(&self) -> Heard {
-        std::mem::take(&mut *lock(&self.heard))
+    pub fn log(&self) -> HostLog {
+        std::mem::take(&mut *lock(&self.log))
     }
 
     /// How far the work is.
@@ -60,21 +60,21 @@ fn now() -> Instant {
 
 impl Host for Caller {
     fn warn(&self, text: &str) {
-        lock(&self.heard).warnings.push(text.trim_end().to_owned());
+        lock(&self.log).warnings.push(text.trim_end().to_owned());
     }
 
     fn tell_failure(&self, message: &str) {
-        lock(&self.heard).failures += message;
+        lock(&self.log).failures += message;
     }
 
     fn tell_findings(&self, checked: &Checked) {
         let drawn = self.draw(checked);
-        let mut heard = lock(&self.heard);
+        let mut log = lock(&self.log);
         if checked.has_errors() {
-            heard.failures += &drawn;
-            heard.findings.extend(values(checked));
+            log.failures += &drawn;
+            log.findings.extend(values(checked));
         } else if !drawn.is_empty() {
-            heard.doubts.push(drawn.trim_end().to_owned());
+            log.doubts.push(drawn.trim_end().to_owned());
         }
     }
 

@@ -9,7 +9,9 @@ use stochc::ensemble::trade::{Extent, Setup};
 use stochc::exit::Failure;
 use stochc::host::Host as _;
 use stochc::operations::estimate::{Estimating, estimates};
-use stochc::operations::plan::{Budget, PlanScope, RunEnd, SeedPlate, Wish, plan as planned, read};
+use stochc::operations::plan::{
+    Budget, PlanOptions, PlanScope, RunEnd, SeedPlate, plan as planned, read,
+};
 use stochc::operations::runs::threads;
 use stochc::operations::trade::{keep, measured, memory};
 use stochc::planner::{Objective, explanation};
@@ -25,7 +27,7 @@ use super::settings::folders;
 /// How programs are estimated.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Estimated {
+pub struct EstimateRequest {
     programs: Vec<Py<PythonProgram>>,
     rates: Vec<PathBuf>,
     runs: Option<u64>,
@@ -38,7 +40,7 @@ pub struct Estimated {
 #[pyfunction]
 pub fn estimate(
     py: Python<'_>,
-    asked: Estimated,
+    asked: EstimateRequest,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
     /// Captures that are shown.
@@ -93,7 +95,7 @@ pub fn plan(
         let seed_plate = seed_plate.transpose().map_err(said("seed_plate"))?;
         let budget = asked.budget.as_deref().map(Budget::parse);
         let imports = folders(asked.imports)?;
-        let wish = Wish {
+        let options = PlanOptions {
             target: &asked.target,
             extent: PlanScope::new(
                 asked.run.map(|run| RunEnd {
@@ -116,7 +118,7 @@ pub fn plan(
             keeps_scaffolds: asked.keeps_scaffolds,
             rates: &asked.rates,
         };
-        let found = planned(&read(&wish, host)?, &wish, host)?;
+        let found = planned(&read(&options, host)?, &options, host)?;
         let explained = explanation(&found.plan);
         Ok((found.text, json!(found.plan).to_string(), explained))
     })
@@ -125,7 +127,7 @@ pub fn plan(
 /// What is to be traded.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Traded {
+pub struct TradeRequest {
     programs: Vec<Py<PythonProgram>>,
     runs: Option<u64>,
     budget: f64,
@@ -141,7 +143,7 @@ pub struct Traded {
 #[pyfunction]
 pub fn trade(
     py: Python<'_>,
-    asked: Traded,
+    asked: TradeRequest,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String, String)> {
     call(py, progress.as_ref(), move |host| {

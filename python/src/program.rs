@@ -17,7 +17,7 @@ use stochc::runtime::Settings;
 
 use super::call::call;
 use super::host::WIDTH;
-use super::settings::{Said, folders, levels};
+use super::settings::{LevelSetting, folders, levels};
 
 /// A program that is ready to run.
 #[pyclass(frozen, name = "Program", module = "stochc._native")]
@@ -31,7 +31,7 @@ impl From<EnsembleProgram> for PythonProgram {
 }
 
 /// Findings as JSON and drawn, whether there are errors, and the programs if there are none.
-type Found = (String, String, bool, Vec<PythonProgram>);
+type CheckOutput = (String, String, bool, Vec<PythonProgram>);
 
 /// Looks for errors in a file, or in a text of a name.
 #[pyfunction]
@@ -39,9 +39,9 @@ pub fn check(
     py: Python<'_>,
     source: String,
     name: Option<String>,
-    said: Vec<Said>,
+    said: Vec<LevelSetting>,
     imports: Vec<PathBuf>,
-) -> PyResult<Found> {
+) -> PyResult<CheckOutput> {
     call(py, None, move |_| {
         let (levels, imports) = (levels(&said)?, folders(imports)?);
         let checked = match name {
@@ -73,7 +73,7 @@ pub fn load(
     py: Python<'_>,
     source: String,
     name: Option<String>,
-    said: Vec<Said>,
+    said: Vec<LevelSetting>,
     imports: Vec<PathBuf>,
 ) -> PyResult<Vec<PythonProgram>> {
     call(py, None, move |host| {

@@ -12,7 +12,7 @@ use stochc::operations::rates;
 use stochc::runtime::{Model, Precision, Reduction, Settings, Substeps};
 
 /// A warning and its level: `allow`, `warn` or `deny`.
-pub type Said = (String, String);
+pub type LevelSetting = (String, String);
 
 /// How runs are computed, in words.
 #[derive(Clone, Debug, FromPyObject)]
@@ -31,7 +31,7 @@ pub struct Computed {
 ///
 /// # Errors
 /// If there is no such warning.
-pub fn levels(said: &[Said]) -> Result<LintLevels, Failure> {
+pub fn levels(said: &[LevelSetting]) -> Result<LintLevels, Failure> {
     let mut levels = LintLevels::default();
     for (code, level) in said {
         let level = match level.as_str() {

@@ -4,12 +4,12 @@ use stochc_ensemble::{EnsembleProgram, completion_time};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::rates::{Interaction, Times};
 
-use crate::analysis::critical_path::{chain, moments};
+use crate::analysis::critical_path::{critical_path, moments};
 use crate::analysis::events::Events;
 
 /// What is expected of a program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Estimate {
+pub struct CompletionEstimate {
     /// The program.
     pub program: String,
     /// What the times are from.
@@ -66,13 +66,13 @@ pub struct Share {
     pub share: f64,
 }
 
-impl Estimate {
+impl CompletionEstimate {
     /// From the records of a program's runs by rates; `is_compiled`: there was no choice.
     pub fn of_runs(
         program: &EnsembleProgram,
         records: &[&RunRecord],
         is_compiled: bool,
-    ) -> Estimate {
+    ) -> CompletionEstimate {
         let times: Vec<f64> = (records.iter())
             .filter_map(|record| completion_time(record))
             .filter(|time| time.completed)
@@ -95,7 +95,7 @@ impl Estimate {
                 times: of_most(ticks),
             }
         });
-        Estimate {
+        CompletionEstimate {
             program: program.name.clone(),
             method: Method::Runs { is_compiled },
             completed,
@@ -112,9 +112,9 @@ fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
     let events = Events::of(program);
     let mut ticks = vec![0_u64; events.events.len()];
     for record in records {
-        for link in chain(&events, record, &moments(&events, record)) {
-            if let Some(event) = link.event() {
-                ticks[event] += link.ticks();
+        for segment in critical_path(&events, record, &moments(&events, record)) {
+            if let Some(event) = segment.event() {
+                ticks[event] += segment.ticks();
             }
         }
     }

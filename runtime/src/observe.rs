@@ -130,7 +130,7 @@ pub enum ObservedEvent {
         /// To.
         to: Body,
         /// What it says.
-        said: Said,
+        said: MessageContent,
     },
     /// The plate counts a report.
     Reported {
@@ -141,7 +141,7 @@ pub enum ObservedEvent {
 
 /// What a message says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Said {
+pub enum MessageContent {
     /// A branch of the phase is done, reports the block in this role.
     Report(RoleId),
     /// The block in this role asks its parent to be let go.
@@ -152,13 +152,13 @@ pub enum Said {
     Released(RoleId),
 }
 
-impl From<Payload> for Said {
-    fn from(payload: Payload) -> Said {
+impl From<Payload> for MessageContent {
+    fn from(payload: Payload) -> MessageContent {
         match payload {
-            Payload::Report(by) => Said::Report(by.role),
-            Payload::Ask(role) => Said::Ask(role),
-            Payload::Tell(News::Anchored(role)) => Said::Anchored(role),
-            Payload::Tell(News::Released(role)) => Said::Released(role),
+            Payload::Report(by) => MessageContent::Report(by.role),
+            Payload::Ask(role) => MessageContent::Ask(role),
+            Payload::Tell(News::Anchored(role)) => MessageContent::Anchored(role),
+            Payload::Tell(News::Released(role)) => MessageContent::Released(role),
         }
     }
 }

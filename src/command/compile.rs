@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use stochc_compiler::emit::{structure_json, structure_svg, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
 use stochc_files::atomic::{Draft, Replaces};
-use stochc_files::programs::{is_executable, refusal};
+use stochc_files::programs::{is_executable, not_a_file};
 use stochc_grammar::to_json;
 use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 use stochc_ir::graph::EventGraph;
@@ -83,7 +83,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             "`--format {form}` is for `--emit {name}` only"
         )));
     }
-    if let Some(reason) = refusal(&options.file) {
+    if let Some(reason) = not_a_file(&options.file) {
         return Err(Failure::usage(reason));
     }
     let checked = crate::check_within(

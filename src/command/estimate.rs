@@ -1,7 +1,7 @@
 //! `stochc estimate`.
 use clap::Args;
 use stochc_ensemble::MOST_RUNS;
-use stochc_report::estimate::Estimate;
+use stochc_report::estimate::CompletionEstimate;
 use stochc_report::tables::estimates_to_text;
 
 use super::imports::ImportOptions;
@@ -70,7 +70,7 @@ pub(super) const SHOWN: usize = 5;
 
 /// Prints estimates, with so many captures of each; without times, it has failed.
 pub(super) fn tell(
-    estimates: &[Estimate],
+    estimates: &[CompletionEstimate],
     captures: usize,
     format: ResultsFormat,
 ) -> Result<Exit, Failure> {
@@ -81,7 +81,7 @@ pub(super) fn tell(
             print(&(text + "\n"))?;
         }
     }
-    let is_known = |estimate: &Estimate| estimate.total.is_some();
+    let is_known = |estimate: &CompletionEstimate| estimate.total.is_some();
     Ok(match estimates.iter().all(is_known) {
         true => Exit::Success,
         false => Exit::UnsuccessfulRun,

@@ -39,7 +39,7 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     let text = match read(file).map(String::from_utf8) {
         Ok(Ok(text)) => text,
         Ok(Err(_)) => {
-            return Err(Failure::wrong_program(format!(
+            return Err(Failure::invalid_program(format!(
                 "`{file}` is not UTF-8 text"
             )));
         }
@@ -49,7 +49,7 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     let bare = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let laid_out = match format(bare) {
         Ok(laid_out) => laid_out,
-        Err(refusal) => return Err(refused(file, bare, refusal)),
+        Err(error) => return Err(refused(file, bare, error)),
     };
     if check {
         return compare(file, &text, &laid_out);
@@ -67,8 +67,8 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-fn refused(file: &str, text: &str, refusal: FormatError) -> Failure {
-    let FormatError::Wrong(errors) = refusal else {
+fn refused(file: &str, text: &str, error: FormatError) -> Failure {
+    let FormatError::Wrong(errors) = error else {
         return Failure::usage(format!(
             "the layout of `{file}` would change its meaning, so it was left as it is; \
              this is a mistake of stochc: please report it with the file"
@@ -82,7 +82,7 @@ fn refused(file: &str, text: &str, refusal: FormatError) -> Failure {
         renderer.render(&diagnostic, &sources) + "\n"
     });
     Failure {
-        exit: Exit::WrongProgram,
+        exit: Exit::InvalidProgram,
         message: drawn.collect(),
     }
 }
@@ -95,5 +95,5 @@ fn compare(file: &str, text: &str, laid_out: &str) -> Result<Exit, Failure> {
     let mut diff = diff.unified_diff();
     let file = visible(file);
     print(&diff.header(&file, &format!("{file} laid out")).to_string())?;
-    Ok(Exit::WrongProgram)
+    Ok(Exit::InvalidProgram)
 }

@@ -19,6 +19,6 @@ pub fn run(_: &Options) -> Result<Exit, Failure> {
     // The protocol: 0 after `shutdown`, else 1.
     Ok(match served {
         true => Exit::Success,
-        false => Exit::WrongProgram,
+        false => Exit::InvalidProgram,
     })
 }

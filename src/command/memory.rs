@@ -14,15 +14,15 @@ pub struct MemoryOption {
 
 /// A number of bytes that somebody has typed.
 fn bytes(text: &str) -> Result<u64, String> {
-    let wrong = || "give a number and its unit: 512MiB, 2GiB".to_owned();
+    let malformed = || "give a number and its unit: 512MiB, 2GiB".to_owned();
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let unit: u64 = match &text[digits.len()..] {
         "MiB" => 1 << 20,
         "GiB" => 1 << 30,
         "TiB" => 1 << 40,
-        _ => return Err(wrong()),
+        _ => return Err(malformed()),
     };
-    let number: u64 = digits.trim_end().parse().map_err(|_| wrong())?;
+    let number: u64 = digits.trim_end().parse().map_err(|_| malformed())?;
     match number.checked_mul(unit) {
         None => Err("there is no such memory".to_owned()),
         Some(0) => Err("no memory is too little".to_owned()),

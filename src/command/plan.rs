@@ -13,7 +13,7 @@ use super::new_file::NewFile;
 use super::results::ResultsFormat;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::plan::{Budget, PlanScope, RunEnd, SeedPlate, Wish, plan, read};
+use crate::operations::plan::{Budget, PlanOptions, PlanScope, RunEnd, SeedPlate, plan, read};
 use crate::planning::Planned;
 
 /// What `plan` is given.
@@ -90,7 +90,7 @@ enum Minimize {
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let host = Terminal::new(options.quiet);
     let out = options.out.as_deref().map(NewFile::begin).transpose()?;
-    let wish = Wish {
+    let plan_options = PlanOptions {
         target: &options.target,
         extent: PlanScope::new(
             options.run.map(|run| RunEnd {
@@ -113,9 +113,9 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         keeps_scaffolds: options.keep_scaffolds,
         rates: &options.rates.rates,
     };
-    let target = read(&wish, &host)?;
+    let target = read(&plan_options, &host)?;
     let stop = stop_on_interrupt()?;
-    let planned = plan(&target, &wish, &host)?;
+    let planned = plan(&target, &plan_options, &host)?;
     let stopped = stop.load(Ordering::Relaxed);
     write(&planned, out, options)?;
     match stopped {

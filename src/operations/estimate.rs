@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use stochc_compiler::cost::estimate;
 use stochc_compiler::{LintLevels, Program as Planned, Symbols};
 use stochc_ensemble::{EnsembleProgram, Manifest};
-use stochc_report::estimate::{Estimate, Method, PhaseEstimate, Share};
+use stochc_report::estimate::{CompletionEstimate, Method, PhaseEstimate, Share};
 use stochc_runtime::rates::Rates;
 use stochc_runtime::{Model, Settings};
 
@@ -47,7 +47,7 @@ pub fn estimates(
     programs: Vec<EnsembleProgram>,
     how: &Estimating<'_>,
     host: &dyn Host,
-) -> Result<Vec<Estimate>, Failure> {
+) -> Result<Vec<CompletionEstimate>, Failure> {
     programs.iter().try_for_each(supported)?;
     // What runs need is measured once, before the first of them.
     let known = match how.runs {
@@ -81,14 +81,14 @@ pub fn planned(program: &EnsembleProgram) -> Option<(Planned, Symbols)> {
 }
 
 /// From the waits of its captures, added up along its graph.
-fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<Estimate> {
+fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstimate> {
     let (planned, symbols) = planned(program)?;
     let cost = estimate(&planned, Some(rates))?;
     let completed = cost.draws.iter().filter(|draw| draw.is_complete).count();
     let phases = planned.plan.phases.iter().zip(&cost.phases);
     let phases = phases.filter(|(phase, _)| !phase.planted);
     let shares = cost.captures.iter().filter(|capture| capture.share > 0.0);
-    Some(Estimate {
+    Some(CompletionEstimate {
         program: program.name.clone(),
         method: Method::Graph {
             interaction: cost.interaction,
@@ -120,7 +120,7 @@ fn of_runs(
     known: &[Rates],
     how: &Estimating<'_>,
     host: &dyn Host,
-) -> Result<Estimate, Failure> {
+) -> Result<CompletionEstimate, Failure> {
     let programs = vec![program];
     let settings = Settings {
         rates: match at_hand(known, &programs[0].scene) {
@@ -138,7 +138,7 @@ fn of_runs(
     let results = all_runs(&manifest, how.threads, "nothing was estimated", host)?;
     let finished = results.finished.to_vec().map_err(Failure::usage)?;
     let records: Vec<_> = finished.iter().map(|done| &done.record).collect();
-    Ok(Estimate::of_runs(
+    Ok(CompletionEstimate::of_runs(
         &manifest.programs[0],
         &records,
         is_compiled,

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use stochc_compiler::{Checked, LintLevels};
 use stochc_ensemble::{EnsembleProgram, Source, Varied};
-use stochc_files::programs::{executables, refusal};
+use stochc_files::programs::{executables, not_a_file};
 use stochc_ir::Executable;
 use stochc_ir::scene::scalars::ScalarChange;
 
@@ -40,7 +40,7 @@ fn read(
     imports: &[PathBuf],
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
-    if let Some(reason) = refusal(file) {
+    if let Some(reason) = not_a_file(file) {
         return Err(Failure::usage(reason));
     }
     match executables(file) {
@@ -116,6 +116,6 @@ pub fn verdict(checked: &Checked) -> Exit {
     } else if checked.sources.files().is_empty() {
         Exit::Usage
     } else {
-        Exit::WrongProgram
+        Exit::InvalidProgram
     }
 }

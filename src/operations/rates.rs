@@ -69,7 +69,7 @@ pub fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
 
 /// The rates of a scene that are known, or come with the program; `None` as well where no rates speak of the scene.
 pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
-    Rates::known(known, scene).filter(|_| RateWorld::refusal(scene).is_none())
+    Rates::known(known, scene).filter(|_| RateWorld::unsupported(scene).is_none())
 }
 
 /// Rates to estimate by: those at hand, or a first guess.
@@ -83,8 +83,11 @@ pub fn at_hand_or_guessed<'a>(known: &'a [Rates], scene: &Scene) -> Option<Cow<'
 /// # Errors
 /// What they know nothing of, and what does.
 pub fn supported(program: &EnsembleProgram) -> Result<(), Failure> {
-    match RateWorld::refusal_of(program.tables(), &program.scene) {
-        Some(error) => Err(Failure::wrong_program(format!("{}: {error}", program.name))),
+    match RateWorld::unsupported_by(program.tables(), &program.scene) {
+        Some(error) => Err(Failure::invalid_program(format!(
+            "{}: {error}",
+            program.name
+        ))),
         None => Ok(()),
     }
 }
@@ -130,8 +133,8 @@ impl Effort {
 /// # Errors
 /// If it has none, or the runs are stopped.
 pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates, Failure> {
-    if let Some(error) = RateWorld::refusal(scene) {
-        return Err(Failure::wrong_program(error.to_string()));
+    if let Some(error) = RateWorld::unsupported(scene) {
+        return Err(Failure::invalid_program(error.to_string()));
     }
     let mut observed: Vec<EnsembleProgram> = Vec::new();
     for (name, text) in PROGRAMS {
@@ -146,7 +149,7 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
         }
     }
     let gas = profile(scene, &effort.settings, effort.seed)
-        .map_err(|error| Failure::wrong_program(error.to_string()))?;
+        .map_err(|error| Failure::invalid_program(error.to_string()))?;
     let manifest = Manifest::new(effort.settings.clone(), effort.seed, effort.runs, observed);
     let results = all_runs(&manifest, effort.threads, "nothing was calibrated", host)?;
     let mut calibration = Calibration::new(scene, gas);

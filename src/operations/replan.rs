@@ -17,7 +17,7 @@ use super::rates::of_files;
 use crate::check_text;
 use crate::exit::Failure;
 use crate::host::Host;
-use crate::planning::{Goal, Structure};
+use crate::planning::{ExistingStructure, Goal};
 
 /// When and how the rest of a run is planned.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +38,7 @@ const MOST_PLANS: u64 = 100;
 const TRIES: u64 = 50;
 
 /// A run with plans, as far as it has come.
-struct Chain {
+struct ReplannedRun {
     run: u64,
     /// Ticks of the programs before.
     elapsed: u64,
@@ -75,8 +75,8 @@ pub fn replan(
         // Every program and every round of plans has seeds of its own.
         let seed = |round: u64| seed.wrapping_add((number << 48) + (round << 32));
         let first = alone(vec![program.clone()], seed(0), manifest.runs);
-        let mut chains: Vec<Chain> = (0..manifest.runs)
-            .map(|run| Chain {
+        let mut chains: Vec<ReplannedRun> = (0..manifest.runs)
+            .map(|run| ReplannedRun {
                 run,
                 elapsed: 0,
                 plans: 0,
@@ -146,11 +146,15 @@ fn end(program: &EnsembleProgram) -> Result<Goal, Failure> {
             ))
         })?;
     Goal::of_end(&checked, plan, None)
-        .map_err(|reason| Failure::wrong_program(format!("`{}`: {reason}", program.name)))
+        .map_err(|reason| Failure::invalid_program(format!("`{}`: {reason}", program.name)))
 }
 
 /// The program of the rest, where a structure stands; `None`: there is none.
-fn planned(goal: &mut Goal, structure: &Structure, rates: &[Rates]) -> Option<EnsembleProgram> {
+fn planned(
+    goal: &mut Goal,
+    structure: &ExistingStructure,
+    rates: &[Rates],
+) -> Option<EnsembleProgram> {
     goal.stand_on(structure, &BTreeSet::new()).ok()?;
     let search = PlanSearch {
         rounds: TRIES,
@@ -184,14 +188,14 @@ impl Outcomes {
     /// Takes in a run of a program, of a chain: the chain and the program with which it goes on, if it does.
     fn follow(
         &mut self,
-        chain: Chain,
+        chain: ReplannedRun,
         program: &EnsembleProgram,
         record: &RunRecord,
         how: Replan,
-        planned: impl FnOnce(&Structure) -> Option<EnsembleProgram>,
+        planned: impl FnOnce(&ExistingStructure) -> Option<EnsembleProgram>,
         max_ticks: Option<u64>,
-    ) -> Option<(Chain, EnsembleProgram)> {
-        let Chain {
+    ) -> Option<(ReplannedRun, EnsembleProgram)> {
+        let ReplannedRun {
             run,
             elapsed,
             plans,
@@ -216,14 +220,14 @@ impl Outcomes {
             self.replanned.insert(run, whole);
             return None;
         };
-        let structure = Structure::of(program.tables(), &until(record, stop));
+        let structure = ExistingStructure::of(program.tables(), &until(record, stop));
         let Some(rest) = planned(&structure) else {
             self.not_planned += 1;
             self.replanned.insert(run, whole);
             return None;
         };
         self.plans += 1;
-        let chain = Chain {
+        let chain = ReplannedRun {
             run,
             elapsed: elapsed + stop,
             plans: plans + 1,
@@ -295,14 +299,14 @@ mod tests {
             threads: None,
         };
         let mut outcomes = Outcomes::default();
-        let chain = |elapsed, plans| Chain {
+        let chain = |elapsed, plans| ReplannedRun {
             run: 7,
             elapsed,
             plans,
         };
         let limit = Some(record.ticks + 100);
-        let none = |_: &Structure| None;
-        let again = |_: &Structure| Some(line().0);
+        let none = |_: &ExistingStructure| None;
+        let again = |_: &ExistingStructure| Some(line().0);
         let (next, _) = (outcomes.follow(chain(0, 0), &program, &record, how, again, limit))
             .expect("it goes on with a plan");
         assert_eq!((next.elapsed, next.plans), (1, 1));

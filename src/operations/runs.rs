@@ -54,7 +54,7 @@ pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
     let mut programs = manifest.programs.iter();
     programs.try_for_each(|program| {
         try_out(program, &manifest.settings)
-            .map_err(|error| Failure::wrong_program(format!("{}: {error}", program.name)))
+            .map_err(|error| Failure::invalid_program(format!("{}: {error}", program.name)))
     })
 }
 

@@ -2,7 +2,9 @@
 use std::path::Path;
 
 use stochc_compiler::cost::estimate;
-use stochc_ensemble::trade::{Estimate, MEMORY, Memory, Progress, Setup, Trade, measure};
+use stochc_ensemble::trade::{
+    EstimatedSamples, MEMORY, MeasurementProgress, Memory, Setup, Trade, measure,
+};
 use stochc_ensemble::{EnsembleProgram, FolderError, JournalError};
 use stochc_files::atomic::{self, Replaces};
 use stochc_report::figures::{Figures, trade as trade_figure};
@@ -23,19 +25,19 @@ pub fn measured(
     setup: &Setup,
     host: &dyn Host,
 ) -> Result<Trade, Failure> {
-    let progress = Progress::default();
+    let progress = MeasurementProgress::default();
     let state = |elapsed| of_trade(setup.extent, &progress, elapsed);
     let trade = during(host, state, || {
         measure(programs, setup, &estimated(programs), &progress)
     });
     trade.map_err(|(program, error)| {
-        Failure::wrong_program(format!("{}: {error}", programs[program].name))
+        Failure::invalid_program(format!("{}: {error}", programs[program].name))
     })
 }
 
 /// What is known of programs without runs, by the rates that come with `stochc`; reading and compiling costs the other settings
 /// nothing, and does not count here either.
-fn estimated(programs: &[EnsembleProgram]) -> Estimate {
+fn estimated(programs: &[EnsembleProgram]) -> EstimatedSamples {
     let read = programs.iter().map(|program| {
         supported(program).map_err(|failure| failure.message)?;
         let rates = at_hand(&[], &program.scene).ok_or_else(|| SceneError::NoRates.to_string())?;
@@ -43,8 +45,8 @@ fn estimated(programs: &[EnsembleProgram]) -> Estimate {
         Ok((planned, rates))
     });
     match read.collect::<Result<Vec<_>, String>>() {
-        Err(reason) => Estimate::none(programs.len(), reason),
-        Ok(read) => Estimate::of(programs.len(), |program| {
+        Err(reason) => EstimatedSamples::none(programs.len(), reason),
+        Ok(read) => EstimatedSamples::of(programs.len(), |program| {
             let (planned, rates) = &read[program];
             let cost = estimate(planned, Some(rates)).filter(|cost| !cost.draws.is_empty());
             cost.map(|cost| cost.draws)

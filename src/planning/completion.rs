@@ -11,7 +11,7 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
 use stochc_planner::{
-    Hardware, PlanSearch, RateLaw, Refusal, StandingBlock, Target, continuation, plan,
+    Hardware, PlanSearch, RateLaw, StandingBlock, Target, TargetError, continuation, plan,
 };
 use stochc_rates::Rates;
 
@@ -54,7 +54,7 @@ pub enum NotCompleted {
     /// Nothing is missing, or it cannot be written down there, in words.
     Refused(String),
     /// What is missing cannot be built.
-    Impossible(Refusal),
+    Impossible(TargetError),
 }
 
 /// A claim of a phase that is not true.

@@ -15,14 +15,14 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
-    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Refusal, Target,
-    declaration, draft, naive_plans, plan, program,
+    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Target,
+    TargetError, baseline_plans, declaration, draft, plan, program,
 };
 use stochc_rates::Rates;
 
 use crate::{check_text, check_texts};
 pub use completion::{Completion, NotCompleted};
-pub use repair::{Repair, Structure};
+pub use repair::{ExistingStructure, Repair};
 
 /// What is to be built, on what, and where.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ pub struct Planned {
 #[derive(Debug)]
 pub enum Unplanned {
     /// The shape cannot be built.
-    Refused(Refusal),
+    Refused(TargetError),
     /// The names, the scene or the room that it has are wrong, as these findings say.
     Wrong(Box<Checked>),
 }
@@ -308,7 +308,7 @@ impl Goal {
         let mut alternatives = Vec::new();
         if self.cells.len() <= MOST_COMPARED && self.repair == Repair::default() {
             let objective = search.objective;
-            for (naive, mut plan) in naive_plans(&target, hardware, &law, search.seed) {
+            for (naive, mut plan) in baseline_plans(&target, hardware, &law, search.seed) {
                 let checked = self.check(&target, &plan, &[]);
                 let estimate = estimated(&checked, &law).unwrap_or(plan.estimate);
                 let mut findings = checked.diagnostics.iter();

@@ -12,14 +12,14 @@ use super::completion::standing;
 
 /// A structure as a run left it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Structure {
+pub struct ExistingStructure {
     /// The blocks above the plate, by their names.
-    blocks: BTreeMap<String, AnchoredBlock>,
+    blocks: BTreeMap<String, BondedBlock>,
 }
 
 /// A block of it.
 #[derive(Clone, Debug, PartialEq)]
-struct AnchoredBlock {
+struct BondedBlock {
     cell: Cell,
     /// The way there from its parent.
     way: Face,
@@ -36,9 +36,9 @@ pub struct Repair {
     pub released: Vec<StandingBlock>,
 }
 
-impl Structure {
+impl ExistingStructure {
     /// What stands at the end of a run.
-    pub fn of(tables: &Tables, record: &RunRecord) -> Structure {
+    pub fn of(tables: &Tables, record: &RunRecord) -> ExistingStructure {
         // At one tick a name is free before it is taken again.
         let captures = record
             .bonds
@@ -68,14 +68,14 @@ impl Structure {
                 .into_iter()
                 .find(|&way| from.across(way) == Some(bond.cell))?;
             let parent = there.contains_key(&bond.parent).then(|| name(bond.parent));
-            let block = AnchoredBlock {
+            let block = BondedBlock {
                 cell: bond.cell,
                 way,
                 parent,
             };
             Some((name(role), block))
         });
-        Structure {
+        ExistingStructure {
             blocks: blocks.collect(),
         }
     }
@@ -94,9 +94,9 @@ impl Structure {
         let wanted: BTreeSet<Cell> = wanted.iter().copied().collect();
         let mut repair = Repair::default();
         for (name, block) in &self.blocks {
-            let line: Vec<(&str, &AnchoredBlock)> = self.line(name).collect();
+            let line: Vec<(&str, &BondedBlock)> = self.line(name).collect();
             let cut = line.iter().find(|(name, _)| dead.contains(name));
-            let is_wrong = |(_, block): &(&str, &AnchoredBlock)| !wanted.contains(&block.cell);
+            let is_wrong = |(_, block): &(&str, &BondedBlock)| !wanted.contains(&block.cell);
             let standing = StandingBlock {
                 cell: block.cell,
                 way: block.way,
@@ -116,7 +116,7 @@ impl Structure {
     }
 
     /// A block, its parent, and so on to the plate.
-    fn line(&self, name: &str) -> impl Iterator<Item = (&str, &AnchoredBlock)> {
+    fn line(&self, name: &str) -> impl Iterator<Item = (&str, &BondedBlock)> {
         let at = |name: &str| {
             let (name, block) = self.blocks.get_key_value(name)?;
             Some((name.as_str(), block))
@@ -158,11 +158,15 @@ impl Goal {
         Ok(goal)
     }
 
-    /// What stands where it is planned from now on, with blocks that are dead: [`Structure::repair`].
+    /// What stands where it is planned from now on, with blocks that are dead: [`ExistingStructure::repair`].
     ///
     /// # Errors
     /// If nothing is missing, or a block has to go and cannot, in words.
-    pub fn stand_on(&mut self, structure: &Structure, dead: &BTreeSet<&str>) -> Result<(), String> {
+    pub fn stand_on(
+        &mut self,
+        structure: &ExistingStructure,
+        dead: &BTreeSet<&str>,
+    ) -> Result<(), String> {
         let repair = structure.repair(&self.cells, dead)?;
         let full: BTreeSet<Cell> = repair.standing.iter().map(|block| block.cell).collect();
         if self.cells.iter().all(|cell| full.contains(cell)) {

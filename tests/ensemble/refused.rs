@@ -10,7 +10,7 @@ use stochc_runtime::Settings;
 use crate::world::{complete, manifest, program, put};
 
 /// Why `path` is refused, with its name replaced, after making sure that nothing has changed.
-fn refusal(path: &Path, manifest: &Manifest, resume: bool) -> String {
+fn error(path: &Path, manifest: &Manifest, resume: bool) -> String {
     let before = content(path);
     let error = Folder::open(path, manifest, resume).unwrap_err();
     assert_eq!(content(path), before, "{error}");
@@ -40,8 +40,8 @@ fn content(path: &Path) -> Vec<(String, Vec<u8>)> {
 fn other_files_are_not_touched() {
     let folder = tempfile::tempdir().unwrap();
     put(&folder.path().join("thesis.tex"), "precious");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`DIR` holds other files than results; choose an empty or a new folder");
-    assert_snapshot!(refusal(&folder.path().join("thesis.tex"), &manifest(2), true), @"`DIR` is a file; choose another name for the folder");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` holds other files than results; choose an empty or a new folder");
+    assert_snapshot!(error(&folder.path().join("thesis.tex"), &manifest(2), true), @"`DIR` is a file; choose another name for the folder");
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn runs_without_a_manifest_are_not_touched() {
     complete(folder.path(), &manifest(2), 1);
     fs::remove_file(folder.path().join("manifest.json")).unwrap();
     let before = content(folder.path());
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`DIR` holds runs, but its `manifest.json` is gone, without which nobody can read them; put it back, or choose another folder");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` holds runs, but its `manifest.json` is gone, without which nobody can read them; put it back, or choose another folder");
     let told = Folder::read(folder.path()).unwrap_err().to_string();
     assert!(told.contains("is gone"), "{told}");
     let told = verify(folder.path()).unwrap_err().to_string();
@@ -62,16 +62,16 @@ fn runs_without_a_manifest_are_not_touched() {
 fn a_manifest_of_something_else_is_not_touched() {
     let folder = tempfile::tempdir().unwrap();
     put(&folder.path().join("manifest.json"), "{\"icons\": []}");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: it is not the manifest of an ensemble; choose another folder, or read this one with the version that made it");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: it is not the manifest of an ensemble; choose another folder, or read this one with the version that made it");
     put(&folder.path().join("manifest.json"), "{\"format\": 99}");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 4; choose another folder, or read this one with the version that made it");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 4; choose another folder, or read this one with the version that made it");
 }
 
 #[test]
 fn another_ensemble_is_refused_with_what_differs() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(2), 1);
-    let refused = |manifest: &Manifest| refusal(folder.path(), manifest, true);
+    let refused = |manifest: &Manifest| error(folder.path(), manifest, true);
 
     let mut other = manifest(2);
     other.seed = 4;
@@ -101,15 +101,15 @@ fn paths_and_the_number_of_runs_are_no_part_of_the_identity() {
 fn going_on_has_to_be_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(3), 1);
-    assert_snapshot!(refusal(folder.path(), &manifest(5), false), @"`DIR` holds 6 of the 10 runs of this ensemble; add `--resume` to go on");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`DIR` is an ensemble of 3 runs of each program, more than the 2 asked for; ask for 3, or choose another folder");
+    assert_snapshot!(error(folder.path(), &manifest(5), false), @"`DIR` holds 6 of the 10 runs of this ensemble; add `--resume` to go on");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` is an ensemble of 3 runs of each program, more than the 2 asked for; ask for 3, or choose another folder");
 }
 
 #[test]
 fn one_process_writes_at_a_time() {
     let folder = tempfile::tempdir().unwrap();
     let held = Folder::open(folder.path(), &manifest(2), false).unwrap();
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"another process is writing to `DIR`; wait for its end, or choose another folder");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"another process is writing to `DIR`; wait for its end, or choose another folder");
     drop(held);
     Folder::open(folder.path(), &manifest(2), true).unwrap();
 }
@@ -123,7 +123,7 @@ fn a_journal_of_another_ensemble_is_refused() {
     complete(other.path(), &changed, 1);
     let journal = |of: &tempfile::TempDir| of.path().join("journal.jsonl");
     fs::copy(journal(&other), journal(&folder)).unwrap();
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to `manifest.json` beside it; move both to where they came from, or choose another folder; if one is damaged, `stochc verify --repair` may help");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to `manifest.json` beside it; move both to where they came from, or choose another folder; if one is damaged, `stochc verify --repair` may help");
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn what_would_change_the_program_is_refused() {
         ("seed", 0, "x", "no name here"),
     ] {
         match rename(words, nth, new) {
-            Err(refusal) => assert!(!why.is_empty() && refusal.contains(why), "{new}: {refusal}"),
+            Err(error) => assert!(!why.is_empty() && error.contains(why), "{new}: {error}"),
             Ok(_) => assert_eq!(why, "", "{words} may not become {new}"),
         }
     }

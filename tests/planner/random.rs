@@ -2,7 +2,7 @@
 use proptest::prelude::*;
 use stochc::ir::Cell;
 use stochc::ir::table::Plate;
-use stochc::planner::Refusal;
+use stochc::planner::TargetError;
 use stochc::planning::{Goal, Unplanned};
 
 use crate::{cells, tried};
@@ -49,8 +49,8 @@ proptest! {
         goal.seeds = (!seeds.is_empty()).then_some(seeds);
         match tried(&goal, 3) {
             Ok(_) => {}
-            Err(Unplanned::Refused(refusal)) => {
-                prop_assert!(!matches!(refusal, Refusal::Sealed(_) | Refusal::Cancelled), "{}", refusal);
+            Err(Unplanned::Refused(error)) => {
+                prop_assert!(!matches!(error, TargetError::Sealed(_) | TargetError::Cancelled), "{}", error);
             }
             Err(Unplanned::Wrong(checked)) => prop_assert!(false, "{:?}", checked.diagnostics),
         }

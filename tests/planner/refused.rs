@@ -1,16 +1,16 @@
 //! What cannot be built is refused, with what would help.
 use stochc::ir::Cell;
 use stochc::ir::table::Plate;
-use stochc::planner::{Refusal, layers};
+use stochc::planner::{TargetError, layers};
 use stochc::planning::{Goal, Unplanned};
 
 use crate::{named, tried};
 
-fn refusal(goal: &Goal) -> (Refusal, String) {
+fn error(goal: &Goal) -> (TargetError, String) {
     match tried(goal, 1) {
-        Err(Unplanned::Refused(refusal)) => {
-            let told = format!("{refusal}; {}", refusal.help().unwrap_or_default());
-            (refusal, told)
+        Err(Unplanned::Refused(error)) => {
+            let text = format!("{error}; {}", error.help().unwrap_or_default());
+            (error, text)
         }
         other => panic!("{other:?}"),
     }
@@ -22,9 +22,9 @@ fn drawn(text: &str) -> Goal {
 
 #[test]
 fn parts_in_the_air_are_refused_with_a_bridge() {
-    let (_, told) = refusal(&drawn("# . . #\n\n# . . .\n\n# . # .\n"));
+    let (_, text) = error(&drawn("# . . #\n\n# . . .\n\n# . # .\n"));
     assert_eq!(
-        told,
+        text,
         "1 cell of the target: (2, 0, 3), hang together with no block of the plate that may capture; \
          with 1 cell more, (1, 0, 3), the first part would be held; or let a block of the plate under it \
          capture"
@@ -41,9 +41,9 @@ fn a_block_that_floats_in_a_sealed_room_is_refused() {
     let mut cells: Vec<Cell> = room.collect();
     assert!(tried(&Goal::of_cells("room", cells.clone()), 1).is_ok());
     cells.push(Cell::new(2, 2, 3));
-    let (refusal, told) = refusal(&Goal::of_cells("room", cells));
-    let Refusal::Loose(parts) = refusal else {
-        panic!("{told}");
+    let (error, text) = error(&Goal::of_cells("room", cells));
+    let TargetError::Loose(parts) = error else {
+        panic!("{text}");
     };
     assert_eq!(parts[0].cells, [Cell::new(2, 2, 3)]);
     assert_eq!(parts[0].bridge.as_ref().map(Vec::len), Some(1));
@@ -54,30 +54,30 @@ fn seeds_count() {
     let mut goal = named("five_towers");
     goal.plate = Some(Plate { width: 3, depth: 3 });
     goal.seeds = Some(vec![(1, 1), (0, 0)]);
-    let (refusal, _) = refusal(&goal);
-    assert!(matches!(refusal, Refusal::Loose(parts) if parts.len() == 3));
+    let (error, _) = error(&goal);
+    assert!(matches!(error, TargetError::Loose(parts) if parts.len() == 3));
 }
 
 #[test]
 fn other_reasons() {
-    let (_, told) = refusal(&drawn(""));
-    assert_eq!(told, "the target has no cells; draw a `#` for each block");
+    let (_, text) = error(&drawn(""));
+    assert_eq!(text, "the target has no cells; draw a `#` for each block");
     let mut goal = drawn("#\n");
     goal.cells.push(Cell::new(0, 0, 0));
-    let (_, told) = refusal(&goal);
+    let (_, text) = error(&goal);
     assert!(
-        told.starts_with("1 cell of the target: (0, 0, 0), at or below the plate"),
-        "{told}"
+        text.starts_with("1 cell of the target: (0, 0, 0), at or below the plate"),
+        "{text}"
     );
     goal.cells = vec![Cell::new(0, 0, 1), Cell::new(i32::MAX, 0, 1)];
-    let (_, told) = refusal(&goal);
-    assert!(told.contains("too far away"), "{told}");
-    let (_, told) = refusal(&named("blob_1000"));
+    let (_, text) = error(&goal);
+    assert!(text.contains("too far away"), "{text}");
+    let (_, text) = error(&named("blob_1000"));
     assert!(
-        told.contains("1000 cells, and the scene 300 free blocks"),
-        "{told}"
+        text.contains("1000 cells, and the scene 300 free blocks"),
+        "{text}"
     );
-    assert!(told.contains("`free 1000 uniform`"), "{told}");
+    assert!(text.contains("`free 1000 uniform`"), "{text}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use stochc::check_text;
 use stochc::ir::Cell;
 use stochc::ir::record::{Outcome, RunRecord};
 use stochc::planner::PlanSearch;
-use stochc::planning::{Completion, Goal, NotCompleted, Planned, Structure, Unplanned};
+use stochc::planning::{Completion, ExistingStructure, Goal, NotCompleted, Planned, Unplanned};
 use stochc_compiler::Checked;
 use stochc_ir::Executable;
 use stochc_runtime::{Model, Settings, run};
@@ -46,7 +46,7 @@ fn completed(text: &str) -> Result<Planned, NotCompleted> {
     Ok(planned.expect("it can be built"))
 }
 
-fn refusal(text: &str) -> String {
+fn error(text: &str) -> String {
     match completed(text) {
         Err(NotCompleted::Refused(reason)) => reason,
         other => panic!("{other:?}"),
@@ -110,17 +110,17 @@ fn the_claim_that_is_not_true_is_completed() {
 #[test]
 fn what_cannot_be_completed_is_refused_with_a_reason() {
     let whole = completed(PART).unwrap().text;
-    assert_eq!(refusal(&whole), "every phase that claims a shape builds it");
+    assert_eq!(error(&whole), "every phase that claims a shape builds it");
     assert_eq!(
-        refusal(&PART.replace("yields arch", "R.up -> X")),
+        error(&PART.replace("yields arch", "R.up -> X")),
         "no phase claims a shape: say what is to stand, `phase rest { yields NAME }`"
     );
     assert_eq!(
-        refusal(&PART.replace("[1..3]", "[1..4]")),
+        error(&PART.replace("[1..3]", "[1..4]")),
         "`arch` has no block at (0, 0, 4), where `B[4]` stands: release it in this phase or before"
     );
     let looped = PART.replace("phase rest {", "for i in 1..1 { phase rest[i] {");
-    assert!(refusal(&looped.replace("arch\n    }", "arch\n    } }")).contains("in a loop"));
+    assert!(error(&looped.replace("arch\n    }", "arch\n    } }")).contains("in a loop"));
     let second = format!(
         "{PART}\nassembly other {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ yields arch }} }}\n"
     );
@@ -136,12 +136,12 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
 }
 
 /// What is left of a run of the first program of a text after so many ticks, and what its end should be.
-fn left(text: &str, max_ticks: u64) -> (Goal, Structure) {
+fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
     let checked = check_text("run.sa", text);
     let goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
     let executable = executable(checked);
     let record = ran(&executable, Model::Rate, Some(max_ticks));
-    (goal, Structure::of(&executable.tables, &record))
+    (goal, ExistingStructure::of(&executable.tables, &record))
 }
 
 /// A mast from which something hangs where a wall is to stand.
@@ -229,7 +229,7 @@ proptest! {
         let mut goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
         let executable = executable(checked);
         let record = ran(&executable, Model::Rate, Some(ticks));
-        let structure = Structure::of(&executable.tables, &record);
+        let structure = ExistingStructure::of(&executable.tables, &record);
         let names: Vec<&str> = structure.names().collect();
         let dead: BTreeSet<&str> = match names.is_empty() {
             true => BTreeSet::new(),
@@ -249,7 +249,7 @@ proptest! {
                 prop_assert_eq!(record.outcome, Outcome::Completed);
                 prop_assert_eq!(record.blocks_used as usize, shape.len());
             }
-            Err(Unplanned::Refused(refusal)) => prop_assert!(!dead.is_empty(), "{}", refusal),
+            Err(Unplanned::Refused(error)) => prop_assert!(!dead.is_empty(), "{}", error),
             Err(Unplanned::Wrong(checked)) => prop_assert!(false, "{:?}", checked.diagnostics),
         }
     }

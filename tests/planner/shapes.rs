@@ -1,7 +1,7 @@
 //! Every shape of the bench is planned, accepted and built.
 use stochc::check_text;
 use stochc::ir::record::Outcome;
-use stochc::planner::Naive;
+use stochc::planner::Baseline;
 use stochc::runtime::{Model, Settings};
 
 use crate::{cells, files, goal, named, tried};
@@ -136,8 +136,8 @@ fn the_same_seed_gives_the_same_plan() {
     let more = tried(&goal, 400).unwrap();
     assert!(more.plan.estimate.mean < 1.03 * first.plan.estimate.mean);
     for other in &more.plan.alternatives {
-        let serial = matches!(other.naive, Naive::Chain | Naive::Nearest);
+        let serial = matches!(other.naive, Baseline::Chain | Baseline::Nearest);
         assert!(!serial || more.plan.estimate.mean < other.estimate.mean);
     }
-    assert_eq!(more.plan.alternatives.len(), Naive::ALL.len());
+    assert_eq!(more.plan.alternatives.len(), Baseline::ALL.len());
 }

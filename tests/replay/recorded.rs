@@ -1,7 +1,7 @@
 //! Recordings in a folder of results, made at once or afterwards.
 use std::fs;
 
-use stochc::ensemble::recording::{Happening, Recording};
+use stochc::ensemble::recording::{Recording, TimedEvent};
 use stochc::files::checksum::{crc32, sealed};
 use stochc::ir::table::PhaseId;
 use stochc::runtime::observe::ObservedEvent;
@@ -50,7 +50,7 @@ fn a_recording_holds_every_tick_of_note() {
     let recording = results.recording(0);
     let ticks: Vec<u64> = recording.frames().map(|frame| frame.tick).collect();
     let mut wanted: Vec<u64> = (recording.events().iter())
-        .filter(|Happening { event, .. }| {
+        .filter(|TimedEvent { event, .. }| {
             matches!(
                 event,
                 ObservedEvent::Captured { .. }
@@ -224,7 +224,7 @@ fn no_damage_is_more_than_a_message() {
 }
 
 /// What `replay` says of a folder in which something has been changed.
-fn refusal(results: &Results) -> String {
+fn error(results: &Results) -> String {
     let page = results.path().join("page.html");
     let said = stochc("replay --run 0 --out", &[&page, &results.path()]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
@@ -241,7 +241,7 @@ fn a_recording_that_cannot_be_used_is_told_of() {
         let mut bytes = whole.clone();
         change(&mut bytes);
         fs::write(&path, bytes).unwrap();
-        let said = refusal(&results);
+        let said = error(&results);
         assert!(said.contains("remove it"), "{said}");
         said
     };
@@ -268,11 +268,11 @@ fn a_program_that_has_changed_is_refused() {
     let text = fs::read_to_string(&manifest).unwrap();
     // What stands in the folder counts, and all of it belongs together.
     fs::write(&manifest, text.replace("T[1..2]", "T[1..3]")).unwrap();
-    let said = refusal(&results);
+    let said = error(&results);
     assert!(said.contains("changed by hand"), "{said}");
     // Also where it has been changed on purpose.
     fs::remove_file(results.path().join("checksums.json")).unwrap();
-    let said = refusal(&results);
+    let said = error(&results);
     assert!(
         said.contains("does not belong to `manifest.json`"),
         "{said}"
@@ -282,7 +282,7 @@ fn a_program_that_has_changed_is_refused() {
     let damaged = text.replacen("\"duties\":[{\"role\":0", "\"duties\":[{\"role\":900", 1);
     assert_ne!(damaged, text);
     fs::write(&manifest, damaged).unwrap();
-    let said = refusal(&results);
+    let said = error(&results);
     assert!(said.contains("it is damaged"), "{said}");
 }
 
@@ -297,7 +297,7 @@ fn a_run_that_does_not_come_out_as_it_did_is_refused() {
         sealed(object.replace("\"hops\":", "\"hops\":1") + "}") + "\n"
     });
     fs::write(&journal, lines.collect::<String>()).unwrap();
-    let said = refusal(&results);
+    let said = error(&results);
     assert!(
         said.contains("differs from the one in the folder"),
         "{said}"

@@ -3,7 +3,7 @@ mod change;
 mod code;
 mod fix;
 mod graphical;
-mod hand_in;
+mod parameter_hint;
 mod repeat;
 mod syntax;
 mod syntax_hints;
@@ -12,7 +12,7 @@ pub use change::TextChange;
 pub use code::{Code, Severity};
 pub(crate) use fix::{LONG, entry, named, removal};
 pub use graphical::{Renderer, visible};
-pub(crate) use hand_in::hand_in;
+pub(crate) use parameter_hint::parameter_hint;
 pub use repeat::Others;
 
 use crate::{FileId, Site};

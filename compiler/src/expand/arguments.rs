@@ -9,7 +9,7 @@ use super::scope::BoundValue;
 use super::uses::Uses;
 use crate::diagnostic::{Code, Diagnostic, Edit, Fix};
 use crate::names::ValueKind;
-use crate::plan::{Key, PatternInstance};
+use crate::plan::{NameKey, PatternInstance};
 use crate::{FileId, Site};
 
 /// An argument of the wrong kind.
@@ -113,11 +113,11 @@ impl<'a> Expander<'a, '_> {
                         symbol: word,
                         span: expr.span,
                     };
-                    let value = self.value(name).unwrap_or(BoundValue::Block(Key {
+                    let value = self.value(name).unwrap_or(BoundValue::Block(NameKey {
                         scope: self.scope.instance,
                         word,
                         arity: 0,
-                        index: [0; Key::MAX_INDICES],
+                        index: [0; NameKey::MAX_INDICES],
                     }));
                     if let BoundValue::Block(key) = value {
                         self.probe

@@ -17,9 +17,9 @@ use stochc_grammar::tree::{
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
 use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, tell};
-use crate::names::{Names, Thing};
+use crate::names::{Definition, Names};
 use crate::plan::{
-    AfterConstraint, EventId, Key, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
+    AfterConstraint, EventId, NameKey, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
 };
 use crate::{FileId, Site, Sources};
 pub use probe::Probe;
@@ -252,7 +252,7 @@ struct Expander<'a, 'f> {
     names: &'a Names,
     scope: Scope,
     /// What the patterns use their parameters as.
-    known: uses::Known,
+    known: uses::KnownUses,
     /// The numbers that the files declare.
     lets: Vec<(FileId, &'a Item)>,
     /// The blocks around the statement at hand, of the assembly and of the pattern that grows; the
@@ -316,7 +316,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             shapes: declarations.shapes.clone(),
             names: declarations.names,
             scope: Scope::default(),
-            known: uses::Known::default(),
+            known: uses::KnownUses::default(),
             lets: declarations.lets.clone(),
             blocks: Vec::new(),
             file,
@@ -531,14 +531,14 @@ impl<'a> Expander<'a, '_> {
     }
 
     /// The word of a name of the file at hand, and the number, counter or parameter that it is the name of.
-    fn named(&self, name: Name) -> (Symbol, Option<Thing>) {
+    fn named(&self, name: Name) -> (Symbol, Option<Definition>) {
         (name.symbol, self.names.value(self.file, name.span))
     }
 
     /// The value of what a name of the file at hand stands for, if it has one yet.
     fn value(&self, name: Name) -> Option<BoundValue> {
-        let (word, thing) = self.named(name);
-        self.scope.get(word, thing?).map(|(value, _)| value)
+        let (word, definition) = self.named(name);
+        self.scope.get(word, definition?).map(|(value, _)| value)
     }
 
     fn phase(&mut self, phase: &'a PhaseDeclaration, item: &'a Item) {
@@ -591,7 +591,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     /// The role of a name.
-    fn role(&mut self, key: Key) -> RoleId {
+    fn role(&mut self, key: NameKey) -> RoleId {
         match self.pass {
             Pass::Writing => self.plan.roles.intern(key),
             Pass::Counting => RoleId(0),
@@ -599,7 +599,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     /// The scope of an instance.
-    fn instance_of(&mut self, key: Key) -> u32 {
+    fn instance_of(&mut self, key: NameKey) -> u32 {
         self.grown.instances += 1;
         match self.pass {
             Pass::Writing => self.plan.roles.intern_scope(key),

@@ -8,7 +8,7 @@ use super::{Expander, Pass};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::members::members;
 use crate::names::ValueKind;
-use crate::plan::Key;
+use crate::plan::NameKey;
 
 /// A place, worked out.
 pub struct ResolvedPlace {
@@ -23,15 +23,15 @@ pub struct ResolvedPlace {
 /// Names that differ in their indices, worked out one by one: there may be millions.
 #[derive(Clone, Copy)]
 pub struct Keys {
-    key: Key,
+    key: NameKey,
     /// The first and the last of each index.
-    bounds: [(i32, i32); Key::MAX_INDICES],
+    bounds: [(i32, i32); NameKey::MAX_INDICES],
     count: usize,
 }
 
 impl Keys {
     /// A single name.
-    fn one(key: Key) -> Keys {
+    fn one(key: NameKey) -> Keys {
         Keys {
             key,
             bounds: key.index.map(|index| (index, index)),
@@ -40,7 +40,7 @@ impl Keys {
     }
 
     /// The names, the last index running fastest.
-    pub fn iter(self) -> impl Iterator<Item = Key> {
+    pub fn iter(self) -> impl Iterator<Item = NameKey> {
         let Keys {
             mut key,
             bounds,
@@ -57,7 +57,7 @@ impl Keys {
         })
     }
 
-    fn first(self) -> Option<Key> {
+    fn first(self) -> Option<NameKey> {
         self.iter().next()
     }
 }
@@ -107,7 +107,7 @@ impl Expander<'_, '_> {
     }
 
     /// A place that names exactly one block, with its face if it has one.
-    pub fn single(&mut self, place: &Place) -> Option<(Key, Option<Face>)> {
+    pub fn single(&mut self, place: &Place) -> Option<(NameKey, Option<Face>)> {
         let blocks = self.place(place)?;
         if blocks.ranged {
             self.diagnostics.push(
@@ -121,7 +121,7 @@ impl Expander<'_, '_> {
     }
 
     /// A place used as the name of something new in the current scope.
-    pub fn single_key(&mut self, place: &Place) -> Option<Key> {
+    pub fn single_key(&mut self, place: &Place) -> Option<NameKey> {
         let segment = match &place.path[..] {
             [only] => only,
             _ => {
@@ -203,7 +203,7 @@ impl Expander<'_, '_> {
     }
 
     /// That a pattern does not see an instance that is known around it.
-    fn instance_around(&self, key: Key, segment: &Segment) -> Option<Diagnostic> {
+    fn instance_around(&self, key: NameKey, segment: &Segment) -> Option<Diagnostic> {
         let grown = self.grown().filter(|_| key.scope == self.scope.instance)?;
         let roles = &self.plan.roles;
         let mut outer = std::iter::successors(roles.outer(key.scope), |&scope| roles.outer(scope));
@@ -221,20 +221,20 @@ impl Expander<'_, '_> {
 
     /// The names that a segment stands for.
     fn keys(&mut self, scope: u32, segment: &Segment) -> Option<(Keys, bool)> {
-        let mut key = Key {
+        let mut key = NameKey {
             scope,
             word: segment.name.symbol,
             arity: 0,
-            index: [0; Key::MAX_INDICES],
+            index: [0; NameKey::MAX_INDICES],
         };
         let Some(entries) = segment.index.as_deref() else {
             return Some((Keys::one(key), false));
         };
-        if entries.len() > Key::MAX_INDICES {
+        if entries.len() > NameKey::MAX_INDICES {
             self.diagnostics.push(
                 Diagnostic::new(
                     Code::WrongArguments,
-                    format!("more than {} indices", Key::MAX_INDICES),
+                    format!("more than {} indices", NameKey::MAX_INDICES),
                 )
                 .label(self.site(segment.name.span), "has too many")
                 .help("count some of them into one: `T[3 * i + j]`"),
@@ -243,7 +243,7 @@ impl Expander<'_, '_> {
         }
         key.arity = entries.len() as u8;
         let mut ranged = false;
-        let mut bounds = [(0, 0); Key::MAX_INDICES];
+        let mut bounds = [(0, 0); NameKey::MAX_INDICES];
         for (i, entry) in entries.iter().enumerate() {
             bounds[i] = match entry {
                 Subscript::One(expr) => {

@@ -3,7 +3,7 @@ use stochc_grammar::Span;
 use stochc_grammar::tree::Segment;
 
 use crate::FileId;
-use crate::plan::Key;
+use crate::plan::NameKey;
 
 /// A place of the text, and the blocks that are found to be meant there.
 #[derive(Debug, Default)]
@@ -11,7 +11,7 @@ pub struct Probe {
     /// The file and a byte of it; `None`: no place at all.
     pub at: Option<(FileId, u32)>,
     /// The names, in the order in which the program is written out, each once.
-    pub keys: Vec<Key>,
+    pub keys: Vec<NameKey>,
 }
 
 /// Names that are kept of one place; in a loop it may stand for millions.
@@ -19,7 +19,7 @@ const MOST_KEYS: usize = 64;
 
 impl Probe {
     /// Notes the blocks of a place if it is the one in question.
-    pub fn note(&mut self, file: FileId, place: &[Segment], keys: impl Iterator<Item = Key>) {
+    pub fn note(&mut self, file: FileId, place: &[Segment], keys: impl Iterator<Item = NameKey>) {
         // The instances before the last name are other things, and so are the names of its indices.
         if let Some(last) = place.last() {
             self.note_span(file, last.name.span, keys);
@@ -27,7 +27,7 @@ impl Probe {
     }
 
     /// Notes the blocks of a part of the text.
-    pub fn note_span(&mut self, file: FileId, span: Span, keys: impl Iterator<Item = Key>) {
+    pub fn note_span(&mut self, file: FileId, span: Span, keys: impl Iterator<Item = NameKey>) {
         let Some((probed, at)) = self.at else { return };
         if probed != file || !(span.start..=span.end).contains(&at) {
             return;

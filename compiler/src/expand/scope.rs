@@ -5,8 +5,8 @@ use stochc_grammar::Symbol;
 use stochc_ir::Face;
 
 use crate::Site;
-use crate::names::{Thing, ValueKind};
-use crate::plan::Key;
+use crate::names::{Definition, ValueKind};
+use crate::plan::NameKey;
 
 /// What a word stands for, other than a block of its own name.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub enum BoundValue {
     /// A number.
     Number(i64),
     /// A block given to a pattern.
-    Block(Key),
+    Block(NameKey),
     /// A face given to a pattern.
     Face(Face),
     /// Something that could not be worked out; it has been told of.
@@ -36,7 +36,7 @@ impl BoundValue {
 #[derive(Clone, Copy, Debug)]
 struct Binding {
     /// What has the value.
-    thing: Option<Thing>,
+    definition: Option<Definition>,
     value: BoundValue,
     site: Site,
     /// How many blocks were open when it was made.
@@ -58,7 +58,7 @@ pub struct Scope {
 
 /// The state to which the end of a block returns.
 #[derive(Clone, Copy, Debug)]
-pub struct Mark {
+pub struct ScopeMark {
     defined: usize,
     level: u32,
     floor: u32,
@@ -67,8 +67,8 @@ pub struct Mark {
 
 impl Scope {
     /// Opens a block.
-    pub fn mark(&mut self) -> Mark {
-        let mark = Mark {
+    pub fn mark(&mut self) -> ScopeMark {
+        let mark = ScopeMark {
             defined: self.defined.len(),
             level: self.level,
             floor: self.floor,
@@ -79,7 +79,7 @@ impl Scope {
     }
 
     /// Opens an instance.
-    pub fn enter_instance(&mut self, instance: u32) -> Mark {
+    pub fn enter_instance(&mut self, instance: u32) -> ScopeMark {
         let mark = self.mark();
         self.floor = self.level;
         self.instance = instance;
@@ -87,7 +87,7 @@ impl Scope {
     }
 
     /// Closes a block or instance.
-    pub fn restore(&mut self, mark: Mark) {
+    pub fn restore(&mut self, mark: ScopeMark) {
         for word in self.defined.drain(mark.defined..) {
             if let Some(bindings) = self.words.get_mut(&word) {
                 bindings.pop();
@@ -98,10 +98,10 @@ impl Scope {
         self.instance = mark.instance;
     }
 
-    /// Gives a thing a value, under its word; the place of the old one if the word has one in this very block.
+    /// Gives a definition a value, under its word; the place of the old one if the word has one in this very block.
     pub fn define(
         &mut self,
-        (word, thing): (Symbol, Option<Thing>),
+        (word, definition): (Symbol, Option<Definition>),
         value: BoundValue,
         site: Site,
     ) -> Option<Site> {
@@ -109,7 +109,7 @@ impl Scope {
         let old = bindings.last().filter(|old| old.level == self.level);
         let old = old.map(|old| old.site);
         bindings.push(Binding {
-            thing,
+            definition,
             value,
             site,
             level: self.level,
@@ -119,19 +119,19 @@ impl Scope {
     }
 
     /// Makes a parameter or counter stand for nothing that is known, once it has been told of.
-    pub fn forget(&mut self, word: Symbol, thing: Thing) {
+    pub fn forget(&mut self, word: Symbol, definition: Definition) {
         let floor = self.floor;
         let bindings = self.words.get_mut(&word).into_iter().flatten();
-        let last = bindings.rev().find(|it| it.thing == Some(thing));
+        let last = bindings.rev().find(|it| it.definition == Some(definition));
         if let Some(binding) = last.filter(|binding| binding.level >= floor && floor > 0) {
             binding.value = BoundValue::Unknown;
         }
     }
 
-    /// The value of a thing with this word, and where it has got it.
-    pub fn get(&self, word: Symbol, thing: Thing) -> Option<(BoundValue, Site)> {
+    /// The value of a definition with this word, and where it has got it.
+    pub fn get(&self, word: Symbol, definition: Definition) -> Option<(BoundValue, Site)> {
         let mut bindings = self.words.get(&word)?.iter().rev();
-        let binding = bindings.find(|it| it.thing == Some(thing))?;
+        let binding = bindings.find(|it| it.definition == Some(definition))?;
         Some((binding.value, binding.site))
     }
 

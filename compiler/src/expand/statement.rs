@@ -9,7 +9,7 @@ use super::scope::BoundValue;
 use super::{Expander, Pass};
 use crate::Site;
 use crate::diagnostic::{Code, Diagnostic, Fix};
-use crate::plan::{AfterConstraint, EventId, EventKind, Key, PlanEvent};
+use crate::plan::{AfterConstraint, EventId, EventKind, NameKey, PlanEvent};
 
 impl<'a> Expander<'a, '_> {
     /// Captures, one after the other.
@@ -272,7 +272,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     /// The name of an instance that the program gives none.
-    fn anonymous_key(&mut self, pattern: Symbol) -> Key {
+    fn anonymous_key(&mut self, pattern: Symbol) -> NameKey {
         let word = match self.pass {
             Pass::Writing => {
                 let text = format!("{}#{}", self.symbols.word(pattern), self.anonymous);
@@ -280,11 +280,11 @@ impl<'a> Expander<'a, '_> {
             }
             Pass::Counting => pattern,
         };
-        Key {
+        NameKey {
             scope: self.scope.instance,
             word,
             arity: 0,
-            index: [0; Key::MAX_INDICES],
+            index: [0; NameKey::MAX_INDICES],
         }
     }
 

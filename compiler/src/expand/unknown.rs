@@ -6,7 +6,7 @@ use stochc_ir::suggest::nearest;
 use super::Expander;
 use super::scope::BoundValue;
 use crate::Site;
-use crate::diagnostic::{Code, Diagnostic, hand_in};
+use crate::diagnostic::{Code, Diagnostic, parameter_hint};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
@@ -28,14 +28,14 @@ impl Expander<'_, '_> {
         let mut diagnostic = Diagnostic::new(Code::WrongKind, title)
             .label(self.site(named.span), label)
             .help("blocks, numbers and parameters need different names");
-        let thing = self.names.value(self.file, named.span);
-        let known = thing.and_then(|thing| self.scope.get(named.symbol, thing));
+        let definition = self.names.value(self.file, named.span);
+        let known = definition.and_then(|definition| self.scope.get(named.symbol, definition));
         if let Some((_, site)) = known {
             diagnostic = diagnostic.label(site, format!("{given} from here on"));
         }
         self.diagnostics.push(self.in_instance(diagnostic));
-        if let Some(thing) = thing {
-            self.scope.forget(named.symbol, thing);
+        if let Some(definition) = definition {
+            self.scope.forget(named.symbol, definition);
         }
     }
 
@@ -66,7 +66,7 @@ impl Expander<'_, '_> {
             )
             .label(site, "not known inside of the pattern")
             .label(around, "a number around the place where it grows")
-            .help(hand_in(self.sources, &grown, name, name))
+            .help(parameter_hint(self.sources, &grown, name, name))
         } else {
             let known = self.scope.words().map(|word| self.symbols.word(word));
             Diagnostic::new(Code::UnknownName, format!("no number is called `{name}`"))

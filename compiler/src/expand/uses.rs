@@ -38,9 +38,9 @@ type Patterns<'a> = FxHashMap<Symbol, (FileId, &'a Pattern)>;
 
 /// What is known of the parameters of patterns, by the file and the first byte of their names.
 #[derive(Debug, Default)]
-pub struct Known(FxHashMap<(FileId, u32), Rc<[Uses]>>);
+pub struct KnownUses(FxHashMap<(FileId, u32), Rc<[Uses]>>);
 
-impl Known {
+impl KnownUses {
     /// The uses of each parameter of a pattern, also as an argument of the patterns that it grows.
     pub fn uses(
         &mut self,

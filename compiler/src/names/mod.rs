@@ -6,9 +6,9 @@
 //!
 //! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`, since only writing the
 //! program out could tell them apart ([`crate::source_map`] does). A name that may stand for several
-//! things, such as a number of the assembly that grows a pattern, makes them one.
+//! definitions, such as a number of the assembly that grows a pattern, makes them one.
+mod definitions;
 mod resolve;
-mod things;
 
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::Tree;
@@ -23,9 +23,9 @@ pub struct Names {
     occurrences: Vec<Occurrence>,
     kinds: Vec<(NameKind, Symbol)>,
     /// What has a value, by the file and the first byte of each of its names.
-    values: FxHashMap<(FileId, u32), Thing>,
+    values: FxHashMap<(FileId, u32), Definition>,
     /// What each parameter is used as, in source order.
-    uses: FxHashMap<Thing, Vec<Use>>,
+    uses: FxHashMap<Definition, Vec<Use>>,
 }
 
 /// A use of a parameter.
@@ -77,14 +77,14 @@ pub struct Occurrence {
     /// Where.
     pub site: Site,
     /// What it refers to.
-    pub thing: Thing,
+    pub definition: Definition,
     /// Whether it is declared here, or captured if it is a block.
     pub declares: bool,
 }
 
-/// Something with a name.
+/// What a name refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Thing(u32);
+pub struct Definition(u32);
 
 /// What has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -164,7 +164,7 @@ impl Names {
     }
 
     /// The number, counter or parameter that is named here; `None`: the name is that of something else, or of nothing.
-    pub(crate) fn value(&self, file: FileId, span: Span) -> Option<Thing> {
+    pub(crate) fn value(&self, file: FileId, span: Span) -> Option<Definition> {
         self.values.get(&(file, span.start)).copied()
     }
 
@@ -190,19 +190,19 @@ impl Names {
         &self.occurrences
     }
 
-    /// Every place where a thing is named, by file and place.
-    pub fn of_thing(&self, thing: Thing) -> impl Iterator<Item = &Occurrence> {
-        (self.occurrences.iter()).filter(move |occurrence| occurrence.thing == thing)
+    /// Every place that refers to a definition, by file and place.
+    pub fn occurrences_of(&self, definition: Definition) -> impl Iterator<Item = &Occurrence> {
+        (self.occurrences.iter()).filter(move |occurrence| occurrence.definition == definition)
     }
 
-    /// What a thing is.
-    pub fn kind(&self, thing: Thing) -> NameKind {
-        self.kinds[thing.0 as usize].0
+    /// What kind of definition it is.
+    pub fn kind(&self, definition: Definition) -> NameKind {
+        self.kinds[definition.0 as usize].0
     }
 
-    /// The word of a thing.
-    pub fn word(&self, thing: Thing) -> Symbol {
-        self.kinds[thing.0 as usize].1
+    /// The word of a definition.
+    pub fn word(&self, definition: Definition) -> Symbol {
+        self.kinds[definition.0 as usize].1
     }
 }
 
@@ -211,7 +211,7 @@ mod tests {
     use super::*;
     use crate::{Limits, check};
 
-    /// The words of a program that are names, each with its thing's number, by order of mention;
+    /// The words of a program that are names, each with the number of its definition, by order of mention;
     /// where it is declared, with a star.
     fn shown(files: &[(&str, &str)]) -> String {
         let mut reader = |path: &str| {
@@ -221,16 +221,21 @@ mod tests {
         };
         let checked = check(files[0].0, &mut reader, Limits::default());
         let names = Names::of(&checked, Cancellation::NEVER).unwrap();
-        let mut seen: Vec<Thing> = Vec::new();
+        let mut seen: Vec<Definition> = Vec::new();
         let mut shown = Vec::new();
         for occurrence in names.all() {
-            let number = seen.iter().position(|&thing| thing == occurrence.thing);
+            let number = seen
+                .iter()
+                .position(|&definition| definition == occurrence.definition);
             let number = number.unwrap_or_else(|| {
-                seen.push(occurrence.thing);
+                seen.push(occurrence.definition);
                 seen.len() - 1
             });
             let word = checked.sources.text(occurrence.site);
-            assert_eq!(word, checked.symbols.word(names.word(occurrence.thing)));
+            assert_eq!(
+                word,
+                checked.symbols.word(names.word(occurrence.definition))
+            );
             let star = if occurrence.declares { "*" } else { "" };
             shown.push(format!("{word}{number}{star}"));
         }

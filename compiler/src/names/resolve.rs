@@ -6,8 +6,8 @@ use stochc_grammar::tree::{
 };
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
-use super::things::{Bindings, Things};
-use super::{Keep, NameKind, Names, Thing, Use, ValueKind};
+use super::definitions::{Bindings, Definitions};
+use super::{Definition, Keep, NameKind, Names, Use, ValueKind};
 use crate::{FileId, Site};
 
 /// Resolves every name of a program's files.
@@ -21,19 +21,19 @@ pub fn resolve<'a>(
     cancellation: Cancellation<'_>,
 ) -> Result<Names, Cancelled> {
     let mut resolver = Resolver {
-        things: Things::new(keep),
+        definitions: Definitions::new(keep),
         file: FileId(0),
         bindings: Bindings::default(),
         file_numbers: FxHashMap::default(),
         shared: FxHashMap::default(),
-        realms: FxHashMap::default(),
-        realm_count: 0,
+        scopes: FxHashMap::default(),
+        scope_count: 0,
         captured: FxHashSet::default(),
         blocks: FxHashMap::default(),
         grown: FxHashMap::default(),
         assemblies: Vec::new(),
-        within: Within::File,
-        realm: Realm(0),
+        enclosing: EnclosingScope::File,
+        scope: BlockScope(0),
         cancellation,
     };
     let trees: Vec<_> = trees.collect();
@@ -50,16 +50,16 @@ pub fn resolve<'a>(
     }
     // It may have been given up before its end.
     cancellation.check()?;
-    Ok(resolver.things.finish())
+    Ok(resolver.definitions.finish())
 }
 
 /// Whose blocks and instances are spoken of: those of an assembly, or of a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Realm(u32);
+struct BlockScope(u32);
 
 /// What is gone through.
 #[derive(Clone, Copy, PartialEq)]
-enum Within {
+enum EnclosingScope {
     /// The file itself.
     File,
     /// An assembly, by number.
@@ -73,31 +73,31 @@ enum Within {
 /// What an assembly declares for itself.
 #[derive(Default)]
 struct Own {
-    numbers: FxHashMap<Symbol, Vec<Thing>>,
+    numbers: FxHashMap<Symbol, Vec<Definition>>,
     /// The same, by the place of their names.
-    lets: FxHashMap<u32, Thing>,
-    named: FxHashMap<(NameKind, Symbol), Thing>,
+    lets: FxHashMap<u32, Definition>,
+    named: FxHashMap<(NameKind, Symbol), Definition>,
 }
 
 struct Resolver<'c> {
-    things: Things,
+    definitions: Definitions,
     file: FileId,
     bindings: Bindings,
-    file_numbers: FxHashMap<Symbol, Thing>,
+    file_numbers: FxHashMap<Symbol, Definition>,
     /// Patterns, shapes and scenes of all files.
-    shared: FxHashMap<(NameKind, Symbol), Thing>,
+    shared: FxHashMap<(NameKind, Symbol), Definition>,
     /// For every pattern, whose names it has.
-    realms: FxHashMap<Thing, Realm>,
-    realm_count: u32,
+    scopes: FxHashMap<Definition, BlockScope>,
+    scope_count: u32,
     /// The words that are captured in each pattern.
-    captured: FxHashSet<(Realm, Symbol)>,
+    captured: FxHashSet<(BlockScope, Symbol)>,
     /// Blocks, instances and phases.
-    blocks: FxHashMap<(Realm, NameKind, Symbol), Thing>,
+    blocks: FxHashMap<(BlockScope, NameKind, Symbol), Definition>,
     /// The patterns that the instances of a name have grown from.
-    grown: FxHashMap<Thing, Vec<Realm>>,
+    grown: FxHashMap<Definition, Vec<BlockScope>>,
     assemblies: Vec<Own>,
-    within: Within,
-    realm: Realm,
+    enclosing: EnclosingScope,
+    scope: BlockScope,
     cancellation: Cancellation<'c>,
 }
 
@@ -108,13 +108,13 @@ impl Resolver<'_> {
         for item in items {
             match &item.kind {
                 ItemKind::Scene(scene) => {
-                    let thing = self.scene(scene.name);
-                    self.occur(thing, scene.name.span, true);
+                    let definition = self.scene(scene.name);
+                    self.occur(definition, scene.name.span, true);
                 }
                 ItemKind::Let(let_) => {
                     self.expr(&let_.value);
-                    let thing = self.bind(NameKind::Number, let_.name);
-                    self.file_numbers.insert(let_.name.symbol, thing);
+                    let definition = self.bind(NameKind::Number, let_.name);
+                    self.file_numbers.insert(let_.name.symbol, definition);
                 }
                 ItemKind::Assembly(assembly) => {
                     let mut own = Own {
@@ -124,9 +124,9 @@ impl Resolver<'_> {
                     for item in &assembly.body {
                         if let ItemKind::Let(let_) = &item.kind {
                             let word = let_.name.symbol;
-                            let thing = self.things.new_thing(NameKind::Number, word);
-                            own.numbers.entry(word).or_default().push(thing);
-                            own.lets.insert(let_.name.span.start, thing);
+                            let definition = self.definitions.add(NameKind::Number, word);
+                            own.numbers.entry(word).or_default().push(definition);
+                            own.lets.insert(let_.name.span.start, definition);
                         }
                     }
                     self.assemblies.push(own);
@@ -137,7 +137,7 @@ impl Resolver<'_> {
     }
 
     /// Patterns and shapes, which may stand behind their use.
-    fn declare(&mut self, items: &[Item]) -> FxHashMap<(NameKind, Symbol), Thing> {
+    fn declare(&mut self, items: &[Item]) -> FxHashMap<(NameKind, Symbol), Definition> {
         let mut named = FxHashMap::default();
         for item in items {
             let (kind, name) = match &item.kind {
@@ -145,70 +145,70 @@ impl Resolver<'_> {
                 ItemKind::Shape(shape) => (NameKind::Shape, shape.name),
                 _ => continue,
             };
-            let thing = self.things.new_thing(kind, name.symbol);
-            self.occur(thing, name.span, true);
-            named.insert((kind, name.symbol), thing);
+            let definition = self.definitions.add(kind, name.symbol);
+            self.occur(definition, name.span, true);
+            named.insert((kind, name.symbol), definition);
             if let ItemKind::Pattern(pattern) = &item.kind {
-                let realm = self.new_realm();
-                self.realms.insert(thing, realm);
-                self.capture_words(&pattern.body, realm);
+                let scope = self.new_scope();
+                self.scopes.insert(definition, scope);
+                self.capture_words(&pattern.body, scope);
             }
         }
         named
     }
 
-    fn capture_words(&mut self, items: &[Item], realm: Realm) {
+    fn capture_words(&mut self, items: &[Item], scope: BlockScope) {
         for item in items {
             match &item.kind {
                 ItemKind::Chain(chain) => {
                     for link in &chain.links {
                         if let [only] = &link.place.path[..] {
-                            self.captured.insert((realm, only.name.symbol));
+                            self.captured.insert((scope, only.name.symbol));
                         }
                     }
                 }
-                ItemKind::For(block) => self.capture_words(&block.body, realm),
+                ItemKind::For(block) => self.capture_words(&block.body, scope),
                 _ => {}
             }
         }
     }
 
-    fn new_realm(&mut self) -> Realm {
-        self.realm_count += 1;
-        Realm(self.realm_count)
+    fn new_scope(&mut self) -> BlockScope {
+        self.scope_count += 1;
+        BlockScope(self.scope_count)
     }
 
     fn top(&mut self, item: &Item, number: &mut usize) {
-        self.within = Within::File;
+        self.enclosing = EnclosingScope::File;
         match &item.kind {
             ItemKind::Assembly(assembly) => {
-                let thing = self
-                    .things
-                    .new_thing(NameKind::Assembly, assembly.name.symbol);
-                self.occur(thing, assembly.name.span, true);
+                let definition = self
+                    .definitions
+                    .add(NameKind::Assembly, assembly.name.symbol);
+                self.occur(definition, assembly.name.span, true);
                 if let Some(scene) = assembly.scene {
-                    let thing = self.scene(scene);
-                    self.occur(thing, scene.span, false);
+                    let definition = self.scene(scene);
+                    self.occur(definition, scene.span, false);
                 }
-                self.within = Within::Assembly(*number);
-                self.realm = self.new_realm();
+                self.enclosing = EnclosingScope::Assembly(*number);
+                self.scope = self.new_scope();
                 *number += 1;
                 self.items(&assembly.body);
             }
             ItemKind::Aggregate(aggregate) => {
-                let thing = (self.things).new_thing(NameKind::Aggregate, aggregate.name.symbol);
-                self.occur(thing, aggregate.name.span, true);
+                let definition = (self.definitions).add(NameKind::Aggregate, aggregate.name.symbol);
+                self.occur(definition, aggregate.name.span, true);
                 if let Some(scene) = aggregate.scene {
-                    let thing = self.scene(scene);
-                    self.occur(thing, scene.span, false);
+                    let definition = self.scene(scene);
+                    self.occur(definition, scene.span, false);
                 }
                 self.expr(&aggregate.size);
             }
-            ItemKind::Pattern(pattern) => self.pattern(pattern, Within::Pattern),
+            ItemKind::Pattern(pattern) => self.pattern(pattern, EnclosingScope::Pattern),
             ItemKind::Scene(scene) => {
                 if let Some(base) = scene.base {
-                    let thing = self.scene(base);
-                    self.occur(thing, base.span, false);
+                    let definition = self.scene(base);
+                    self.occur(definition, base.span, false);
                 }
             }
             _ => {}
@@ -216,29 +216,33 @@ impl Resolver<'_> {
     }
 
     /// A scene, declared or built in.
-    fn scene(&mut self, name: Name) -> Thing {
+    fn scene(&mut self, name: Name) -> Definition {
         let key = (NameKind::Scene, name.symbol);
-        if let Some(&thing) = self.shared.get(&key) {
-            return thing;
+        if let Some(&definition) = self.shared.get(&key) {
+            return definition;
         }
-        let thing = self.things.new_thing(NameKind::Scene, name.symbol);
-        self.shared.insert(key, thing);
-        thing
+        let definition = self.definitions.add(NameKind::Scene, name.symbol);
+        self.shared.insert(key, definition);
+        definition
     }
 
-    fn pattern(&mut self, pattern: &Pattern, within: Within) {
-        let Some(&realm) = (self.named(NameKind::Pattern, pattern.name.symbol))
-            .and_then(|thing| self.realms.get(&thing))
+    fn pattern(&mut self, pattern: &Pattern, enclosing: EnclosingScope) {
+        let Some(&scope) = (self.named(NameKind::Pattern, pattern.name.symbol))
+            .and_then(|definition| self.scopes.get(&definition))
         else {
             return;
         };
-        let outer = (self.within, self.realm, std::mem::take(&mut self.bindings));
-        (self.within, self.realm) = (within, realm);
+        let outer = (
+            self.enclosing,
+            self.scope,
+            std::mem::take(&mut self.bindings),
+        );
+        (self.enclosing, self.scope) = (enclosing, scope);
         for &parameter in &pattern.parameters {
             self.bind(NameKind::Parameter, parameter);
         }
         self.items(&pattern.body);
-        (self.within, self.realm, self.bindings) = outer;
+        (self.enclosing, self.scope, self.bindings) = outer;
     }
 
     fn items(&mut self, items: &[Item]) {
@@ -298,8 +302,8 @@ impl Resolver<'_> {
                 self.items(&seed.body);
             }
             ItemKind::Pattern(pattern) => {
-                if let Within::Assembly(number) = self.within {
-                    self.pattern(pattern, Within::OwnPattern(number));
+                if let EnclosingScope::Assembly(number) = self.enclosing {
+                    self.pattern(pattern, EnclosingScope::OwnPattern(number));
                 }
             }
             // Codes of findings are no names of the program, and numbers in a shape have none; the others do not belong here.
@@ -319,12 +323,12 @@ impl Resolver<'_> {
                 Argument::Expr(expr) => match expr.kind {
                     // A bare name is the number of that name, or else the block.
                     ExprKind::Name(word) => match self.number(word) {
-                        Some(thing) => {
-                            self.occur(thing, expr.span, false);
+                        Some(definition) => {
+                            self.occur(definition, expr.span, false);
                             let used = Use::Argument(instance.pattern.symbol, number);
-                            self.things.used(thing, used);
+                            self.definitions.used(definition, used);
                         }
-                        None => self.occur_block(self.realm, word, expr.span, false),
+                        None => self.occur_block(self.scope, word, expr.span, false),
                     },
                     _ => self.expr(expr),
                 },
@@ -332,29 +336,29 @@ impl Resolver<'_> {
             }
         }
         let Some(alias) = &instance.alias else { return };
-        let realm = (self.named(NameKind::Pattern, instance.pattern.symbol))
-            .and_then(|thing| self.realms.get(&thing).copied());
-        if let (Some(thing), Some(realm)) = (self.new_name(NameKind::Instance, alias), realm) {
-            let realms = self.grown.entry(thing).or_default();
-            if !realms.contains(&realm) {
-                realms.push(realm);
+        let scope = (self.named(NameKind::Pattern, instance.pattern.symbol))
+            .and_then(|definition| self.scopes.get(&definition).copied());
+        if let (Some(definition), Some(scope)) = (self.new_name(NameKind::Instance, alias), scope) {
+            let scopes = self.grown.entry(definition).or_default();
+            if !scopes.contains(&scope) {
+                scopes.push(scope);
             }
         }
     }
 
-    /// The name of something new in this realm.
-    fn new_name(&mut self, kind: NameKind, place: &Place) -> Option<Thing> {
+    /// The name of something new in this scope.
+    fn new_name(&mut self, kind: NameKind, place: &Place) -> Option<Definition> {
         let [segment] = &place.path[..] else {
             return None;
         };
         self.indices(segment);
         // What is inside of an instance is asked for whether its name is kept or not.
-        if kind != NameKind::Instance && !self.things.keeps(kind) {
+        if kind != NameKind::Instance && !self.definitions.keeps(kind) {
             return None;
         }
-        let thing = self.block(self.realm, kind, segment.name.symbol);
-        self.occur(thing, segment.name.span, true);
-        Some(thing)
+        let definition = self.block(self.scope, kind, segment.name.symbol);
+        self.occur(definition, segment.name.span, true);
+        Some(definition)
     }
 
     fn place(&mut self, place: &Place, captures: bool) {
@@ -364,15 +368,15 @@ impl Resolver<'_> {
         if let (None, [instances @ .., last]) = (place.face, path)
             && !instances.is_empty()
             && last.index.is_none()
-            && let Some(thing) = self.parameter(last.name.symbol)
+            && let Some(definition) = self.parameter(last.name.symbol)
         {
             let inside = self.inside(instances);
             let is_block = (inside.iter().flatten())
-                .any(|&realm| self.captured.contains(&(realm, last.name.symbol)));
+                .any(|&scope| self.captured.contains(&(scope, last.name.symbol)));
             if !is_block {
-                self.occur(thing, last.name.span, false);
+                self.occur(definition, last.name.span, false);
                 if inside.is_none() {
-                    self.used_as(thing, ValueKind::Face, last.name.span);
+                    self.used_as(definition, ValueKind::Face, last.name.span);
                 }
                 path = instances;
             }
@@ -383,97 +387,97 @@ impl Resolver<'_> {
         let word = last.name.symbol;
         if instances.is_empty() {
             match self.number(word) {
-                Some(thing) => {
-                    self.occur(thing, last.name.span, false);
+                Some(definition) => {
+                    self.occur(definition, last.name.span, false);
                     if last.index.is_none() {
-                        self.used_as(thing, ValueKind::Block, last.name.span);
+                        self.used_as(definition, ValueKind::Block, last.name.span);
                     }
                 }
-                None => self.occur_block(self.realm, word, last.name.span, captures),
+                None => self.occur_block(self.scope, word, last.name.span, captures),
             }
             return;
         }
-        let Some(mut realms) = self.inside(instances) else {
+        let Some(mut scopes) = self.inside(instances) else {
             // A block and what may have been meant to be its face.
             if let [only] = instances
                 && only.index.is_none()
-                && let Some(thing) = self.parameter(only.name.symbol)
+                && let Some(definition) = self.parameter(only.name.symbol)
             {
-                self.occur(thing, only.name.span, false);
-                self.used_as(thing, ValueKind::Block, only.name.span);
+                self.occur(definition, only.name.span, false);
+                self.used_as(definition, ValueKind::Block, only.name.span);
             }
             return;
         };
         self.occur_instances(instances);
-        if !self.things.keeps(NameKind::Block) {
+        if !self.definitions.keeps(NameKind::Block) {
             return;
         }
-        if realms
+        if scopes
             .iter()
-            .any(|&realm| self.captured.contains(&(realm, word)))
+            .any(|&scope| self.captured.contains(&(scope, word)))
         {
-            realms.retain(|&realm| self.captured.contains(&(realm, word)));
+            scopes.retain(|&scope| self.captured.contains(&(scope, word)));
         }
-        let things: Vec<Thing> = (realms.into_iter())
-            .map(|realm| self.block(realm, NameKind::Block, word))
+        let definitions: Vec<Definition> = (scopes.into_iter())
+            .map(|scope| self.block(scope, NameKind::Block, word))
             .collect();
-        if let Some(thing) = self.things.unite(things) {
-            self.occur(thing, last.name.span, captures);
+        if let Some(definition) = self.definitions.unite(definitions) {
+            self.occur(definition, last.name.span, captures);
         }
     }
 
     /// The parameter that a word stands for.
-    fn parameter(&self, word: Symbol) -> Option<Thing> {
-        let thing = self.bindings.get(word)?;
-        (self.things.kind(thing) == NameKind::Parameter).then_some(thing)
+    fn parameter(&self, word: Symbol) -> Option<Definition> {
+        let definition = self.bindings.get(word)?;
+        (self.definitions.kind(definition) == NameKind::Parameter).then_some(definition)
     }
 
-    fn used_as(&mut self, thing: Thing, kind: ValueKind, span: Span) {
+    fn used_as(&mut self, definition: Definition, kind: ValueKind, span: Span) {
         let site = self.site(span);
-        self.things.used(thing, Use::As(kind, site));
+        self.definitions.used(definition, Use::As(kind, site));
     }
 
-    /// The name of a block of a realm.
-    fn occur_block(&mut self, realm: Realm, word: Symbol, span: Span, declares: bool) {
-        if self.things.keeps(NameKind::Block) {
-            let thing = self.block(realm, NameKind::Block, word);
-            self.occur(thing, span, declares);
+    /// The name of a block of a scope.
+    fn occur_block(&mut self, scope: BlockScope, word: Symbol, span: Span, declares: bool) {
+        if self.definitions.keeps(NameKind::Block) {
+            let definition = self.block(scope, NameKind::Block, word);
+            self.occur(definition, span, declares);
         }
     }
 
     /// The patterns inside of which a path of instances leads; `None` if one is unknown.
-    fn inside(&self, instances: &[Segment]) -> Option<Vec<Realm>> {
-        let mut realms = vec![self.realm];
+    fn inside(&self, instances: &[Segment]) -> Option<Vec<BlockScope>> {
+        let mut scopes = vec![self.scope];
         for segment in instances {
-            let key = |realm| (realm, NameKind::Instance, segment.name.symbol);
-            let things = realms
+            let key = |scope| (scope, NameKind::Instance, segment.name.symbol);
+            let definitions = scopes
                 .iter()
-                .filter_map(|&realm| self.blocks.get(&key(realm)));
-            let mut inside: Vec<Realm> = things
-                .filter_map(|thing| self.grown.get(thing))
+                .filter_map(|&scope| self.blocks.get(&key(scope)));
+            let mut inside: Vec<BlockScope> = definitions
+                .filter_map(|definition| self.grown.get(definition))
                 .flatten()
                 .copied()
                 .collect();
-            inside.sort_unstable_by_key(|realm| realm.0);
+            inside.sort_unstable_by_key(|scope| scope.0);
             inside.dedup();
             if inside.is_empty() {
                 return None;
             }
-            realms = inside;
+            scopes = inside;
         }
-        Some(realms)
+        Some(scopes)
     }
 
     fn occur_instances(&mut self, instances: &[Segment]) {
         for (i, segment) in instances.iter().enumerate() {
-            let realms = self.inside(&instances[..i]).unwrap_or_default();
-            let key = |realm| (realm, NameKind::Instance, segment.name.symbol);
-            let known = realms
+            let scopes = self.inside(&instances[..i]).unwrap_or_default();
+            let key = |scope| (scope, NameKind::Instance, segment.name.symbol);
+            let known = scopes
                 .into_iter()
-                .filter_map(|realm| self.blocks.get(&key(realm)));
-            let known: Vec<Thing> = known.copied().collect();
-            if let Some(thing) = self.things.unite(known) {
-                self.occur(thing, segment.name.span, false);
+                .filter_map(|scope| self.blocks.get(&key(scope)));
+            let known: Vec<Definition> = known.copied().collect();
+            if let Some(definition) = self.definitions.unite(known) {
+                self.occur(definition, segment.name.span, false);
             }
         }
     }
@@ -494,9 +498,9 @@ impl Resolver<'_> {
         match &expr.kind {
             ExprKind::Int(_) => {}
             ExprKind::Name(word) => {
-                if let Some(thing) = self.number(*word) {
-                    self.occur(thing, expr.span, false);
-                    self.used_as(thing, ValueKind::Number, expr.span);
+                if let Some(definition) = self.number(*word) {
+                    self.occur(definition, expr.span, false);
+                    self.used_as(definition, ValueKind::Number, expr.span);
                 }
             }
             ExprKind::Negate(inner) => self.expr(inner),
@@ -508,71 +512,73 @@ impl Resolver<'_> {
     }
 
     /// The number, counter or parameter of a word.
-    fn number(&mut self, word: Symbol) -> Option<Thing> {
-        if let Some(thing) = self.bindings.get(word) {
-            return Some(thing);
+    fn number(&mut self, word: Symbol) -> Option<Definition> {
+        if let Some(definition) = self.bindings.get(word) {
+            return Some(definition);
         }
         let of = |own: &Own| own.numbers.get(&word).cloned().unwrap_or_default();
-        let mut things: Vec<Thing> = match self.within {
-            Within::File | Within::Assembly(_) => return None,
-            Within::OwnPattern(number) => self.assemblies.get(number).map(of).unwrap_or_default(),
-            Within::Pattern => self.assemblies.iter().flat_map(of).collect(),
+        let mut definitions: Vec<Definition> = match self.enclosing {
+            EnclosingScope::File | EnclosingScope::Assembly(_) => return None,
+            EnclosingScope::OwnPattern(number) => {
+                self.assemblies.get(number).map(of).unwrap_or_default()
+            }
+            EnclosingScope::Pattern => self.assemblies.iter().flat_map(of).collect(),
         };
-        things.extend(self.file_numbers.get(&word));
-        self.things.unite(things)
+        definitions.extend(self.file_numbers.get(&word));
+        self.definitions.unite(definitions)
     }
 
     /// The pattern or shape of a word.
-    fn named(&mut self, kind: NameKind, word: Symbol) -> Option<Thing> {
+    fn named(&mut self, kind: NameKind, word: Symbol) -> Option<Definition> {
         let own = |own: &Own| own.named.get(&(kind, word)).copied();
-        let mut things: Vec<Thing> = match self.within {
-            Within::Assembly(number) | Within::OwnPattern(number) => self
+        let mut definitions: Vec<Definition> = match self.enclosing {
+            EnclosingScope::Assembly(number) | EnclosingScope::OwnPattern(number) => self
                 .assemblies
                 .get(number)
                 .and_then(own)
                 .into_iter()
                 .collect(),
-            Within::File | Within::Pattern => Vec::new(),
+            EnclosingScope::File | EnclosingScope::Pattern => Vec::new(),
         };
-        if things.is_empty() {
-            things.extend(self.shared.get(&(kind, word)));
+        if definitions.is_empty() {
+            definitions.extend(self.shared.get(&(kind, word)));
         }
         // A pattern of the file may be grown where only the assembly knows the word.
-        if things.is_empty() && self.within == Within::Pattern {
-            things.extend(self.assemblies.iter().filter_map(own));
-            self.things.unite(things.iter().copied());
+        if definitions.is_empty() && self.enclosing == EnclosingScope::Pattern {
+            definitions.extend(self.assemblies.iter().filter_map(own));
+            self.definitions.unite(definitions.iter().copied());
         }
-        things.first().copied()
+        definitions.first().copied()
     }
 
     fn refer(&mut self, kind: NameKind, name: Name) {
-        if let Some(thing) = self.named(kind, name.symbol) {
-            self.occur(thing, name.span, false);
+        if let Some(definition) = self.named(kind, name.symbol) {
+            self.occur(definition, name.span, false);
         }
     }
 
-    fn bind(&mut self, kind: NameKind, name: Name) -> Thing {
-        let own = match self.within {
-            Within::Assembly(number) => self.assemblies.get(number),
+    fn bind(&mut self, kind: NameKind, name: Name) -> Definition {
+        let own = match self.enclosing {
+            EnclosingScope::Assembly(number) => self.assemblies.get(number),
             _ => None,
         };
         let own = own.and_then(|own| own.lets.get(&name.span.start).copied());
-        let thing = own.unwrap_or_else(|| self.things.new_thing(kind, name.symbol));
-        self.bindings.define(name.symbol, thing);
-        self.occur(thing, name.span, true);
-        thing
+        let definition = own.unwrap_or_else(|| self.definitions.add(kind, name.symbol));
+        self.bindings.define(name.symbol, definition);
+        self.occur(definition, name.span, true);
+        definition
     }
 
-    fn block(&mut self, realm: Realm, kind: NameKind, word: Symbol) -> Thing {
-        let things = &mut self.things;
+    fn block(&mut self, scope: BlockScope, kind: NameKind, word: Symbol) -> Definition {
+        let definitions = &mut self.definitions;
         *(self.blocks)
-            .entry((realm, kind, word))
-            .or_insert_with(|| things.new_thing(kind, word))
+            .entry((scope, kind, word))
+            .or_insert_with(|| definitions.add(kind, word))
     }
 
-    fn occur(&mut self, thing: Thing, span: Span, declares: bool) {
+    fn occur(&mut self, definition: Definition, span: Span, declares: bool) {
         let site = self.site(span);
-        self.things.occur(thing, site, declares);
+        self.definitions.occur(definition, site, declares);
     }
 
     fn site(&self, span: Span) -> Site {

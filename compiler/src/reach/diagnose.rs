@@ -8,7 +8,7 @@ use super::descendants::DescendantIndex;
 use super::occupancy::Has;
 use super::path_search::SearchOutcome;
 use super::reachable::Dismantled;
-use super::sealed::Stuck;
+use super::sealed::BlockedCapture;
 use super::trial::Proposal;
 use super::{Cell, EventId, ReachAnalysis, all_before, before, picture};
 use crate::diagnostic::{Code, Diagnostic, Fix, tell};
@@ -23,7 +23,7 @@ const MOST_EVENTS: usize = 12;
 const MOST_TOLD: usize = 100;
 
 /// What becomes of a capture that can be closed in.
-enum Fate {
+enum SealedOutcome {
     /// No order reaches it, and this is why.
     Never(UnreachableCause),
     /// Some orders reach it, and one closes it in: that in which all the walls come first.
@@ -70,7 +70,7 @@ impl ReachAnalysis<'_> {
         &mut self,
         events: &[EventId],
         descent: &DescendantIndex,
-        stuck: &[Stuck],
+        blocked: &[BlockedCapture],
         diagnostics: &mut Vec<Diagnostic>,
     ) {
         let never = self.never(events, descent);
@@ -92,11 +92,11 @@ impl ReachAnalysis<'_> {
             None => usize::MAX,
         };
         let mut told = 0;
-        for stuck in stuck.iter().filter(|stuck| stuck.is_shown) {
+        for blocked in blocked.iter().filter(|blocked| blocked.is_shown) {
             if told == most {
                 break;
             }
-            if let Some(diagnostic) = self.sealed(&case, stuck.capture) {
+            if let Some(diagnostic) = self.sealed(&case, blocked.capture) {
                 match self.subject.trial {
                     Some(_) => tell(diagnostics, diagnostic),
                     // Each by itself, so that it is seen which of them a cure cures.
@@ -107,8 +107,8 @@ impl ReachAnalysis<'_> {
         }
         // Where there is a cavity, what the search had no time for says nothing more.
         if told == 0 {
-            for stuck in stuck.iter().take(most) {
-                tell(diagnostics, self.undecided(stuck.capture));
+            for blocked in blocked.iter().take(most) {
+                tell(diagnostics, self.undecided(blocked.capture));
             }
         }
     }
@@ -135,30 +135,32 @@ impl ReachAnalysis<'_> {
             _ => Vec::new(),
         };
         let walls = self.walls(&pocket, case, &has);
-        let fate = self.fate(case, id, &walls);
-        let title = match fate {
-            Fate::Never(_) => format!("no block can ever come to `{name}`"),
-            Fate::Walled(_) => format!("`{name}` can be walled in before its block comes"),
-            Fate::Doubtful => format!("`{name}` may be walled in before its block comes"),
+        let outcome = self.outcome(case, id, &walls);
+        let title = match outcome {
+            SealedOutcome::Never(_) => format!("no block can ever come to `{name}`"),
+            SealedOutcome::Walled(_) => format!("`{name}` can be walled in before its block comes"),
+            SealedOutcome::Doubtful => format!("`{name}` may be walled in before its block comes"),
         };
         let mut diagnostic = Diagnostic::new(Code::SealedCavity, title);
         if subject.trial.is_none() {
             return Some(diagnostic.label(event.site, ""));
         }
-        let what = match &fate {
-            Fate::Never(UnreachableCause::Walls) => format!("its cell {cell} has no way out"),
-            Fate::Never(UnreachableCause::Waits(_)) => {
+        let what = match &outcome {
+            SealedOutcome::Never(UnreachableCause::Walls) => {
+                format!("its cell {cell} has no way out")
+            }
+            SealedOutcome::Never(UnreachableCause::Waits(_)) => {
                 "it waits for another one that cannot be reached".into()
             }
-            Fate::Never(UnreachableCause::Together) => {
+            SealedOutcome::Never(UnreachableCause::Together) => {
                 "what it waits for cannot be built together".into()
             }
             _ => format!("its cell {cell} has no way out once its walls stand"),
         };
         diagnostic = diagnostic.label(event.site, what);
         let mut help = String::new();
-        match fate {
-            Fate::Never(UnreachableCause::Waits(first)) => {
+        match outcome {
+            SealedOutcome::Never(UnreachableCause::Waits(first)) => {
                 let is_sure = own.contains(&first);
                 let first = plan.describe(first, subject.symbols);
                 return Some(diagnostic.help(match is_sure {
@@ -166,23 +168,23 @@ impl ReachAnalysis<'_> {
                     false => format!("too many of those that it waits for never can come: `{first}` is one"),
                 }));
             }
-            Fate::Never(UnreachableCause::Together) => {
+            SealedOutcome::Never(UnreachableCause::Together) => {
                 return Some(diagnostic.help("no order of the phase reaches all of it: leave an opening"));
             }
-            Fate::Never(UnreachableCause::Walls) if walls.is_empty() => help.push_str(
+            SealedOutcome::Never(UnreachableCause::Walls) if walls.is_empty() => help.push_str(
                 "the blocks of earlier phases close it: it has to come before them, or they leave an opening\n",
             ),
-            Fate::Never(UnreachableCause::Walls) => {
+            SealedOutcome::Never(UnreachableCause::Walls) => {
                 let needed = all_before(subject.certain, walls.iter().copied());
                 let order = case.events.iter().filter(|id| needed.contains(id));
                 let order = self.story(order.copied());
                 help.push_str(&format!("it waits for its walls: {order}\nleave an opening\n"));
             }
-            Fate::Walled(order) => {
+            SealedOutcome::Walled(order) => {
                 let order = self.story(order);
                 help.push_str(&format!("an order that leads there: {order}\n"));
             }
-            Fate::Doubtful => {}
+            SealedOutcome::Doubtful => {}
         }
         for &wall in walls.iter().take(MOST_WALLS) {
             let wall = plan.event(wall);
@@ -264,7 +266,7 @@ impl ReachAnalysis<'_> {
     }
 
     /// What becomes of a capture that its walls can close in.
-    fn fate(&mut self, case: &Case, id: EventId, walls: &[EventId]) -> Fate {
+    fn outcome(&mut self, case: &Case, id: EventId, walls: &[EventId]) -> SealedOutcome {
         let Case {
             events,
             descent,
@@ -275,24 +277,28 @@ impl ReachAnalysis<'_> {
         if never.contains(&id) {
             let unreached = |id: EventId| before(straight, id).find(|first| never.contains(first));
             let first = std::iter::successors(unreached(id), |&first| unreached(first)).last();
-            return Fate::Never(first.map_or(UnreachableCause::Walls, UnreachableCause::Waits));
+            return SealedOutcome::Never(
+                first.map_or(UnreachableCause::Walls, UnreachableCause::Waits),
+            );
         }
         let Some(apart) = &case.apart else {
-            return Fate::Doubtful;
+            return SealedOutcome::Doubtful;
         };
         if !apart.has_gone(id) {
             let own = all_before(straight, [id]);
             match self.dismantle(straight, events, descent, &|other| own.contains(&other)) {
                 Some(own) if own.is_whole => {}
-                Some(_) if !self.has_choice() => return Fate::Never(UnreachableCause::Together),
-                _ => return Fate::Doubtful,
+                Some(_) if !self.has_choice() => {
+                    return SealedOutcome::Never(UnreachableCause::Together);
+                }
+                _ => return SealedOutcome::Doubtful,
             }
         }
         // The walls come without it, whatever choices that takes.
         let straight = self.straight(|other| other == id || never.contains(&other));
         let needed = all_before(&straight, walls.iter().copied());
         if needed.contains(&id) {
-            return Fate::Doubtful;
+            return SealedOutcome::Doubtful;
         }
         let built = match apart.is_whole && !self.has_choice() {
             true => None,
@@ -300,11 +306,11 @@ impl ReachAnalysis<'_> {
         };
         let built = built.as_ref().unwrap_or(apart);
         if walls.is_empty() || !needed.iter().all(|&other| built.has_gone(other)) {
-            return Fate::Doubtful;
+            return SealedOutcome::Doubtful;
         }
         let mut order: Vec<EventId> = needed.into_iter().collect();
         order.sort_by_key(|&other| std::cmp::Reverse(built.gone_at(other)));
-        Fate::Walled(order)
+        SealedOutcome::Walled(order)
     }
 
     /// The captures of the phase that close a pocket, in source order.

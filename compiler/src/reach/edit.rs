@@ -5,7 +5,7 @@ use stochc_ir::table::RoleId;
 
 use super::{EventId, SoundProgram};
 use crate::diagnostic::Edit;
-use crate::plan::{EventKind, Key};
+use crate::plan::{EventKind, NameKey};
 use crate::{FileId, Site};
 
 /// One arrow of a chain, with what it captures: in a row, a loop or a pattern, many times.
@@ -186,7 +186,7 @@ fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
 }
 
 /// The end of a role's path that a place writes out; `None`: a parameter stands for it.
-fn ending<'k>(place: &Place, path: &'k [Key]) -> Option<&'k [Key]> {
+fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     let from = path.len().checked_sub(place.path.len())?;
     let is_written = (place.path.iter().zip(&path[from..])).all(|(segment, key)| {
         segment.name.symbol == key.word
@@ -196,7 +196,7 @@ fn ending<'k>(place: &Place, path: &'k [Key]) -> Option<&'k [Key]> {
 }
 
 /// Finds counters from the indices in which they are written alone, or with a number added.
-fn solve(place: &Place, keys: &[Key], counters: &mut Vec<(Symbol, i64)>) {
+fn solve(place: &Place, keys: &[NameKey], counters: &mut Vec<(Symbol, i64)>) {
     for (segment, key) in place.path.iter().zip(keys) {
         let entries = segment.index.as_deref().unwrap_or_default();
         for (entry, &index) in entries.iter().zip(&key.index) {

@@ -219,11 +219,11 @@ impl ReachAnalysis<'_> {
         self.known_paths
             .iter_mut()
             .for_each(KnownPaths::begin_phase);
-        let stuck = self.stuck(events, descent);
-        if !stuck.is_empty() {
-            self.tell_sealed(events, descent, &stuck, diagnostics);
+        let blocked = self.blocked(events, descent);
+        if !blocked.is_empty() {
+            self.tell_sealed(events, descent, &blocked, diagnostics);
         }
-        if stuck.is_empty() {
+        if blocked.is_empty() {
             self.tell_tight(number, events, descent, diagnostics);
             self.tell_crowded(number, events, descent, diagnostics);
         }

@@ -7,7 +7,7 @@ use super::{Cell, EventId, ReachAnalysis, after};
 use crate::turns::is_ready;
 
 /// A capture that may wait for ever.
-pub struct Stuck {
+pub struct BlockedCapture {
     /// Which.
     pub capture: EventId,
     /// Whether its worst case has no way out; else the search has reached its limit.
@@ -16,7 +16,11 @@ pub struct Stuck {
 
 impl ReachAnalysis<'_> {
     /// The captures of a phase without a way out in their worst case, in source order.
-    pub fn stuck(&mut self, events: &[EventId], descent: &DescendantIndex) -> Vec<Stuck> {
+    pub fn blocked(
+        &mut self,
+        events: &[EventId],
+        descent: &DescendantIndex,
+    ) -> Vec<BlockedCapture> {
         let mut open: Vec<EventId> = (events.iter().copied())
             .filter(|&id| self.is_capture(id))
             .collect();
@@ -27,19 +31,19 @@ impl ReachAnalysis<'_> {
                 self.depart_surely(events, &mut gone);
             }
             let before = open.len();
-            let mut stuck = Vec::new();
+            let mut blocked = Vec::new();
             // Those that wait for others first: they may show that the others are safe.
             open.reverse();
             open.retain(|&id| {
-                let is_safe =
-                    self.is_clearly_safe(id) || self.is_safe_after_search(id, descent, &mut stuck);
+                let is_safe = self.is_clearly_safe(id)
+                    || self.is_safe_after_search(id, descent, &mut blocked);
                 self.is_safe[id.0 as usize] = is_safe;
                 !is_safe
             });
             open.reverse();
             if open.is_empty() || !has_releases || open.len() == before {
-                stuck.sort_by_key(|stuck| stuck.capture);
-                return stuck;
+                blocked.sort_by_key(|blocked| blocked.capture);
+                return blocked;
             }
         }
     }
@@ -85,14 +89,14 @@ impl ReachAnalysis<'_> {
         &mut self,
         id: EventId,
         descent: &DescendantIndex,
-        stuck: &mut Vec<Stuck>,
+        blocked: &mut Vec<BlockedCapture>,
     ) -> bool {
         let Some(cell) = self.cell(id) else {
             return true;
         };
         self.occupancy.sort();
         let Some(following) = descent.within(id, &mut self.proof) else {
-            stuck.push(Stuck {
+            blocked.push(BlockedCapture {
                 capture: id,
                 is_shown: false,
             });
@@ -107,7 +111,7 @@ impl ReachAnalysis<'_> {
         let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
         let way = search.run([cell], &is_out, &mut self.known_paths[0], &mut self.proof);
         if !matches!(way, SearchOutcome::Out) {
-            stuck.push(Stuck {
+            blocked.push(BlockedCapture {
                 capture: id,
                 is_shown: matches!(way, SearchOutcome::Sealed(_)),
             });

@@ -19,7 +19,7 @@ pub struct Proposal {
 
 /// A statement that has to wait.
 #[derive(Clone)]
-struct Late<'a> {
+struct DelayedStatement<'a> {
     statement: CaptureStatement<'a>,
     /// Where it stands.
     site: Site,
@@ -50,20 +50,20 @@ impl<'a> ReachAnalysis<'a> {
         let mut barred: Vec<Site> = Vec::new();
         for i in 0..MOST_LISTS {
             let later = lists.get(i)?;
-            for mut late in self.writings(id, later) {
-                if !self.helps(&error, &late)? {
+            for mut delayed in self.writings(id, later) {
+                if !self.helps(&error, &delayed)? {
                     continue;
                 }
                 let mut i = 0;
-                while i < late.len() && late.len() > 1 {
-                    let mut fewer = late.clone();
+                while i < delayed.len() && delayed.len() > 1 {
+                    let mut fewer = delayed.clone();
                     fewer.remove(i);
                     match self.helps(&error, &fewer)? {
-                        true => late = fewer,
+                        true => delayed = fewer,
                         false => i += 1,
                     }
                 }
-                return Some(self.propose(case, &late));
+                return Some(self.propose(case, &delayed));
             }
             // Another way out, by other statements.
             barred.extend(later.iter().map(|&other| plan.event(other).site));
@@ -75,7 +75,7 @@ impl<'a> ReachAnalysis<'a> {
     }
 
     /// The ways to write that some captures wait for the block of another one, the likeliest first.
-    fn writings(&self, id: EventId, later: &[EventId]) -> Vec<Vec<Late<'a>>> {
+    fn writings(&self, id: EventId, later: &[EventId]) -> Vec<Vec<DelayedStatement<'a>>> {
         let plan = self.subject.plan;
         let role = plan.event(id).role;
         let mut statements: Vec<(CaptureStatement<'a>, Site, Vec<String>)> = Vec::new();
@@ -96,59 +96,68 @@ impl<'a> ReachAnalysis<'a> {
         let most = statements.iter().map(|(.., names)| names.len()).max();
         (0..most.unwrap_or(0).min(MOST_WRITINGS))
             .map(|choice| {
-                let late =
-                    |(statement, site, names): &(CaptureStatement<'a>, Site, Vec<String>)| Late {
-                        statement: *statement,
-                        site: *site,
-                        name: names[choice.min(names.len() - 1)].clone(),
+                let delayed =
+                    |(statement, site, names): &(CaptureStatement<'a>, Site, Vec<String>)| {
+                        DelayedStatement {
+                            statement: *statement,
+                            site: *site,
+                            name: names[choice.min(names.len() - 1)].clone(),
+                        }
                     };
-                statements.iter().map(late).collect()
+                statements.iter().map(delayed).collect()
             })
             .collect()
     }
 
-    fn fix(&self, late: &[Late<'a>]) -> Fix {
-        let mut names: Vec<String> = late.iter().map(|late| format!("`{}`", late.name)).collect();
+    fn fix(&self, delayed: &[DelayedStatement<'a>]) -> Fix {
+        let mut names: Vec<String> = delayed
+            .iter()
+            .map(|delayed| format!("`{}`", delayed.name))
+            .collect();
         names.dedup();
         Fix {
             title: format!("wait for {}", names.join(" and ")),
-            edits: (late.iter())
-                .flat_map(|late| late.statement.wait(&self.subject, &late.name))
+            edits: (delayed.iter())
+                .flat_map(|delayed| delayed.statement.wait(&self.subject, &delayed.name))
                 .collect(),
             safe: false,
         }
     }
 
-    fn propose(&self, case: &Case, late: &[Late<'a>]) -> Proposal {
+    fn propose(&self, case: &Case, delayed: &[DelayedStatement<'a>]) -> Proposal {
         let plan = self.subject.plan;
-        let mut fix = self.fix(late);
-        if let [late] = late {
-            let mut made = plan.events.iter().filter(|event| event.site == late.site);
+        let mut fix = self.fix(delayed);
+        if let [delayed] = delayed {
+            let mut made = plan
+                .events
+                .iter()
+                .filter(|event| event.site == delayed.site);
             let is_plain = made
                 .next()
                 .is_some_and(|event| plan.roles.key(event.role).scope == 0);
             // One more order, and the same structure: all such changes agree with one order of the phase.
             fix.safe = is_plain && made.next().is_none() && case.is_whole();
         }
-        let text = |late: &Late<'a>| late.statement.text(&self.subject).to_owned();
+        let text =
+            |delayed: &DelayedStatement<'a>| delayed.statement.text(&self.subject).to_owned();
         Proposal {
-            waits: late
+            waits: delayed
                 .iter()
-                .map(|late| (text(late), late.name.clone()))
+                .map(|delayed| (text(delayed), delayed.name.clone()))
                 .collect(),
             fix,
         }
     }
 
     /// Whether an error goes with a change, and no other comes; `None`: no more is tried.
-    fn helps(&mut self, error: &Told, late: &[Late<'a>]) -> Option<bool> {
+    fn helps(&mut self, error: &Told, delayed: &[DelayedStatement<'a>]) -> Option<bool> {
         let trial = self.subject.trial.filter(|_| !self.trials.is_spent())?;
         self.trials.steps += self.subject.plan.events.len() as u64 + OVERHEAD;
         let before = match self.untouched.take() {
             Some(before) => before,
             None => trial(&[])?,
         };
-        let helps = trial(&[&self.fix(late)]).is_some_and(|after| {
+        let helps = trial(&[&self.fix(delayed)]).is_some_and(|after| {
             let times = |told: &[Told], one: &Told| told.iter().filter(|told| *told == one).count();
             times(&after, error) < times(&before, error)
                 && (after.iter()).all(|one| times(&after, one) <= times(&before, one))

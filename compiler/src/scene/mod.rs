@@ -13,4 +13,4 @@ pub(crate) use change::diagnostic;
 pub use quantity::{quantity, to_si};
 pub(crate) use read::read;
 pub(crate) use spelling::unit_meant;
-pub use words::Words;
+pub use words::WordContext;

@@ -5,7 +5,7 @@ use stochc_ir::scene::schema::{CLAUSES, SchemaEntry, SchemaPart};
 
 /// A place in a scene.
 #[derive(Debug)]
-pub struct Words {
+pub struct WordContext {
     /// The word that stands there.
     pub word: Option<Span>,
     /// What it says, if it is known, and before that what it belongs to, from the clause on.
@@ -14,9 +14,9 @@ pub struct Words {
     pub next: Vec<&'static SchemaEntry>,
 }
 
-impl Words {
+impl WordContext {
     /// Those at a byte.
-    pub fn at(scene: &SceneDeclaration, symbols: &Symbols, at: u32) -> Words {
+    pub fn at(scene: &SceneDeclaration, symbols: &Symbols, at: u32) -> WordContext {
         within(&scene.terms, symbols, &[], &CLAUSES, at)
     }
 }
@@ -28,7 +28,7 @@ fn within(
     outer: &[&'static SchemaEntry],
     known: &'static [SchemaEntry],
     at: u32,
-) -> Words {
+) -> WordContext {
     let mut path = outer.to_vec();
     let mut said: Vec<&str> = Vec::new();
     let mut word = None;
@@ -67,7 +67,7 @@ fn within(
             further.filter(is_new).chain(known).collect()
         }
     };
-    Words { word, path, next }
+    WordContext { word, path, next }
 }
 
 /// Goes on to what a word says behind those of a path, or at its beginning.

@@ -7,7 +7,7 @@ use super::observation::WaitInterval;
 const COUNT: usize = Parameters::COUNT;
 
 type Vector = SVector<f64, COUNT>;
-type Matrix = SMatrix<f64, COUNT, COUNT>;
+type ParameterMatrix = SMatrix<f64, COUNT, COUNT>;
 
 /// Newton steps, at most.
 const STEPS: usize = 200;
@@ -21,7 +21,9 @@ pub(super) fn fit(pieces: &[WaitInterval]) -> ([f64; COUNT], Vec<f64>) {
     for _ in 0..STEPS {
         let curvature = curvature(loss, &at);
         let damped = curvature
-            + Matrix::from_diagonal(&curvature.diagonal().map(|it| damping * it.abs().max(1.0)));
+            + ParameterMatrix::from_diagonal(
+                &curvature.diagonal().map(|it| damping * it.abs().max(1.0)),
+            );
         let step = damped.cholesky().map(|factor| factor.solve(&slope));
         // Far from the optimum a longer step leads nowhere.
         let step = step.filter(|step| step.amax() < 3.0);
@@ -40,12 +42,12 @@ pub(super) fn fit(pieces: &[WaitInterval]) -> ([f64; COUNT], Vec<f64>) {
     }
     let covariance = curvature(loss, &at)
         .try_inverse()
-        .unwrap_or_else(Matrix::zeros);
+        .unwrap_or_else(ParameterMatrix::zeros);
     (at.into(), covariance.transpose().as_slice().to_vec())
 }
 
 /// The second derivatives, by differences of the slopes.
-fn curvature(loss: impl Fn(&Vector) -> (f64, Vector), at: &Vector) -> Matrix {
+fn curvature(loss: impl Fn(&Vector) -> (f64, Vector), at: &Vector) -> ParameterMatrix {
     let step = 1e-4;
     let columns: Vec<Vector> = (0..COUNT)
         .map(|i| {
@@ -54,7 +56,7 @@ fn curvature(loss: impl Fn(&Vector) -> (f64, Vector), at: &Vector) -> Matrix {
             (loss(&(at + aside)).1 - loss(&(at - aside)).1) / (2.0 * step)
         })
         .collect();
-    let matrix = Matrix::from_columns(&columns);
+    let matrix = ParameterMatrix::from_columns(&columns);
     (matrix + matrix.transpose()) / 2.0
 }
 

@@ -26,7 +26,7 @@ pub(super) fn unpacked(bodies: u32, ticks: u32) -> u64 {
 
 /// The places of all blocks at some ticks, as they are kept.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Chunk {
+pub(super) struct PoseChunk {
     /// Rising.
     pub ticks: Vec<u64>,
     /// Coordinate of the number 0, by axis \[side\].
@@ -37,9 +37,9 @@ pub(super) struct Chunk {
     pub numbers: Vec<u16>,
 }
 
-impl Chunk {
+impl PoseChunk {
     /// Rounds places: for each tick, `NUMBERS` for each block.
-    pub fn quantize(ticks: Vec<u64>, places: &[f32], bodies: usize) -> Chunk {
+    pub fn quantize(ticks: Vec<u64>, places: &[f32], bodies: usize) -> PoseChunk {
         let frames = ticks.len();
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
@@ -89,7 +89,7 @@ impl Chunk {
                 }
             }
         }
-        Chunk {
+        PoseChunk {
             ticks,
             corner,
             step,
@@ -144,8 +144,8 @@ impl Chunk {
         Ok(bytes)
     }
 
-    /// The counterpart of [`Chunk::to_bytes`].
-    pub fn from_bytes(bytes: &[u8], bodies: u32) -> Result<Chunk, RecordingError> {
+    /// The counterpart of [`PoseChunk::to_bytes`].
+    pub fn from_bytes(bytes: &[u8], bodies: u32) -> Result<PoseChunk, RecordingError> {
         let damaged = || RecordingError::Damaged("its places");
         let mut rest = bytes;
         let mut take = |count: usize| {
@@ -194,7 +194,7 @@ impl Chunk {
                 numbers.push(before);
             }
         }
-        Ok(Chunk {
+        Ok(PoseChunk {
             ticks,
             corner,
             step,
@@ -227,7 +227,7 @@ mod tests {
     }
 
     /// Numbers that jump from end to end, so that differences and differences of these wrap.
-    fn jumping(bodies: usize, frames: usize) -> Chunk {
+    fn jumping(bodies: usize, frames: usize) -> PoseChunk {
         let mut state = 1u32;
         let mut next = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -238,7 +238,7 @@ mod tests {
                 _ => (state >> 8) as u16,
             }
         };
-        Chunk {
+        PoseChunk {
             ticks: (0..frames as u64).map(|frame| 1000 + 3 * frame).collect(),
             corner: [-1.5, 0.25, 1e9],
             step: 0.125,
@@ -251,7 +251,7 @@ mod tests {
         for (bodies, frames) in [(1, 1), (3, 2), (2, 3), (5, 100), (0, 4)] {
             let chunk = jumping(bodies, frames);
             let bytes = chunk.to_bytes().unwrap();
-            assert_eq!(Chunk::from_bytes(&bytes, bodies as u32).unwrap(), chunk);
+            assert_eq!(PoseChunk::from_bytes(&bytes, bodies as u32).unwrap(), chunk);
         }
     }
 
@@ -268,7 +268,7 @@ mod tests {
             }
         }
         let ticks = (0..frames as u64).collect();
-        let chunk = Chunk::quantize(ticks, &places, bodies);
+        let chunk = PoseChunk::quantize(ticks, &places, bodies);
         // 42 sides in 65535 steps, and the next power of two.
         assert_eq!(chunk.step, 1.0 / 1024.0);
         for frame in 0..frames {
@@ -293,7 +293,7 @@ mod tests {
     fn a_block_at_rest_is_the_same_in_every_chunk() {
         let rest = [0.123_456, 7.0, 0.5, 0.0, 0.0, 0.0, 1.0];
         let places = |other: f32| [rest, [other, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]].concat();
-        let chunks = [-20.3, 21.7].map(|other| Chunk::quantize(vec![0], &places(other), 2));
+        let chunks = [-20.3, 21.7].map(|other| PoseChunk::quantize(vec![0], &places(other), 2));
         assert_eq!(chunks[0].place(0, 0, 2), chunks[1].place(0, 0, 2));
     }
 
@@ -301,11 +301,11 @@ mod tests {
     fn what_is_damaged_is_told() {
         let bytes = jumping(4, 20).to_bytes().unwrap();
         for cut in [0, 10, 40, bytes.len() / 2, bytes.len() - 1] {
-            assert!(Chunk::from_bytes(&bytes[..cut], 4).is_err(), "{cut}");
+            assert!(PoseChunk::from_bytes(&bytes[..cut], 4).is_err(), "{cut}");
         }
-        assert!(Chunk::from_bytes(&bytes, 5).is_err());
+        assert!(PoseChunk::from_bytes(&bytes, 5).is_err());
         let mut flipped = bytes.clone();
         flipped[bytes.len() - 30] ^= 4;
-        assert!(Chunk::from_bytes(&flipped, 4).is_err());
+        assert!(PoseChunk::from_bytes(&flipped, 4).is_err());
     }
 }

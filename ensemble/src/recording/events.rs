@@ -7,12 +7,12 @@ use serde_json::value::RawValue;
 use serde_json::{Value, json};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::observe::{ObservedEvent, Said};
+use stochc_runtime::observe::{MessageContent, ObservedEvent};
 use stochc_runtime::world::{Body, FreeBond};
 
 /// An event and its tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Happening {
+pub struct TimedEvent {
     /// When.
     pub tick: u64,
     /// What.
@@ -87,10 +87,10 @@ impl Seeds {
             ObservedEvent::Released { body, role, by } => json!([tick, "free", body, role, by]),
             ObservedEvent::Sent { from, to, said } => {
                 let (what, role) = match said {
-                    Said::Report(role) => ("report", role),
-                    Said::Ask(role) => ("ask", role),
-                    Said::Anchored(role) => ("anchored", role),
-                    Said::Released(role) => ("released", role),
+                    MessageContent::Report(role) => ("report", role),
+                    MessageContent::Ask(role) => ("ask", role),
+                    MessageContent::Anchored(role) => ("anchored", role),
+                    MessageContent::Released(role) => ("released", role),
                 };
                 json!([tick, "say", n(from), n(to), what, role])
             }
@@ -99,7 +99,7 @@ impl Seeds {
     }
 
     /// The event of a row; `None`: it does not make sense.
-    pub fn event(&self, row: &RawValue) -> Option<Happening> {
+    pub fn event(&self, row: &RawValue) -> Option<TimedEvent> {
         let row: Vec<Value> = serde_json::from_str(row.get()).ok()?;
         let tick = row.first()?.as_u64()?;
         let number = |i: usize| u32::try_from(row.get(i)?.as_u64()?).ok();
@@ -164,10 +164,10 @@ impl Seeds {
                     from: body(2)?,
                     to: body(3)?,
                     said: match row.get(4)?.as_str()? {
-                        "report" => Said::Report(role),
-                        "ask" => Said::Ask(role),
-                        "anchored" => Said::Anchored(role),
-                        "released" => Said::Released(role),
+                        "report" => MessageContent::Report(role),
+                        "ask" => MessageContent::Ask(role),
+                        "anchored" => MessageContent::Anchored(role),
+                        "released" => MessageContent::Released(role),
                         _ => return None,
                     },
                 }
@@ -175,6 +175,6 @@ impl Seeds {
             "report" => ObservedEvent::Reported { by: role(2)? },
             _ => return None,
         };
-        Some(Happening { tick, event })
+        Some(TimedEvent { tick, event })
     }
 }

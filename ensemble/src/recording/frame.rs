@@ -3,7 +3,7 @@ use serde_json::{Value, json};
 use stochc_ir::table::Tables;
 use stochc_runtime::view::{ArenaView, RunView};
 
-use super::chunk::Chunk;
+use super::chunk::PoseChunk;
 use super::events::Seeds;
 
 /// A single place of every block, rounded as in a recording, and what the structure does there.
@@ -35,7 +35,7 @@ impl RunFrame {
             bonds,
         } = view.arena.as_ref()?;
         let seeds = Seeds::of(tables);
-        let chunk = Chunk::quantize(vec![view.tick], poses.as_flattened(), poses.len());
+        let chunk = PoseChunk::quantize(vec![view.tick], poses.as_flattened(), poses.len());
         let held = view.held.iter();
         let active = active.iter();
         let in_reach = in_reach.iter();

@@ -12,7 +12,7 @@ mod read;
 mod selection;
 mod write;
 
-pub use events::Happening;
+pub use events::TimedEvent;
 pub use format::{RecordingError, RecordingHeader, VERSION, is_file};
 pub use frame::RunFrame;
 pub use read::{Frame, Outline, Places, Recording, each_places};

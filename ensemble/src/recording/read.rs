@@ -8,8 +8,8 @@ use stochc_files::budget::{self, RECORDING_EVENT, RECORDING_PART, RECORDING_WHOL
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
 
-use super::chunk::Chunk;
-use super::events::{Happening, Seeds};
+use super::chunk::PoseChunk;
+use super::events::{Seeds, TimedEvent};
 use super::format::{
     DONE, EVENTS, POSES, RecordingError, RecordingHeader, inflate, read_header, read_section,
 };
@@ -27,14 +27,14 @@ pub struct Outline {
 #[derive(Clone, Debug)]
 pub struct Recording {
     outline: Outline,
-    chunks: Vec<Chunk>,
-    events: Vec<Happening>,
+    chunks: Vec<PoseChunk>,
+    events: Vec<TimedEvent>,
 }
 
 /// What a recording holds, as it is read.
 enum Content {
-    Places(Chunk),
-    Event(Happening),
+    Places(PoseChunk),
+    Event(TimedEvent),
 }
 
 /// Where all blocks were at a tick.
@@ -83,7 +83,7 @@ impl Outline {
 /// Where all blocks were at a tick, as long as it is shown.
 #[derive(Clone, Copy, Debug)]
 pub struct Places<'a> {
-    chunk: &'a Chunk,
+    chunk: &'a PoseChunk,
     frame: usize,
     bodies: usize,
 }
@@ -157,7 +157,7 @@ fn walk(
         };
         match tag {
             POSES => {
-                let chunk = Chunk::from_bytes(&payload, header.bodies)?;
+                let chunk = PoseChunk::from_bytes(&payload, header.bodies)?;
                 last = chunk.ticks.last().copied();
                 latest = latest.max(last.unwrap_or(0));
                 each(&header, Content::Places(chunk))?;
@@ -234,7 +234,7 @@ impl Recording {
         let outline = walk(from, tables, &mut |_, content| {
             size += match &content {
                 Content::Places(chunk) => chunk.numbers.len() * 2 + chunk.ticks.len() * 8,
-                Content::Event(_) => size_of::<Happening>(),
+                Content::Event(_) => size_of::<TimedEvent>(),
             } as u64;
             match content {
                 _ if size > RECORDING_WHOLE => return Err(RecordingError::TooLarge),
@@ -256,7 +256,7 @@ impl Recording {
     }
 
     /// All that happened, in its order.
-    pub fn events(&self) -> &[Happening] {
+    pub fn events(&self) -> &[TimedEvent] {
         &self.events
     }
 

@@ -10,7 +10,7 @@ use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::view::pose;
 use stochc_runtime::world::Arena;
 
-use super::chunk::{Chunk, NUMBERS, unpacked};
+use super::chunk::{NUMBERS, PoseChunk, unpacked};
 use super::events::Seeds;
 use super::format::{DONE, EVENTS, POSES, RecordingHeader, deflate, write_header, write_section};
 
@@ -123,7 +123,7 @@ impl<W: Output> Recorder<W> {
         }
         if !self.ticks.is_empty() {
             let ticks = std::mem::take(&mut self.ticks);
-            let chunk = Chunk::quantize(ticks, &self.places, self.bodies);
+            let chunk = PoseChunk::quantize(ticks, &self.places, self.bodies);
             write_section(&mut self.out, POSES, &chunk.to_bytes()?)?;
             self.places.clear();
         }

@@ -11,7 +11,7 @@ use stochc_files::read_file;
 
 use super::ShardError;
 use crate::build::other_build;
-use crate::folder::{JOURNAL, replace, seal, survey};
+use crate::folder::{JOURNAL, replace, survey, write_checksums};
 use crate::journal::{self, JournalHeader, PieceHeader};
 use crate::{Folder, FolderError, Manifest, Resume, this_build};
 
@@ -46,7 +46,7 @@ pub enum Prepared {
 /// Makes the folder of an ensemble at `path`, and cuts it into so many pieces.
 ///
 /// # Errors
-/// Every refusal leaves what is there as it was.
+/// Every error leaves what is there as it was.
 pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared, ShardError> {
     let cut = Cut {
         ensemble: manifest.identity(),
@@ -149,7 +149,7 @@ impl Cut {
         let text = journal::line(self);
         replace(path, SHARDS_FILE, text.as_bytes())?;
         let sum = Sum::of(text.as_bytes());
-        seal(path, manifest, &[(SHARDS_FILE.to_owned(), sum)])
+        write_checksums(path, manifest, &[(SHARDS_FILE.to_owned(), sum)])
     }
 
     /// The jobs of a piece, of so many in `total`: as many as every other piece has, or one fewer.

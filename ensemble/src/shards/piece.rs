@@ -52,7 +52,7 @@ impl Piece {
     /// Piece number `number` of the ensemble at `path`, which is looked through for what there is of it.
     ///
     /// # Errors
-    /// Every refusal leaves the folder as it was.
+    /// Every error leaves the folder as it was.
     pub fn open(path: &Path, number: u64) -> Result<Piece, ShardError> {
         let (manifest, cut) = Cut::of(path)?;
         same_build(path, &manifest)?;

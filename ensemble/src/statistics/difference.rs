@@ -112,10 +112,10 @@ impl Longer {
 }
 
 /// A test, its degrees of freedom, the estimate and its standard error.
-type Estimate = (Test, f64, f64, f64);
+type DifferenceEstimate = (Test, f64, f64, f64);
 
 /// Student, Biometrika 6 (1908), 1-25: only the pairs have to be independent of each other.
-fn paired(first: &[f64], second: &[f64]) -> Option<Estimate> {
+fn paired(first: &[f64], second: &[f64]) -> Option<DifferenceEstimate> {
     let differences: Vec<f64> = first.iter().zip(second).map(|(a, b)| a - b).collect();
     let summary = Summary::of(&differences)?;
     let error = summary.sd? / (summary.n as f64).sqrt();
@@ -124,7 +124,7 @@ fn paired(first: &[f64], second: &[f64]) -> Option<Estimate> {
 }
 
 /// B. L. Welch, Biometrika 34 (1947), 28-35.
-fn welch(first: &[f64], second: &[f64]) -> Option<Estimate> {
+fn welch(first: &[f64], second: &[f64]) -> Option<DifferenceEstimate> {
     let (a, b) = (Summary::of(first)?, Summary::of(second)?);
     let (va, vb) = (a.sd?.powi(2) / a.n as f64, b.sd?.powi(2) / b.n as f64);
     let variance = va + vb;

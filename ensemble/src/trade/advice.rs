@@ -1,6 +1,6 @@
 //! What to do, in a sentence or two.
 use super::convergence::{CLOSE, Convergence};
-use super::result::{Setting, Trade};
+use super::result::{CandidateResult, Trade};
 use crate::text::{percent, ratio};
 
 /// The sentences for a trade.
@@ -46,24 +46,25 @@ pub(super) fn advice(trade: &Trade) -> String {
 }
 
 /// The cheapest candidate that is known to be close, and the one that is known to be closest.
-fn recommended(trade: &Trade) -> Vec<&Setting> {
-    let cheaper = |candidate: &&Setting| candidate.cost_ratio.is_some_and(|ratio| ratio < 1.0);
-    let close = |candidate: &&Setting| {
+fn recommended(trade: &Trade) -> Vec<&CandidateResult> {
+    let cheaper =
+        |candidate: &&CandidateResult| candidate.cost_ratio.is_some_and(|ratio| ratio < 1.0);
+    let close = |candidate: &&CandidateResult| {
         !candidate.reversed && candidate.bound.is_some_and(|bound| bound <= CLOSE)
     };
     let candidates = || trade.candidates.iter().filter(cheaper).filter(close);
-    let cost = |candidate: &&Setting| candidate.cost.unwrap_or(f64::INFINITY);
-    let bound = |candidate: &&Setting| candidate.bound.unwrap_or(f64::INFINITY);
+    let cost = |candidate: &&CandidateResult| candidate.cost.unwrap_or(f64::INFINITY);
+    let bound = |candidate: &&CandidateResult| candidate.bound.unwrap_or(f64::INFINITY);
     let cheapest = candidates().min_by(|a, b| cost(a).total_cmp(&cost(b)));
     let closest = candidates().min_by(|a, b| bound(a).total_cmp(&bound(b)));
-    let mut found: Vec<&Setting> = cheapest.into_iter().collect();
+    let mut found: Vec<&CandidateResult> = cheapest.into_iter().collect();
     found.extend(
         closest.filter(|candidate| !found.iter().any(|other| other.name == candidate.name)),
     );
     found
 }
 
-fn clause(candidate: &Setting) -> String {
+fn clause(candidate: &CandidateResult) -> String {
     let bound = candidate.bound.map_or_else(String::new, percent);
     let cost = candidate.cost_ratio.map_or_else(String::new, ratio);
     let reduced = match candidate.reduced() {

@@ -5,10 +5,10 @@ use stochc_runtime::Settings;
 use super::advice::advice;
 use super::candidates::{flags, refines, short};
 use super::convergence::{CLOSE, Doubling, convergence};
-use super::estimate::{self, Estimate};
-use super::plan::Outcome;
+use super::estimate::{self, EstimatedSamples};
+use super::plan::CandidateOutcome;
 use super::ranking::{Ranked, Verdict, rank};
-use super::result::{Cell, FORMAT, Program, Reference, Setting, Trade};
+use super::result::{CandidateResult, FORMAT, MeasuredProgram, ProgramResult, Reference, Trade};
 use super::sample::{End, Sample};
 use crate::Time;
 use crate::statistics::{Observation, Relative, Runs, distance, relative};
@@ -32,8 +32,8 @@ impl Trade {
     /// Draws it up; `limits` are the ticks after which runs of each program were given up.
     pub fn of(
         programs: &[crate::EnsembleProgram],
-        outcomes: &[Outcome],
-        estimated: &Estimate,
+        outcomes: &[CandidateOutcome],
+        estimated: &EstimatedSamples,
         limits: &[u64],
         means: Conditions,
     ) -> Trade {
@@ -51,7 +51,7 @@ impl Trade {
             .collect();
         let reference = reference(outcomes, &times);
         let against = reference.as_ref().map(|r| r.candidate);
-        let mut candidates: Vec<Setting> = (rows.iter().zip(&times).enumerate())
+        let mut candidates: Vec<CandidateResult> = (rows.iter().zip(&times).enumerate())
             .map(|(i, (row, own))| {
                 let ranking = match against {
                     Some(r) if !row.samples.iter().all(Sample::is_empty) => {
@@ -71,7 +71,7 @@ impl Trade {
         let described = programs
             .iter()
             .zip(limits)
-            .map(|(program, &max_ticks)| Program {
+            .map(|(program, &max_ticks)| MeasuredProgram {
                 name: program.name.clone(),
                 hash: program.hash(),
                 max_ticks,
@@ -96,7 +96,7 @@ impl Trade {
 }
 
 /// The finest candidate that has at least two completed runs of each program.
-fn reference(outcomes: &[Outcome], times: &[Vec<Vec<Observation>>]) -> Option<Reference> {
+fn reference(outcomes: &[CandidateOutcome], times: &[Vec<Vec<Observation>>]) -> Option<Reference> {
     let known = |i: &usize| {
         let enough = |times: &Vec<Observation>| times.iter().filter(|o| o.completed).count() > 1;
         refines(&outcomes[*i].settings) && times[*i].iter().all(enough)
@@ -129,7 +129,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    fn of_outcome(outcome: &Outcome) -> Row<'_> {
+    fn of_outcome(outcome: &CandidateOutcome) -> Row<'_> {
         Row {
             name: short(&outcome.settings),
             options: flags(&outcome.settings),
@@ -139,7 +139,7 @@ impl Row<'_> {
         }
     }
 
-    fn of_estimate(estimated: &Estimate) -> Row<'_> {
+    fn of_estimate(estimated: &EstimatedSamples) -> Row<'_> {
         Row {
             name: estimate::NAME.to_owned(),
             options: estimate::COMMAND.to_owned(),
@@ -155,9 +155,9 @@ fn candidate(
     times: &[Vec<Observation>],
     reference: Option<&[Vec<Observation>]>,
     ranking: Vec<Ranked>,
-) -> Setting {
-    let cells: Vec<Cell> = (row.samples.iter().zip(times).enumerate())
-        .map(|(i, (sample, own))| Cell {
+) -> CandidateResult {
+    let cells: Vec<ProgramResult> = (row.samples.iter().zip(times).enumerate())
+        .map(|(i, (sample, own))| ProgramResult {
             // What is drawn has no ticks that cost anything.
             cost_of_tick: row.settings.and_then(|_| sample.cost_of_tick()),
             ..cell(sample, own, reference.map(|times| &times[i][..]))
@@ -166,7 +166,7 @@ fn candidate(
     let costs: Option<Vec<f64>> = cells.iter().map(|cell| cell.cost).collect();
     let biases: Option<Vec<Relative>> = cells.iter().map(|cell| cell.bias).collect();
     let measured = row.samples.iter().any(|sample| !sample.is_empty());
-    Setting {
+    CandidateResult {
         name: row.name.clone(),
         options: row.options.clone(),
         settings: row.settings.cloned(),
@@ -194,9 +194,13 @@ fn candidate(
     }
 }
 
-fn cell(sample: &Sample, times: &[Observation], reference: Option<&[Observation]>) -> Cell {
+fn cell(
+    sample: &Sample,
+    times: &[Observation],
+    reference: Option<&[Observation]>,
+) -> ProgramResult {
     let time = Time::of(times);
-    Cell {
+    ProgramResult {
         runs: sample.len(),
         completed: sample.count(End::Completed),
         censored: sample.count(End::Censored),
@@ -214,12 +218,12 @@ fn cell(sample: &Sample, times: &[Observation], reference: Option<&[Observation]
 /// Marks the candidates that no other one beats, the reference among them with no bias at all.
 ///
 /// What counts of a bias is its bound, since of an interval's middle nothing follows.
-fn draw_front(candidates: &mut [Setting], reference: Option<usize>) {
-    let bias = |i: usize, candidate: &Setting| match reference == Some(i) {
+fn draw_front(candidates: &mut [CandidateResult], reference: Option<usize>) {
+    let bias = |i: usize, candidate: &CandidateResult| match reference == Some(i) {
         true => Some(0.0),
         false => candidate.bound,
     };
-    let place = |(i, candidate): (usize, &Setting)| {
+    let place = |(i, candidate): (usize, &CandidateResult)| {
         Some((candidate.cost?, bias(i, candidate)?)).filter(|_| !candidate.reversed)
     };
     let places: Vec<Option<(f64, f64)>> = candidates.iter().enumerate().map(place).collect();

@@ -10,17 +10,17 @@ pub(super) const COMMAND: &str = "stochc estimate";
 
 /// Estimates of programs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Estimate {
+pub struct EstimatedSamples {
     /// Why there are none.
     pub left_out: Option<String>,
     /// The times that were drawn of each program, every one at the cost of all.
     pub samples: Vec<Sample>,
 }
 
-impl Estimate {
+impl EstimatedSamples {
     /// None of so many programs, for a reason.
-    pub fn none(programs: usize, reason: String) -> Estimate {
-        Estimate {
+    pub fn none(programs: usize, reason: String) -> EstimatedSamples {
+        EstimatedSamples {
             left_out: Some(reason),
             samples: vec![Sample::default(); programs],
         }
@@ -30,7 +30,10 @@ impl Estimate {
     ///
     /// # Errors
     /// Those of `draw`, as a reason why there is none.
-    pub fn of(programs: usize, draw: impl Fn(usize) -> Result<Vec<Draw>, String>) -> Estimate {
+    pub fn of(
+        programs: usize,
+        draw: impl Fn(usize) -> Result<Vec<Draw>, String>,
+    ) -> EstimatedSamples {
         let samples = (0..programs).map(|program| {
             let cpu = thread_time();
             let draws = draw(program)?;
@@ -40,11 +43,11 @@ impl Estimate {
             ))
         });
         match samples.collect() {
-            Ok(samples) => Estimate {
+            Ok(samples) => EstimatedSamples {
                 left_out: None,
                 samples,
             },
-            Err(reason) => Estimate::none(programs, reason),
+            Err(reason) => EstimatedSamples::none(programs, reason),
         }
     }
 }

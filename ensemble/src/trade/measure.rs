@@ -11,9 +11,9 @@ use stochc_runtime::{RunError, Settings, run as run_once};
 
 use super::assessment::Conditions;
 use super::candidates::base;
-use super::estimate::Estimate;
+use super::estimate::EstimatedSamples;
 use super::memory::Memory;
-use super::plan::{Extent, Job, Next, Plan};
+use super::plan::{Extent, Job, NextJob, Plan};
 use super::result::Trade;
 use super::sample::Measured;
 use super::thread_time::thread_time;
@@ -23,13 +23,13 @@ use crate::manifest::EnsembleProgram;
 
 /// How far a measurement is, for whoever shows it.
 #[derive(Debug, Default)]
-pub struct Progress {
+pub struct MeasurementProgress {
     runs: AtomicU64,
     /// 0: not known.
     total: AtomicU64,
 }
 
-impl Progress {
+impl MeasurementProgress {
     /// Runs that have ended.
     pub fn runs(&self) -> u64 {
         self.runs.load(Ordering::Relaxed)
@@ -72,8 +72,8 @@ pub struct Setup<'a> {
 pub fn measure(
     programs: &[EnsembleProgram],
     setup: &Setup,
-    estimated: &Estimate,
-    progress: &Progress,
+    estimated: &EstimatedSamples,
+    progress: &MeasurementProgress,
 ) -> Result<Trade, (usize, SceneError)> {
     for (i, program) in programs.iter().enumerate() {
         try_out(program, &base()).map_err(|error| (i, error))?;
@@ -123,7 +123,12 @@ fn try_out(program: &EnsembleProgram, settings: &Settings) -> Result<(), SceneEr
     }
 }
 
-fn carry_out(plan: Plan, programs: &[EnsembleProgram], setup: &Setup, progress: &Progress) -> Plan {
+fn carry_out(
+    plan: Plan,
+    programs: &[EnsembleProgram],
+    setup: &Setup,
+    progress: &MeasurementProgress,
+) -> Plan {
     let start = now();
     let before = setup.memory.map_or(Duration::ZERO, Memory::elapsed);
     let elapsed = || before + start.elapsed();
@@ -137,14 +142,14 @@ fn carry_out(plan: Plan, programs: &[EnsembleProgram], setup: &Setup, progress: 
                 return None;
             }
             match plan.next(elapsed()) {
-                Next::Do(job) => {
+                NextJob::Do(job) => {
                     let mut settings = plan.settings(job.candidate).clone();
                     settings.max_ticks = Some(job.max_ticks);
                     return Some((job, settings));
                 }
-                Next::End => return None,
+                NextJob::End => return None,
                 // With a limit, so that an interrupt is seen.
-                Next::Wait => {
+                NextJob::Wait => {
                     let waited = ended.wait_timeout(plan, Duration::from_millis(100));
                     plan = waited.expect("nobody panics while it is held").0;
                 }

@@ -19,11 +19,13 @@ mod thread_time;
 pub use assessment::Conditions;
 pub use candidates::{FINEST, base, candidates};
 pub use convergence::{CLOSE, Convergence, Doubling, convergence};
-pub use estimate::Estimate;
-pub use measure::{Progress, Setup, measure};
+pub use estimate::EstimatedSamples;
+pub use measure::{MeasurementProgress, Setup, measure};
 pub use memory::{MEMORY, Memory};
-pub use plan::{Extent, Job, Next, Outcome, PILOT, Plan};
+pub use plan::{CandidateOutcome, Extent, Job, NextJob, PILOT, Plan};
 pub use ranking::{Ranked, Verdict, rank};
-pub use result::{Cell, FORMAT, Program, Reference, Setting, Trade, known};
+pub use result::{
+    CandidateResult, FORMAT, MeasuredProgram, ProgramResult, Reference, Trade, known,
+};
 pub use sample::{End, Measured, Sample};
 pub use selection::{Among, Choice, choose, note};

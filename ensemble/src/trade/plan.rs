@@ -45,7 +45,7 @@ pub struct Job {
 
 /// What a worker should do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
+pub enum NextJob {
     /// This run.
     Do(Job),
     /// Ask again when another run has ended.
@@ -64,24 +64,24 @@ pub struct Plan {
     programs: usize,
     /// For each program, once it is known; of the user where he says so.
     limits: Option<Vec<u64>>,
-    candidates: Vec<Setting>,
+    candidates: Vec<CandidateRuns>,
     /// Runs of the finest candidate at which it is next asked whether a finer one is needed.
     checkpoint: u64,
 }
 
 /// A setting and its runs.
 #[derive(Clone, Debug)]
-struct Setting {
+struct CandidateRuns {
     settings: Settings,
     /// Why it is not measured.
     left_out: Option<String>,
     /// For each program.
-    cells: Vec<Cell>,
+    program_runs: Vec<ProgramRuns>,
 }
 
 /// One program at one candidate.
 #[derive(Clone, Debug, Default)]
-struct Cell {
+struct ProgramRuns {
     started: u64,
     runs: Vec<Measured>,
     /// Of the ticks of runs that did not fail: number, mean, sum of squared deviations (Welford).
@@ -91,7 +91,7 @@ struct Cell {
 
 /// A candidate when all is over.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct CandidateOutcome {
     /// What was tried.
     pub settings: Settings,
     /// Why it was not, in words.
@@ -110,10 +110,10 @@ impl Plan {
         max_ticks: Option<u64>,
         cannot: impl Fn(&Settings) -> Option<String>,
     ) -> Plan {
-        let candidate = |settings: Settings| Setting {
+        let candidate = |settings: Settings| CandidateRuns {
             left_out: cannot(&settings),
             settings,
-            cells: vec![Cell::default(); programs],
+            program_runs: vec![ProgramRuns::default(); programs],
         };
         Plan {
             extent,
@@ -133,12 +133,12 @@ impl Plan {
 
     /// Runs that have ended, and all that are known to come; `None`: time decides.
     pub fn progress(&self) -> (u64, Option<u64>) {
-        let cells = || {
+        let program_runs = || {
             self.candidates
                 .iter()
-                .flat_map(|candidate| &candidate.cells)
+                .flat_map(|candidate| &candidate.program_runs)
         };
-        let done = cells().map(|cell| cell.runs.len() as u64).sum();
+        let done = program_runs().map(|cell| cell.runs.len() as u64).sum();
         let total = match self.extent {
             Extent::Budget(_) => None,
             Extent::Runs(runs) => {
@@ -153,13 +153,13 @@ impl Plan {
     }
 
     /// The next run, `elapsed` after the first.
-    pub fn next(&mut self, elapsed: Duration) -> Next {
+    pub fn next(&mut self, elapsed: Duration) -> NextJob {
         let left = match self.extent {
             Extent::Runs(_) => f64::INFINITY,
             Extent::Budget(budget) => budget.saturating_sub(elapsed).as_secs_f64(),
         };
         if left <= 0.0 {
-            return Next::End;
+            return NextJob::End;
         }
         if self.limits.is_none() {
             let first = self.pilot();
@@ -167,9 +167,15 @@ impl Plan {
                 return self.start(0, program);
             }
             if self.candidates[0].under_way() {
-                return Next::Wait;
+                return NextJob::Wait;
             }
-            self.limits = Some(self.candidates[0].cells.iter().map(Cell::limit).collect());
+            self.limits = Some(
+                self.candidates[0]
+                    .program_runs
+                    .iter()
+                    .map(ProgramRuns::limit)
+                    .collect(),
+            );
         }
         match self.extent {
             Extent::Runs(runs) => self.next_of(runs),
@@ -179,12 +185,12 @@ impl Plan {
 
     /// Takes down a run that has ended.
     pub fn done(&mut self, job: &Job, measured: Measured) {
-        self.candidates[job.candidate].cells[job.program].add(measured);
+        self.candidates[job.candidate].program_runs[job.program].add(measured);
     }
 
     /// What has been measured.
-    pub fn outcomes(&self) -> Vec<Outcome> {
-        let outcome = |candidate: &Setting| Outcome {
+    pub fn outcomes(&self) -> Vec<CandidateOutcome> {
+        let outcome = |candidate: &CandidateRuns| CandidateOutcome {
             settings: candidate.settings.clone(),
             left_out: candidate.left_out.clone(),
             samples: (0..self.programs)
@@ -200,12 +206,12 @@ impl Plan {
         self.limits.clone().unwrap_or_else(unknown)
     }
 
-    fn sample(&self, candidate: &Setting, program: usize) -> Sample {
+    fn sample(&self, candidate: &CandidateRuns, program: usize) -> Sample {
         let limit = self
             .limits
             .as_ref()
             .map_or(FIRST_LIMIT, |limits| limits[program]);
-        Sample::new(candidate.cells[program].runs.clone(), limit)
+        Sample::new(candidate.program_runs[program].runs.clone(), limit)
     }
 
     fn pilot(&self) -> u64 {
@@ -215,11 +221,11 @@ impl Plan {
         }
     }
 
-    fn start(&mut self, candidate: usize, program: usize) -> Next {
-        let cell = &mut self.candidates[candidate].cells[program];
+    fn start(&mut self, candidate: usize, program: usize) -> NextJob {
+        let cell = &mut self.candidates[candidate].program_runs[program];
         let run = cell.started;
         cell.started += 1;
-        Next::Do(Job {
+        NextJob::Do(Job {
             candidate,
             program,
             run,
@@ -230,7 +236,7 @@ impl Plan {
         })
     }
 
-    fn next_of(&mut self, runs: u64) -> Next {
+    fn next_of(&mut self, runs: u64) -> NextJob {
         loop {
             let open = self.candidates.iter().enumerate();
             let lacking = open
@@ -239,17 +245,17 @@ impl Plan {
             if let Some((candidate, program)) = lacking {
                 return self.start(candidate, program);
             }
-            if self.candidates.iter().any(Setting::under_way) {
-                return Next::Wait;
+            if self.candidates.iter().any(CandidateRuns::under_way) {
+                return NextJob::Wait;
             }
             match self.finer() {
                 Some(settings) => self.add(settings),
-                None => return Next::End,
+                None => return NextJob::End,
             }
         }
     }
 
-    fn next_within(&mut self, left: f64) -> Next {
+    fn next_within(&mut self, left: f64) -> NextJob {
         for candidate in 0..self.candidates.len() {
             if self.candidates[candidate].left_out.is_some() {
                 continue;
@@ -260,7 +266,7 @@ impl Plan {
             /// More of what is left is not spent on trying a candidate.
             const SHARE: f64 = 0.25;
             let new = self.candidates[candidate]
-                .cells
+                .program_runs
                 .iter()
                 .all(|cell| cell.started == 0);
             let trial = self.expected(candidate) * PILOT as f64 / self.threads as f64;
@@ -282,7 +288,7 @@ impl Plan {
         }
         match self.best(left) {
             Some((candidate, program)) => self.start(candidate, program),
-            None => Next::End,
+            None => NextJob::End,
         }
     }
 
@@ -324,8 +330,12 @@ impl Plan {
     /// sooner or later, and only if half of what is left gives the new candidate as many runs.
     fn finer_within(&mut self, left: f64) -> Option<Settings> {
         let finest = *self.refinement().last()?;
-        let done = |cell: &Cell| cell.runs.len() as u64;
-        let least = self.candidates[finest].cells.iter().map(done).min()?;
+        let done = |cell: &ProgramRuns| cell.runs.len() as u64;
+        let least = self.candidates[finest]
+            .program_runs
+            .iter()
+            .map(done)
+            .min()?;
         if least < self.checkpoint {
             return None;
         }
@@ -339,10 +349,10 @@ impl Plan {
     }
 
     fn add(&mut self, settings: Settings) {
-        self.candidates.push(Setting {
+        self.candidates.push(CandidateRuns {
             settings,
             left_out: None,
-            cells: vec![Cell::default(); self.programs],
+            program_runs: vec![ProgramRuns::default(); self.programs],
         });
     }
 
@@ -351,7 +361,7 @@ impl Plan {
     /// Every bias has the reference in it, so that its runs count for all candidates.
     fn best(&self, left: f64) -> Option<(usize, usize)> {
         let refinement = self.refinement();
-        let open = |candidate: &&Setting| candidate.left_out.is_none();
+        let open = |candidate: &&CandidateRuns| candidate.left_out.is_none();
         let candidates = self.candidates.iter().filter(open).count() as f64;
         let weight = |candidate: usize| match refinement.iter().rev().position(|&r| r == candidate)
         {
@@ -361,7 +371,7 @@ impl Plan {
         };
         let mut best: Option<(f64, usize, usize)> = None;
         for (i, candidate) in self.candidates.iter().enumerate().filter(|(_, r)| open(r)) {
-            for (program, cell) in candidate.cells.iter().enumerate() {
+            for (program, cell) in candidate.program_runs.iter().enumerate() {
                 let Some(cost) = self.cost(i, program).filter(|cost| *cost <= left) else {
                     continue;
                 };
@@ -386,9 +396,9 @@ impl Plan {
     /// Time for a run \[s\]: as seen, or as seen at the closest candidate of the same model; `None`:
     /// nobody can tell.
     fn cost(&self, candidate: usize, program: usize) -> Option<f64> {
-        let cell = |candidate: &Setting| candidate.cells[program].cost();
+        let cell = |candidate: &CandidateRuns| candidate.program_runs[program].cost();
         let this = &self.candidates[candidate];
-        let substeps = |candidate: &Setting| f64::from(candidate.settings.substeps);
+        let substeps = |candidate: &CandidateRuns| f64::from(candidate.settings.substeps);
         cell(this).or_else(|| {
             let kin = self.candidates.iter().filter(|candidate| {
                 let plain = candidate.settings.reduction.is_none();
@@ -407,22 +417,22 @@ impl Plan {
     }
 }
 
-impl Setting {
+impl CandidateRuns {
     /// The program with the fewest runs, if these are fewer than `runs`.
     fn lacking(&self, runs: u64) -> Option<usize> {
-        let cells = self.cells.iter().enumerate();
-        let (program, cell) = cells.min_by_key(|(_, cell)| cell.started)?;
+        let program_runs = self.program_runs.iter().enumerate();
+        let (program, cell) = program_runs.min_by_key(|(_, cell)| cell.started)?;
         (cell.started < runs).then_some(program)
     }
 
     fn under_way(&self) -> bool {
-        self.cells
+        self.program_runs
             .iter()
             .any(|cell| (cell.runs.len() as u64) < cell.started)
     }
 }
 
-impl Cell {
+impl ProgramRuns {
     fn add(&mut self, run: Measured) {
         self.runs.push(run);
         self.wall += run.wall;
@@ -499,9 +509,9 @@ mod tests {
             let next = if under_way.len() < threads {
                 plan.next(Duration::from_secs_f64(now))
             } else {
-                Next::Wait
+                NextJob::Wait
             };
-            if let Next::Do(job) = next {
+            if let NextJob::Do(job) = next {
                 let settings = plan.settings(job.candidate).clone();
                 let cost = (world.cost)(&settings, job.program);
                 let ticks = (world.ticks)(&settings, job.program, job.run);
@@ -523,7 +533,7 @@ mod tests {
             let first =
                 (0..under_way.len()).min_by(|&a, &b| under_way[a].0.total_cmp(&under_way[b].0));
             let Some(first) = first else {
-                assert_eq!(next, Next::End, "it waits for nothing");
+                assert_eq!(next, NextJob::End, "it waits for nothing");
                 return now;
             };
             let (ended, job, run) = under_way.swap_remove(first);
@@ -537,8 +547,8 @@ mod tests {
     }
 
     fn runs(plan: &Plan) -> BTreeMap<String, Vec<usize>> {
-        let name = |outcome: &Outcome| crate::trade::candidates::short(&outcome.settings);
-        let counts = |outcome: &Outcome| outcome.samples.iter().map(Sample::len).collect();
+        let name = |outcome: &CandidateOutcome| crate::trade::candidates::short(&outcome.settings);
+        let counts = |outcome: &CandidateOutcome| outcome.samples.iter().map(Sample::len).collect();
         plan.outcomes()
             .iter()
             .map(|o| (name(o), counts(o)))

@@ -29,18 +29,18 @@ pub struct Trade {
     /// Whether it came to its end; `false`: it was interrupted.
     pub complete: bool,
     /// What was run.
-    pub programs: Vec<Program>,
+    pub programs: Vec<MeasuredProgram>,
     /// What everything is held against.
     pub reference: Option<Reference>,
     /// One for each setting that was tried or could not be.
-    pub candidates: Vec<Setting>,
+    pub candidates: Vec<CandidateResult>,
     /// What to do, in a sentence or two.
     pub advice: String,
 }
 
 /// A program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Program {
+pub struct MeasuredProgram {
     /// What tables call it.
     pub name: String,
     /// SHA-256 of its text, its imports and its scene, in hexadecimal.
@@ -67,7 +67,7 @@ pub struct Reference {
 
 /// A setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Setting {
+pub struct CandidateResult {
     /// As tables call it.
     pub name: String,
     /// As options of `simulate`, or the command that gives it.
@@ -91,12 +91,12 @@ pub struct Setting {
     /// What it says to the order of each pair of programs.
     pub ranking: Vec<Ranked>,
     /// For each program.
-    pub programs: Vec<Cell>,
+    pub programs: Vec<ProgramResult>,
 }
 
 /// A program at a setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
+pub struct ProgramResult {
     /// Runs that have ended, or times that were drawn, the sum of the next three.
     pub runs: usize,
     /// Runs with the whole structure.
@@ -160,7 +160,7 @@ impl Trade {
             serde_json::from_str(json).map_err(|error| format!("it is damaged, {error}"))?;
         let programs = trade.programs.len();
         let pairs = programs * programs.saturating_sub(1) / 2;
-        let whole = |candidate: &Setting| {
+        let whole = |candidate: &CandidateResult| {
             candidate.programs.len() == programs
                 && (candidate.ranking.is_empty() || candidate.ranking.len() == pairs)
                 && candidate
@@ -182,12 +182,12 @@ impl Trade {
     }
 
     /// The candidate that others are held against.
-    pub fn reference_candidate(&self) -> Option<&Setting> {
+    pub fn reference_candidate(&self) -> Option<&CandidateResult> {
         self.candidates.get(self.reference.as_ref()?.candidate)
     }
 }
 
-impl Setting {
+impl CandidateResult {
     /// The pairs that it orders the wrong way.
     pub fn reversals(&self) -> impl Iterator<Item = &Ranked> {
         let reversed = |pair: &&Ranked| pair.verdict == Verdict::Reversed;

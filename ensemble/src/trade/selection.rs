@@ -4,7 +4,7 @@ use stochc_runtime::Settings;
 use super::candidates::same;
 use super::convergence::{Convergence, convergence};
 use super::ranking::Verdict;
-use super::result::{Setting, Trade};
+use super::result::{CandidateResult, Trade};
 use crate::text::{percent, ratio, relative, relative_size};
 
 /// A setting that was chosen.
@@ -140,7 +140,7 @@ pub fn note(trade: &Trade, programs: &[usize], settings: &Settings) -> Option<St
     })
 }
 
-fn distances(trade: &Trade, candidate: &Setting, programs: &[usize]) -> String {
+fn distances(trade: &Trade, candidate: &CandidateResult, programs: &[usize]) -> String {
     let found = programs.iter().filter_map(|&p| {
         let bias = candidate.programs[p].bias?;
         Some(match programs.len() {
@@ -151,12 +151,12 @@ fn distances(trade: &Trade, candidate: &Setting, programs: &[usize]) -> String {
     found.collect::<Vec<_>>().join(", ")
 }
 
-fn cost(candidate: &Setting, programs: &[usize]) -> Option<f64> {
+fn cost(candidate: &CandidateResult, programs: &[usize]) -> Option<f64> {
     programs.iter().map(|&p| candidate.programs[p].cost).sum()
 }
 
 /// The largest bias that is not excluded; `None`: anything, or the candidate is out of the question.
-fn bound(candidate: &Setting, programs: &[usize]) -> Option<f64> {
+fn bound(candidate: &CandidateResult, programs: &[usize]) -> Option<f64> {
     let wrong = candidate.ranking.iter().any(|pair| {
         pair.verdict == Verdict::Reversed
             && programs.contains(&pair.first)

@@ -5,7 +5,7 @@ use super::spacing::{Breaks, is_blank};
 use super::{INDENT, WIDTH};
 
 /// Words that stay together.
-struct Chunk {
+struct UnbreakableText {
     text: String,
     /// The comments before it.
     notes: std::ops::Range<usize>,
@@ -74,9 +74,9 @@ pub fn wrap(
     lines.extend(current);
 }
 
-fn chunks(source: &TokenizedText<'_>, piece: &TextPiece) -> Vec<Chunk> {
+fn chunks(source: &TokenizedText<'_>, piece: &TextPiece) -> Vec<UnbreakableText> {
     let words = &source.words[piece.words.clone()];
-    let mut chunks: Vec<Chunk> = Vec::new();
+    let mut chunks: Vec<UnbreakableText> = Vec::new();
     let mut breaks = Breaks::default();
     let mut may_break = true;
     for (i, word) in words.iter().enumerate() {
@@ -87,7 +87,7 @@ fn chunks(source: &TokenizedText<'_>, piece: &TextPiece) -> Vec<Chunk> {
                 }
                 chunk.text.push_str(&word.text());
             }
-            _ => chunks.push(Chunk {
+            _ => chunks.push(UnbreakableText {
                 text: word.text().into_owned(),
                 // Those before the whole piece are no part of it.
                 notes: if i == 0 { 0..0 } else { word.notes.clone() },

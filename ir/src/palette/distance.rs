@@ -2,10 +2,10 @@
 //! kind of cone (Machado, Oliveira and Fernandes 2009, at full severity).
 use super::{DARK, LEAST, LIGHT, PHASES, Rgb, Theme, sequential};
 
-type Matrix = [[f64; 3]; 3];
+type ColourMatrix = [[f64; 3]; 3];
 
 /// What is seen of red, green and blue light.
-const SIGHTS: [(&str, Matrix); 4] = [
+const SIGHTS: [(&str, ColourMatrix); 4] = [
     (
         "normal sight",
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -37,7 +37,7 @@ const SIGHTS: [(&str, Matrix); 4] = [
 ];
 
 /// From linear sRGB to CIE XYZ.
-const XYZ: Matrix = [
+const XYZ: ColourMatrix = [
     [0.412_456_4, 0.357_576_1, 0.180_437_5],
     [0.212_672_9, 0.715_152_2, 0.072_175_0],
     [0.019_333_9, 0.119_192_0, 0.950_304_1],
@@ -46,12 +46,12 @@ const XYZ: Matrix = [
 /// The white of sRGB (D65).
 const WHITE: [f64; 3] = [0.950_47, 1.0, 1.088_83];
 
-fn product(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
+fn product(matrix: &ColourMatrix, vector: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum())
 }
 
 /// CIELAB of a colour as somebody sees it.
-fn lab(colour: Rgb, sight: &Matrix) -> [f64; 3] {
+fn lab(colour: Rgb, sight: &ColourMatrix) -> [f64; 3] {
     let seen = product(sight, colour.linear()).map(|part| part.clamp(0.0, 1.0));
     let xyz = product(&XYZ, seen);
     let [x, y, z] = [0, 1, 2].map(|i| match xyz[i] / WHITE[i] {

@@ -19,7 +19,7 @@ use crate::waiting::Why;
 use repetition::{Repeated, repeated};
 pub use shape::declaration;
 use standing::{name_of, planted, write_releases};
-use statement::{Statement, Words, statements};
+use statement::{NameWords, Statement, statements};
 
 /// What is called how.
 #[derive(Clone, Copy, Debug)]
@@ -103,16 +103,16 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
         });
     }
     for Repeated { first, nest } in &repeated(&there) {
-        nest.write(&mut out, |out, at| first.write(out, at, Words::OWN));
+        nest.write(&mut out, |out, at| first.write(out, at, NameWords::OWN));
     }
     write_releases(target, &mut out);
     out.push_str("}\nphase grow {\n");
-    let mut told = Told::default();
-    told.write(&first, &plan.captures, Words::OWN, &mut out);
+    let mut explained = ExplainedComments::default();
+    explained.write(&first, &plan.captures, NameWords::OWN, &mut out);
     if let (Some(dismantling), Some(later), Some(second)) = (&plan.dismantling, &later, &second) {
         out.push_str("}\nphase hand_over {\n");
         dismantling::write_releases(dismantling, &mut out);
-        told.write(second, later, Words::OWN, &mut out);
+        explained.write(second, later, NameWords::OWN, &mut out);
     }
     if let Some(shape) = shape {
         let _ = writeln!(out, "yields {shape}");
@@ -124,32 +124,32 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
 /// The captures of a plan, as statements for a phase of a program that has built what stands: `name` is what that program calls a block
 /// of its plate or of what stands, and `word` a name that nothing in it has.
 pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<String>) -> String {
-    let words = Words {
+    let words = NameWords {
         block: word,
-        ..Words::OWN
+        ..NameWords::OWN
     };
     let mut out = String::new();
     let statements = statements(&plan.captures, name);
-    Told::default().write(&statements, &plan.captures, words, &mut out);
+    ExplainedComments::default().write(&statements, &plan.captures, words, &mut out);
     out
 }
 
 /// What has been explained once is not explained again.
 #[derive(Default)]
-struct Told {
+struct ExplainedComments {
     grows: bool,
     mast: bool,
     near: bool,
     both: bool,
 }
 
-impl Told {
+impl ExplainedComments {
     /// Writes the statements of a phase, with what they wait for.
     fn write(
         &mut self,
         statements: &[Statement],
         captures: &[Capture],
-        words: Words<'_>,
+        words: NameWords<'_>,
         out: &mut String,
     ) {
         let repeated = repeated(statements);
@@ -206,9 +206,9 @@ impl Told {
             }
             (1, 0) => format!("Comes later, because it lies in the way to {}.", ways[0]),
             (n, _) => {
-                let told = crate::refusal::listed_words(&ways);
+                let listed = crate::target_error::listed_words(&ways);
                 let verb = if n == 1 { "is" } else { "are" };
-                format!("Comes later, because {told} {verb} reached through here.")
+                format!("Comes later, because {listed} {verb} reached through here.")
             }
         };
         let _ = writeln!(out, "/// {said}");

@@ -12,12 +12,12 @@ pub struct Repeated<'a> {
     /// The one nearest to the origin.
     pub first: &'a Statement,
     /// The others.
-    pub nest: Nest,
+    pub nest: LoopNest,
 }
 
 /// Loops inside each other, around something that begins at a cell.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Nest {
+pub struct LoopNest {
     base: Cell,
     /// Along x, y and z.
     loops: [Option<Loop>; 3],
@@ -37,9 +37,9 @@ const LEAST: usize = 3;
 
 const COUNTERS: [&str; 3] = ["x", "y", "z"];
 
-impl Nest {
-    fn of(base: Cell) -> Nest {
-        Nest {
+impl LoopNest {
+    fn of(base: Cell) -> LoopNest {
+        LoopNest {
             base,
             loops: [None; 3],
         }
@@ -74,7 +74,7 @@ impl Nest {
 
 /// The indices of a cell in a round of loops.
 pub struct Indices<'a> {
-    nest: &'a Nest,
+    nest: &'a LoopNest,
 }
 
 impl Indices<'_> {
@@ -126,9 +126,11 @@ impl Indices<'_> {
 }
 
 /// The seats of the seeds that statements need.
-pub fn seats(statements: &[Statement]) -> Vec<Nest> {
+pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
     let seeds = statements.iter().filter_map(Statement::seed);
-    let mut nests: Vec<Nest> = seeds.map(|(x, y)| Nest::of(Cell::new(x, y, 0))).collect();
+    let mut nests: Vec<LoopNest> = seeds
+        .map(|(x, y)| LoopNest::of(Cell::new(x, y, 0)))
+        .collect();
     nests.sort_by_key(|nest| (nest.base.y, nest.base.x));
     for axis in 0..2 {
         let mut is_gone = vec![false; nests.len()];
@@ -142,12 +144,12 @@ pub fn seats(statements: &[Statement]) -> Vec<Nest> {
 }
 
 /// Equal statements, at the places of a nest.
-struct Item {
+struct RepeatedItem {
     /// Where they are written.
     at: usize,
     /// Equal ones have one number.
     kind: usize,
-    nest: Nest,
+    nest: LoopNest,
     members: Vec<usize>,
 }
 
@@ -156,14 +158,14 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
     let mut kinds = FxHashMap::default();
     let items = statements.iter().enumerate().map(|(at, statement)| {
         let next = kinds.len();
-        Item {
+        RepeatedItem {
             at,
             kind: *kinds.entry(statement.signature()).or_insert(next),
-            nest: Nest::of(statement.base()),
+            nest: LoopNest::of(statement.base()),
             members: vec![at],
         }
     });
-    let mut items: Vec<Item> = items.collect();
+    let mut items: Vec<RepeatedItem> = items.collect();
     for axis in 0..3 {
         let mut is_gone = vec![false; items.len()];
         for run in runs(axis, items.iter().map(|item| (item.kind, &item.nest))) {
@@ -178,7 +180,7 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
             if members.iter().all(may_move) {
                 let nest = joined(axis, &run, |i| &items[i].nest);
                 let kind = items[run[0]].kind;
-                items[run[0]] = Item {
+                items[run[0]] = RepeatedItem {
                     at,
                     kind,
                     nest,
@@ -190,7 +192,7 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
         items = remaining(items, &is_gone);
     }
     items.sort_by_key(|item| item.at);
-    let repeated = items.into_iter().map(|Item { nest, members, .. }| {
+    let repeated = items.into_iter().map(|RepeatedItem { nest, members, .. }| {
         let first = members.iter().find(|&&i| statements[i].base() == nest.base);
         Repeated {
             first: &statements[*first.expect("a nest begins at one of its members")],
@@ -201,13 +203,13 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
 }
 
 /// Nests of equal kinds, equally far apart along an axis, often enough for a loop: their places, from the lowest.
-fn runs<'a>(axis: usize, nests: impl Iterator<Item = (usize, &'a Nest)>) -> Vec<Vec<usize>> {
-    let mut groups: FxHashMap<(usize, Nest), usize> = FxHashMap::default();
+fn runs<'a>(axis: usize, nests: impl Iterator<Item = (usize, &'a LoopNest)>) -> Vec<Vec<usize>> {
+    let mut groups: FxHashMap<(usize, LoopNest), usize> = FxHashMap::default();
     let mut members: Vec<Vec<(i32, usize)>> = Vec::new();
     for (i, (kind, nest)) in nests.enumerate() {
         let mut base = <[i32; 3]>::from(nest.base);
         let place = std::mem::take(&mut base[axis]);
-        let elsewhere = Nest {
+        let elsewhere = LoopNest {
             base: base.into(),
             ..nest.clone()
         };
@@ -237,7 +239,7 @@ fn runs<'a>(axis: usize, nests: impl Iterator<Item = (usize, &'a Nest)>) -> Vec<
 }
 
 /// One nest for all of a run.
-fn joined<'a>(axis: usize, run: &[usize], nest: impl Fn(usize) -> &'a Nest) -> Nest {
+fn joined<'a>(axis: usize, run: &[usize], nest: impl Fn(usize) -> &'a LoopNest) -> LoopNest {
     let mut joined = nest(run[0]).clone();
     joined.loops[axis] = Some(Loop {
         step: nest(run[1]).coordinate(axis) - joined.coordinate(axis),

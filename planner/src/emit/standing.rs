@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
-use super::statement::{Called, Words};
+use super::statement::{Called, NameWords};
 use crate::plan::Capture;
 use crate::target::{StandingBlock, Target};
 
@@ -32,13 +32,13 @@ pub fn planted(target: &Target) -> Vec<Capture> {
 /// What a block is called that is attached by hand; `None`: there is none in the cell.
 pub fn name_of(target: &Target, cell: Cell) -> Option<String> {
     let Cell { x, y, z } = target.standing_at(cell)?.cell;
-    let word = Words::OWN.of(Called::Block);
+    let word = NameWords::OWN.of(Called::Block);
     Some(format!("{word}[{x}, {y}, {z}]"))
 }
 
 /// Writes the phase in which blocks are let go, behind the plate.
 pub fn write_releases(target: &Target, out: &mut String) {
-    let word = Words::OWN.of(Called::Block);
+    let word = NameWords::OWN.of(Called::Block);
     let released = target.released().iter();
     let names: Vec<String> = released
         .map(|StandingBlock { cell, .. }| format!("{word}[{}, {}, {}]", cell.x, cell.y, cell.z))

@@ -18,16 +18,16 @@ pub enum Called {
 
 /// The words of these names.
 #[derive(Clone, Copy, Debug)]
-pub struct Words<'a> {
+pub struct NameWords<'a> {
     /// For a block of the target.
     pub block: &'a str,
     /// For one of a scaffold.
     pub scaffold: &'a str,
 }
 
-impl Words<'_> {
+impl NameWords<'_> {
     /// Those of programs that are nothing but a plan.
-    pub const OWN: Words<'static> = Words {
+    pub const OWN: NameWords<'static> = NameWords {
         block: "B",
         scaffold: "S",
     };
@@ -183,7 +183,7 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
 }
 
 /// Whether a seed captures first, or which other block, the rows, and what they wait for, seen from the base of a statement.
-pub type Signature<'a> = (
+pub type StatementSignature<'a> = (
     bool,
     Option<&'a str>,
     [Called; 2],
@@ -209,7 +209,7 @@ impl Statement {
     }
 
     /// What it says, seen from its base: equal ones differ in nothing but their place.
-    pub fn signature(&self) -> Signature<'_> {
+    pub fn signature(&self) -> StatementSignature<'_> {
         let Cell { x, y, z } = self.base;
         let after = self.after.iter().map(|&(called, first, last)| {
             let ends = [
@@ -228,7 +228,7 @@ impl Statement {
     }
 
     /// Writes it with indices that count from its base.
-    pub fn write(&self, out: &mut String, at: &Indices<'_>, words: Words<'_>) {
+    pub fn write(&self, out: &mut String, at: &Indices<'_>, words: NameWords<'_>) {
         let Cell { x, y, z } = self.base;
         let [dx, dy, dz] = self.rows[0].0.normal();
         // Writing to a string cannot fail.

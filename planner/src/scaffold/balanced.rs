@@ -6,7 +6,7 @@ use rustc_hash::FxHashSet;
 use stochc_ir::{Cell, Face};
 
 use super::guides::places_beside;
-use super::places::{Grown, supports};
+use super::places::{GrowthSchedule, supports};
 use super::{MastPiece, Scaffolding};
 use crate::Target;
 
@@ -21,7 +21,7 @@ const GUIDED: f32 = 0.7;
 /// How much chance changes what a place costs \[captures\].
 const CHANCE: f32 = 2.0;
 
-impl Grown {
+impl GrowthSchedule {
     /// Pieces from the far ends of the target on, each as long as its mast leaves captures for; where a mast stands is partly left to
     /// chance. What has no more than `limit` captures from the plate to it needs no mast. If they have guides, each mast does that has
     /// a place for one.

@@ -8,7 +8,7 @@ use crate::schedule::{Schedule, WAIT};
 use crate::sites::{NONE, Sites};
 
 /// What holds each cell of a target in the end, and when it comes to its cell.
-pub struct Grown {
+pub struct GrowthSchedule {
     /// By cell: what holds it (`None`: a block of the plate), and the mean tick in which it comes.
     cells: FxHashMap<Cell, (Option<Cell>, f32)>,
 }
@@ -36,9 +36,9 @@ pub fn has_place(target: &Target) -> bool {
     cells.any(|foot| target.is_on_seed(foot) && !is_full(&foot))
 }
 
-impl Grown {
+impl GrowthSchedule {
     /// By a schedule of a target, with these scaffolds.
-    pub fn of(sites: &Sites<'_>, schedule: &Schedule, scaffolding: &Scaffolding) -> Grown {
+    pub fn of(sites: &Sites<'_>, schedule: &Schedule, scaffolding: &Scaffolding) -> GrowthSchedule {
         let pieces = scaffolding.pieces.iter();
         let in_the_end: FxHashMap<Cell, Face> = pieces.flat_map(MastPiece::handed_over).collect();
         let cells = schedule.order.iter().map(|&site| {
@@ -48,7 +48,7 @@ impl Grown {
             let holder = cell.across(way.opposite()).filter(|holder| holder.z > 0);
             (cell, (holder, schedule.end[site as usize]))
         });
-        Grown {
+        GrowthSchedule {
             cells: cells.collect(),
         }
     }

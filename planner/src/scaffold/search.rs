@@ -3,8 +3,8 @@ use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::apart::take_apart;
-use super::places::Grown;
+use super::leaf_peeling::peel_leaves;
+use super::places::GrowthSchedule;
 use super::{Scaffolding, SiteRoles};
 use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
@@ -31,7 +31,7 @@ pub struct Scaffolded {
 struct ScaffoldCandidate {
     scaffolding: Scaffolding,
     union: Target,
-    apart: Disassembly,
+    disassembly: Disassembly,
     corridors: Corridors,
     schedule: Schedule,
     estimate: PlanEstimate,
@@ -99,11 +99,17 @@ pub fn scaffolded(
         all: 0,
         tries: 0,
     };
-    let grown = Grown::of(sites, &without.schedule, &Scaffolding::default());
+    let growth = GrowthSchedule::of(sites, &without.schedule, &Scaffolding::default());
     let samples = study.samples.of(sites);
-    let job = SchedulingJob::new(sites, &without.apart, &without.corridors, hardware, waits);
+    let job = SchedulingJob::new(
+        sites,
+        &without.disassembly,
+        &without.corridors,
+        hardware,
+        waits,
+    );
     let estimate = study.estimated(&job, &samples, &without.schedule);
-    let value = study.how.value(&estimate, &without.apart);
+    let value = study.how.value(&estimate, &without.disassembly);
     let mut best: Option<(f64, Scaffolded)> = None;
     for seed in (0..).map(|number| how.seed.wrapping_add(number)) {
         study.before += study.all;
@@ -113,7 +119,7 @@ pub fn scaffolded(
             break;
         }
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let Some(first) = study.balanced(&grown, value, &mut rng) else {
+        let Some(first) = study.balanced(&growth, value, &mut rng) else {
             break;
         };
         let found = study.exchanged(first, &mut rng);
@@ -157,11 +163,11 @@ impl Study<'_> {
     /// The best of some balanced scaffolds; `None`: there are none.
     fn balanced(
         &mut self,
-        grown: &Grown,
+        growth: &GrowthSchedule,
         value: f64,
         rng: &mut ChaCha8Rng,
     ) -> Option<ScaffoldCandidate> {
-        let deepest = grown.far_first().first()?.1;
+        let deepest = growth.far_first().first()?.1;
         let mut best: Option<ScaffoldCandidate> = None;
         for limit in (LEAST_LIMIT..deepest).cycle() {
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.value);
@@ -169,13 +175,13 @@ impl Study<'_> {
                 break;
             }
             let have_guides = rng.random();
-            let mut scaffolding = grown.balanced(self.target, limit, have_guides, rng);
+            let mut scaffolding = growth.balanced(self.target, limit, have_guides, rng);
             if have_guides {
                 // Beside the target as well.
                 scaffolding = scaffolding.guided(self.target, rng).unwrap_or(scaffolding);
             }
             if !scaffolding.is_empty() {
-                let candidate = self.candidate(grown, scaffolding);
+                let candidate = self.candidate(growth, scaffolding);
                 best = candidate.filter(|it| it.value < least).or(best);
             }
         }
@@ -207,7 +213,7 @@ impl Study<'_> {
     /// With some pieces less and some others more.
     fn neighbour(&self, of: &ScaffoldCandidate, rng: &mut ChaCha8Rng) -> Option<ScaffoldCandidate> {
         let sites = Sites::of(&of.union);
-        let grown = Grown::of(&sites, &of.schedule, &of.scaffolding);
+        let growth = GrowthSchedule::of(&sites, &of.schedule, &of.scaffolding);
         let mut scaffolding = of.scaffolding.clone();
         if rng.random_range(0..3) == 0 {
             for _ in 0..rng.random_range(1..=2) {
@@ -218,7 +224,7 @@ impl Study<'_> {
                 scaffolding = other.unwrap_or(scaffolding);
             }
             return (!scaffolding.is_empty())
-                .then(|| self.candidate(&grown, scaffolding))
+                .then(|| self.candidate(&growth, scaffolding))
                 .flatten();
         }
         let mut near = Vec::new();
@@ -232,18 +238,22 @@ impl Study<'_> {
             }
         }
         for _ in 0..rng.random_range(0..=2) {
-            if let Some(more) = grown.extended(self.target, &scaffolding, &near, rng) {
+            if let Some(more) = growth.extended(self.target, &scaffolding, &near, rng) {
                 scaffolding = more;
             }
         }
         match scaffolding == of.scaffolding {
             true => None,
-            false => self.candidate(&grown, scaffolding),
+            false => self.candidate(&growth, scaffolding),
         }
     }
 
     /// A schedule with scaffolds; `None`: there is none, or a mast could not get away.
-    fn candidate(&self, grown: &Grown, scaffolding: Scaffolding) -> Option<ScaffoldCandidate> {
+    fn candidate(
+        &self,
+        growth: &GrowthSchedule,
+        scaffolding: Scaffolding,
+    ) -> Option<ScaffoldCandidate> {
         let how = self.how;
         let target = self.target;
         let cells = target.cells().iter().copied();
@@ -257,20 +267,20 @@ impl Study<'_> {
             return None;
         }
         let roles = SiteRoles::of(&sites, &scaffolding);
-        let holders = grown.holders(&sites, &roles);
-        let times = grown.times(&sites, &scaffolding);
-        let apart = take_apart(&sites, spaces, &holders, &times)?;
-        let corridors = Corridors::of(&sites, &apart, how.enough).ok()?;
-        let job = SchedulingJob::new(&sites, &apart, &corridors, self.hardware, self.waits);
+        let holders = growth.holders(&sites, &roles);
+        let times = growth.times(&sites, &scaffolding);
+        let disassembly = peel_leaves(&sites, spaces, &holders, &times)?;
+        let corridors = Corridors::of(&sites, &disassembly, how.enough).ok()?;
+        let job = SchedulingJob::new(&sites, &disassembly, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
         let even = Priorities::even(sites.len());
         let schedule = job.any(&even, how.enough).ok()??;
         let samples = self.samples.of(&sites);
         let estimate = self.estimated(&job, &samples, &schedule);
         Some(ScaffoldCandidate {
-            value: how.value(&estimate, &apart),
+            value: how.value(&estimate, &disassembly),
             scaffolding,
-            apart,
+            disassembly,
             corridors,
             schedule,
             estimate,
@@ -283,7 +293,7 @@ impl Study<'_> {
         let ScaffoldCandidate {
             scaffolding,
             union,
-            apart,
+            disassembly,
             corridors,
             schedule,
             estimate,
@@ -291,7 +301,7 @@ impl Study<'_> {
         } = best;
         let sites = Sites::of(&union);
         let roles = SiteRoles::of(&sites, &scaffolding);
-        let job = SchedulingJob::new(&sites, &apart, &corridors, self.hardware, self.waits);
+        let job = SchedulingJob::new(&sites, &disassembly, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
         let samples = self.samples.of(&sites);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -306,11 +316,11 @@ impl Study<'_> {
         };
         let tried = how.rounds - self.tries;
         let (found, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
-        let value = how.value(&found.estimate, &apart);
+        let value = how.value(&found.estimate, &disassembly);
         let scaffolded = Scaffolded {
             found: FoundSchedule {
                 rounds,
-                apart,
+                disassembly,
                 corridors,
                 schedule: found.schedule,
                 is_best: false,

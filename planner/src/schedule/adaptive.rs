@@ -10,7 +10,7 @@ use stochc_ir::{Cell, Face};
 use super::SchedulingJob;
 use crate::free_space::{FreeSpace, WayIn};
 use crate::sites::{NONE, Sites};
-use crate::waits::{Moment, Stand};
+use crate::waits::{CellState, Moment};
 
 /// Sites of a target whose best policy is looked for, at most.
 pub const MOST_ADAPTIVE: usize = 10;
@@ -148,9 +148,11 @@ impl<'a> ExactTimes<'a> {
             ..
         } = *self.job;
         let stands = |near: Cell| match sites.at(near) {
-            other if other == NONE || other == site => Stand::Empty,
-            other if state.has(other) => Stand::Full,
-            other => state.way(other).map_or(Stand::Empty, Stand::Awaited),
+            other if other == NONE || other == site => CellState::Empty,
+            other if state.has(other) => CellState::Full,
+            other => state
+                .way(other)
+                .map_or(CellState::Empty, CellState::Awaited),
         };
         let bound = f64::from(state.full().count_ones()) / f64::from(hardware.free.max(1));
         let moment = Moment {

@@ -12,7 +12,7 @@ use super::{Priorities, Schedule, ScheduleState, SchedulingJob, SiteState};
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::sites::NONE;
 use crate::waiting::Waiting;
-use crate::waits::{Moment, Stand};
+use crate::waits::{CellState, Moment};
 
 /// Sites of a target for which all schedules are looked at.
 pub const MOST_SITES: usize = 12;
@@ -257,11 +257,11 @@ fn least(job: &SchedulingJob<'_>) -> Vec<f32> {
                     NONE => way == Face::Up && job.sites.is_on_seed(site),
                     parent => full >> parent & 1 == 1,
                 };
-                for rest in [Stand::Empty, Stand::Awaited(way)] {
+                for rest in [CellState::Empty, CellState::Awaited(way)] {
                     if holds {
                         let stands = |at| match job.sites.at(at) {
-                            other if other == NONE || other == site => Stand::Empty,
-                            other if full >> other & 1 == 1 => Stand::Full,
+                            other if other == NONE || other == site => CellState::Empty,
+                            other if full >> other & 1 == 1 => CellState::Full,
                             _ => rest,
                         };
                         least = least.min(job.waits.mean(cell, way, moment, stands));

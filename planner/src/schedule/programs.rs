@@ -161,15 +161,15 @@ mod tests {
         let sites = Sites::of(&target);
         let spaces = [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
         let keys = vec![0.5; sites.len()];
-        let apart = disassemble(&sites, spaces, &keys, Cancellation::NEVER).unwrap();
-        let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
+        let disassembly = disassemble(&sites, spaces, &keys, Cancellation::NEVER).unwrap();
+        let corridors = Corridors::of(&sites, &disassembly, Cancellation::NEVER).unwrap();
         let hardware = Hardware {
             faces: 1,
             attracts_always: false,
             free: 300,
         };
         let law = RateLaw::new(None);
-        let job = SchedulingJob::new(&sites, &apart, &corridors, hardware, &law);
+        let job = SchedulingJob::new(&sites, &disassembly, &corridors, hardware, &law);
         let even = Priorities::even(sites.len());
         let schedule = job.schedule(&even, Cancellation::NEVER).unwrap();
         find(&mut ExactTimes::new(&job, keeps_ways), &schedule)

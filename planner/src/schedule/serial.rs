@@ -10,7 +10,7 @@ use stochc_ir::{Cell, Face};
 use super::{Priorities, Schedule, SchedulingJob};
 use crate::crowding::Crowding;
 use crate::sites::NONE;
-use crate::waits::{Moment, Stand};
+use crate::waits::{CellState, Moment};
 
 /// Sites for which it is worth it, at most.
 const MOST_SITES: usize = 400;
@@ -148,13 +148,13 @@ impl SerialState<'_> {
     fn mean(&self, site: u32, way: Face, start: f32) -> f32 {
         let (job, schedule) = (self.job, &self.schedule);
         let stands = |near: Cell| match job.sites.at(near) {
-            NONE => Stand::Empty,
-            near if schedule.rank[near as usize] == NONE => Stand::Empty,
-            near if schedule.end[near as usize] <= start => Stand::Full,
+            NONE => CellState::Empty,
+            near if schedule.rank[near as usize] == NONE => CellState::Empty,
+            near if schedule.end[near as usize] <= start => CellState::Full,
             near if self.start[near as usize] <= start => {
-                Stand::Awaited(schedule.way[near as usize])
+                CellState::Awaited(schedule.way[near as usize])
             }
-            _ => Stand::Empty,
+            _ => CellState::Empty,
         };
         let bound = schedule.order.len() as f64 / f64::from(job.hardware.free.max(1));
         let moment = Moment {

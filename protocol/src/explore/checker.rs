@@ -31,8 +31,8 @@ impl PropertyChecker<'_> {
         transition: Transition,
         effects: &Effects,
     ) -> Option<Breach> {
-        if let Some(wrong) = self.effects(effects) {
-            return Some(wrong);
+        if let Some(violation) = self.effects(effects) {
+            return Some(violation);
         }
         if transition != Transition::EndPhase {
             return None;
@@ -117,13 +117,13 @@ impl PropertyChecker<'_> {
             })
             .collect();
         let phase = self.describer.phase(state);
-        let wrong = |what: String| Some((Property::Structure, format!("{phase} ends {what}")));
+        let violation = |what: String| Some((Property::Structure, format!("{phase} ends {what}")));
         for (role, cell) in &stage.structure {
             let name = self.describer.names([role]);
             match built.get(role) {
-                None => return wrong(format!("without {name}")),
+                None => return violation(format!("without {name}")),
                 Some(there) if there != cell => {
-                    return wrong(format!("with {name} at {there}, which belongs at {cell}"));
+                    return violation(format!("with {name} at {there}, which belongs at {cell}"));
                 }
                 Some(_) => {}
             }
@@ -131,7 +131,7 @@ impl PropertyChecker<'_> {
         for (role, cell) in &built {
             if !stage.structure.contains_key(role) {
                 let name = self.describer.names([role]);
-                return wrong(format!("with {name} at {cell}, where nothing belongs"));
+                return violation(format!("with {name} at {cell}, where nothing belongs"));
             }
         }
         let named: BTreeSet<Cell> = built.values().copied().collect();
@@ -140,25 +140,25 @@ impl PropertyChecker<'_> {
             .cells()
             .keys()
             .find(|cell| !named.contains(cell))?;
-        wrong(format!("with a block without a name at {stray}"))
+        violation(format!("with a block without a name at {stray}"))
     }
 
     fn reports(&self, state: &ProgramState<'_>, stage: &PhaseGoal) -> Option<Breach> {
         let phase = self.describer.phase(state);
         let came: Vec<Reporter> = state.done.reports.clone();
-        let wrong = |by: &Reporter, what: &str| {
+        let violation = |by: &Reporter, what: &str| {
             let name = self.describer.names([&by.role]);
             let text = format!("{phase} ends {what} of {name}");
             Some((Property::ReportsOnce, text))
         };
         if let Some(twice) = came.windows(2).find(|pair| pair[0] == pair[1]) {
-            return wrong(&twice[0], "with two copies of the report");
+            return violation(&twice[0], "with two copies of the report");
         }
         let set: BTreeSet<Reporter> = came.into_iter().collect();
         if let Some(by) = stage.reports.difference(&set).next() {
-            return wrong(by, "without the report");
+            return violation(by, "without the report");
         }
         let by = set.difference(&stage.reports).next()?;
-        wrong(by, "with a report too many,")
+        violation(by, "with a report too many,")
     }
 }

@@ -94,7 +94,7 @@ pub(super) struct Future {
 }
 
 /// The rules of one duty that have not fired yet.
-struct Agenda<'t> {
+struct OpenDuty<'t> {
     duty: Duty<'t>,
     open: Vec<bool>,
 }
@@ -104,7 +104,7 @@ struct Forecast<'a, 't> {
     phase: PhaseId,
     state: &'a ProgramState<'t>,
     captors: &'a Captors,
-    agendas: Vec<Agenda<'t>>,
+    open_duties: Vec<OpenDuty<'t>>,
     anchored: RoleSet,
     asked: RoleSet,
     docked: RoleSet,
@@ -129,7 +129,7 @@ impl Future {
             phase,
             state,
             captors,
-            agendas: Vec::new(),
+            open_duties: Vec::new(),
             anchored: none(),
             asked: none(),
             docked: none(),
@@ -166,7 +166,7 @@ impl<'t> Forecast<'_, 't> {
                 let open = (0..duty.rules().len())
                     .map(|place| !block.has_fired(place))
                     .collect();
-                self.agendas.push(Agenda { duty, open });
+                self.open_duties.push(OpenDuty { duty, open });
             }
             for condition in block.seen() {
                 match *condition {
@@ -205,16 +205,16 @@ impl<'t> Forecast<'_, 't> {
         let mut changed = false;
         let mut i = 0;
         // Those that are added on the way get their turn as well.
-        while i < self.agendas.len() {
-            let duty = self.agendas[i].duty;
+        while i < self.open_duties.len() {
+            let duty = self.open_duties[i].duty;
             self.future.looked_at += duty.rules().len() as u64;
             for (place, rule) in duty.rules().enumerate() {
-                let ready = self.agendas[i].open[place]
+                let ready = self.open_duties[i].open[place]
                     && (rule.when.iter()).all(|&when| {
                         duty.is_true(place, when, |when| self.may_see(duty.role, when))
                     });
                 if ready {
-                    self.agendas[i].open[place] = false;
+                    self.open_duties[i].open[place] = false;
                     self.fire(duty.role, rule.then);
                     changed = true;
                 }
@@ -272,7 +272,7 @@ impl<'t> Forecast<'_, 't> {
             && let Some(duty) = self.tables.duty(child, self.phase, Trigger::Anchored)
         {
             let open = vec![true; duty.rules().len()];
-            self.agendas.push(Agenda { duty, open });
+            self.open_duties.push(OpenDuty { duty, open });
         }
     }
 

@@ -39,7 +39,7 @@ use stochc_ir::table::Tables;
 
 pub use expected::{Meant, ProgramGoals};
 pub use faults::Faults;
-pub use random_walk::{Choose, Draw};
+pub use random_walk::{Choose, DrawIndex};
 pub use report::{ExceededBound, ExplorationReport, ExplorationVerdict, Property, Violation};
 
 /// Whether a free block can come to a cell while others are occupied (those of the plate, at

@@ -8,7 +8,7 @@ use super::transition::Transition;
 
 /// Which draw it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Draw {
+pub struct DrawIndex {
     /// The number of the schedule, from 0.
     pub schedule: u64,
     /// Of which step in it, from 1; 0: of those whom faults strike.
@@ -18,7 +18,7 @@ pub struct Draw {
 }
 
 /// Draws one of `0..n`, evenly, for a number n above 0: always the same for the same draw and number.
-pub type Choose<'a> = dyn FnMut(Draw, u32) -> u32 + 'a;
+pub type Choose<'a> = dyn FnMut(DrawIndex, u32) -> u32 + 'a;
 
 /// Draws in each step before all that is possible is listed.
 const ATTEMPTS: u32 = 8;
@@ -36,7 +36,7 @@ pub(super) fn sample(
         .choices(exploration.tables, exploration.expected);
     for schedule in 0..schedules {
         let mut choose = |step, attempt, n| {
-            let draw = Draw {
+            let draw = DrawIndex {
                 schedule,
                 step,
                 attempt,

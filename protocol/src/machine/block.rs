@@ -4,7 +4,7 @@ use smallvec::SmallVec;
 use stochc_ir::table::{Action, Condition, RoleId, RuleRange, Tables, Trigger};
 use stochc_ir::{Cell, Face};
 
-use super::few::Few;
+use super::inline_vec::InlineVec;
 use super::message::Message;
 use super::slots::BlockSlot;
 use crate::body::Body;
@@ -34,12 +34,12 @@ pub struct StructureBlock<M = ()> {
     /// Hops between it and its parent that have been sent and not been received.
     pub(super) unreceived: u32,
     /// The blocks that it holds, by role.
-    children: Few<(RoleId, BlockSlot)>,
+    children: InlineVec<(RoleId, BlockSlot)>,
     /// The faces that it has on and that hold nothing yet, sorted.
-    open: Few<Open<M>>,
+    open: InlineVec<ActiveFace<M>>,
     /// What it has seen in this phase, sorted.
     seen: SmallVec<[Condition; 2]>,
-    rare: Option<Box<Rare>>,
+    cold: Option<Box<ColdState>>,
 }
 
 /// The way from a block to the plate, to find others by (E. W. Myers 1983). All but the depth is for those who look for
@@ -77,7 +77,7 @@ impl Path {
 
 /// What few blocks have.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Rare {
+struct ColdState {
     /// The rules that have fired of those behind the first 64, one bit each; none: none has.
     fired: Vec<u64>,
     /// Messages for blocks that will hang on it, sorted.
@@ -86,7 +86,7 @@ struct Rare {
 
 /// A face that is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Open<M = ()> {
+pub struct ActiveFace<M = ()> {
     /// In the block's own frame.
     pub own: Face,
     /// The same face in the structure's frame.
@@ -115,10 +115,10 @@ impl<M: Copy> StructureBlock<M> {
             parent: BlockSlot::NONE,
             path: Path::ROOT,
             unreceived: 0,
-            children: Few::None,
-            open: Few::None,
+            children: InlineVec::None,
+            open: InlineVec::None,
             seen: SmallVec::new(),
-            rare: None,
+            cold: None,
         }
     }
 
@@ -129,7 +129,7 @@ impl<M: Copy> StructureBlock<M> {
         (self.trigger, self.rules) = (Trigger::Start, RuleRange::default());
         (self.next, self.fired) = (0, 0);
         self.seen.clear();
-        self.rare = None;
+        self.cold = None;
     }
 
     /// Begins a duty, of which it has done nothing yet.
@@ -154,15 +154,15 @@ impl<M: Copy> StructureBlock<M> {
 
     /// Keeps a message for a block that will hang on it.
     pub(super) fn keep(&mut self, message: Message) {
-        let waiting = &mut self.rare.get_or_insert_default().waiting;
+        let waiting = &mut self.cold.get_or_insert_default().waiting;
         let i = waiting.partition_point(|other| *other <= message);
         waiting.insert(i, message);
     }
 
     /// Takes out all that waits.
     pub(super) fn take_waiting(&mut self) -> Vec<Message> {
-        let rare = self.rare.as_mut();
-        rare.map_or_else(Vec::new, |rare| std::mem::take(&mut rare.waiting))
+        let cold = self.cold.as_mut();
+        cold.map_or_else(Vec::new, |cold| std::mem::take(&mut cold.waiting))
     }
 
     /// What it has heard and what waits at it, as messages to whoever has the role next.
@@ -177,15 +177,15 @@ impl<M: Copy> StructureBlock<M> {
 
     /// Adds a face to those that are on.
     #[inline]
-    pub(super) fn switch_on(&mut self, open: Open<M>) {
-        let key = |open: &Open<M>| (open.own, open.face, open.child, open.cell);
+    pub(super) fn switch_on(&mut self, open: ActiveFace<M>) {
+        let key = |open: &ActiveFace<M>| (open.own, open.face, open.child, open.cell);
         let i = (self.open()).partition_point(|other| key(other) <= key(&open));
         self.open.insert(i, open);
     }
 
     /// Takes a face from those that are on.
     #[inline]
-    pub(super) fn close(&mut self, own: Face) -> Option<Open<M>> {
+    pub(super) fn close(&mut self, own: Face) -> Option<ActiveFace<M>> {
         let i = self.open().iter().position(|open| open.own == own)?;
         self.open.remove(i)
     }
@@ -247,7 +247,7 @@ impl<M: Copy> StructureBlock<M> {
     }
 
     fn mark_fired_later(&mut self, word: usize, bit: usize) {
-        let fired = &mut self.rare.get_or_insert_default().fired;
+        let fired = &mut self.cold.get_or_insert_default().fired;
         fired.resize(self.rules.count() as usize / 64, 0);
         fired[word] |= 1 << bit;
     }
@@ -292,7 +292,7 @@ impl<M> StructureBlock<M> {
     }
 
     /// The faces that are on and hold nothing, sorted.
-    pub fn open(&self) -> &[Open<M>] {
+    pub fn open(&self) -> &[ActiveFace<M>] {
         self.open.as_slice()
     }
 
@@ -308,7 +308,7 @@ impl<M> StructureBlock<M> {
 
     /// The messages that wait at it for blocks that will hang on it, sorted.
     pub fn waiting(&self) -> &[Message] {
-        self.rare.as_ref().map_or(&[], |rare| &rare.waiting)
+        self.cold.as_ref().map_or(&[], |cold| &cold.waiting)
     }
 
     /// When its duty began.
@@ -342,7 +342,7 @@ impl<M> StructureBlock<M> {
     }
 
     fn fired_later(&self) -> &[u64] {
-        self.rare.as_ref().map_or(&[], |rare| &rare.fired)
+        self.cold.as_ref().map_or(&[], |cold| &cold.fired)
     }
 
     /// All rules that have fired, one bit each.

@@ -1,14 +1,14 @@
 //! The machine of all blocks together.
 mod block;
 mod environment;
-mod few;
 mod index;
+mod inline_vec;
 mod message;
 mod routing;
 mod slots;
 mod structure;
 
-pub use block::{Open, StructureBlock};
+pub use block::{ActiveFace, StructureBlock};
 pub use environment::{Environment, PlannedCapture, Recalled};
 pub use message::{Message, Payload, Recipient, Reporter};
 pub use structure::Structure;

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use stochc_ir::Face;
 use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
 
-use super::block::{Open, Path, StructureBlock};
+use super::block::{ActiveFace, Path, StructureBlock};
 use super::environment::{Environment, PlannedCapture};
 use super::index::Index;
 use super::message::{Message, Payload, Recipient, Reporter};
@@ -489,7 +489,7 @@ fn magnetize<M: Copy>(
         face: own,
     };
     let mark = environment.magnetize(site, capture);
-    block.switch_on(Open {
+    block.switch_on(ActiveFace {
         own,
         face: capture.face,
         child: capture.child,

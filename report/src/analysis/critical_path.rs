@@ -1,7 +1,7 @@
-//! What decided how long a run took: the chain of waits from its end back to its beginning.
+//! What decided how long a run took: the critical path, the waits from its end back to its beginning.
 //!
 //! A run ends when its last phase does, and a phase when its last event has happened. That event
-//! had waited since the last of those that it depends on, and so on: the chain of the waits that
+//! had waited since the last of those that it depends on, and so on: the critical path, of the waits that
 //! met end to end. Every other wait of the run was over before it mattered.
 use std::collections::{HashMap, VecDeque};
 
@@ -15,7 +15,7 @@ use super::events::{Events, OrderedEvent, awaited, captured};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CriticalPathSegment {
     pub phase: PhaseId,
-    pub what: What,
+    pub kind: SegmentKind,
     /// Ticks of the run.
     pub from: u64,
     pub to: u64,
@@ -25,7 +25,7 @@ pub(crate) struct CriticalPathSegment {
 
 /// What time was spent on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum What {
+pub(crate) enum SegmentKind {
     /// Event number `event`; `bond` is its capture in the record, a release has none.
     Event { event: usize, bond: Option<usize> },
     /// A capture that had not happened when the run was stopped.
@@ -52,9 +52,9 @@ impl CriticalPathSegment {
 
     /// The event, if it is one.
     pub fn event(&self) -> Option<usize> {
-        match self.what {
-            What::Event { event, .. } | What::Pending { event } => Some(event),
-            What::Reports => None,
+        match self.kind {
+            SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => Some(event),
+            SegmentKind::Reports => None,
         }
     }
 }
@@ -157,8 +157,8 @@ fn begins(record: &RunRecord) -> Vec<u64> {
     begins
 }
 
-/// The chain of a run, the first link first; empty where the run failed.
-pub(crate) fn chain(
+/// The critical path of a run, the first segment first; empty where the run failed.
+pub(crate) fn critical_path(
     events: &Events,
     record: &RunRecord,
     moments: &[EventTiming],
@@ -167,9 +167,9 @@ pub(crate) fn chain(
         return Vec::new();
     }
     let begins = begins(record);
-    let mut links = Vec::new();
+    let mut segments = Vec::new();
     if let Outcome::TimedOut { phase, .. } = record.outcome {
-        unfinished(events, record, moments, phase, &mut links);
+        unfinished(events, record, moments, phase, &mut segments);
     }
     for (number, _) in record.phase_ticks.iter().enumerate().rev() {
         let end = begins[number + 1];
@@ -183,18 +183,18 @@ pub(crate) fn chain(
             continue;
         };
         if tick < end {
-            links.push(CriticalPathSegment {
+            segments.push(CriticalPathSegment {
                 phase: event.phase,
-                what: What::Reports,
+                kind: SegmentKind::Reports,
                 from: tick,
                 to: end,
                 since: None,
             });
         }
-        back(events, moments, last, &mut links);
+        back(events, moments, last, &mut segments);
     }
-    links.reverse();
-    links
+    segments.reverse();
+    segments
 }
 
 /// What the phase that did not end waited for: of the captures that were under way the one that had
@@ -204,7 +204,7 @@ fn unfinished(
     record: &RunRecord,
     moments: &[EventTiming],
     phase: PhaseId,
-    links: &mut Vec<CriticalPathSegment>,
+    segments: &mut Vec<CriticalPathSegment>,
 ) {
     let here = || events.of_phase(phase.0 as usize);
     let waiting = here().filter(|(i, event)| {
@@ -213,29 +213,29 @@ fn unfinished(
     match waiting.min_by_key(|&(i, _)| moments[i].ready) {
         Some((event, _)) => {
             let since = since(events, moments, event);
-            links.push(CriticalPathSegment {
+            segments.push(CriticalPathSegment {
                 phase,
-                what: What::Pending { event },
+                kind: SegmentKind::Pending { event },
                 from: moments[event].ready.unwrap_or(0),
                 to: record.ticks,
                 since,
             });
             if let Some((first, _)) = since {
-                back(events, moments, first, links);
+                back(events, moments, first, segments);
             }
         }
         // Everything has happened, and the reports were on their way.
         None => {
             let done = here().filter(|&(i, _)| moments[i].done.is_some());
             if let Some((last, _)) = done.max_by_key(|&(i, _)| moments[i].done) {
-                links.push(CriticalPathSegment {
+                segments.push(CriticalPathSegment {
                     phase,
-                    what: What::Reports,
+                    kind: SegmentKind::Reports,
                     from: moments[last].done.unwrap_or(0),
                     to: record.ticks,
                     since: None,
                 });
-                back(events, moments, last, links);
+                back(events, moments, last, segments);
             }
         }
     }
@@ -246,7 +246,7 @@ fn back(
     events: &Events,
     moments: &[EventTiming],
     last: usize,
-    links: &mut Vec<CriticalPathSegment>,
+    segments: &mut Vec<CriticalPathSegment>,
 ) {
     let mut next = Some(last);
     // What is waited for was done before, and there are no more events than these.
@@ -259,9 +259,9 @@ fn back(
         let since = since(events, moments, event);
         // A cell may have been emptied only after the face was magnetized.
         let freed = since.and_then(|(first, _)| moments[first].done);
-        links.push(CriticalPathSegment {
+        segments.push(CriticalPathSegment {
             phase: events.events[event].phase,
-            what: What::Event {
+            kind: SegmentKind::Event {
                 event,
                 bond: moment.bond,
             },
@@ -360,8 +360,10 @@ mod tests {
         }
     }
 
-    fn told(links: &[CriticalPathSegment]) -> Vec<(Option<usize>, u64, u64)> {
-        let told = links.iter().map(|link| (link.event(), link.from, link.to));
+    fn told(segments: &[CriticalPathSegment]) -> Vec<(Option<usize>, u64, u64)> {
+        let told = segments
+            .iter()
+            .map(|segment| (segment.event(), segment.from, segment.to));
         told.collect()
     }
 
@@ -376,18 +378,18 @@ mod tests {
         let mut record = record(Outcome::Completed, 160, &[100, 60], bonds);
         record.releases.push(release(100));
         let events = program();
-        let links = chain(&events, &record, &moments(&events, &record));
+        let segments = critical_path(&events, &record, &moments(&events, &record));
         let expected = [
             (Some(0), 0, 30),
             (Some(1), 30, 100),
             (Some(3), 100, 100),
             (Some(4), 100, 160),
         ];
-        assert_eq!(told(&links), expected);
-        assert_eq!(links[1].since, Some((0, Dependency::Anchored)));
+        assert_eq!(told(&segments), expected);
+        assert_eq!(segments[1].since, Some((0, Dependency::Anchored)));
         // The waits meet end to end and fill the run.
         assert_eq!(
-            links.iter().map(CriticalPathSegment::ticks).sum::<u64>(),
+            segments.iter().map(CriticalPathSegment::ticks).sum::<u64>(),
             record.ticks
         );
     }
@@ -404,14 +406,14 @@ mod tests {
         let mut record = record(Outcome::Completed, 100, &[95, 5], bonds);
         record.releases.push(release(95));
         let events = program();
-        let links = chain(&events, &record, &moments(&events, &record));
+        let segments = critical_path(&events, &record, &moments(&events, &record));
         let expected = [
             (Some(2), 0, 90),
             (None, 90, 95),
             (Some(3), 95, 95),
             (Some(4), 95, 100),
         ];
-        assert_eq!(told(&links), expected);
+        assert_eq!(told(&segments), expected);
     }
 
     #[test]
@@ -441,9 +443,9 @@ mod tests {
             bond(0, 0, 1, 0, 60),
         ];
         let record = record(Outcome::Completed, 90, &[90], bonds);
-        let links = chain(&events, &record, &moments(&events, &record));
+        let segments = critical_path(&events, &record, &moments(&events, &record));
         let expected = [(Some(1), 0, 20), (Some(2), 20, 50), (Some(3), 50, 90)];
-        assert_eq!(told(&links), expected);
+        assert_eq!(told(&segments), expected);
     }
 
     #[test]
@@ -464,9 +466,9 @@ mod tests {
             entries: 0,
         });
         let events = program();
-        let links = chain(&events, &record, &moments(&events, &record));
-        assert_eq!(told(&links), [(Some(0), 0, 30), (Some(1), 30, 500)]);
-        assert_eq!(links[1].what, What::Pending { event: 1 });
+        let segments = critical_path(&events, &record, &moments(&events, &record));
+        assert_eq!(told(&segments), [(Some(0), 0, 30), (Some(1), 30, 500)]);
+        assert_eq!(segments[1].kind, SegmentKind::Pending { event: 1 });
     }
 
     #[test]
@@ -477,6 +479,6 @@ mod tests {
             reason: String::new(),
         };
         let failed = record(failed, 50, &[], Vec::new());
-        assert!(chain(&events, &failed, &moments(&events, &failed)).is_empty());
+        assert!(critical_path(&events, &failed, &moments(&events, &failed)).is_empty());
     }
 }

@@ -11,7 +11,7 @@ use stochc_ensemble::{
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
-use super::critical_path::{CriticalPathSegment, chain, moments};
+use super::critical_path::{CriticalPathSegment, critical_path, moments};
 use super::events::Events;
 use super::waits::Decisive;
 
@@ -84,14 +84,14 @@ pub(crate) struct FailedRun {
 #[derive(Clone, Debug)]
 pub(crate) struct FinishedRun {
     pub record: RunRecord,
-    pub chain: Vec<CriticalPathSegment>,
+    pub critical_path: Vec<CriticalPathSegment>,
 }
 
 impl FinishedRun {
     pub fn of(events: &Events, record: &RunRecord) -> FinishedRun {
         let moments = moments(events, record);
         FinishedRun {
-            chain: chain(events, record, &moments),
+            critical_path: critical_path(events, record, &moments),
             record: record.clone(),
         }
     }

@@ -9,7 +9,7 @@ use stochc_ir::scene::scalars::scalars;
 use super::subject::ReportedProgram;
 
 /// A program's number in the report, and the numbers of its scene by their names.
-type Member = (usize, BTreeMap<&'static str, f64>);
+type SweepMember = (usize, BTreeMap<&'static str, f64>);
 
 /// What has to be the same for a number to be all that differs.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
@@ -23,7 +23,7 @@ struct ComparisonKey<'a> {
 /// Programs of several folders that are the same but for one number of their scenes, a sweep for each such number; its
 /// values are in SI units.
 pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep> {
-    let mut groups: BTreeMap<ComparisonKey, Vec<Member>> = BTreeMap::new();
+    let mut groups: BTreeMap<ComparisonKey, Vec<SweepMember>> = BTreeMap::new();
     let plain = subjects.iter().enumerate();
     let plain = plain.filter(|(_, subject)| subject.program.varied.is_empty());
     for (i, subject) in plain {
@@ -49,7 +49,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
             continue;
         };
         let program = &subjects[group[0].0].program.name;
-        let point = |(i, numbers): &Member| {
+        let point = |(i, numbers): &SweepMember| {
             let (subject, value) = (&subjects[*i], *numbers.get(of)?);
             Some(subject.point.clone().finish(
                 (subject.label.clone(), program.clone()),
@@ -74,7 +74,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
 }
 
 /// The one number in which a group differs; `None`: none, or several.
-fn difference(group: &[Member]) -> Option<&'static str> {
+fn difference(group: &[SweepMember]) -> Option<&'static str> {
     let (_, first) = group.first()?;
     let mut found = BTreeSet::new();
     for (_, numbers) in group {

@@ -18,9 +18,9 @@ pub(crate) struct ReportedCapture {
     pub follows: bool,
     /// What the runs say of it; `None`: none has ever waited for it.
     pub waits: Option<Waits>,
-    /// Its part of the time of all runs together, on the chains that decided them; 0 to 1.
+    /// Its part of the time of all runs together, on the critical paths; 0 to 1.
     pub share: Option<f64>,
-    /// In how many runs it was a link of that chain.
+    /// In how many runs it was on that path.
     pub decided: usize,
 }
 
@@ -60,9 +60,9 @@ impl ReportedCapture {
 /// What decided the time of runs, while these are told.
 #[derive(Clone, Debug)]
 pub(crate) struct Decisive {
-    /// Ticks that each event took in the chains of all runs.
+    /// Ticks that each event took on the critical paths of all runs.
     spent: Vec<f64>,
-    /// In how many runs it was a link.
+    /// In how many runs it was on it.
     decided: Vec<usize>,
     /// Ticks of all runs.
     total: f64,
@@ -81,9 +81,9 @@ impl Decisive {
     /// Adds a run that did not fail.
     pub fn add(&mut self, run: &FinishedRun) {
         self.total += run.record.ticks as f64;
-        for link in &run.chain {
-            if let Some(event) = link.event() {
-                self.spent[event] += link.ticks() as f64;
+        for segment in &run.critical_path {
+            if let Some(event) = segment.event() {
+                self.spent[event] += segment.ticks() as f64;
                 self.decided[event] += 1;
             }
         }

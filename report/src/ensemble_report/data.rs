@@ -14,7 +14,7 @@ fn maybe(value: Option<f64>) -> String {
 }
 
 /// A file's name and content.
-pub(super) type File = (String, String);
+pub(super) type NamedFile = (String, String);
 
 /// The table of what decided each run.
 pub const CHAINS: &str = "chains.csv";
@@ -53,7 +53,7 @@ pub(super) fn files(
     sweeps: &[Sweep],
     maps: &[Option<Maps>],
     clock: TimeUnit,
-) -> Vec<File> {
+) -> Vec<NamedFile> {
     let names = names(
         subjects,
         !pairwise_tests.is_empty(),
@@ -246,15 +246,15 @@ pub(super) fn chains_header() -> String {
 /// The lines of a run in it.
 pub(super) fn chains(subject: &ReportedProgram, run: &FinishedRun) -> String {
     let mut table = CsvTable::part();
-    for link in &run.chain {
-        let event = link.event().map(|event| &subject.events.events[event]);
+    for segment in &run.critical_path {
+        let event = segment.event().map(|event| &subject.events.events[event]);
         table.row([
             subject.label.clone(),
             run.record.run.to_string(),
-            subject.program.phase(link.phase).to_owned(),
+            subject.program.phase(segment.phase).to_owned(),
             event.map_or("reports".to_owned(), |event| event.text(subject.program)),
-            link.from.to_string(),
-            link.to.to_string(),
+            segment.from.to_string(),
+            segment.to.to_string(),
         ]);
     }
     table.finish()

@@ -17,7 +17,7 @@ use crate::analysis::subject::ReportedProgram;
 use crate::analysis::{self, pairwise, subject, sweep, waits};
 use crate::svg::Drawing;
 
-pub use crate::analysis::maps::Recordings;
+pub use crate::analysis::maps::RecordingReader;
 pub use crate::analysis::subject::{Input, ReportError};
 pub use crate::figures::{FigureFormat, Figures};
 pub use crate::svg::Medium;
@@ -48,7 +48,7 @@ pub struct ReportLocation<'a> {
     /// its program in there, and its own; `None`: there is none.
     pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,
     /// The recordings of runs.
-    pub recordings: &'a Recordings<'a>,
+    pub recordings: &'a RecordingReader<'a>,
 }
 
 /// A relative path as an address: what would end or change it is written in hexadecimal.

@@ -1,11 +1,11 @@
-//! A run in words: the chain of events that decided how long it took.
+//! A run in words: its critical path.
 use stochc_ensemble::EnsembleProgram;
 use stochc_ensemble::text::{Tick, escaped, number, whole_percent};
 use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
 
 use super::html::{code, name};
-use crate::analysis::critical_path::{CriticalPathSegment, What};
+use crate::analysis::critical_path::{CriticalPathSegment, SegmentKind};
 use crate::analysis::events::Events;
 use crate::analysis::subject::FinishedRun;
 
@@ -38,7 +38,7 @@ pub(super) fn tick_of(replay: Option<&str>, tick: u64) -> String {
     }
 }
 
-/// Links that are told; of a longer chain those that took longest.
+/// Segments that are told; of a longer path those that took longest.
 const TOLD: usize = 12;
 
 /// A run's heading, in HTML: its number, what it is, how long it took.
@@ -66,27 +66,31 @@ pub(super) fn heading(of: &Telling, what: &str, run: &FinishedRun) -> String {
     )
 }
 
-/// Its chain in a few sentences of HTML, each an item of a list.
+/// Its critical path in a few sentences of HTML, each an item of a list.
 pub(super) fn story(of: &Telling, run: &FinishedRun) -> Vec<String> {
-    let mut longest: Vec<u64> = run.chain.iter().map(CriticalPathSegment::ticks).collect();
+    let mut longest: Vec<u64> = run
+        .critical_path
+        .iter()
+        .map(CriticalPathSegment::ticks)
+        .collect();
     // What took no time needs no room where room is short.
     longest.retain(|&ticks| ticks > 0);
     longest.sort_unstable_by(|a, b| b.cmp(a));
     let least = longest.get(TOLD).copied();
-    let told = |link: &&CriticalPathSegment| match least {
+    let told = |segment: &&CriticalPathSegment| match least {
         None => true,
-        // Of equally long ones all or none: a chain of short waits is told as one.
-        Some(least) => link.ticks() > least,
+        // Of equally long ones all or none: a row of short waits is told as one.
+        Some(least) => segment.ticks() > least,
     };
     let mut items = Vec::new();
     let mut passed: Vec<&CriticalPathSegment> = Vec::new();
-    for link in &run.chain {
-        if told(&link) {
+    for segment in &run.critical_path {
+        if told(&segment) {
             items.extend(between(of, &passed));
             passed.clear();
-            items.push(item(of, run, link));
+            items.push(item(of, run, segment));
         } else {
-            passed.push(link);
+            passed.push(segment);
         }
     }
     items.extend(between(of, &passed));
@@ -96,7 +100,10 @@ pub(super) fn story(of: &Telling, run: &FinishedRun) -> Vec<String> {
 /// The one wait that took most of a run, in a sentence of HTML.
 pub(super) fn lead(of: &Telling, run: &FinishedRun) -> Option<String> {
     let total = run.record.ticks;
-    let longest = run.chain.iter().max_by_key(|link| link.ticks())?;
+    let longest = run
+        .critical_path
+        .iter()
+        .max_by_key(|segment| segment.ticks())?;
     let share = longest.ticks() as f64 / total.max(1) as f64;
     let text = of.events.events[longest.event()?].text(of.program);
     (share >= 0.25).then(|| format!("{} alone took {} of it.", code(&text), whole_percent(share)))
@@ -118,7 +125,7 @@ pub(super) fn sizes(of: &Telling, run: &FinishedRun) -> Vec<String> {
 }
 
 fn between(of: &Telling, passed: &[&CriticalPathSegment]) -> Option<String> {
-    let waits: Vec<u64> = passed.iter().map(|link| link.ticks()).collect();
+    let waits: Vec<u64> = passed.iter().map(|segment| segment.ticks()).collect();
     let spent = waits
         .iter()
         .fold(0, |spent: u64, wait| spent.saturating_add(*wait));
@@ -138,42 +145,42 @@ fn between(of: &Telling, passed: &[&CriticalPathSegment]) -> Option<String> {
     ))
 }
 
-pub(crate) fn item(of: &Telling, run: &FinishedRun, link: &CriticalPathSegment) -> String {
-    let share = link.ticks() as f64 / run.record.ticks.max(1) as f64;
-    // The time of the link in seconds, and what part of the run's it is.
-    let seconds = of.tick().seconds(link.ticks() as f64);
+pub(crate) fn item(of: &Telling, run: &FinishedRun, segment: &CriticalPathSegment) -> String {
+    let share = segment.ticks() as f64 / run.record.ticks.max(1) as f64;
+    // The time of the segment in seconds, and what part of the run's it is.
+    let seconds = of.tick().seconds(segment.ticks() as f64);
     let share = match share {
         share if share >= 0.005 => format!(" ({seconds}, {})", whole_percent(share)),
         _ => format!(" ({seconds})"),
     };
-    match link.what {
-        What::Reports => format!(
+    match segment.kind {
+        SegmentKind::Reports => format!(
             "Then the reports took {}{share} to reach the plate, from tick {} on.",
-            count(link.ticks()),
-            of.at(link.from)
+            count(segment.ticks()),
+            of.at(segment.from)
         ),
-        What::Pending { event } => {
+        SegmentKind::Pending { event } => {
             let text = of.events.events[event].text(of.program);
             format!(
                 "{} had waited <strong>{}</strong>{share} when the run was stopped: from tick {}, {}.",
                 code(&text),
-                count(link.ticks()),
-                of.at(link.from),
-                reason(of, link)
+                count(segment.ticks()),
+                of.at(segment.from),
+                reason(of, segment)
             )
         }
-        What::Event { event, bond } => {
+        SegmentKind::Event { event, bond } => {
             let text = of.events.events[event].text(of.program);
             let Some(bond) = bond.map(|i| &run.record.bonds[i]) else {
-                let waited = match link.ticks() {
+                let waited = match segment.ticks() {
                     0 => String::new(),
                     n => format!(" after {}", ticks(of, n)),
                 };
                 return format!(
                     "{}{waited}, at tick {}, {}.",
                     code(&text),
-                    of.at(link.to),
-                    reason(of, link)
+                    of.at(segment.to),
+                    reason(of, segment)
                 );
             };
             let origin = match &bond.origin {
@@ -200,18 +207,18 @@ pub(crate) fn item(of: &Telling, run: &FinishedRun, link: &CriticalPathSegment) 
             format!(
                 "{} waited <strong>{}</strong>{share}, from tick {}, {}{entries}{origin}.",
                 code(&text),
-                count(link.ticks()),
-                of.at(link.from),
-                reason(of, link),
+                count(segment.ticks()),
+                of.at(segment.from),
+                reason(of, segment),
             )
         }
     }
 }
 
 /// Why a wait began when it did, as the end of a sentence.
-fn reason(of: &Telling, link: &CriticalPathSegment) -> String {
-    let Some((first, why)) = link.since else {
-        let phase = name(of.program.phase(link.phase));
+fn reason(of: &Telling, segment: &CriticalPathSegment) -> String {
+    let Some((first, why)) = segment.since else {
+        let phase = name(of.program.phase(segment.phase));
         return format!("the beginning of phase <code>{phase}</code>");
     };
     let first = code(&of.events.events[first].text(of.program));

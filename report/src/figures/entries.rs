@@ -6,7 +6,9 @@ use super::EDGE;
 use crate::analysis::subject::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, width};
-use crate::svg::{Axis, Drawing, Key, Marker, Medium, Sample, Scale, Style, phase, plot_height};
+use crate::svg::{
+    Axis, Drawing, LegendEntry, LegendSymbol, Marker, Medium, Scale, Style, phase, plot_height,
+};
 
 /// A disc for each capture at its means, above a dot for every time it happened.
 pub(crate) fn entries(
@@ -89,12 +91,12 @@ pub(crate) fn entries(
         let class = format!("rim {}", phase(wait.phase.0 as usize));
         out.disc(&class, (x.at(*entries), y.at(*docking)), 5.0, &told);
     }
-    let keys: Vec<Key> = (phases.iter())
+    let keys: Vec<LegendEntry> = (phases.iter())
         .map(|&number| {
             let id = stochc_ir::table::PhaseId(number as u32);
-            Key {
+            LegendEntry {
                 class: format!("rim {}", phase(number)),
-                sample: Sample::Mark(Marker::Disc),
+                sample: LegendSymbol::Mark(Marker::Disc),
                 meaning: format!("phase {}", visible(subject.program.phase(id))),
             }
         })

@@ -7,7 +7,7 @@ use stochc_ir::table::RoleId;
 use super::EDGE;
 use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest};
-use crate::svg::{Axis, Drawing, Key, Medium, Sample, Scale, class};
+use crate::svg::{Axis, Drawing, LegendEntry, LegendSymbol, Medium, Scale, class};
 
 /// A bar for each capture that ever took a block that had been released; `None`: none did.
 pub(crate) fn origins(
@@ -74,13 +74,13 @@ pub(crate) fn origins(
         }
         bar("grey", 0, wait.free(), "never captured before");
     }
-    let key = |class: &str, hatch: usize, meaning: String| Key {
+    let key = |class: &str, hatch: usize, meaning: String| LegendEntry {
         class: format!("bar {class}"),
-        sample: Sample::Bar(hatch),
+        sample: LegendSymbol::Bar(hatch),
         meaning,
     };
     let named = roles.iter().take(ROLES).enumerate();
-    let mut keys: Vec<Key> = named
+    let mut keys: Vec<LegendEntry> = named
         .map(|(i, (role, _))| key(class(i), i, format!("released as {}", program.role(*role))))
         .collect();
     if roles.len() > ROLES {

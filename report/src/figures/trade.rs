@@ -1,11 +1,13 @@
 //! A trade as a picture: what a run costs against how far it is off.
 use stochc_ensemble::text::{percent, relative, relative_size, seconds};
-use stochc_ensemble::trade::{CLOSE, Convergence, Setting, Trade};
+use stochc_ensemble::trade::{CLOSE, CandidateResult, Convergence, Trade};
 use stochc_runtime::{Model, Precision};
 
 use super::EDGE;
 use crate::svg::letters::{fitted, width};
-use crate::svg::{Axis, Drawing, Key, LINE, Marker, Medium, Sample, Scale, Style, plot_height};
+use crate::svg::{
+    Axis, Drawing, LINE, LegendEntry, LegendSymbol, Marker, Medium, Scale, Style, plot_height,
+};
 
 /// Width on a screen.
 const WIDTH: f64 = 1020.0;
@@ -26,7 +28,7 @@ const ROW: f64 = 19.0;
 struct PlottedSetting<'a> {
     /// As in the tables, from 1.
     number: usize,
-    candidate: &'a Setting,
+    candidate: &'a CandidateResult,
     reference: bool,
     /// Cost of a run \[s\].
     cost: f64,
@@ -114,7 +116,7 @@ fn points(trade: &Trade) -> Vec<PlottedSetting<'_>> {
         .as_ref()
         .map(|reference| reference.candidate);
     let point = |(i, candidate): (usize, &'_ _)| {
-        let candidate: &Setting = candidate;
+        let candidate: &CandidateResult = candidate;
         let itself = reference == Some(i);
         let (bias, half_width) = match (itself, candidate.worst) {
             (true, _) => (0.0, 0.0),
@@ -336,13 +338,13 @@ fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64
         out.text_before("dim", (right, y), &bias);
     }
     y += 1.6 * ROW;
-    let key = |class: &str, sample, meaning: &str| Key {
+    let key = |class: &str, sample, meaning: &str| LegendEntry {
         class: class.to_owned(),
         sample,
         meaning: meaning.to_owned(),
     };
     let mark = |class: &str, marker, meaning: &str| {
-        key(&format!("key {class}"), Sample::Mark(marker), meaning)
+        key(&format!("key {class}"), LegendSymbol::Mark(marker), meaning)
     };
     let keys = [
         mark("s0", Marker::Disc, "rigid; open: double precision"),
@@ -357,7 +359,7 @@ fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64
         mark("reference", Marker::Diamond, "reference"),
         key(
             "mark",
-            Sample::Line(FRONT),
+            LegendSymbol::Line(FRONT),
             "no setting is cheaper and less biased",
         ),
     ];

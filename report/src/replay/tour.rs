@@ -7,7 +7,7 @@ use crate::analysis::events::Events;
 use crate::analysis::subject::FinishedRun;
 use crate::ensemble_report::narrative::{Telling, item};
 
-/// Steps of a tour, at most: of a longer chain those that took longest.
+/// Steps of a tour, at most: of a longer path those that took longest.
 const MOST: usize = 200;
 
 /// `[{ from, to, cell, html }]`: the waits that met end to end, in ticks, where each happened, and the sentence of a report that tells
@@ -20,20 +20,27 @@ pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
         events: &events,
         replay: None,
     };
-    let mut lengths: Vec<u64> = run.chain.iter().map(|link| link.ticks()).collect();
+    let mut lengths: Vec<u64> = run
+        .critical_path
+        .iter()
+        .map(|segment| segment.ticks())
+        .collect();
     lengths.sort_unstable_by(|a, b| b.cmp(a));
     // What took no time is told by what waited for it.
     let least = lengths.get(MOST).map_or(1, |&ticks| ticks + 1);
-    let told = run.chain.iter().filter(|link| link.ticks() >= least);
-    let steps = told.map(|link| {
-        let cell = link.event().and_then(|event| {
+    let told = run
+        .critical_path
+        .iter()
+        .filter(|segment| segment.ticks() >= least);
+    let steps = told.map(|segment| {
+        let cell = segment.event().and_then(|event| {
             let event = &events.events[event];
             let graph = &program.compiled.graph;
             let same = graph.events_of(event.phase).map(|id| graph.event(id));
             let mut same = same.filter(|it| it.action == event.action);
             same.next().and_then(|it| it.cell)
         });
-        json!({ "from": link.from, "to": link.to, "cell": cell, "html": item(&telling, &run, link) })
+        json!({ "from": segment.from, "to": segment.to, "cell": cell, "html": item(&telling, &run, segment) })
     });
     Value::Array(steps.collect())
 }

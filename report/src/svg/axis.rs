@@ -41,7 +41,7 @@ impl Axis {
 }
 
 /// A place on an axis, and what stands there.
-pub(crate) type Mark = (f64, String);
+pub(crate) type AxisTick = (f64, String);
 
 impl Drawing {
     /// Values to mark on a horizontal axis, whose numbers do not touch.
@@ -76,7 +76,7 @@ impl Drawing {
         of: &Axis,
     ) -> f64 {
         let ticks = self.ticks_across(scale).into_iter();
-        let marks: Vec<Mark> = ticks.map(|tick| (scale.at(tick), number(tick))).collect();
+        let marks: Vec<AxisTick> = ticks.map(|tick| (scale.at(tick), number(tick))).collect();
         for (x, _) in &marks {
             self.line("grid", (*x, top), (*x, y));
         }
@@ -86,7 +86,7 @@ impl Drawing {
     /// A horizontal axis with marks at some places, those left out that would touch others.
     pub(crate) fn marks_across(
         &mut self,
-        marks: &[Mark],
+        marks: &[AxisTick],
         (left, right): (f64, f64),
         y: f64,
         label: &str,
@@ -109,14 +109,14 @@ impl Drawing {
     }
 
     /// Marks at places where they are not cut, and every second, third ... of them where all would touch.
-    fn apart(&self, marks: &[Mark]) -> Vec<Mark> {
+    fn apart(&self, marks: &[AxisTick]) -> Vec<AxisTick> {
         let marks = marks.iter();
-        let marks: Vec<Mark> = marks
+        let marks: Vec<AxisTick> = marks
             .map(|(x, text)| (self.within(*x, text), text.clone()))
             .collect();
         let every = |n: usize| marks.iter().step_by(n).cloned().collect::<Vec<_>>();
         let all = 1..=marks.len().max(1);
-        let fits = |marks: &Vec<Mark>| are_apart(marks);
+        let fits = |marks: &Vec<AxisTick>| are_apart(marks);
         all.map(every).find(fits).unwrap_or_default()
     }
 
@@ -142,7 +142,7 @@ impl Drawing {
         label: impl Fn(f64) -> String,
     ) {
         let ticks = scale.ticks(5).into_iter();
-        let marks: Vec<Mark> = ticks.map(|tick| (scale.at(tick), label(tick))).collect();
+        let marks: Vec<AxisTick> = ticks.map(|tick| (scale.at(tick), label(tick))).collect();
         for (y, _) in &marks {
             self.line("grid", (x, *y), (right, *y));
         }
@@ -152,7 +152,7 @@ impl Drawing {
     /// A vertical axis with marks at some places, whose name begins at `edge`.
     pub(crate) fn marks_upward(
         &mut self,
-        marks: &[Mark],
+        marks: &[AxisTick],
         (bottom, top): (f64, f64),
         (edge, x): (f64, f64),
         label: &str,
@@ -170,8 +170,8 @@ impl Drawing {
     }
 }
 
-fn are_apart(marks: &[Mark]) -> bool {
+fn are_apart(marks: &[AxisTick]) -> bool {
     const APART: f64 = 8.0;
-    let half = |mark: &Mark| letters::width(&mark.1) / 2.0;
+    let half = |mark: &AxisTick| letters::width(&mark.1) / 2.0;
     (marks.windows(2)).all(|pair| pair[0].0 + half(&pair[0]) + APART <= pair[1].0 - half(&pair[1]))
 }

@@ -2,7 +2,7 @@
 use super::axis::LINE;
 use super::letters::{self, fitted, wrapped};
 use super::medium::Medium;
-use super::shape::{Anchor, Form, Marker, Place, Shape};
+use super::shape::{DrawnShape, Form, Marker, Point, TextAnchor};
 use super::style::{Paint, Style};
 
 /// A picture that grows; lengths are in units of which type is 12 high.
@@ -17,21 +17,21 @@ pub struct Drawing {
     /// What it is drawn for.
     pub(super) medium: Medium,
     size: (f64, f64),
-    shapes: Vec<Shape>,
+    shapes: Vec<DrawnShape>,
 }
 
 /// The key of a colour.
 #[derive(Clone, Debug)]
-pub(crate) struct Key {
+pub(crate) struct LegendEntry {
     /// Of its sample.
     pub class: String,
-    pub sample: Sample,
+    pub sample: LegendSymbol,
     pub meaning: String,
 }
 
 /// What the sample of a key looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sample {
+pub(crate) enum LegendSymbol {
     /// A bar with strokes of this kind.
     Bar(usize),
     Mark(Marker),
@@ -74,12 +74,12 @@ impl Drawing {
         self.size
     }
 
-    pub(crate) fn shapes(&self) -> &[Shape] {
+    pub(crate) fn shapes(&self) -> &[DrawnShape] {
         &self.shapes
     }
 
     pub(crate) fn push(&mut self, class: &str, own: Style, form: Form, told: &str) {
-        self.shapes.push(Shape {
+        self.shapes.push(DrawnShape {
             class: class.to_owned(),
             own,
             form,
@@ -88,37 +88,37 @@ impl Drawing {
     }
 
     /// A straight line.
-    pub(crate) fn line(&mut self, class: &str, from: Place, to: Place) {
+    pub(crate) fn line(&mut self, class: &str, from: Point, to: Point) {
         self.stroke(class, from, to, Style::default());
     }
 
     /// A straight line of a style of its own.
-    pub(crate) fn stroke(&mut self, class: &str, from: Place, to: Place, own: Style) {
+    pub(crate) fn stroke(&mut self, class: &str, from: Point, to: Point, own: Style) {
         self.push(class, own, Form::Line(from, to), "");
     }
 
     /// A line of text that begins at `place`.
-    pub(crate) fn text(&mut self, class: &str, place: Place, content: &str) {
-        self.words(class, place, Anchor::Start, content);
+    pub(crate) fn text(&mut self, class: &str, place: Point, content: &str) {
+        self.words(class, place, TextAnchor::Start, content);
     }
 
     /// A line of text that ends at `place`.
-    pub(crate) fn text_before(&mut self, class: &str, place: Place, content: &str) {
-        self.words(class, place, Anchor::End, content);
+    pub(crate) fn text_before(&mut self, class: &str, place: Point, content: &str) {
+        self.words(class, place, TextAnchor::End, content);
     }
 
     /// A line of text around `place`.
-    pub(crate) fn text_around(&mut self, class: &str, place: Place, content: &str) {
-        self.words(class, place, Anchor::Middle, content);
+    pub(crate) fn text_around(&mut self, class: &str, place: Point, content: &str) {
+        self.words(class, place, TextAnchor::Middle, content);
     }
 
-    fn words(&mut self, class: &str, place: Place, anchor: Anchor, content: &str) {
+    fn words(&mut self, class: &str, place: Point, anchor: TextAnchor, content: &str) {
         let form = Form::Text(place, anchor, content.to_owned());
         self.push(class, Style::default(), form, "");
     }
 
     /// Text in lines that are at most so wide, the first with its foot at `place`; gives the foot of the next line.
-    pub(crate) fn paragraph(&mut self, class: &str, place: Place, most: f64, content: &str) -> f64 {
+    pub(crate) fn paragraph(&mut self, class: &str, place: Point, most: f64, content: &str) -> f64 {
         let mut y = place.1;
         for line in wrapped(content, most) {
             self.text(class, (place.0, y), &line);
@@ -132,7 +132,7 @@ impl Drawing {
         &mut self,
         class: &str,
         marker: Marker,
-        centre: Place,
+        centre: Point,
         size: f64,
         told: &str,
     ) {
@@ -147,7 +147,7 @@ impl Drawing {
     }
 
     /// A rectangle, from its upper left corner.
-    pub(crate) fn rectangle(&mut self, class: &str, corner: Place, size: Place, told: &str) {
+    pub(crate) fn rectangle(&mut self, class: &str, corner: Point, size: Point, told: &str) {
         self.field(class, corner, size, Style::default(), told);
     }
 
@@ -155,8 +155,8 @@ impl Drawing {
     pub(crate) fn field(
         &mut self,
         class: &str,
-        corner: Place,
-        size: Place,
+        corner: Point,
+        size: Point,
         own: Style,
         told: &str,
     ) {
@@ -197,17 +197,17 @@ impl Drawing {
     }
 
     /// A disc; `told` is what a pointer over it shows.
-    pub(crate) fn disc(&mut self, class: &str, centre: Place, radius: f64, told: &str) {
+    pub(crate) fn disc(&mut self, class: &str, centre: Point, radius: f64, told: &str) {
         self.push(class, Style::default(), Form::Disc(centre, radius), told);
     }
 
     /// A disc of a style of its own.
-    pub(crate) fn spot(&mut self, centre: Place, radius: f64, own: Style) {
+    pub(crate) fn spot(&mut self, centre: Point, radius: f64, own: Style) {
         self.push("", own, Form::Disc(centre, radius), "");
     }
 
     /// A line through points.
-    pub(crate) fn curve(&mut self, class: &str, points: &[Place], dashes: &'static str) {
+    pub(crate) fn curve(&mut self, class: &str, points: &[Point], dashes: &'static str) {
         let class = format!("curve {class}");
         self.push(
             &class,
@@ -218,18 +218,18 @@ impl Drawing {
     }
 
     /// An area between points.
-    pub(crate) fn area(&mut self, class: &str, points: &[Place]) {
+    pub(crate) fn area(&mut self, class: &str, points: &[Point]) {
         let class = format!("band {class}");
         self.push(&class, Style::default(), Form::Area(points.to_vec()), "");
     }
 
     /// Keys of colours side by side, in as many columns as they find room, the first with its foot at `place`; gives the foot
     /// of the next line.
-    pub(crate) fn keys(&mut self, place: Place, right: f64, keys: &[Key]) -> f64 {
+    pub(crate) fn keys(&mut self, place: Point, right: f64, keys: &[LegendEntry]) -> f64 {
         const ROW: f64 = 19.0;
         const APART: f64 = 16.0;
-        let sample = |key: &Key| match key.sample {
-            Sample::Line(_) => 42.0,
+        let sample = |key: &LegendEntry| match key.sample {
+            LegendSymbol::Line(_) => 42.0,
             _ => 18.0,
         };
         let room = right - place.0;
@@ -242,13 +242,15 @@ impl Drawing {
             let x = place.0 + column * (i % columns) as f64;
             let y = place.1 + ROW * (i / columns) as f64;
             match key.sample {
-                Sample::Bar(kind) => {
+                LegendSymbol::Bar(kind) => {
                     let (corner, size) = ((x, y - 10.0), (12.0, 12.0));
                     self.rectangle(&key.class, corner, size, "");
                     self.hatch(kind, corner, size);
                 }
-                Sample::Mark(marker) => self.mark(&key.class, marker, (x + 6.0, y - 4.0), 5.0, ""),
-                Sample::Line(dashes) => {
+                LegendSymbol::Mark(marker) => {
+                    self.mark(&key.class, marker, (x + 6.0, y - 4.0), 5.0, "")
+                }
+                LegendSymbol::Line(dashes) => {
                     self.curve(&key.class, &[(x, y - 4.0), (x + 34.0, y - 4.0)], dashes);
                 }
             }
@@ -287,9 +289,9 @@ mod tests {
 
     #[test]
     fn keys_find_as_many_columns_as_there_is_room_for() {
-        let key = |meaning: &str| Key {
+        let key = |meaning: &str| LegendEntry {
             class: "bar s0".into(),
-            sample: Sample::Bar(0),
+            sample: LegendSymbol::Bar(0),
             meaning: meaning.into(),
         };
         let keys = ["one", "two", "three"].map(key);

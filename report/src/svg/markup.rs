@@ -5,7 +5,7 @@ use stochc_ensemble::text::escaped;
 
 use super::drawing::Drawing;
 use super::medium::{Medium, TYPE};
-use super::shape::{Anchor, Form, Shape};
+use super::shape::{DrawnShape, Form, TextAnchor};
 use super::style::stylesheet;
 
 impl Drawing {
@@ -68,7 +68,7 @@ impl Drawing {
 }
 
 /// Writes the element of a shape, and a line break.
-fn write(out: &mut String, shape: &Shape) {
+fn write(out: &mut String, shape: &DrawnShape) {
     // What is its own counts less than a rule for its class, and more than what it inherits.
     let own = shape.own.attributes();
     let (group, end, class) = match own.is_empty() {
@@ -110,9 +110,9 @@ fn write(out: &mut String, shape: &Shape) {
         ),
         Form::Text((x, y), anchor, content) => {
             let more = match anchor {
-                Anchor::Start => "",
-                Anchor::Middle => " text-anchor=\"middle\"",
-                Anchor::End => " text-anchor=\"end\"",
+                TextAnchor::Start => "",
+                TextAnchor::Middle => " text-anchor=\"middle\"",
+                TextAnchor::End => " text-anchor=\"end\"",
             };
             // Writing to a string cannot fail.
             let _ = writeln!(

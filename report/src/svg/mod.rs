@@ -17,7 +17,7 @@ pub use drawing::Drawing;
 pub use medium::Medium;
 
 pub(crate) use axis::{Axis, LINE};
-pub(crate) use drawing::{Key, Sample};
+pub(crate) use drawing::{LegendEntry, LegendSymbol};
 pub(crate) use medium::plot_height;
 pub(crate) use scale::Scale;
 pub(crate) use shape::Marker;

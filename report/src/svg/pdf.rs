@@ -15,7 +15,7 @@ use subsetter::GlyphRemapper;
 use super::Drawing;
 use super::letters::{self, FACE, FONT};
 use super::medium::TYPE;
-use super::shape::{Anchor, Form, Place, Shape};
+use super::shape::{DrawnShape, Form, Point, TextAnchor};
 use super::style::{Paint, Style, on_paper};
 
 /// Glyphs are numbered as they are in the font that is embedded.
@@ -30,7 +30,7 @@ const FONT_NAME: Name = Name(b"F");
 type Opacity = (u32, u32);
 
 /// The content of a page, and what it uses.
-struct Page {
+struct PdfPage {
     content: Content,
     /// Points in a unit, and the height of the page \[pt\].
     unit: f64,
@@ -49,7 +49,7 @@ impl Drawing {
     pub fn pdf(&self) -> io::Result<Vec<u8>> {
         let unit = self.medium.unit();
         let (width, height) = self.size();
-        let mut page = Page {
+        let mut page = PdfPage {
             content: Content::new(),
             unit,
             height: height * unit,
@@ -65,8 +65,8 @@ impl Drawing {
     }
 }
 
-impl Page {
-    fn at(&self, (x, y): Place) -> (f32, f32) {
+impl PdfPage {
+    fn at(&self, (x, y): Point) -> (f32, f32) {
         ((x * self.unit) as f32, (self.height - y * self.unit) as f32)
     }
 
@@ -74,7 +74,7 @@ impl Page {
         (length * self.unit) as f32
     }
 
-    fn draw(&mut self, shape: &Shape) {
+    fn draw(&mut self, shape: &DrawnShape) {
         let mut style = on_paper(&shape.class).then(shape.own);
         let mut dashes = "";
         match &shape.form {
@@ -114,7 +114,7 @@ impl Page {
     }
 
     /// A path from place to place.
-    fn path(&mut self, places: &[Place]) {
+    fn path(&mut self, places: &[Point]) {
         for (i, &place) in places.iter().enumerate() {
             let (x, y) = self.at(place);
             match i {
@@ -125,10 +125,10 @@ impl Page {
     }
 
     /// Four cubic curves, which leave a circle by less than 0.03 % of its radius.
-    fn circle(&mut self, (x, y): Place, radius: f64) {
+    fn circle(&mut self, (x, y): Point, radius: f64) {
         const REACH: f64 = 0.552_284_75;
         let corners = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
-        let place = |(dx, dy): Place| self.at((x + radius * dx, y + radius * dy));
+        let place = |(dx, dy): Point| self.at((x + radius * dx, y + radius * dy));
         let curves: Vec<_> = (0..4)
             .map(|i| {
                 let (from, to) = (corners[i], corners[(i + 1) % 4]);
@@ -179,11 +179,17 @@ impl Page {
         (fill.is_some(), stroke.is_some())
     }
 
-    fn text(&mut self, place: Place, anchor: Anchor, text: &str, (_, is_outlined): (bool, bool)) {
+    fn text(
+        &mut self,
+        place: Point,
+        anchor: TextAnchor,
+        text: &str,
+        (_, is_outlined): (bool, bool),
+    ) {
         let before = match anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => letters::width(text) / 2.0,
-            Anchor::End => letters::width(text),
+            TextAnchor::Start => 0.0,
+            TextAnchor::Middle => letters::width(text) / 2.0,
+            TextAnchor::End => letters::width(text),
         };
         let (x, y) = self.at((place.0 - before, place.1));
         let codes = self.codes(text);

@@ -2,11 +2,11 @@
 use super::style::Style;
 
 /// A place, or a size, in units of the drawing; down is positive.
-pub(crate) type Place = (f64, f64);
+pub(crate) type Point = (f64, f64);
 
 /// A part of a picture.
 #[derive(Clone, Debug)]
-pub(crate) struct Shape {
+pub(crate) struct DrawnShape {
     /// Classes of its style, with blanks between them.
     pub class: String,
     /// What counts before them.
@@ -19,17 +19,17 @@ pub(crate) struct Shape {
 /// The form of a part.
 #[derive(Clone, Debug)]
 pub(crate) enum Form {
-    Line(Place, Place),
+    Line(Point, Point),
     /// A line through places, in dashes: their lengths, empty for none.
-    Curve(Vec<Place>, &'static str),
+    Curve(Vec<Point>, &'static str),
     /// An area between places.
-    Area(Vec<Place>),
+    Area(Vec<Point>),
     /// From its upper left corner, so wide and so high.
-    Rectangle(Place, Place),
+    Rectangle(Point, Point),
     /// Around a centre.
-    Disc(Place, f64),
+    Disc(Point, f64),
     /// A line of text.
-    Text(Place, Anchor, String),
+    Text(Point, TextAnchor, String),
     /// An axis begins: what follows as far as its end is its line, its marks, and its name with its unit.
     Axis,
     /// It ends.
@@ -38,7 +38,7 @@ pub(crate) enum Form {
 
 /// Where a line of text is, as seen from its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Anchor {
+pub(crate) enum TextAnchor {
     /// It begins there.
     Start,
     /// It is around it.
@@ -60,9 +60,9 @@ pub(crate) enum Marker {
 
 impl Marker {
     /// The form, about `2 size` wide.
-    pub fn form(self, (x, y): Place, size: f64) -> Form {
+    pub fn form(self, (x, y): Point, size: f64) -> Form {
         let m = size;
-        let corners = |corners: &[Place]| {
+        let corners = |corners: &[Point]| {
             Form::Area(corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect())
         };
         match self {

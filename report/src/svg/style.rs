@@ -134,10 +134,10 @@ impl Style {
 }
 
 /// A class, and how it is drawn.
-type Rule = (String, Style);
+type StyleRule = (String, Style);
 
 /// The rules of a theme, in the order in which they count.
-fn rules(theme: &Theme) -> Vec<Rule> {
+fn rules(theme: &Theme) -> Vec<StyleRule> {
     let is_light = theme.paper.luminance() > 0.5;
     let [dim, axis, grid, grey] = match is_light {
         true => [
@@ -195,7 +195,7 @@ fn rules(theme: &Theme) -> Vec<Rule> {
         ("word", without),
         ("outline", Style::line(0.6)),
     ];
-    let named = |rules: Vec<(&str, Style)>| -> Vec<Rule> {
+    let named = |rules: Vec<(&str, Style)>| -> Vec<StyleRule> {
         let rules = rules.into_iter();
         rules
             .map(|(name, style)| (name.to_owned(), style))
@@ -215,17 +215,17 @@ const PAPER: Theme = Theme {
     ..LIGHT
 };
 
-static LIGHT_RULES: LazyLock<Vec<Rule>> = LazyLock::new(|| rules(&LIGHT));
-static PAPER_RULES: LazyLock<Vec<Rule>> = LazyLock::new(|| rules(&PAPER));
+static LIGHT_RULES: LazyLock<Vec<StyleRule>> = LazyLock::new(|| rules(&LIGHT));
+static PAPER_RULES: LazyLock<Vec<StyleRule>> = LazyLock::new(|| rules(&PAPER));
 
 /// How a shape of some classes is drawn on paper: all that can be said is said.
 pub(crate) fn on_paper(classes: &str) -> Style {
-    let own = |rule: &&Rule| classes.split_whitespace().any(|class| class == rule.0);
+    let own = |rule: &&StyleRule| classes.split_whitespace().any(|class| class == rule.0);
     let rules = PAPER_RULES.iter().filter(own);
     rules.fold(Style::INITIAL, |style, (_, rule)| style.then(*rule))
 }
 
-fn css(rules: &[Rule]) -> String {
+fn css(rules: &[StyleRule]) -> String {
     rules.iter().fold(String::new(), |mut all, (class, style)| {
         let order = if class == "halo" {
             ";paint-order:stroke"

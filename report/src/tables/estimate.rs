@@ -4,12 +4,12 @@ use stochc_ensemble::text::percent;
 use stochc_runtime::rates::{Interaction, Times};
 
 use super::rates::{KNOWN_BIAS, first_guess};
-use crate::estimate::{Estimate, Method};
+use crate::estimate::{CompletionEstimate, Method};
 use crate::text::{TextColumn, TextTable, paragraph};
 
 /// The times of programs and of their phases, and the `most` events of each that decide most of them; `width` is that of the
 /// terminal, in characters.
-pub fn estimates_to_text(estimates: &[Estimate], most: usize, width: usize) -> String {
+pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: usize) -> String {
     let mut text = String::new();
     for (number, estimate) in estimates.iter().enumerate() {
         if number > 0 {
@@ -21,7 +21,7 @@ pub fn estimates_to_text(estimates: &[Estimate], most: usize, width: usize) -> S
             text += &format!("\n{}", shares(estimate, most).text(width, false));
         }
     }
-    let is_guess = |it: &&Estimate| {
+    let is_guess = |it: &&CompletionEstimate| {
         matches!(
             it.method,
             Method::Graph {
@@ -42,7 +42,7 @@ pub fn estimates_to_text(estimates: &[Estimate], most: usize, width: usize) -> S
 }
 
 /// Where the times come from, and how well they are known.
-fn origin(estimate: &Estimate) -> String {
+fn origin(estimate: &CompletionEstimate) -> String {
     let all = estimate.completed + estimate.stopped;
     let mut text = match (estimate.method, all) {
         (Method::Graph { .. }, 0) => return "No block is left for one of the captures.".to_owned(),
@@ -83,7 +83,7 @@ pub fn left_out(interaction: Interaction) -> String {
     )
 }
 
-fn times(estimate: &Estimate) -> TextTable {
+fn times(estimate: &CompletionEstimate) -> TextTable {
     let total = std::iter::once((format!("{}, ticks", estimate.program), estimate.total));
     // A program of one phase is that phase.
     let phases = estimate.phases.iter().filter(|_| estimate.phases.len() > 1);
@@ -116,7 +116,7 @@ fn times(estimate: &Estimate) -> TextTable {
     }
 }
 
-fn shares(estimate: &Estimate, most: usize) -> TextTable {
+fn shares(estimate: &CompletionEstimate, most: usize) -> TextTable {
     let shown = &estimate.shares[..most.min(estimate.shares.len())];
     TextTable {
         label: "waited for, and for nothing else".to_owned(),

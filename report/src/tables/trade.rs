@@ -1,7 +1,7 @@
 //! A trade as text.
 use stochc_ensemble::text::{Tick, percent, ratio, relative, seconds, visible};
 use stochc_ensemble::trade::{
-    CLOSE, Cell, Convergence, Program, Reference, Setting, Trade, Verdict,
+    CLOSE, CandidateResult, Convergence, MeasuredProgram, ProgramResult, Reference, Trade, Verdict,
 };
 
 use super::comparison::ticks;
@@ -61,7 +61,7 @@ pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
     text
 }
 
-fn line(trade: &Trade, number: usize, candidate: &Setting, program: usize) -> TradeRow {
+fn line(trade: &Trade, number: usize, candidate: &CandidateResult, program: usize) -> TradeRow {
     let cell = &candidate.programs[program];
     let itself = trade
         .reference
@@ -112,7 +112,7 @@ fn left_out(trade: &Trade, width: usize) -> String {
     }
 }
 
-fn figures(trade: &Trade, cell: &Cell, itself: bool, program: usize) -> [String; 9] {
+fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) -> [String; 9] {
     let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
     let reference = trade.reference_candidate();
     let whole = reference.and_then(|candidate| candidate.programs[program].cost);
@@ -168,7 +168,7 @@ fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
         "Order of the means, by the reference: {}\n",
         ordered.join(", ")
     );
-    let count = |candidate: &Setting, verdict| {
+    let count = |candidate: &CandidateResult, verdict| {
         let pairs = candidate
             .ranking
             .iter()
@@ -242,7 +242,7 @@ fn notes(trade: &Trade) -> Vec<String> {
             .flat_map(|candidate| &candidate.programs)
     };
     if cells().any(|cell| cell.censored > 0) {
-        let limit = |program: &Program| format!("{} {}", program.name, program.max_ticks);
+        let limit = |program: &MeasuredProgram| format!("{} {}", program.name, program.max_ticks);
         let limits: Vec<String> = trade.programs.iter().map(limit).collect();
         notes.push(format!(
             "cens.: runs stopped by a timeout of the program or the limit of ticks ({}). Means \
@@ -281,7 +281,7 @@ fn table(header: &[&str], lines: &[TradeRow]) -> TextTable {
 }
 
 /// A setting with its number, by which pictures name it.
-fn label(number: usize, setting: &Setting) -> String {
+fn label(number: usize, setting: &CandidateResult) -> String {
     format!("{:>2}  {}", number + 1, setting.name)
 }
 

@@ -7,7 +7,7 @@ mod ahead;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use stochc_protocol::explore::Draw;
+use stochc_protocol::explore::DrawIndex;
 
 pub use ahead::DrawsAhead;
 
@@ -98,7 +98,7 @@ impl StepDraws<'_> {
 }
 
 /// The draws of [`Exploration::sample`](stochc_protocol::explore::Exploration::sample) with this seed.
-pub fn schedules(seed: u64) -> impl FnMut(Draw, u32) -> u32 {
+pub fn schedules(seed: u64) -> impl FnMut(DrawIndex, u32) -> u32 {
     move |draw, n| {
         let mut draws = Draws::new(seed, draw.schedule, Stream::Schedule);
         let words = draws.step(draw.step).block(draw.attempt / WORDS);

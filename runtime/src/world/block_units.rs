@@ -71,15 +71,15 @@ struct Units {
     of: BlockUnits,
 }
 
-type Made<T> = Result<T, SceneError>;
+type SceneResult<T> = Result<T, SceneError>;
 
 /// A term that a scene need not have.
-fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> Made<B>) -> Made<Option<B>> {
+fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> SceneResult<B>) -> SceneResult<Option<B>> {
     term.as_ref().map(make).transpose()
 }
 
 impl Units {
-    fn of(scene: &Scene) -> Made<Units> {
+    fn of(scene: &Scene) -> SceneResult<Units> {
         let of = BlockUnits::of(scene);
         positive("the side of a block", of.side)?;
         positive("the mass of a block", of.mass)?;
@@ -87,26 +87,26 @@ impl Units {
         Ok(Units { of })
     }
 
-    fn length(self, what: &'static str, value: f64) -> Made<f64> {
+    fn length(self, what: &'static str, value: f64) -> SceneResult<f64> {
         number(what, self.of.length(value))
     }
 
-    fn speed(self, what: &'static str, value: f64) -> Made<f64> {
+    fn speed(self, what: &'static str, value: f64) -> SceneResult<f64> {
         number(what, self.of.speed(value))
     }
 
-    fn force(self, what: &'static str, value: f64) -> Made<f64> {
+    fn force(self, what: &'static str, value: f64) -> SceneResult<f64> {
         number(what, self.of.force(value))
     }
 
-    fn reach(self, what: &'static str, reach: &Reach) -> Made<Pull> {
+    fn reach(self, what: &'static str, reach: &Reach) -> SceneResult<Pull> {
         Ok(Pull {
             force: self.force(what, reach.force)?,
             within: self.length(what, reach.within)?,
         })
     }
 
-    fn shell(self, enclosure: &Enclosure, plate: &Plate) -> Made<Shell> {
+    fn shell(self, enclosure: &Enclosure, plate: &Plate) -> SceneResult<Shell> {
         let (radius, wall, inside) = match *enclosure {
             Enclosure::Hemisphere { radius, wall } => (radius, wall, 0.0),
             Enclosure::Sphere { radius, wall } => (radius, wall, self.of.side / 2.0),
@@ -121,7 +121,7 @@ impl Units {
         })
     }
 
-    fn weight(self, gravity: f64, fluid: Option<&Fluid>) -> Made<f64> {
+    fn weight(self, gravity: f64, fluid: Option<&Fluid>) -> SceneResult<f64> {
         let density = fluid.and_then(|fluid| fluid.density).unwrap_or(0.0);
         let borne = self.of.density(density);
         let down = self.of.acceleration(gravity);
@@ -130,7 +130,7 @@ impl Units {
         Ok(down * (1.0 - borne))
     }
 
-    fn resistance(self, fluid: &Fluid) -> Made<Resistance> {
+    fn resistance(self, fluid: &Fluid) -> SceneResult<Resistance> {
         let side = self.of.side;
         let viscosity = fluid.viscosity.unwrap_or(0.0);
         let density = fluid.density.unwrap_or(0.0);
@@ -152,7 +152,7 @@ impl Units {
         })
     }
 
-    fn stream(self, flow: &Flow, shell: Option<Shell>) -> Made<MeanFlow> {
+    fn stream(self, flow: &Flow, shell: Option<Shell>) -> SceneResult<MeanFlow> {
         Ok(match flow {
             Flow::Stir(stir) => MeanFlow::Vortex {
                 radius: self.length("the radius of the ring", stir.radius)?,
@@ -178,7 +178,7 @@ impl Units {
         })
     }
 
-    fn eddies(self, scene: &Scene) -> Made<Option<Eddies>> {
+    fn eddies(self, scene: &Scene) -> SceneResult<Option<Eddies>> {
         let Some(Agitation::Turbulence(turbulence)) = &scene.agitation else {
             return Ok(None);
         };
@@ -195,7 +195,7 @@ impl Units {
         }))
     }
 
-    fn contact(self, contact: &stochc_ir::scene::Contact) -> Made<ContactParameters> {
+    fn contact(self, contact: &stochc_ir::scene::Contact) -> SceneResult<ContactParameters> {
         Ok(ContactParameters {
             law: match contact.law {
                 ContactLaw::Rigid { restitution } => ContactLaw::Rigid {
@@ -210,7 +210,7 @@ impl Units {
         })
     }
 
-    fn magnet(self, bond: &Bond) -> Made<Magnet> {
+    fn magnet(self, bond: &Bond) -> SceneResult<Magnet> {
         let Anchor {
             measure,
             within,
@@ -258,7 +258,7 @@ impl Units {
 }
 
 /// A number that single precision can hold, and is not negative.
-fn number(what: &'static str, value: f64) -> Made<f64> {
+fn number(what: &'static str, value: f64) -> SceneResult<f64> {
     if value >= 0.0 && value <= f64::from(f32::MAX) {
         Ok(value)
     } else {
@@ -266,7 +266,7 @@ fn number(what: &'static str, value: f64) -> Made<f64> {
     }
 }
 
-fn positive(what: &'static str, value: f64) -> Made<()> {
+fn positive(what: &'static str, value: f64) -> SceneResult<()> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {

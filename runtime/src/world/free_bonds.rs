@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use super::blocks::{Blocks, Motion, Pose};
-use super::bonding::pair_attraction::{close, energy, meet, seat};
+use super::bonding::pair_attraction::{close, energy, face_pair, seat};
 use super::external_forces::Response;
 use super::groups::{BlockGroups, lost};
 use super::parameters::{Attraction, Magnet, Passive};
@@ -45,10 +45,10 @@ impl FreeBonds {
             if self.groups.same(a, b) {
                 continue;
             }
-            let Some(met) = meet(&self.magnet, &blocks.pose(a), &blocks.pose(b)) else {
+            let Some(pair) = face_pair(&self.magnet, &blocks.pose(a), &blocks.pose(b)) else {
                 continue;
             };
-            for (id, push) in [(a, met.pushes[0]), (b, met.pushes[1])] {
+            for (id, push) in [(a, pair.pushes[0]), (b, pair.pushes[1])] {
                 let Motion { velocity, spin, .. } = blocks.motion(id);
                 let linear = push.linear * (dt * response.linear);
                 let angular = push.angular * (dt * response.angular);
@@ -75,8 +75,8 @@ impl FreeBonds {
         let mut ready = Vec::new();
         for (i, j) in close(&places, self.magnet.anchoring()) {
             let (a, b) = (places[i].0, places[j].0);
-            if let Some(met) = meet(&self.magnet, &blocks.pose(a), &blocks.pose(b))
-                && met.bonds
+            if let Some(pair) = face_pair(&self.magnet, &blocks.pose(a), &blocks.pose(b))
+                && pair.bonds
             {
                 // A pair that has been torn is let bond again when it parts no faster than its magnets can stop
                 // in a step.
@@ -89,12 +89,12 @@ impl FreeBonds {
                 if opening > self.passive.hold * dt {
                     parting.insert((a, b));
                 }
-                ready.push((a, b, met));
+                ready.push((a, b, pair));
             }
         }
         self.groups.forgive(&parting);
         let mut joined = false;
-        for (a, b, met) in ready {
+        for (a, b, pair) in ready {
             if self.groups.same(a, b) || self.groups.are_parted(a, b) {
                 continue;
             }
@@ -104,7 +104,7 @@ impl FreeBonds {
                 .map(|id| blocks.motion(id))
                 .collect();
             if lost(&motions) < energy(&self.passive) {
-                let seat = seat(&blocks.pose(a), met.face, &blocks.pose(b), met.other);
+                let seat = seat(&blocks.pose(a), pair.face, &blocks.pose(b), pair.other);
                 self.groups.join(a, b, &seat, blocks);
                 joined = true;
             }

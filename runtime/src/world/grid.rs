@@ -49,14 +49,14 @@ const SLABS: [[[u64; SIDE as usize]; SIDE as usize]; 3] = {
 pub(super) struct ChunkedGrid<T> {
     window: Window,
     /// The chunks outside of the window.
-    chunks: FxHashMap<ChunkKey, Chunk>,
+    chunks: FxHashMap<ChunkKey, CellChunk>,
     cells: Vec<T>,
     default: T,
 }
 
 /// A cube of cells.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Chunk {
+struct CellChunk {
     /// Where its cells begin; [`ABSENT`]: it is not there.
     start: u32,
     /// Its marked cells, one bit each.
@@ -68,14 +68,14 @@ struct Chunk {
 struct Window {
     first: ChunkKey,
     sides: [u32; 3],
-    chunks: Vec<Chunk>,
+    chunks: Vec<CellChunk>,
 }
 
 /// Where no chunk begins.
 const ABSENT: u32 = u32::MAX;
 
 /// A chunk that is not there.
-const NO_CHUNK: Chunk = Chunk {
+const NO_CHUNK: CellChunk = CellChunk {
     start: ABSENT,
     marks: 0,
 };
@@ -190,7 +190,7 @@ impl<T: Copy> ChunkedGrid<T> {
 
     /// The chunk in a place, if it is there.
     #[inline(always)]
-    fn find(&self, key: ChunkKey) -> Chunk {
+    fn find(&self, key: ChunkKey) -> CellChunk {
         match self.window.number(key) {
             Some(number) => self.window.chunks[number],
             None => self.find_outside(key),
@@ -198,7 +198,7 @@ impl<T: Copy> ChunkedGrid<T> {
     }
 
     #[cold]
-    fn find_outside(&self, key: ChunkKey) -> Chunk {
+    fn find_outside(&self, key: ChunkKey) -> CellChunk {
         self.chunks.get(&key).copied().unwrap_or(NO_CHUNK)
     }
 
@@ -274,7 +274,7 @@ impl<T: Copy> ChunkedGrid<T> {
 
     /// The chunk in a place, which is there from now on.
     #[inline]
-    fn chunk(&mut self, key: ChunkKey) -> &mut Chunk {
+    fn chunk(&mut self, key: ChunkKey) -> &mut CellChunk {
         if self.find(key).start == ABSENT {
             self.add(key);
         }
@@ -288,7 +288,7 @@ impl<T: Copy> ChunkedGrid<T> {
     fn add(&mut self, key: ChunkKey) {
         let start = self.cells.len() as u32;
         self.cells.resize(self.cells.len() + CELLS, self.default);
-        let chunk = Chunk { start, marks: 0 };
+        let chunk = CellChunk { start, marks: 0 };
         if self.window.number(key).is_none() {
             self.widen(key);
         }

@@ -150,9 +150,9 @@ const TIMES: &str = "of the time: the part of it in which nothing but this captu
 
 /// Why there are no times, and what to do.
 fn no_times(program: &Program, cost: &Cost) -> String {
-    let refusal = program.scene.as_ref().and_then(RateWorld::refusal);
-    match (refusal, cost.has_rates) {
-        (Some(refusal), _) => format!("No times: {refusal}."),
+    let unsupported = program.scene.as_ref().and_then(RateWorld::unsupported);
+    match (unsupported, cost.has_rates) {
+        (Some(unsupported), _) => format!("No times: {unsupported}."),
         (None, false) => "No times: the rates of this scene are not known. `stochc calibrate FILE --out X.rates` measures \
              them for `--rates X.rates`."
             .to_owned(),

@@ -63,10 +63,10 @@ pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
         }
         if let Some(wrong) = reports
             .iter()
-            .find_map(|report| go_wrong(file, tables, report))
+            .find_map(|report| violation_message(file, tables, report))
         {
             warn(&wrong);
-            exit = Exit::WrongProgram;
+            exit = Exit::InvalidProgram;
         }
     }
     (told, exit)
@@ -117,7 +117,7 @@ fn describe(reports: &[ExplorationReport], bounds: &ExplorationBounds) -> String
 }
 
 /// How a program goes wrong, as a message.
-fn go_wrong(file: &str, tables: &Tables, report: &ExplorationReport) -> Option<String> {
+fn violation_message(file: &str, tables: &Tables, report: &ExplorationReport) -> Option<String> {
     let violation = report.violation()?;
     Some(format!(
         "error: the event tables of `{}` in {file} go wrong in some order of events\n{violation}help: {MISTAKE}\n",

@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
 use stochc_ensemble::text::{Tick, seconds, visible};
-use stochc_ensemble::{EnsembleProgram, Manifest, named};
+use stochc_ensemble::{EnsembleProgram, Manifest, record_json};
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_runtime::run as run_once;
@@ -36,7 +36,7 @@ pub fn run(
         }
         match options.format {
             ResultsFormat::Text => print(&story(&record, program))?,
-            ResultsFormat::Json => records.push(named(&record, program)),
+            ResultsFormat::Json => records.push(record_json(&record, program)),
         }
     }
     if options.format == ResultsFormat::Json {

@@ -3,7 +3,7 @@ use std::net::SocketAddr;
 
 use ctutils::CtEq as _;
 
-use super::request::Request;
+use super::request::HttpRequest;
 
 /// Bytes of chance in a link.
 const CHANCE: usize = 16;
@@ -17,7 +17,7 @@ pub(super) struct Access {
 
 /// Why a request is not answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Refusal {
+pub(super) enum AccessDenied {
     /// Of methods there is GET.
     Method,
     /// It names another host: some page has a name of its own lead here.
@@ -54,9 +54,9 @@ impl Access {
     ///
     /// # Errors
     /// If it is not to be answered.
-    pub fn admit<'r>(&self, request: &'r Request) -> Result<&'r str, Refusal> {
+    pub fn admit<'r>(&self, request: &'r HttpRequest) -> Result<&'r str, AccessDenied> {
         if request.method != "GET" {
-            return Err(Refusal::Method);
+            return Err(AccessDenied::Method);
         }
         let port = self.address.port();
         let hosts = [self.address.to_string(), format!("localhost:{port}")];
@@ -64,14 +64,14 @@ impl Access {
             .iter()
             .any(|host| host.eq_ignore_ascii_case(&request.host))
         {
-            return Err(Refusal::Host);
+            return Err(AccessDenied::Host);
         }
-        let path = request.path.strip_prefix('/').ok_or(Refusal::Token)?;
-        let (token, rest) = path.split_once('/').ok_or(Refusal::Token)?;
+        let path = request.path.strip_prefix('/').ok_or(AccessDenied::Token)?;
+        let (token, rest) = path.split_once('/').ok_or(AccessDenied::Token)?;
         // How long it takes says nothing of the token but its length, which everybody knows.
         match token.as_bytes().ct_eq(&self.token[..]).to_bool() {
             true => Ok(rest),
-            false => Err(Refusal::Token),
+            false => Err(AccessDenied::Token),
         }
     }
 }
@@ -84,15 +84,15 @@ mod tests {
         Access::new("127.0.0.1:8000".parse().unwrap()).unwrap()
     }
 
-    fn request(method: &str, host: &str, path: &str) -> Request {
-        Request {
+    fn request(method: &str, host: &str, path: &str) -> HttpRequest {
+        HttpRequest {
             method: method.to_owned(),
             host: host.to_owned(),
             path: path.to_owned(),
         }
     }
 
-    fn refused(access: &Access, method: &str, host: &str, path: &str) -> Refusal {
+    fn refused(access: &Access, method: &str, host: &str, path: &str) -> AccessDenied {
         access.admit(&request(method, host, path)).unwrap_err()
     }
 
@@ -137,7 +137,7 @@ mod tests {
             format!("{link}events"),
         ] {
             let refused = refused(&access, "GET", host, &path);
-            assert_eq!(refused, Refusal::Token, "{path}");
+            assert_eq!(refused, AccessDenied::Token, "{path}");
         }
         for host in [
             "",
@@ -150,11 +150,11 @@ mod tests {
             " 127.0.0.1:8000",
         ] {
             let refused = refused(&access, "GET", host, path);
-            assert_eq!(refused, Refusal::Host, "{host}");
+            assert_eq!(refused, AccessDenied::Host, "{host}");
         }
         for method in ["POST", "HEAD", "OPTIONS", "get", "PUT", "DELETE", "CONNECT"] {
             let refused = refused(&access, method, host, path);
-            assert_eq!(refused, Refusal::Method, "{method}");
+            assert_eq!(refused, AccessDenied::Method, "{method}");
         }
     }
 
@@ -171,6 +171,6 @@ mod tests {
         let path = link.strip_prefix("http://[::1]:8000").unwrap();
         assert_eq!(access.admit(&request("GET", "[::1]:8000", path)), Ok(""));
         let other = refused(&access, "GET", "127.0.0.1:8000", path);
-        assert_eq!(other, Refusal::Host);
+        assert_eq!(other, AccessDenied::Host);
     }
 }

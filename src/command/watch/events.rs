@@ -7,7 +7,7 @@ use serde_json::Value;
 
 /// The latest events, for any number of listeners, none of whom is waited for.
 #[derive(Debug, Default)]
-pub(super) struct Events {
+pub(super) struct EventBroadcast {
     latest: Mutex<Latest>,
     changed: Condvar,
     listeners: AtomicUsize,
@@ -24,15 +24,15 @@ struct Latest {
 /// Somebody who listens; nobody any more when it is dropped.
 #[derive(Debug)]
 pub(super) struct Listener<'e> {
-    events: &'e Events,
+    events: &'e EventBroadcast,
     heard: u64,
 }
 
 /// Closes the events when it is dropped.
 #[derive(Debug)]
-pub(super) struct Closing<'e>(&'e Events);
+pub(super) struct Closing<'e>(&'e EventBroadcast);
 
-impl Events {
+impl EventBroadcast {
     /// Puts an event in the place of the last one of its kind.
     pub fn publish(&self, kind: &'static str, data: &Value) {
         // JSON has no line breaks outside of strings, and writes them as `\n` within.
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn whoever_is_slow_hears_the_latest_of_each_kind() {
-        let events = Events::default();
+        let events = EventBroadcast::default();
         assert!(!events.has_listeners());
         let mut listener = events.listen();
         assert!(events.has_listeners());
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn what_is_closed_is_heard_to_its_end() {
-        let events = Events::default();
+        let events = EventBroadcast::default();
         let mut listener = events.listen();
         let closing = events.closing();
         events.publish("end", &json!({}));

@@ -21,8 +21,8 @@ use super::terminal::warn;
 use crate::exit::Failure;
 use crate::viewer::{NO_THREAD, Viewer};
 use access::Access;
-use events::Events;
-use server::Site;
+use events::EventBroadcast;
+use server::ServerState;
 
 /// Between two looks at the ensemble, at least.
 const BEAT: Duration = Duration::from_millis(250);
@@ -67,8 +67,8 @@ impl Viewer for Watching {
     }
 
     fn attend(&self, manifest: &Manifest, progress: &Progress, ended: &Receiver<()>) {
-        let events = Events::default();
-        let site = Site {
+        let events = EventBroadcast::default();
+        let state = ServerState {
             manifest,
             page: watch::page(manifest),
             access: &self.access,
@@ -76,8 +76,8 @@ impl Viewer for Watching {
             connections: AtomicUsize::new(0),
         };
         std::thread::scope(|scope| {
-            let (listener, site) = (&self.listener, &site);
-            let accept = move || server::accept(listener, site, scope);
+            let (listener, state) = (&self.listener, &state);
+            let accept = move || server::accept(listener, state, scope);
             if std::thread::Builder::new()
                 .spawn_scoped(scope, accept)
                 .is_err()
@@ -93,7 +93,12 @@ impl Viewer for Watching {
 }
 
 /// Has events tell of an ensemble until it has ended; nothing is made while nobody listens.
-fn publish(manifest: &Manifest, progress: &Progress, events: &Events, ended: &Receiver<()>) {
+fn publish(
+    manifest: &Manifest,
+    progress: &Progress,
+    events: &EventBroadcast,
+    ended: &Receiver<()>,
+) {
     let start = now();
     let mut drawn = None;
     let mut pause = BEAT;
@@ -130,7 +135,7 @@ fn publish(manifest: &Manifest, progress: &Progress, events: &Events, ended: &Re
 fn tell(
     manifest: &Manifest,
     progress: &Progress,
-    events: &Events,
+    events: &EventBroadcast,
     start: Instant,
     drawn: &mut Option<(u64, Instant)>,
 ) {

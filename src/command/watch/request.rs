@@ -8,7 +8,7 @@ const MOST_HEADERS: usize = 64;
 
 /// What somebody asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Request {
+pub(super) struct HttpRequest {
     pub method: String,
     pub path: String,
     /// Empty: none is named.
@@ -24,12 +24,12 @@ pub(super) enum BadRequest {
     TooLarge,
 }
 
-impl Request {
+impl HttpRequest {
     /// The request that begins with these bytes; `None`: there has to be more of it.
     ///
     /// # Errors
     /// If nothing that may follow makes it one.
-    pub fn parse(bytes: &[u8]) -> Result<Option<Request>, BadRequest> {
+    pub fn parse(bytes: &[u8]) -> Result<Option<HttpRequest>, BadRequest> {
         let mut headers = [EMPTY_HEADER; MOST_HEADERS];
         let mut request = httparse::Request::new(&mut headers);
         match request.parse(bytes) {
@@ -47,7 +47,7 @@ impl Request {
             return Err(BadRequest::Malformed);
         }
         let host = std::str::from_utf8(host).map_err(|_| BadRequest::Malformed)?;
-        Ok(Some(Request {
+        Ok(Some(HttpRequest {
             method: request.method.unwrap_or_default().to_owned(),
             path: request.path.unwrap_or_default().to_owned(),
             host: host.to_owned(),
@@ -65,16 +65,16 @@ mod tests {
     fn a_request_is_understood_once_it_is_whole() {
         for length in 0..WHOLE.len() {
             let part = &WHOLE.as_bytes()[..length];
-            assert_eq!(Request::parse(part), Ok(None), "{length}");
+            assert_eq!(HttpRequest::parse(part), Ok(None), "{length}");
         }
-        let expected = Request {
+        let expected = HttpRequest {
             method: "GET".to_owned(),
             path: "/a/b".to_owned(),
             host: "here:1".to_owned(),
         };
         // What follows is not looked at.
         for more in ["", "GET /", "\0\0"] {
-            let request = Request::parse(format!("{WHOLE}{more}").as_bytes());
+            let request = HttpRequest::parse(format!("{WHOLE}{more}").as_bytes());
             assert_eq!(request, Ok(Some(expected.clone())), "{more:?}");
         }
     }
@@ -93,29 +93,37 @@ mod tests {
             "G@T \u{7f} HTTP/1.1\r\n\r\n",
             "\u{16}\u{3}\u{1}\u{2}\0\u{1}\0",
         ] {
-            let request = Request::parse(text.as_bytes());
+            let request = HttpRequest::parse(text.as_bytes());
             assert_eq!(request, Err(BadRequest::Malformed), "{text:?}");
         }
         let host = b"GET / HTTP/1.1\r\nHost: \xff\r\n\r\n";
-        assert_eq!(Request::parse(host), Err(BadRequest::Malformed));
+        assert_eq!(HttpRequest::parse(host), Err(BadRequest::Malformed));
     }
 
     #[test]
     fn what_is_too_large_is_told() {
         let long = format!("GET /{}", "a".repeat(MOST_BYTES));
-        assert_eq!(Request::parse(&long.as_bytes()[..MOST_BYTES - 1]), Ok(None));
+        assert_eq!(
+            HttpRequest::parse(&long.as_bytes()[..MOST_BYTES - 1]),
+            Ok(None)
+        );
         let full = &long.as_bytes()[..MOST_BYTES];
-        assert_eq!(Request::parse(full), Err(BadRequest::TooLarge));
+        assert_eq!(HttpRequest::parse(full), Err(BadRequest::TooLarge));
         let many = format!(
             "GET / HTTP/1.1\r\n{}\r\n",
             "a: b\r\n".repeat(MOST_HEADERS + 1)
         );
-        assert_eq!(Request::parse(many.as_bytes()), Err(BadRequest::TooLarge));
+        assert_eq!(
+            HttpRequest::parse(many.as_bytes()),
+            Err(BadRequest::TooLarge)
+        );
     }
 
     #[test]
     fn no_host_is_an_empty_one() {
-        let request = Request::parse(b"GET / HTTP/1.0\r\n\r\n").unwrap().unwrap();
+        let request = HttpRequest::parse(b"GET / HTTP/1.0\r\n\r\n")
+            .unwrap()
+            .unwrap();
         assert_eq!(request.host, "");
     }
 }

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use stochc_ensemble::Manifest;
 use stochc_report::watch::{Page, program};
 
-use super::access::{Access, Refusal};
-use super::events::Events;
-use super::request::{BadRequest, MOST_BYTES, Request};
+use super::access::{Access, AccessDenied};
+use super::events::EventBroadcast;
+use super::request::{BadRequest, HttpRequest, MOST_BYTES};
 use crate::command::progress::now;
 
 /// Connections at the same time: a page has one, and for a moment a second.
@@ -29,26 +29,26 @@ const SLICE: Duration = Duration::from_millis(100);
 const LIFE: Duration = Duration::from_secs(10);
 
 /// What is served.
-pub(super) struct Site<'a> {
+pub(super) struct ServerState<'a> {
     pub manifest: &'a Manifest,
     pub page: Page,
     pub access: &'a Access,
-    pub events: &'a Events,
+    pub events: &'a EventBroadcast,
     /// How many there are.
     pub connections: AtomicUsize,
 }
 
 /// An answer: its status, and what it is.
-struct Answer {
+struct HttpResponse {
     status: &'static str,
     kind: &'static str,
     more: &'static str,
     body: String,
 }
 
-impl Answer {
-    fn told(status: &'static str, words: &str) -> Answer {
-        Answer {
+impl HttpResponse {
+    fn text(status: &'static str, words: &str) -> HttpResponse {
+        HttpResponse {
             status,
             kind: "text/plain; charset=utf-8",
             more: "",
@@ -56,59 +56,63 @@ impl Answer {
         }
     }
 
-    fn not_found() -> Answer {
+    fn not_found() -> HttpResponse {
         let words =
             "there is nothing here; the whole link is what `stochc simulate --watch` has printed";
-        Answer::told("404 Not Found", words)
+        HttpResponse::text("404 Not Found", words)
     }
 }
 
-impl From<BadRequest> for Answer {
-    fn from(bad: BadRequest) -> Answer {
+impl From<BadRequest> for HttpResponse {
+    fn from(bad: BadRequest) -> HttpResponse {
         match bad {
-            BadRequest::Malformed => Answer::told("400 Bad Request", "this is no HTTP/1.1"),
+            BadRequest::Malformed => HttpResponse::text("400 Bad Request", "this is no HTTP/1.1"),
             BadRequest::TooLarge => {
                 let status = "431 Request Header Fields Too Large";
-                Answer::told(status, "the request is too large")
+                HttpResponse::text(status, "the request is too large")
             }
         }
     }
 }
 
-impl From<Refusal> for Answer {
-    fn from(refusal: Refusal) -> Answer {
-        match refusal {
-            Refusal::Method => Answer {
+impl From<AccessDenied> for HttpResponse {
+    fn from(denied: AccessDenied) -> HttpResponse {
+        match denied {
+            AccessDenied::Method => HttpResponse {
                 more: "Allow: GET\r\n",
-                ..Answer::told("405 Method Not Allowed", "there is only GET")
+                ..HttpResponse::text("405 Method Not Allowed", "there is only GET")
             },
-            Refusal::Host => Answer::told("403 Forbidden", "this is for another host"),
-            Refusal::Token => Answer::not_found(),
+            AccessDenied::Host => HttpResponse::text("403 Forbidden", "this is for another host"),
+            AccessDenied::Token => HttpResponse::not_found(),
         }
     }
 }
 
 /// Answers whoever comes, until all has ended.
-pub(super) fn accept<'s>(listener: &'s TcpListener, site: &'s Site<'s>, scope: &'s Scope<'s, '_>) {
+pub(super) fn accept<'s>(
+    listener: &'s TcpListener,
+    state: &'s ServerState<'s>,
+    scope: &'s Scope<'s, '_>,
+) {
     /// Dropped when a connection is closed.
-    struct Open<'a>(&'a AtomicUsize);
-    impl Drop for Open<'_> {
+    struct ConnectionGuard<'a>(&'a AtomicUsize);
+    impl Drop for ConnectionGuard<'_> {
         fn drop(&mut self) {
             self.0.fetch_sub(1, Ordering::Relaxed);
         }
     }
-    while !site.events.is_closed() {
+    while !state.events.is_closed() {
         // Nobody has come, or the system has no more files.
         let Ok((stream, _)) = listener.accept() else {
             sleep(SLICE / 2);
             continue;
         };
-        let open = site.connections.fetch_add(1, Ordering::Relaxed);
-        let guard = Open(&site.connections);
+        let open = state.connections.fetch_add(1, Ordering::Relaxed);
+        let guard = ConnectionGuard(&state.connections);
         if open >= MOST_CONNECTIONS {
             let _ = stream.set_nonblocking(true);
-            let answer = Answer::told("503 Service Unavailable", "too many connections");
-            let mut whole = head(&answer, site, Some(answer.body.len()));
+            let answer = HttpResponse::text("503 Service Unavailable", "too many connections");
+            let mut whole = head(&answer, state, Some(answer.body.len()));
             whole.extend(answer.body.bytes());
             let _ = (&stream).write_all(&whole);
             continue;
@@ -118,56 +122,59 @@ pub(super) fn accept<'s>(listener: &'s TcpListener, site: &'s Site<'s>, scope: &
         let _ = builder.spawn_scoped(scope, move || {
             let _open = guard;
             // Whoever does not read, or has gone, is left alone.
-            let _ = answer(&stream, site);
+            let _ = answer(&stream, state);
         });
     }
 }
 
 /// Answers one request, the only one of its connection.
-fn answer(stream: &TcpStream, site: &Site<'_>) -> io::Result<()> {
+fn answer(stream: &TcpStream, state: &ServerState<'_>) -> io::Result<()> {
     // On some systems it is as the one that listens.
     stream.set_nonblocking(false)?;
     stream.set_nodelay(true)?;
-    let Some(request) = read(stream, site.events)? else {
+    let Some(request) = read(stream, state.events)? else {
         return Ok(());
     };
-    let answer = match request.map_err(Answer::from) {
+    let answer = match request.map_err(HttpResponse::from) {
         Err(bad) => bad,
-        Ok(request) => match site.access.admit(&request) {
-            Err(refusal) => refusal.into(),
-            Ok("events") => return listen(stream, site),
-            Ok(path) => found(path, site),
+        Ok(request) => match state.access.admit(&request) {
+            Err(error) => error.into(),
+            Ok("events") => return listen(stream, state),
+            Ok(path) => found(path, state),
         },
     };
-    let head = head(&answer, site, Some(answer.body.len()));
-    write(stream, &head, site.events)?;
-    write(stream, answer.body.as_bytes(), site.events)?;
+    let head = head(&answer, state, Some(answer.body.len()));
+    write(stream, &head, state.events)?;
+    write(stream, answer.body.as_bytes(), state.events)?;
     leave(stream)
 }
 
-fn found(path: &str, site: &Site<'_>) -> Answer {
+fn found(path: &str, state: &ServerState<'_>) -> HttpResponse {
     if path.is_empty() {
-        return Answer {
+        return HttpResponse {
             status: "200 OK",
             kind: "text/html; charset=utf-8",
             more: "",
-            body: site.page.html.clone(),
+            body: state.page.html.clone(),
         };
     }
     let number = path.strip_prefix("program/").and_then(|it| it.parse().ok());
-    match number.and_then(|number| program(site.manifest, number)) {
-        Some(about) => Answer {
+    match number.and_then(|number| program(state.manifest, number)) {
+        Some(about) => HttpResponse {
             status: "200 OK",
             kind: "application/json",
             more: "",
             body: about.to_string(),
         },
-        None => Answer::not_found(),
+        None => HttpResponse::not_found(),
     }
 }
 
 /// Reads a request within its time; `None`: whoever made it has gone.
-fn read(stream: &TcpStream, events: &Events) -> io::Result<Option<Result<Request, BadRequest>>> {
+fn read(
+    stream: &TcpStream,
+    events: &EventBroadcast,
+) -> io::Result<Option<Result<HttpRequest, BadRequest>>> {
     stream.set_read_timeout(Some(SLICE))?;
     let begun = now();
     let mut bytes = Vec::new();
@@ -180,7 +187,7 @@ fn read(stream: &TcpStream, events: &Events) -> io::Result<Option<Result<Request
             Err(error) if is_slow(&error) => {}
             Err(error) => return Err(error),
         }
-        match Request::parse(&bytes) {
+        match HttpRequest::parse(&bytes) {
             Ok(None) if begun.elapsed() > READING || events.is_closed() => return Ok(None),
             Ok(None) => {}
             Ok(Some(request)) => return Ok(Some(Ok(request))),
@@ -190,30 +197,30 @@ fn read(stream: &TcpStream, events: &Events) -> io::Result<Option<Result<Request
 }
 
 /// Sends events, as they come, to the last one.
-fn listen(stream: &TcpStream, site: &Site<'_>) -> io::Result<()> {
-    let answer = Answer {
+fn listen(stream: &TcpStream, state: &ServerState<'_>) -> io::Result<()> {
+    let answer = HttpResponse {
         status: "200 OK",
         kind: "text/event-stream",
         more: "",
         body: String::new(),
     };
-    write(stream, &head(&answer, site, None), site.events)?;
-    let mut listener = site.events.listen();
+    write(stream, &head(&answer, state, None), state.events)?;
+    let mut listener = state.events.listen();
     while let Some(new) = listener.next(LIFE) {
         if new.is_empty() {
-            write(stream, b":\n\n", site.events)?;
+            write(stream, b":\n\n", state.events)?;
         }
         for event in new {
-            write(stream, event.as_bytes(), site.events)?;
+            write(stream, event.as_bytes(), state.events)?;
         }
     }
     leave(stream)
 }
 
 /// The status and the headers of an answer; `length`: of its body, if that is known.
-fn head(answer: &Answer, site: &Site<'_>, length: Option<usize>) -> Vec<u8> {
+fn head(answer: &HttpResponse, state: &ServerState<'_>, length: Option<usize>) -> Vec<u8> {
     let length = length.map_or(String::new(), |it| format!("Content-Length: {it}\r\n"));
-    let Answer {
+    let HttpResponse {
         status, kind, more, ..
     } = answer;
     format!(
@@ -221,13 +228,13 @@ fn head(answer: &Answer, site: &Site<'_>, length: Option<usize>) -> Vec<u8> {
          Cache-Control: no-store\r\nContent-Security-Policy: {}\r\nX-Content-Type-Options: nosniff\r\n\
          Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
          Cross-Origin-Opener-Policy: same-origin\r\n\r\n",
-        site.page.policy
+        state.page.policy
     )
     .into_bytes()
 }
 
 /// Writes all of it within its time, of which little is left once all has ended.
-fn write(stream: &TcpStream, mut bytes: &[u8], events: &Events) -> io::Result<()> {
+fn write(stream: &TcpStream, mut bytes: &[u8], events: &EventBroadcast) -> io::Result<()> {
     stream.set_write_timeout(Some(SLICE))?;
     let begun = now();
     let mut ended: Option<Instant> = None;
@@ -289,7 +296,7 @@ mod tests {
     fn whoever_does_not_read_is_given_up() {
         let (near, _deaf) = pair();
         let begun = now();
-        let written = write(&near, &much(), &Events::default());
+        let written = write(&near, &much(), &EventBroadcast::default());
         assert_eq!(written.unwrap_err().kind(), ErrorKind::TimedOut);
         assert!(begun.elapsed() > WRITING);
     }
@@ -297,7 +304,7 @@ mod tests {
     #[test]
     fn at_the_end_he_is_given_up_sooner() {
         let (near, _deaf) = pair();
-        let events = Events::default();
+        let events = EventBroadcast::default();
         drop(events.closing());
         let begun = now();
         let written = write(&near, &much(), &events);
@@ -312,7 +319,7 @@ mod tests {
             let mut all = Vec::new();
             far.read_to_end(&mut all).map(|_| all.len())
         });
-        write(&near, &much(), &Events::default()).unwrap();
+        write(&near, &much(), &EventBroadcast::default()).unwrap();
         drop(near);
         assert_eq!(reading.join().unwrap().unwrap(), much().len());
     }

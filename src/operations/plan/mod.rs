@@ -11,7 +11,7 @@ use std::time::Instant;
 use stochc_compiler::scene::DEFAULT;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
-use stochc_planner::{Objective, PlanSearch, Refusal};
+use stochc_planner::{Objective, PlanSearch, TargetError};
 use stochc_rates::Rates;
 
 use super::programs::verdict;
@@ -27,7 +27,7 @@ pub use seed_plate::SeedPlate;
 
 /// What is to be built, and how long a better plan is looked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Wish<'a> {
+pub struct PlanOptions<'a> {
     /// A program with a shape, a file of voxels, or a results folder.
     pub target: &'a str,
     /// What of it is planned.
@@ -56,9 +56,9 @@ pub struct Wish<'a> {
 ///
 /// # Errors
 /// If the target cannot be read, or is none.
-fn goal(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    let goal = placed(target::read(wish, host)?, wish);
-    match wish.scene.filter(|scene| !goal.knows_scene(scene)) {
+fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let goal = placed(target::read(options, host)?, options);
+    match options.scene.filter(|scene| !goal.knows_scene(scene)) {
         None => Ok(goal),
         Some(scene) => Err(Failure::usage(format!(
             "--scene: no scene is called `{}`; `{DEFAULT}` is built in, and `stochc plan FILE.sa` knows those of the program",
@@ -67,13 +67,13 @@ fn goal(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     }
 }
 
-/// The same on the plate and in the scene that are wished.
-fn placed(mut goal: Goal, wish: &Wish<'_>) -> Goal {
-    if let Some(plate) = wish.seed_plate {
+/// The same on the plate and in the scene that are chosen.
+fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Goal {
+    if let Some(plate) = options.seed_plate {
         goal.plate = Some(plate.plate.clone());
         goal.seeds = plate.seeds.clone();
     }
-    if let Some(scene) = wish.scene {
+    if let Some(scene) = options.scene {
         goal.scene = Some(scene.to_owned());
     }
     goal
@@ -119,15 +119,15 @@ pub enum PlanTarget {
     Completion(Completion),
 }
 
-/// Reads the target of a wish.
+/// Reads the target of these options.
 ///
 /// # Errors
 /// If it cannot be read, or nothing in it can be planned.
-pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<PlanTarget, Failure> {
-    match wish.extent {
-        PlanScope::Whole => goal(wish, host).map(PlanTarget::Goal),
-        PlanScope::Completion => rest::completion(wish, host).map(PlanTarget::Completion),
-        PlanScope::Rest(end) => rest::goal(wish, &end, host).map(PlanTarget::Goal),
+pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<PlanTarget, Failure> {
+    match options.extent {
+        PlanScope::Whole => goal(options, host).map(PlanTarget::Goal),
+        PlanScope::Completion => rest::completion(options, host).map(PlanTarget::Completion),
+        PlanScope::Rest(end) => rest::goal(options, &end, host).map(PlanTarget::Goal),
     }
 }
 
@@ -135,12 +135,16 @@ pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<PlanTarget, Failure> {
 ///
 /// # Errors
 /// If it cannot be built, or there is no plan yet when it is stopped.
-pub fn plan(read: &PlanTarget, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Failure> {
+pub fn plan(
+    read: &PlanTarget,
+    options: &PlanOptions<'_>,
+    host: &dyn Host,
+) -> Result<Planned, Failure> {
     let missing = match read {
         PlanTarget::Goal(goal) => goal.cells.len(),
         PlanTarget::Completion(completion) => completion.missing(),
     };
-    search(missing, wish, host, |rates, search| match read {
+    search(missing, options, host, |rates, search| match read {
         PlanTarget::Goal(goal) => goal.plan(rates, search),
         PlanTarget::Completion(completion) => completion.plan(rates, search),
     })
@@ -149,13 +153,13 @@ pub fn plan(read: &PlanTarget, wish: &Wish<'_>, host: &dyn Host) -> Result<Plann
 /// Looks for a plan of so many cells within the budget.
 fn search(
     cells: usize,
-    wish: &Wish<'_>,
+    options: &PlanOptions<'_>,
     host: &dyn Host,
     plan: impl Fn(&[Rates], PlanSearch<'_>) -> Result<Planned, Unplanned> + Sync,
 ) -> Result<Planned, Failure> {
     let stop = host.stop();
     let start = now();
-    let budget = wish.budget.unwrap_or_else(|| Budget::of_cells(cells));
+    let budget = options.budget.unwrap_or_else(|| Budget::of_cells(cells));
     let (tried, best) = (AtomicU64::new(0), AtomicU64::new(0));
     let is_over = || {
         let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time);
@@ -171,13 +175,13 @@ fn search(
         best.store(ticks as u64, Ordering::Relaxed);
     };
     let search = PlanSearch {
-        objective: wish.objective,
+        objective: options.objective,
         rounds: budget.tries(),
-        seed: wish.seed,
+        seed: options.seed,
         halfway: Cancellation::new(&is_half_over),
         enough: Cancellation::new(&is_over),
         cancellation: Cancellation::new(&is_stopped),
-        keeps_scaffolds: wish.keeps_scaffolds,
+        keeps_scaffolds: options.keeps_scaffolds,
         tried: &count,
     };
     let state = |elapsed| {
@@ -191,23 +195,25 @@ fn search(
             },
         }
     };
-    let rates = of_files(wish.rates)?;
+    let rates = of_files(options.rates)?;
     let planned = during(host, state, || plan(&rates, search));
-    planned.map_err(|unplanned| told(&unplanned, wish, host))
+    planned.map_err(|unplanned| told(&unplanned, options, host))
 }
 
 /// What cannot be built, and why.
 fn refused(target: &str, reason: &str) -> Failure {
-    Failure::error(Exit::WrongProgram, format!("`{target}`: {reason}"))
+    Failure::error(Exit::InvalidProgram, format!("`{target}`: {reason}"))
 }
 
 /// What cannot be built, why, and what would help; options are named where they may be given.
-fn impossible(wish: &Wish<'_>, refusal: &Refusal) -> Failure {
-    let mut failure = refused(wish.target, &refusal.to_string());
-    if let Some(help) = refusal.help() {
-        let option = match (refusal, wish.extent) {
-            (Refusal::Loose(_), PlanScope::Whole) => " (`--seed-plate`)",
-            (Refusal::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => " (`--scene`)",
+fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
+    let mut failure = refused(options.target, &error.to_string());
+    if let Some(help) = error.help() {
+        let option = match (error, options.extent) {
+            (TargetError::Loose(_), PlanScope::Whole) => " (`--seed-plate`)",
+            (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
+                " (`--scene`)"
+            }
             _ => "",
         };
         failure.message += &format!("help: {}{option}\n", visible(&help));
@@ -216,13 +222,13 @@ fn impossible(wish: &Wish<'_>, refusal: &Refusal) -> Failure {
 }
 
 /// Why there is no plan.
-fn told(unplanned: &Unplanned, wish: &Wish<'_>, host: &dyn Host) -> Failure {
+fn told(unplanned: &Unplanned, options: &PlanOptions<'_>, host: &dyn Host) -> Failure {
     match unplanned {
-        Unplanned::Refused(Refusal::Cancelled) => Failure {
+        Unplanned::Refused(TargetError::Cancelled) => Failure {
             exit: Exit::Interrupted,
             message: "stopped before there was a plan\n".to_owned(),
         },
-        Unplanned::Refused(refusal) => impossible(wish, refusal),
+        Unplanned::Refused(error) => impossible(options, error),
         Unplanned::Wrong(checked) => {
             host.tell_findings(checked);
             Failure::silent(verdict(checked))

@@ -7,10 +7,10 @@ use stochc_compiler::LintLevels;
 use super::super::chosen_run::choose;
 use super::super::programs::{recompile, verdict};
 use super::super::results::read;
-use super::{Wish, impossible, placed, refused, target};
+use super::{PlanOptions, impossible, placed, refused, target};
 use crate::exit::Failure;
 use crate::host::Host;
-use crate::planning::{Completion, Goal, NotCompleted, Structure};
+use crate::planning::{Completion, ExistingStructure, Goal, NotCompleted};
 
 /// The end of a run, from which the rest is planned.
 #[derive(Clone, Copy, Debug)]
@@ -27,15 +27,15 @@ pub struct RunEnd<'a> {
 ///
 /// # Errors
 /// If it cannot be read, is wrong, or nothing is missing in it.
-pub fn completion(wish: &Wish<'_>, host: &dyn Host) -> Result<Completion, Failure> {
-    let checked = target::checked(wish)?;
-    Completion::of(&checked, wish.shape).map_err(|error| match error {
+pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completion, Failure> {
+    let checked = target::checked(options)?;
+    Completion::of(&checked, options.shape).map_err(|error| match error {
         NotCompleted::Wrong => {
             host.tell_findings(&checked);
             Failure::silent(verdict(&checked))
         }
-        NotCompleted::Refused(reason) => refused(wish.target, &reason),
-        NotCompleted::Impossible(refusal) => impossible(wish, &refusal),
+        NotCompleted::Refused(reason) => refused(options.target, &reason),
+        NotCompleted::Impossible(error) => impossible(options, &error),
     })
 }
 
@@ -43,18 +43,18 @@ pub fn completion(wish: &Wish<'_>, host: &dyn Host) -> Result<Completion, Failur
 ///
 /// # Errors
 /// If there is no such run, its program is not kept, or nothing is missing.
-pub fn goal(wish: &Wish<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    let folder = Path::new(wish.target);
+pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let folder = Path::new(options.target);
     let (manifest, finished) = read(folder, host)?;
     let chosen = choose((manifest, &finished), Some(folder), end.program, end.run)?;
     let record = chosen.known().ok_or_else(|| {
         Failure::usage(format!(
             "run {} of `{}` is not finished",
-            end.run, wish.target
+            end.run, options.target
         ))
     })?;
     let entry = chosen.entry();
-    let structure = Structure::of(entry.tables(), record);
+    let structure = ExistingStructure::of(entry.tables(), record);
     let dead: BTreeSet<&str> = end.dead.iter().map(String::as_str).collect();
     if let Some(unknown) = dead
         .iter()
@@ -86,19 +86,19 @@ pub fn goal(wish: &Wish<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Result<Goal, 
     let program = same.next().ok_or_else(|| {
         Failure::usage(format!(
             "`{}` does not hold the text of the program, or this version compiles it otherwise",
-            wish.target
+            options.target
         ))
     })?;
-    if wish.scene.is_none() && program.scene.as_ref() != Some(&entry.scene) {
+    if options.scene.is_none() && program.scene.as_ref() != Some(&entry.scene) {
         return Err(Failure::usage(
             "numbers of the scene were varied in these runs: name the scene to plan for with `--scene`",
         ));
     }
-    let goal = Goal::of_end(&checked, program, wish.shape);
+    let goal = Goal::of_end(&checked, program, options.shape);
     goal.and_then(|mut goal| {
         goal.stand_on(&structure, &dead)?;
         Ok(goal)
     })
-    .map(|goal| placed(goal, wish))
-    .map_err(|reason| refused(wish.target, &reason))
+    .map(|goal| placed(goal, options))
+    .map_err(|reason| refused(options.target, &reason))
 }

@@ -13,7 +13,7 @@ pub struct SeedPlate {
 impl SeedPlate {
     /// Reads `3 x 3`, `3x3` or `3 x 3 at (1, 1) (2, 0)`.
     pub fn parse(text: &str) -> Result<SeedPlate, String> {
-        let wrong = || {
+        let malformed = || {
             "give its size, and seeds if not all may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`"
                 .to_owned()
         };
@@ -21,9 +21,9 @@ impl SeedPlate {
             Some((size, seeds)) => (size, Some(seeds)),
             None => (text, None),
         };
-        let (width, depth) = size.split_once('x').ok_or_else(wrong)?;
+        let (width, depth) = size.split_once('x').ok_or_else(malformed)?;
         let edge = |text: &str| {
-            let edge = text.trim().parse().map_err(|_| wrong())?;
+            let edge = text.trim().parse().map_err(|_| malformed())?;
             match (1..=Plate::LONGEST).contains(&edge) {
                 true => Ok(edge),
                 false => Err(format!(
@@ -46,9 +46,9 @@ impl SeedPlate {
             Some((x.trim().parse().ok()?, y.trim().parse().ok()?))
         };
         let places = |text: &str| {
-            let text = text.trim().strip_suffix(')').ok_or_else(wrong)?;
+            let text = text.trim().strip_suffix(')').ok_or_else(malformed)?;
             let places: Option<Vec<(u32, u32)>> = text.split(')').map(place).collect();
-            let places = places.ok_or_else(wrong)?;
+            let places = places.ok_or_else(malformed)?;
             match places
                 .iter()
                 .find(|&&(x, y)| x >= plate.width || y >= plate.depth)
@@ -85,7 +85,7 @@ mod tests {
             plate(3, 3, seeds)
         );
         assert_eq!(SeedPlate::parse("3 x 3 at (1,1),(2,0)"), plate(3, 3, seeds));
-        for wrong in [
+        for malformed in [
             "",
             "3",
             "0 x 3",
@@ -94,7 +94,7 @@ mod tests {
             "3 x 3 at (3, 0)",
             "200000 x 1",
         ] {
-            assert!(SeedPlate::parse(wrong).is_err(), "{wrong}");
+            assert!(SeedPlate::parse(malformed).is_err(), "{malformed}");
         }
     }
 }

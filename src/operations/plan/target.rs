@@ -3,25 +3,25 @@ use std::path::Path;
 
 use stochc_compiler::Checked;
 use stochc_files::budget::VOXELS;
-use stochc_files::programs::refusal;
+use stochc_files::programs::not_a_file;
 use stochc_files::read_file;
 use stochc_grammar::Symbols;
 use stochc_ir::Cell;
 use stochc_planner::{UnreadableVoxels, layers, magica_voxel};
 
 use super::super::programs::verdict;
-use super::{Wish, refused};
+use super::{PlanOptions, refused};
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::planning::Goal;
 
-/// The target of a wish.
-pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    let target = wish.target;
+/// The target of these options.
+pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let target = options.target;
     let kind = Path::new(target).extension().and_then(|kind| kind.to_str());
     match kind.map(str::to_ascii_lowercase).as_deref() {
-        Some("vox") => voxels(wish, magica_voxel),
-        Some("txt") => voxels(wish, |bytes| {
+        Some("vox") => voxels(options, magica_voxel),
+        Some("txt") => voxels(options, |bytes| {
             let text = std::str::from_utf8(bytes);
             // Some editors begin a text with a mark of its encoding.
             text.map_or_else(
@@ -29,16 +29,16 @@ pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
                 |text| layers(text.strip_prefix('\u{feff}').unwrap_or(text)),
             )
         }),
-        _ => program(wish, host),
+        _ => program(options, host),
     }
 }
 
 fn voxels(
-    wish: &Wish<'_>,
+    options: &PlanOptions<'_>,
     cells: impl Fn(&[u8]) -> Result<Vec<Cell>, UnreadableVoxels>,
 ) -> Result<Goal, Failure> {
-    let target = wish.target;
-    if wish.shape.is_some() {
+    let target = options.target;
+    if options.shape.is_some() {
         return Err(Failure::usage(
             "`--shape` is for programs: a file of voxels is one shape",
         ));
@@ -46,31 +46,31 @@ fn voxels(
     let bytes = read_file(Path::new(target), VOXELS)
         .map_err(|error| Failure::usage(format!("cannot read `{target}`: {error}")))?;
     let cells = cells(&bytes)
-        .map_err(|error| Failure::wrong_program(format!("`{target}` is no target: {error}")))?;
+        .map_err(|error| Failure::invalid_program(format!("`{target}` is no target: {error}")))?;
     Ok(Goal::of_cells(&name(target), cells))
 }
 
-fn program(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    let checked = checked(wish)?;
+fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let checked = checked(options)?;
     if checked.has_errors() {
         host.tell_findings(&checked);
         return Err(Failure::silent(verdict(&checked)));
     }
-    Goal::of_program(&checked, wish.shape).map_err(|reason| refused(wish.target, &reason))
+    Goal::of_program(&checked, options.shape).map_err(|reason| refused(options.target, &reason))
 }
 
-/// The program of a wish, right or wrong.
-pub fn checked(wish: &Wish<'_>) -> Result<Checked, Failure> {
-    match refusal(wish.target) {
-        Some(_) if Path::new(wish.target).is_dir() => Err(Failure::usage(format!(
+/// The program of these options, right or wrong.
+pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
+    match not_a_file(options.target) {
+        Some(_) if Path::new(options.target).is_dir() => Err(Failure::usage(format!(
             "`{}` is a folder: name the file of a program or of a shape; `--run N` plans the rest of a run in a folder of results",
-            wish.target
+            options.target
         ))),
         Some(reason) => Err(Failure::usage(reason)),
         None => Ok(crate::check_within(
-            wish.target,
+            options.target,
             &Default::default(),
-            wish.imports,
+            options.imports,
         )),
     }
 }

@@ -39,7 +39,7 @@ impl Held {
 
 /// A place that is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Wanted {
+pub(super) struct PlaceQuery {
     pub tick: u64,
     /// A number of [`AGES`].
     pub age: usize,
@@ -49,7 +49,7 @@ pub(super) struct Wanted {
 }
 
 /// All places to look up, the first last: those of blocks that were free then.
-pub(super) fn wanted(record: &RunRecord, held: &Held) -> Vec<Wanted> {
+pub(super) fn wanted(record: &RunRecord, held: &Held) -> Vec<PlaceQuery> {
     let mut wanted = Vec::new();
     for bond in &record.bonds {
         for (age, ago) in AGES.iter().enumerate() {
@@ -58,7 +58,7 @@ pub(super) fn wanted(record: &RunRecord, held: &Held) -> Vec<Wanted> {
             };
             if !held.is_held(bond.body, tick) {
                 let (body, cell) = (bond.body, bond.cell);
-                wanted.push(Wanted {
+                wanted.push(PlaceQuery {
                     tick,
                     age,
                     body,

@@ -16,7 +16,7 @@ use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
 use stochc_runtime::Model;
 
-use self::held::{Held, Wanted, wanted};
+use self::held::{Held, PlaceQuery, wanted};
 use self::tally::{Counts, Tally};
 use super::subject::{Input, ReportedProgram};
 
@@ -37,7 +37,7 @@ const HALF_SLICE: f64 = 1.0;
 const MOST_CAPTURES: usize = 2000;
 
 /// Reads the recording of a run: of a folder, of a program in there, and its own number; `None`: there is none.
-pub type Recordings<'a> = dyn Fn(usize, usize, u64) -> Option<io::Result<Box<dyn Read>>> + 'a;
+pub type RecordingReader<'a> = dyn Fn(usize, usize, u64) -> Option<io::Result<Box<dyn Read>>> + 'a;
 
 /// How a slice lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,14 +121,14 @@ pub(crate) struct Maps {
 type SlicePlace = (usize, i32, i32);
 
 /// A capture: its cell, and the event as a record has it.
-type Capture = (u32, usize, u32);
+type LocatedCapture = (u32, usize, u32);
 
 /// What one run tells.
 struct RunCounts {
     before: [Counts<SlicePlace>; 3],
     occupation: Counts<SlicePlace>,
     /// Entries and ticks of waiting.
-    faces: BTreeMap<Capture, (f64, f64)>,
+    faces: BTreeMap<LocatedCapture, (f64, f64)>,
 }
 
 /// The maps of a program; `None`: its blocks do not move, or it captures none.
@@ -138,7 +138,7 @@ struct RunCounts {
 pub(crate) fn maps(
     subject: &ReportedProgram,
     input: &Input,
-    recordings: &Recordings,
+    recordings: &RecordingReader,
 ) -> Result<Option<Maps>, JournalError> {
     let is_still = matches!(
         subject.manifest.settings.model,
@@ -151,7 +151,7 @@ pub(crate) fn maps(
     let mut maps = Maps::default();
     let mut before: [Tally<SlicePlace>; 3] = std::array::from_fn(|_| Tally::new());
     let mut occupation = Tally::new();
-    let mut faces: BTreeMap<Capture, (Replicates, Replicates)> = BTreeMap::new();
+    let mut faces: BTreeMap<LocatedCapture, (Replicates, Replicates)> = BTreeMap::new();
     for (program, run) in input.finished.keys() {
         if program != subject.number {
             continue;
@@ -251,7 +251,7 @@ struct MapPlaces {
     /// Cells of the plate and of captures.
     cells: Vec<Cell>,
     /// By parent, face and child.
-    captures: BTreeMap<Capture, (Cell, String)>,
+    captures: BTreeMap<LocatedCapture, (Cell, String)>,
     /// From places in the world to cells.
     corner: [f64; 3],
 }
@@ -272,7 +272,7 @@ impl MapPlaces {
             )),
             EventAction::Release { .. } => None,
         });
-        let captured: Vec<(Capture, EventAction, Cell)> = captured.collect();
+        let captured: Vec<(LocatedCapture, EventAction, Cell)> = captured.collect();
         let named = captured
             .iter()
             .take_while(|_| captured.len() <= MOST_CAPTURES);
@@ -366,8 +366,8 @@ impl MapPlaces {
         }
     }
 
-    fn faces(&self, record: &RunRecord) -> BTreeMap<Capture, (f64, f64)> {
-        let mut faces: BTreeMap<Capture, (f64, f64)> = BTreeMap::new();
+    fn faces(&self, record: &RunRecord) -> BTreeMap<LocatedCapture, (f64, f64)> {
+        let mut faces: BTreeMap<LocatedCapture, (f64, f64)> = BTreeMap::new();
         if self.captures.is_empty() {
             return faces;
         }
@@ -425,7 +425,7 @@ impl MapPlaces {
     }
 
     /// Adds where a block is that will be captured.
-    fn look(&self, places: &Places, wanted: &Wanted, before: &mut [Counts<SlicePlace>; 3]) {
+    fn look(&self, places: &Places, wanted: &PlaceQuery, before: &mut [Counts<SlicePlace>; 3]) {
         // Where few places were kept, this one may be too late to tell.
         let late = places.tick() - wanted.tick;
         if late > AGES[wanted.age] / 10 || wanted.body as usize >= places.bodies() {

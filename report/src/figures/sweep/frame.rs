@@ -4,10 +4,12 @@ use stochc_ensemble::text::number;
 
 use crate::figures::EDGE;
 use crate::svg::letters::fitted;
-use crate::svg::{Axis, DASHES, Drawing, Key, Medium, Sample, Scale, class, plot_height};
+use crate::svg::{
+    Axis, DASHES, Drawing, LegendEntry, LegendSymbol, Medium, Scale, class, plot_height,
+};
 
 /// A figure with its axes, and where values are drawn in it.
-pub(super) struct Frame {
+pub(super) struct AxesFrame {
     pub out: Drawing,
     pub x: Scale,
     pub y: Scale,
@@ -91,7 +93,7 @@ impl<'a> Panel<'a> {
         curves: &[SweepCurve],
         (of, scale): (&Axis, YScale),
         (notes, label): (&[&str], impl Fn(f64) -> String),
-    ) -> Frame {
+    ) -> AxesFrame {
         let title = format!("{title}{}", self.at());
         let mut out = Drawing::new(self.medium, name, &title, told);
         let empty = scale.at((1.0, 0.0));
@@ -109,10 +111,10 @@ impl<'a> Panel<'a> {
         let y = scale.at((bottom, top));
         let foot = out.across(&x, (left, right), bottom, top, &self.axis(0));
         out.upward(&y, (bottom, top), left, right, of, label);
-        let keys: Vec<Key> = (curves.iter().enumerate())
-            .map(|(i, curve)| Key {
+        let keys: Vec<LegendEntry> = (curves.iter().enumerate())
+            .map(|(i, curve)| LegendEntry {
                 class: class(i).to_owned(),
-                sample: Sample::Line(DASHES[i % DASHES.len()]),
+                sample: LegendSymbol::Line(DASHES[i % DASHES.len()]),
                 meaning: fitted(&curve.name, 500.0),
             })
             .collect();
@@ -122,7 +124,7 @@ impl<'a> Panel<'a> {
             foot = out.paragraph("dim", (EDGE, foot), wide - EDGE, note) + 2.0;
         }
         let out = out.high(foot - 8.0);
-        Frame { out, x, y, bottom }
+        AxesFrame { out, x, y, bottom }
     }
 }
 

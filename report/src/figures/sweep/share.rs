@@ -2,7 +2,7 @@
 use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::percent_number;
 
-use super::frame::{Frame, Panel, YScale, aside, told};
+use super::frame::{AxesFrame, Panel, YScale, aside, told};
 use crate::svg::{Axis, DASHES, Drawing, Style, class};
 
 /// Shares with their 95 % intervals; `None`: no run is finished.
@@ -15,7 +15,7 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let name = format!("{}-completed", panel.name);
     let notes = ["dots: the part of the finished runs that completed, lines: 95 % intervals"];
     let axis = Axis::new("runs that completed", "%");
-    let Frame { mut out, x, y, .. } = panel.frame(
+    let AxesFrame { mut out, x, y, .. } = panel.frame(
         &name,
         (&title, &words),
         &curves,

@@ -3,7 +3,7 @@ use stochc_ensemble::Time;
 use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::number;
 
-use super::frame::{DECADE, Frame, Panel, YScale, aside, told};
+use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, told};
 use crate::svg::{Axis, DASHES, Drawing, Style, class};
 
 /// Means with their 95 % intervals, and medians; `None`: no run has a time.
@@ -30,7 +30,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     let title = format!("Mean time to completion over {of}");
     let words = told(&curves, |point| described(point, unit));
     let axis = Axis::new("mean time to completion", unit);
-    let Frame {
+    let AxesFrame {
         mut out,
         x,
         y,

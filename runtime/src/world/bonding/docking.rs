@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use stochc_protocol::Orientation;
 
-use super::face_attraction::{AttractingFace, Near, Push, best_turn};
+use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn};
 use super::hydraulic_network::Pressures;
 use super::open_faces::PlacedBlocks;
 use super::swept_docking::FaceSweep;
@@ -27,8 +27,8 @@ pub(crate) struct Faces<R: Real> {
     /// The faces that hold a block.
     holds: BTreeMap<BlockFace, u32>,
     /// Who is in reach of what, by face and number.
-    sightings: Vec<Sighting<R>>,
-    /// Whether the sightings are those of the blocks' present places.
+    candidates: Vec<DockingCandidate<R>>,
+    /// Whether the candidates are those of the blocks' present places.
     seen: bool,
     /// Where all blocks of the structure sit whose faces attract by themselves.
     placed: PlacedBlocks<R>,
@@ -67,7 +67,7 @@ struct Active<R: Real> {
 /// A free block in reach of an active face.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
-struct Sighting<R: Real> {
+struct DockingCandidate<R: Real> {
     /// Index of the face.
     active: usize,
     body: u32,
@@ -85,7 +85,7 @@ pub(crate) struct Anchored<R: Real> {
 
 stochc_ir::state! {
     (<R: Real>) Faces<R>;
-    values: active, holds, sightings, seen, placed, rejected, pressures;
+    values: active, holds, candidates, seen, placed, rejected, pressures;
     parts: ;
     same: magnet
 }
@@ -112,7 +112,7 @@ impl<R: Real> Faces<R> {
             magnet,
             active: Vec::new(),
             holds: BTreeMap::new(),
-            sightings: Vec::new(),
+            candidates: Vec::new(),
             seen: false,
             placed: PlacedBlocks::default(),
             rejected: Vec::new(),
@@ -320,31 +320,31 @@ impl<R: Real> Faces<R> {
             return;
         }
         self.seen = true;
-        self.sightings.clear();
+        self.candidates.clear();
         let reach = R::of(self.magnet.reach());
         let far = self.horizon() * self.horizon();
         for (i, active) in self.active.iter_mut().enumerate() {
-            let before = self.sightings.len();
+            let before = self.candidates.len();
             for &body in &active.nearby {
                 let position = blocks.position(body);
                 if blocks.is_free(body)
                     && (position - active.target.centre).norm_squared() < far
                     && let Some(near) = active.target.near(position, blocks.rotation(body), reach)
                 {
-                    self.sightings.push(Sighting {
+                    self.candidates.push(DockingCandidate {
                         active: i,
                         body,
                         near,
                     });
                 }
             }
-            let seen = &self.sightings[before..];
+            let seen = &self.candidates[before..];
             active
                 .inside
                 .retain(|&(id, _)| seen.iter().any(|s| s.body == id));
-            for sighting in seen {
-                if active.inside.iter().all(|&(id, _)| id != sighting.body) {
-                    active.inside.push((sighting.body, tick));
+            for candidate in seen {
+                if active.inside.iter().all(|&(id, _)| id != candidate.body) {
+                    active.inside.push((candidate.body, tick));
                     active.entries += 1;
                 }
             }
@@ -352,14 +352,18 @@ impl<R: Real> Faces<R> {
     }
 
     /// What the magnets do to the blocks in reach, in the order of faces and numbers.
-    pub fn pull(&mut self, blocks: &mut impl Blocks<Real = R>, mut push: impl FnMut(u32, Push<R>)) {
+    pub fn pull(
+        &mut self,
+        blocks: &mut impl Blocks<Real = R>,
+        mut push: impl FnMut(u32, VelocityChange<R>),
+    ) {
         self.solve();
-        for sighting in &self.sightings {
-            let id = sighting.body;
+        for candidate in &self.candidates {
+            let id = candidate.body;
             if blocks.is_free(id) {
-                let Active { target, site, .. } = &self.active[sighting.active];
+                let Active { target, site, .. } = &self.active[candidate.active];
                 let (position, rotation) = (blocks.position(id), blocks.rotation(id));
-                let (near, drop) = (&sighting.near, R::of(self.drop(*site)));
+                let (near, drop) = (&candidate.near, R::of(self.drop(*site)));
                 push(
                     id,
                     target.push(near, position, rotation, &self.magnet, drop),
@@ -381,13 +385,13 @@ impl<R: Real> Faces<R> {
         self.seen = false;
         // Entries of this step are seen at its end, and docking may follow at once.
         self.survey(tick + 1, blocks);
-        let mut ready: Vec<Sighting<R>> = Vec::new();
-        for &Sighting { active, body, near } in &self.sightings {
+        let mut ready: Vec<DockingCandidate<R>> = Vec::new();
+        for &DockingCandidate { active, body, near } in &self.candidates {
             let motion = [blocks.velocity(body), blocks.spin(body)];
             let sweep = FaceSweep::of_step(&near, blocks.position(body), motion, dt);
             if let Some(distance) = sweep.docks(&self.active[active].target, &self.magnet) {
                 let near = Near { distance, ..near };
-                ready.push(Sighting { active, body, near });
+                ready.push(DockingCandidate { active, body, near });
             }
         }
         if !self.rejected.is_empty() {
@@ -399,7 +403,7 @@ impl<R: Real> Faces<R> {
         }
         self.seen = false;
         ready.sort_by(|a, b| {
-            let key = |s: &Sighting<R>| (s.body, s.active);
+            let key = |s: &DockingCandidate<R>| (s.body, s.active);
             let distance = a
                 .near
                 .distance
@@ -410,30 +414,30 @@ impl<R: Real> Faces<R> {
         let mut taken: Vec<BlockFace> = Vec::new();
         let mut anchored: Vec<u32> = Vec::new();
         let mut docked = Vec::new();
-        for sighting in ready {
-            let active = &self.active[sighting.active];
-            if anchored.contains(&sighting.body) || taken.contains(&active.site) {
+        for candidate in ready {
+            let active = &self.active[candidate.active];
+            if anchored.contains(&candidate.body) || taken.contains(&active.site) {
                 continue;
             }
             taken.push(active.site);
-            anchored.push(sighting.body);
+            anchored.push(candidate.body);
             let (turn, orientation) = best_turn(
                 active.parent,
                 active.site.face,
-                sighting.near.face,
-                blocks.rotation(sighting.body),
+                candidate.near.face,
+                blocks.rotation(candidate.body),
             );
-            let entry = active.inside.iter().find(|&&(id, _)| id == sighting.body);
+            let entry = active.inside.iter().find(|&&(id, _)| id == candidate.body);
             let docking = Docking {
                 site: active.site,
-                child: sighting.body,
-                child_face: sighting.near.face,
+                child: candidate.body,
+                child_face: candidate.near.face,
                 turn,
                 entries: active.entries,
                 entered: entry.map_or(tick, |&(_, entered)| entered),
             };
             let held = Anchored {
-                body: sighting.body,
+                body: candidate.body,
                 seat: active.seat,
                 orientation,
             };

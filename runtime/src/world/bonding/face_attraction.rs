@@ -46,7 +46,7 @@ pub(crate) struct Near<R: Real> {
 
 /// Change of velocity and of spin per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Push<R: Real> {
+pub(crate) struct VelocityChange<R: Real> {
     pub linear: Vector3<R>,
     pub angular: Vector3<R>,
 }
@@ -124,8 +124,8 @@ impl<R: Real> AttractingFace<R> {
         rotation: UnitQuaternion<R>,
         magnet: &Magnet,
         drop: R,
-    ) -> Push<R> {
-        let mut push = Push {
+    ) -> VelocityChange<R> {
+        let mut push = VelocityChange {
             linear: Vector3::zeros(),
             angular: Vector3::zeros(),
         };

@@ -3,7 +3,7 @@ use nalgebra::Vector3;
 use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
-use super::face_attraction::{AttractingFace, Push, best_turn};
+use super::face_attraction::{AttractingFace, VelocityChange, best_turn};
 use super::swept_docking::FaceSweep;
 use crate::world::blocks::Pose;
 use crate::world::parameters::{Attraction, Magnet, Passive};
@@ -15,7 +15,7 @@ const INSIDE: f64 = 0.5;
 
 /// Two faces that are near each other.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Meeting {
+pub(crate) struct FacePair {
     /// Of the first block.
     pub face: Face,
     /// Of the second.
@@ -23,7 +23,7 @@ pub(crate) struct Meeting {
     /// Whether they are close and straight enough to bond.
     pub bonds: bool,
     /// What each of the two feels.
-    pub pushes: [Push<f64>; 2],
+    pub pushes: [VelocityChange<f64>; 2],
 }
 
 /// The pairs of blocks that may be in each other's reach, in rising order: a sweep along x.
@@ -54,8 +54,8 @@ pub(crate) fn energy(passive: &Passive) -> f64 {
     passive.hold * passive.depth / 3.0
 }
 
-/// How two blocks meet; `None`: too far apart, or faces do not attract by themselves.
-pub(crate) fn meet(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<Meeting> {
+/// The faces of two blocks that are near each other; `None`: too far apart, or faces do not attract by themselves.
+pub(crate) fn face_pair(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<FacePair> {
     let Attraction::Passive(passive) = magnet.law else {
         return None;
     };
@@ -71,7 +71,7 @@ pub(crate) fn meet(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<Meeti
     let back = AttractingFace::turned(second.position, second.rotation, other);
     let first_near = back.at(first.position, first.rotation, face);
     let first_push = back.push(&first_near, first.position, first.rotation, magnet, 0.0);
-    Some(Meeting {
+    Some(FacePair {
         face,
         other,
         bonds: FaceSweep::resting(&near, second.position)
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn straight_faces_attract_as_the_law_says() {
         for gap in [0.0, 0.1, 0.5, 1.2] {
-            let met = meet(
+            let pair = face_pair(
                 &magnet(),
                 &pose(0.0, 0.0, 0.0, Vector3::zeros()),
                 &pose(
@@ -135,13 +135,13 @@ mod tests {
                     Vector3::z() * std::f64::consts::FRAC_PI_2,
                 ),
             );
-            let met = met.expect("in reach");
+            let pair = pair.expect("in reach");
             let force = if gap == 0.0 {
                 0.0
             } else {
                 0.8 / (1.0 + gap / 0.2).powi(4)
             };
-            let [first, second] = met.pushes;
+            let [first, second] = pair.pushes;
             assert!(
                 (first.linear - Vector3::x() * force).norm() < 1e-12,
                 "{gap}"
@@ -151,7 +151,7 @@ mod tests {
                 "{gap}"
             );
             assert!(first.angular.norm() + second.angular.norm() < 1e-12);
-            assert_eq!(met.bonds, gap < 0.05);
+            assert_eq!(pair.bonds, gap < 0.05);
         }
     }
 
@@ -173,10 +173,10 @@ mod tests {
     fn a_pair_keeps_its_momentum_and_its_angular_momentum() {
         let a = pose(0.1, -0.2, 0.3, Vector3::new(0.2, -0.4, 0.1));
         let b = pose(1.2, 0.3, 0.1, Vector3::new(-0.3, 0.1, 0.7));
-        let [first, second] = meet(&magnet(), &a, &b).expect("in reach").pushes;
+        let [first, second] = face_pair(&magnet(), &a, &b).expect("in reach").pushes;
         assert!(first.linear.norm() > 1e-3);
         assert!((first.linear + second.linear).norm() < 1e-12);
-        let turning = |pose: &Pose, push: &Push<f64>| {
+        let turning = |pose: &Pose, push: &VelocityChange<f64>| {
             pose.position.cross(&push.linear) + push.angular / super::super::INVERSE_INERTIA
         };
         assert!((turning(&a, &first) + turning(&b, &second)).norm() < 1e-12);
@@ -187,7 +187,7 @@ mod tests {
         let (a, twist) = (pose(0.0, 0.0, 0.0, Vector3::zeros()), 0.2);
         for (angle, sense) in [(twist, -1.0), (std::f64::consts::FRAC_PI_2 - twist, 1.0)] {
             let b = pose(1.05, 0.0, 0.0, Vector3::x() * angle);
-            let [_, second] = meet(&magnet(), &a, &b).expect("in reach").pushes;
+            let [_, second] = face_pair(&magnet(), &a, &b).expect("in reach").pushes;
             assert!(
                 second.angular.x * sense > 1e-3,
                 "{angle}: {}",
@@ -206,12 +206,12 @@ mod tests {
             position: a.position + off,
             rotation: a.rotation * twist,
         };
-        let met = meet(&magnet(), &a, &b).expect("in reach");
-        assert_eq!(met.face, Face::North);
-        let seat = seat(&a, met.face, &b, met.other);
+        let pair = face_pair(&magnet(), &a, &b).expect("in reach");
+        assert_eq!(pair.face, Face::North);
+        let seat = seat(&a, pair.face, &b, pair.other);
         assert!((seat.position - b.position).norm() < 0.03);
         assert!(seat.rotation.angle_to(&b.rotation) < 0.06);
-        let straight = meet(&magnet(), &a, &seat).expect("in reach");
+        let straight = face_pair(&magnet(), &a, &seat).expect("in reach");
         assert!(straight.bonds);
         assert!(straight.pushes[0].linear.norm() < 1e-9);
     }

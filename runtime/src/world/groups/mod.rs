@@ -32,14 +32,14 @@ pub(crate) struct BlockGroups {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct BlockGroup {
     /// In rising order.
-    members: Vec<Member>,
+    members: Vec<GroupMember>,
     bonds: Vec<(u32, u32)>,
     /// Of its own frame.
     rotation: UnitQuaternion<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Member {
+struct GroupMember {
     id: u32,
     /// From the middle of the group, in its frame.
     offset: Vector3<f64>,
@@ -71,7 +71,7 @@ impl BlockGroups {
                 at.ok().map(|at| group.members[at])
             };
             let [first, second] = [of(a.min(b))?, of(a.max(b))?];
-            let face = |from: Member, to: Member| {
+            let face = |from: GroupMember, to: GroupMember| {
                 AttractingFace::<f64>::facing(from.offset, from.turn, to.offset)
             };
             Some(FreeBond {
@@ -205,7 +205,7 @@ impl BlockGroups {
             let motions = group.motions(blocks);
             // Flying straight keeps the angular momentum; the shape is that of the group.
             let (mut compound, turning) = RigidMotion::momenta(&motions);
-            let spin = |rotation: UnitQuaternion<f64>, members: &[Member]| {
+            let spin = |rotation: UnitQuaternion<f64>, members: &[GroupMember]| {
                 rigid_motion::spin(
                     turning,
                     members.iter().map(|member| rotation * member.offset),
@@ -252,7 +252,7 @@ impl BlockGroups {
         let (RigidMotion { middle, .. }, _) = RigidMotion::momenta(&motions);
         let members = ids.iter().map(|&id| {
             let pose = blocks.pose(id);
-            Member {
+            GroupMember {
                 id,
                 offset: pose.position - middle,
                 turn: pose.rotation,
@@ -274,7 +274,7 @@ impl BlockGroups {
 impl BlockGroup {
     /// How its members move, in their order.
     fn motions(&self, blocks: &impl Blocks) -> Vec<Motion> {
-        let motion = |member: &Member| blocks.motion(member.id);
+        let motion = |member: &GroupMember| blocks.motion(member.id);
         self.members.iter().map(motion).collect()
     }
 

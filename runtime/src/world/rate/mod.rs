@@ -2,8 +2,8 @@
 //!
 //! Each open face has a hazard by the law of [`stochc_rates`]; the faces race each other (the next-reaction method of M. A. Gibson and
 //! J. Bruck 2000, with hazards that change with the age of a face). A tick in which nothing docks is skipped.
-mod agenda;
-mod race;
+mod event_queue;
+mod open_face_hazards;
 mod tournament;
 mod waits;
 
@@ -16,9 +16,9 @@ use stochc_rates::{FORGOTTEN, Rates};
 use super::lattice::{Changes, FaceChange, LatticeStructure, bit, occupied_cells, site};
 use super::{Fault, SceneError, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use agenda::{Agenda, HeadStart, ScheduledCapture};
-use race::{OpenFace, Race, Slot};
-use waits::Waits;
+use event_queue::{EventQueue, ScheduledCapture, ScheduledHeadStart};
+use open_face_hazards::{OpenFace, OpenFaceHazards, Slot};
+use waits::RateModel;
 
 /// A world of cells in which waits are drawn.
 #[derive(Clone, Debug)]
@@ -26,11 +26,11 @@ pub struct RateWorld<'r> {
     tick: u64,
     rates: &'r Rates,
     lattice: LatticeStructure,
-    race: Race,
-    agenda: Agenda,
+    hazards: OpenFaceHazards,
+    queue: EventQueue,
     /// Blocks released lately: when, from which cell, and which.
     released: Vec<(u64, Cell, u32)>,
-    waits: Waits<'r>,
+    waits: RateModel<'r>,
     /// Slots of faces whose waits have to be said anew, while these are gathered.
     changed: Vec<Slot>,
     draws: DrawsAhead,
@@ -40,7 +40,7 @@ pub struct RateWorld<'r> {
 
 stochc_ir::state! {
     () RateWorld<'_>;
-    values: tick, lattice, race, agenda, released, drawn;
+    values: tick, lattice, hazards, queue, released, drawn;
     parts: ;
     // Of waits it only saves working them out again, and between two calls nothing has changed.
     same: rates, waits, changed, draws
@@ -58,7 +58,7 @@ impl<'r> RateWorld<'r> {
         seed: u64,
         run: u64,
     ) -> Result<RateWorld<'r>, SceneError> {
-        if let Some(error) = RateWorld::refusal_of(tables, scene) {
+        if let Some(error) = RateWorld::unsupported_by(tables, scene) {
             return Err(error);
         }
         let given = rates.iter().find(|rates| rates.are_of(scene));
@@ -68,10 +68,10 @@ impl<'r> RateWorld<'r> {
         Ok(RateWorld {
             tick: 0,
             lattice: LatticeStructure::new(tables, count),
-            race: Race::new(count, occupied_cells(tables)),
-            agenda: Agenda::default(),
+            hazards: OpenFaceHazards::new(count, occupied_cells(tables)),
+            queue: EventQueue::default(),
             released: Vec::new(),
-            waits: Waits::new(rates),
+            waits: RateModel::new(rates),
             changed: Vec::new(),
             rates,
             draws: DrawsAhead::new(seed, run, Stream::Rate),
@@ -80,14 +80,14 @@ impl<'r> RateWorld<'r> {
     }
 
     /// What a program or its scene has that the law does not know.
-    pub fn refusal_of(tables: &Tables, scene: &Scene) -> Option<SceneError> {
+    pub fn unsupported_by(tables: &Tables, scene: &Scene) -> Option<SceneError> {
         let is_aggregate = tables.aggregate.is_some();
         let of_program = is_aggregate.then(|| not_known("aggregate"));
-        of_program.or_else(|| RateWorld::refusal(scene))
+        of_program.or_else(|| RateWorld::unsupported(scene))
     }
 
     /// What a scene has that the law does not know.
-    pub fn refusal(scene: &Scene) -> Option<SceneError> {
+    pub fn unsupported(scene: &Scene) -> Option<SceneError> {
         let what = match &scene.bond {
             Some(Bond::Reject { .. }) => "bond by magnets that always attract",
             Some(Bond::Suction { .. }) => "bond by suction",
@@ -126,11 +126,11 @@ impl<'r> RateWorld<'r> {
         }
         let ways = closed.map_or(0, |(_, ways)| ways);
         match (filled, closed) {
-            (Some((cell, is_full)), _) => self.race.fill(cell, is_full, ways, &mut changed),
-            (None, Some((cell, _))) => self.race.drop_rivals(cell, ways, &mut changed),
+            (Some((cell, is_full)), _) => self.hazards.fill(cell, is_full, ways, &mut changed),
+            (None, Some((cell, _))) => self.hazards.drop_rivals(cell, ways, &mut changed),
             (None, None) => {}
         }
-        self.race.sort(&mut changed);
+        self.hazards.sort(&mut changed);
         for slot in changed.drain(..) {
             self.estimate(slot);
         }
@@ -142,8 +142,8 @@ impl<'r> RateWorld<'r> {
         let (seat, own) = site(face);
         let of = self.lattice.seats[seat];
         let cell = of.across(own)?;
-        let slot = self.race.close(face, cell)?;
-        self.agenda.forget(slot);
+        let slot = self.hazards.close(face, cell)?;
+        self.queue.forget(slot);
         Some((cell, of.orientation.to_structure(own)))
     }
 
@@ -157,7 +157,7 @@ impl<'r> RateWorld<'r> {
         let [threshold, ..] = self.draw();
         let left = exponential(threshold);
         let open = OpenFace::new(face, (cell, way), near, self.tick, left);
-        let slot = self.race.open(open, changed);
+        let slot = self.hazards.open(open, changed);
         // Those who were let go near it are still there.
         let tick = self.tick;
         self.released.retain(|(when, ..)| tick < when + FORGOTTEN);
@@ -170,7 +170,7 @@ impl<'r> RateWorld<'r> {
 
     /// By chance, a block that was let go near an open face comes first.
     fn head_start(&mut self, slot: Slot, from: Cell, block: u32, left: f64) {
-        let Some(face) = self.race.face(slot) else {
+        let Some(face) = self.hazards.face(slot) else {
             return;
         };
         let opening = face.opening();
@@ -180,31 +180,31 @@ impl<'r> RateWorld<'r> {
         let [whether, when, ..] = self.draw();
         if unit(whether) < start.probability * left {
             let time = self.tick as f64 + start.ticks * exponential(when);
-            let start = HeadStart {
+            let start = ScheduledHeadStart {
                 slot,
                 opening,
                 block,
             };
-            self.agenda.note_head_start(time, start);
+            self.queue.note_head_start(time, start);
         }
     }
 
-    /// Puts the time of a face's capture on the agenda, from what is around it now.
+    /// Puts the time of a face's capture into the queue, from what is around it now.
     fn estimate(&mut self, slot: Slot) {
-        let Some(face) = self.race.face(slot) else {
+        let Some(face) = self.hazards.face(slot) else {
             return;
         };
         let mut wait = self.waits.of(face);
-        wait.rate *= self.race.part();
-        if let Some(earliest) = self.race.update(slot, self.tick, wait) {
-            self.agenda.note(slot, earliest);
+        wait.rate *= self.hazards.part();
+        if let Some(earliest) = self.hazards.update(slot, self.tick, wait) {
+            self.queue.note(slot, earliest);
         }
     }
 
     /// Estimates all faces anew where the number of free blocks has changed much.
     fn follow_free_blocks(&mut self) {
-        if self.race.follow(self.lattice.free.len()) {
-            for slot in self.race.all() {
+        if self.hazards.follow(self.lattice.free.len()) {
+            for slot in self.hazards.all() {
                 self.estimate(slot);
             }
         }
@@ -213,21 +213,21 @@ impl<'r> RateWorld<'r> {
     /// The tick of the earliest capture that still holds: the first boundary at or after its time.
     fn next_tick(&mut self) -> Option<u64> {
         loop {
-            let (time, first) = self.agenda.first()?;
+            let (time, first) = self.queue.first()?;
             let tick = boundary(time);
             match first {
                 ScheduledCapture::OfAny(slot) => {
-                    if boundary(self.race.face(slot)?.latest()) == tick {
+                    if boundary(self.hazards.face(slot)?.latest()) == tick {
                         return Some(tick);
                     }
                     self.look_closer(slot)?;
                 }
                 ScheduledCapture::HeadStart(start) => {
-                    let is_open = self.race.opening(start.slot, start.opening).is_some();
+                    let is_open = self.hazards.opening(start.slot, start.opening).is_some();
                     if is_open && self.lattice.free.contains(start.block as usize) {
                         return Some(tick);
                     }
-                    self.agenda.drop_head_start();
+                    self.queue.drop_head_start();
                 }
             }
         }
@@ -236,10 +236,10 @@ impl<'r> RateWorld<'r> {
     /// The earliest capture that still holds, if its tick has come.
     fn next(&mut self) -> Option<ScheduledCapture> {
         while self.next_tick()? <= self.tick {
-            let (time, first) = self.agenda.first()?;
+            let (time, first) = self.queue.first()?;
             if let ScheduledCapture::OfAny(slot) = first {
-                let latest = self.race.face(slot)?.latest();
-                if time < latest && self.agenda.second(slot) <= latest {
+                let latest = self.hazards.face(slot)?.latest();
+                if time < latest && self.queue.second(slot) <= latest {
                     self.look_closer(slot)?;
                     continue;
                 }
@@ -249,10 +249,10 @@ impl<'r> RateWorld<'r> {
         None
     }
 
-    /// Puts the exact time of a face's capture on the agenda, where bounds of it do not say enough.
+    /// Puts the exact time of a face's capture into the queue, where bounds of it do not say enough.
     fn look_closer(&mut self, slot: Slot) -> Option<()> {
-        let time = self.race.time(slot)?;
-        self.agenda.put_off(slot, time);
+        let time = self.hazards.time(slot)?;
+        self.queue.put_off(slot, time);
         Some(())
     }
 
@@ -260,15 +260,15 @@ impl<'r> RateWorld<'r> {
     fn capture(&mut self, scheduled: ScheduledCapture, dockings: &mut Vec<Docking>) {
         let slot = match scheduled {
             ScheduledCapture::OfAny(slot) => {
-                self.agenda.forget(slot);
+                self.queue.forget(slot);
                 slot
             }
             ScheduledCapture::HeadStart(start) => {
-                self.agenda.drop_head_start();
+                self.queue.drop_head_start();
                 start.slot
             }
         };
-        let Some(face) = self.race.face(slot) else {
+        let Some(face) = self.hazards.face(slot) else {
             return;
         };
         let (seat, face) = site(face.number);
@@ -277,8 +277,8 @@ impl<'r> RateWorld<'r> {
         let child = match scheduled {
             ScheduledCapture::HeadStart(start) => start.block,
             // The hazard was that of more blocks than there are now.
-            _ if free == 0 || unit(whether) >= self.race.share(free) => {
-                self.race.go_on(slot, exponential(threshold));
+            _ if free == 0 || unit(whether) >= self.hazards.share(free) => {
+                self.hazards.go_on(slot, exponential(threshold));
                 self.estimate(slot);
                 return;
             }
@@ -357,7 +357,7 @@ impl World for RateWorld<'_> {
             let from = self.lattice.seats[child].cell;
             self.note(changes, Some((from, false)));
             let block = (child - self.lattice.seeds.len()) as u32;
-            for slot in self.race.near(from) {
+            for slot in self.hazards.near(from) {
                 self.head_start(slot, from, block, 1.0);
             }
             self.released.push((self.tick, from, block));

@@ -5,14 +5,14 @@ use rustc_hash::FxHashMap;
 use stochc_ir::Face;
 use stochc_rates::{Neighbourhood, Rates, Wait, feature_cells};
 
-use super::race::OpenFace;
+use super::open_face_hazards::OpenFace;
 
 /// Waits that are kept, at most.
 const KEPT: usize = 1 << 16;
 
 /// The waits of faces in a gas with as many free blocks as at the beginning.
 #[derive(Clone, Debug)]
-pub(super) struct Waits<'r> {
+pub(super) struct RateModel<'r> {
     rates: &'r Rates,
     /// The cells around a face that matter, for faces of each direction.
     features: [Neighbourhood; 6],
@@ -36,9 +36,9 @@ impl Hash for Seen {
     }
 }
 
-impl<'r> Waits<'r> {
-    pub fn new(rates: &'r Rates) -> Waits<'r> {
-        Waits {
+impl<'r> RateModel<'r> {
+    pub fn new(rates: &'r Rates) -> RateModel<'r> {
+        RateModel {
             rates,
             features: Face::ALL.map(feature_cells),
             // What is ahead of a face that looks down is different in the lowest one.

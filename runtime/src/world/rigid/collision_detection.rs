@@ -31,12 +31,12 @@ enum Ground<R: Real> {
     /// The plane z = 0, level with the plate.
     Plane,
     /// Nothing but the plate.
-    Plate(Plate<R>),
+    Plate(PlateBox<R>),
 }
 
 /// The box that all seeds are.
 #[derive(Clone, Copy, Debug)]
-struct Plate<R: Real> {
+struct PlateBox<R: Real> {
     centre: Vector3<R>,
     axes: Rotation3<R>,
     half: Vector3<R>,
@@ -54,7 +54,7 @@ impl<R: Lane> CollisionShape<R> {
         let ground = if floor {
             Ground::Plane
         } else {
-            Ground::Plate(Plate {
+            Ground::Plate(PlateBox {
                 centre: Vector3::z() * R::of(-0.5),
                 axes: Rotation3::identity(),
                 half: Vector3::new(half(plate.width), half(plate.depth), R::of(0.5)),
@@ -85,7 +85,7 @@ impl<R: Lane> CollisionShape<R> {
             Ground::Plane if self.compliant => face_on_ground(place, bodies.axes(id)),
             Ground::Plane => cube_on_ground(place, bodies.axes(id)),
             // A ball on an edge of the plate is a rare thing that is not worth a rule of its own.
-            Ground::Plate(Plate { centre, axes, half }) => {
+            Ground::Plate(PlateBox { centre, axes, half }) => {
                 let (centre, half) = (*centre, *half);
                 let pair = (cube(bodies, id), Cuboid { centre, axes, half });
                 boxes(&[pair; ABREAST], 1, |_, manifold| touch(manifold));

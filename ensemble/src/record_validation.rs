@@ -5,7 +5,7 @@ use stochc_ir::table::{PhaseId, RoleId};
 use super::{Finished, Manifest};
 
 /// Why a line is of no run of the manifest; `None`: it may be.
-pub(super) fn impossible(manifest: &Manifest, finished: &Finished) -> Option<String> {
+pub(super) fn inconsistency(manifest: &Manifest, finished: &Finished) -> Option<String> {
     let Some(program) = manifest.programs.get(finished.program) else {
         return Some(format!("there is no program {}", finished.program));
     };

@@ -8,7 +8,7 @@ use crate::text::counted;
 
 /// Why there is no plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum TargetError {
     /// There is nothing to build.
     Empty,
     /// A cell is too far away to be counted with.
@@ -60,30 +60,30 @@ fn cells(count: usize) -> String {
     counted(count, "cell")
 }
 
-impl From<Cancelled> for Refusal {
-    fn from(_: Cancelled) -> Refusal {
-        Refusal::Cancelled
+impl From<Cancelled> for TargetError {
+    fn from(_: Cancelled) -> TargetError {
+        TargetError::Cancelled
     }
 }
 
-impl std::error::Error for Refusal {}
+impl std::error::Error for TargetError {}
 
-impl fmt::Display for Refusal {
+impl fmt::Display for TargetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refusal::Empty => f.write_str("the target has no cells"),
-            Refusal::TooFar(cell) => write!(
+            TargetError::Empty => f.write_str("the target has no cells"),
+            TargetError::TooFar(cell) => write!(
                 f,
                 "the cell {cell} is too far away: coordinates go to {}",
                 crate::target::FARTHEST
             ),
-            Refusal::BelowPlate(below) => write!(
+            TargetError::BelowPlate(below) => write!(
                 f,
                 "{} of the target: {}, at or below the plate, where no block can come",
                 cells(below.len()),
                 listed(below)
             ),
-            Refusal::Loose(parts) => {
+            TargetError::Loose(parts) => {
                 let first = parts.first().map_or(&[][..], |part| &part.cells);
                 match parts.len() {
                     1 => write!(f, "{} of the target: ", cells(first.len()))?,
@@ -99,30 +99,30 @@ impl fmt::Display for Refusal {
                     listed(first)
                 )
             }
-            Refusal::TooFewBlocks { needed, free } => write!(
+            TargetError::TooFewBlocks { needed, free } => write!(
                 f,
                 "the target has {needed} cells, and the scene {free} free blocks"
             ),
-            Refusal::Sealed(sealed) => write!(
+            TargetError::Sealed(sealed) => write!(
                 f,
                 "no order of captures brings a block to {}: {}",
                 cells(sealed.len()),
                 listed(sealed)
             ),
-            Refusal::Cancelled => f.write_str("stopped before there was a plan"),
+            TargetError::Cancelled => f.write_str("stopped before there was a plan"),
         }
     }
 }
 
-impl Refusal {
+impl TargetError {
     /// What to do about it, if anything is known.
     pub fn help(&self) -> Option<String> {
         match self {
-            Refusal::Empty => Some("draw a `#` for each block".to_owned()),
-            Refusal::BelowPlate(_) => {
+            TargetError::Empty => Some("draw a `#` for each block".to_owned()),
+            TargetError::BelowPlate(_) => {
                 Some("layer 1 rests on the plate: move the target up".to_owned())
             }
-            Refusal::Loose(parts) => {
+            TargetError::Loose(parts) => {
                 let bridge = parts.first()?.bridge.as_ref()?;
                 Some(match bridge.len() {
                     0 => return None,
@@ -134,11 +134,11 @@ impl Refusal {
                     ),
                 })
             }
-            Refusal::TooFewBlocks { needed, .. } => Some(format!(
+            TargetError::TooFewBlocks { needed, .. } => Some(format!(
                 "plan a smaller target, or in a scene with `free {needed} uniform` or more"
             )),
-            Refusal::Sealed(_) => Some("leave a neighbour of each out".to_owned()),
-            Refusal::TooFar(_) | Refusal::Cancelled => None,
+            TargetError::Sealed(_) => Some("leave a neighbour of each out".to_owned()),
+            TargetError::TooFar(_) | TargetError::Cancelled => None,
         }
     }
 }

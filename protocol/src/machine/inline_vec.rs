@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 
 /// Values, of which one takes no memory of its own.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) enum Few<T> {
+pub(super) enum InlineVec<T> {
     #[default]
     None,
     One(T),
@@ -14,13 +14,13 @@ pub(super) enum Few<T> {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Several<T>(Vec<T>);
 
-impl<T> Few<T> {
+impl<T> InlineVec<T> {
     #[inline]
     pub fn as_slice(&self) -> &[T] {
         match self {
-            Few::None => &[],
-            Few::One(value) => std::slice::from_ref(value),
-            Few::Many(values) => &values.0,
+            InlineVec::None => &[],
+            InlineVec::One(value) => std::slice::from_ref(value),
+            InlineVec::Many(values) => &values.0,
         }
     }
 
@@ -28,22 +28,22 @@ impl<T> Few<T> {
     #[inline]
     pub fn insert(&mut self, at: usize, value: T) {
         match self {
-            Few::None => *self = Few::One(value),
+            InlineVec::None => *self = InlineVec::One(value),
             _ => self.insert_beside(at, value),
         }
     }
 
     fn insert_beside(&mut self, at: usize, value: T) {
         match std::mem::take(self) {
-            Few::None => *self = Few::One(value),
-            Few::One(first) => {
+            InlineVec::None => *self = InlineVec::One(value),
+            InlineVec::One(first) => {
                 let mut values = vec![first];
                 values.insert(at, value);
-                *self = Few::Many(Box::new(Several(values)));
+                *self = InlineVec::Many(Box::new(Several(values)));
             }
-            Few::Many(mut values) => {
+            InlineVec::Many(mut values) => {
                 values.0.insert(at, value);
-                *self = Few::Many(values);
+                *self = InlineVec::Many(values);
             }
         }
     }
@@ -52,9 +52,9 @@ impl<T> Few<T> {
     #[inline]
     pub fn remove(&mut self, at: usize) -> Option<T> {
         match self {
-            Few::Many(values) => (at < values.0.len()).then(|| values.0.remove(at)),
+            InlineVec::Many(values) => (at < values.0.len()).then(|| values.0.remove(at)),
             _ => match std::mem::take(self) {
-                Few::One(value) => Some(value),
+                InlineVec::One(value) => Some(value),
                 _ => None,
             },
         }
@@ -67,18 +67,18 @@ mod tests {
 
     #[test]
     fn it_is_a_list() {
-        let (mut few, mut list) = (Few::None, Vec::new());
+        let (mut inline, mut list) = (InlineVec::None, Vec::new());
         for (value, at) in [0, 0, 2, 1, 0].into_iter().enumerate() {
-            few.insert(at, value);
+            inline.insert(at, value);
             list.insert(at, value);
-            assert_eq!(few.as_slice(), list);
+            assert_eq!(inline.as_slice(), list);
         }
         for at in [4, 0, 1, 1, 0] {
-            assert_eq!(few.remove(at), Some(list.remove(at)));
-            assert_eq!(few.as_slice(), list);
+            assert_eq!(inline.remove(at), Some(list.remove(at)));
+            assert_eq!(inline.as_slice(), list);
         }
-        assert_eq!(few.remove(0), None);
-        few.insert(0, 7);
-        assert_eq!((few.remove(0), few.as_slice()), (Some(7), &[][..]));
+        assert_eq!(inline.remove(0), None);
+        inline.insert(0, 7);
+        assert_eq!((inline.remove(0), inline.as_slice()), (Some(7), &[][..]));
     }
 }

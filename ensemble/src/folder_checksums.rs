@@ -10,11 +10,11 @@ use stochc_files::checksum::{self, LineIntegrity, Sum, mended, of_file};
 use stochc_files::{open, read_file};
 
 /// Its name.
-pub(super) const SEAL: &str = "checksums.json";
+pub(super) const CHECKSUMS_FILE: &str = "checksums.json";
 
 /// Checksums of files.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Seal {
+pub(super) struct FolderChecksums {
     files: Vec<FileChecksum>,
 }
 
@@ -26,7 +26,7 @@ struct FileChecksum {
     crc32: String,
 }
 
-impl Seal {
+impl FolderChecksums {
     /// Notes a file.
     pub fn note(&mut self, name: &str, sum: Sum) {
         self.files.push(FileChecksum {
@@ -43,18 +43,23 @@ impl Seal {
     }
 
     /// Reads it in a folder; `None`: there is none, or it says nothing that can be believed.
-    pub fn read(folder: &Path) -> (Option<Seal>, Option<String>) {
-        let damaged = || (None, Some(format!("`{SEAL}` is damaged")));
-        let bytes = match read_file(&folder.join(SEAL), CHECKSUMS) {
+    pub fn read(folder: &Path) -> (Option<FolderChecksums>, Option<String>) {
+        let damaged = || (None, Some(format!("`{CHECKSUMS_FILE}` is damaged")));
+        let bytes = match read_file(&folder.join(CHECKSUMS_FILE), CHECKSUMS) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return (None, None),
-            Err(error) => return (None, Some(format!("cannot read `{SEAL}`: {error}"))),
+            Err(error) => {
+                return (
+                    None,
+                    Some(format!("cannot read `{CHECKSUMS_FILE}`: {error}")),
+                );
+            }
         };
         let Some(line) = bytes.strip_suffix(b"\n") else {
             return damaged();
         };
         match (checksum::check(line), serde_json::from_slice(line)) {
-            (LineIntegrity::Sound, Ok(seal)) => (Some(seal), None),
+            (LineIntegrity::Sound, Ok(checksums)) => (Some(checksums), None),
             _ => damaged(),
         }
     }

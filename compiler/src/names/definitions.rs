@@ -1,23 +1,23 @@
-//! The things that words stand for, and those that turn out to be one.
+//! The definitions that words refer to, and those that turn out to be one.
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
-use super::{Keep, NameKind, Names, Occurrence, Thing, Use};
+use super::{Definition, Keep, NameKind, Names, Occurrence, Use};
 use crate::Site;
 
-/// Things, found one after the other.
-pub struct Things {
+/// Definitions, found one after the other.
+pub struct Definitions {
     keep: Keep,
     kinds: Vec<(NameKind, Symbol)>,
-    /// For every thing, another one that it is the same as, or itself.
+    /// For every definition, another one that it is the same as, or itself.
     same: Vec<u32>,
     occurrences: Vec<Occurrence>,
-    uses: FxHashMap<Thing, Vec<Use>>,
+    uses: FxHashMap<Definition, Vec<Use>>,
 }
 
-impl Things {
-    pub fn new(keep: Keep) -> Things {
-        Things {
+impl Definitions {
+    pub fn new(keep: Keep) -> Definitions {
+        Definitions {
             keep,
             kinds: Vec::new(),
             same: Vec::new(),
@@ -26,46 +26,49 @@ impl Things {
         }
     }
 
-    /// Whether the names of things of a kind are kept.
+    /// Whether the names of a kind are kept.
     pub fn keeps(&self, kind: NameKind) -> bool {
         self.keep == Keep::All
             || !matches!(kind, NameKind::Block | NameKind::Instance | NameKind::Phase)
     }
 
-    pub fn new_thing(&mut self, kind: NameKind, word: Symbol) -> Thing {
-        let thing = Thing(self.kinds.len() as u32);
+    pub fn add(&mut self, kind: NameKind, word: Symbol) -> Definition {
+        let definition = Definition(self.kinds.len() as u32);
         self.kinds.push((kind, word));
-        self.same.push(thing.0);
-        thing
+        self.same.push(definition.0);
+        definition
     }
 
-    pub fn kind(&self, thing: Thing) -> NameKind {
-        self.kinds[thing.0 as usize].0
+    pub fn kind(&self, definition: Definition) -> NameKind {
+        self.kinds[definition.0 as usize].0
     }
 
-    /// Notes what a parameter is used as; other things may be used as they like.
-    pub fn used(&mut self, thing: Thing, used: Use) {
-        if self.kind(thing) == NameKind::Parameter {
-            self.uses.entry(thing).or_default().push(used);
+    /// Notes what a parameter is used as; others may be used as they like.
+    pub fn used(&mut self, definition: Definition, used: Use) {
+        if self.kind(definition) == NameKind::Parameter {
+            self.uses.entry(definition).or_default().push(used);
         }
     }
 
-    pub fn occur(&mut self, thing: Thing, site: Site, declares: bool) {
-        if !self.keeps(self.kind(thing)) {
+    pub fn occur(&mut self, definition: Definition, site: Site, declares: bool) {
+        if !self.keeps(self.kind(definition)) {
             return;
         }
         self.occurrences.push(Occurrence {
             site,
-            thing,
+            definition,
             declares,
         });
     }
 
     /// Makes all of these one; `None` if there is none.
-    pub fn unite(&mut self, things: impl IntoIterator<Item = Thing>) -> Option<Thing> {
-        let mut things = things.into_iter();
-        let first = self.root(things.next()?);
-        for other in things {
+    pub fn unite(
+        &mut self,
+        definitions: impl IntoIterator<Item = Definition>,
+    ) -> Option<Definition> {
+        let mut definitions = definitions.into_iter();
+        let first = self.root(definitions.next()?);
+        for other in definitions {
             let root = self.root(other);
             // The first of them stays, so that the order of files decides.
             self.same[root.0.max(first.0) as usize] = root.0.min(first.0);
@@ -73,26 +76,26 @@ impl Things {
         Some(self.root(first))
     }
 
-    fn root(&mut self, thing: Thing) -> Thing {
-        let mut at = thing.0;
+    fn root(&mut self, definition: Definition) -> Definition {
+        let mut at = definition.0;
         while self.same[at as usize] != at {
             let next = self.same[at as usize];
             self.same[at as usize] = self.same[next as usize];
             at = next;
         }
-        Thing(at)
+        Definition(at)
     }
 
     /// Every name, by file and place.
     pub fn finish(mut self) -> Names {
         let mut occurrences = std::mem::take(&mut self.occurrences);
         for occurrence in &mut occurrences {
-            occurrence.thing = self.root(occurrence.thing);
+            occurrence.definition = self.root(occurrence.definition);
         }
         occurrences.sort_by_key(|occurrence| (occurrence.site.file, occurrence.site.span.start));
         occurrences.dedup_by_key(|occurrence| (occurrence.site.file, occurrence.site.span.start));
-        let have_values = (occurrences.iter()).filter(|it| self.kind(it.thing).has_value());
-        let values = have_values.map(|it| ((it.site.file, it.site.span.start), it.thing));
+        let have_values = (occurrences.iter()).filter(|it| self.kind(it.definition).has_value());
+        let values = have_values.map(|it| ((it.site.file, it.site.span.start), it.definition));
         Names {
             values: values.collect(),
             occurrences,
@@ -105,7 +108,7 @@ impl Things {
 /// Numbers, counters and parameters, by block.
 #[derive(Default)]
 pub struct Bindings {
-    words: FxHashMap<Symbol, Vec<Thing>>,
+    words: FxHashMap<Symbol, Vec<Definition>>,
     order: Vec<Symbol>,
 }
 
@@ -116,18 +119,18 @@ impl Bindings {
 
     pub fn restore(&mut self, mark: usize) {
         for word in self.order.drain(mark..) {
-            if let Some(things) = self.words.get_mut(&word) {
-                things.pop();
+            if let Some(definitions) = self.words.get_mut(&word) {
+                definitions.pop();
             }
         }
     }
 
-    pub fn define(&mut self, word: Symbol, thing: Thing) {
-        self.words.entry(word).or_default().push(thing);
+    pub fn define(&mut self, word: Symbol, definition: Definition) {
+        self.words.entry(word).or_default().push(definition);
         self.order.push(word);
     }
 
-    pub fn get(&self, word: Symbol) -> Option<Thing> {
+    pub fn get(&self, word: Symbol) -> Option<Definition> {
         self.words.get(&word)?.last().copied()
     }
 }

@@ -8,12 +8,12 @@ use crate::Hardware;
 use crate::schedule::Schedule;
 use crate::sites::{NONE, Sites};
 use crate::waiting::Waiting;
-use crate::waits::{Moment, RateLaw, Stand};
+use crate::waits::{CellState, Moment, RateLaw};
 
 /// A plan that needs no thought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Naive {
+pub enum Baseline {
     /// One block after the other along a walk through the shape.
     Chain,
     /// Everything at once, by the shortest ways from the plate.
@@ -24,17 +24,22 @@ pub enum Naive {
     Nearest,
 }
 
-impl Naive {
+impl Baseline {
     /// All of them.
-    pub const ALL: [Naive; 4] = [Naive::Chain, Naive::AtOnce, Naive::Layers, Naive::Nearest];
+    pub const ALL: [Baseline; 4] = [
+        Baseline::Chain,
+        Baseline::AtOnce,
+        Baseline::Layers,
+        Baseline::Nearest,
+    ];
 
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
-            Naive::Chain => "one block after the other, along a walk",
-            Naive::AtOnce => "everything at once",
-            Naive::Layers => "layer by layer",
-            Naive::Nearest => "one block after the other, the nearest to the plate first",
+            Baseline::Chain => "one block after the other, along a walk",
+            Baseline::AtOnce => "everything at once",
+            Baseline::Layers => "layer by layer",
+            Baseline::Nearest => "one block after the other, the nearest to the plate first",
         }
     }
 
@@ -42,8 +47,8 @@ impl Naive {
     fn tree(self, sites: &Sites<'_>) -> Vec<(u32, Face, u32)> {
         let height = |site: u32| sites.cell(site).z as u32;
         let stage = |before: u32, site: u32| match self {
-            Naive::Layers => before.max(height(site)),
-            Naive::Chain | Naive::AtOnce | Naive::Nearest => before + 1,
+            Baseline::Layers => before.max(height(site)),
+            Baseline::Chain | Baseline::AtOnce | Baseline::Nearest => before + 1,
         };
         let feet = (0..sites.len() as u32).filter(|&site| sites.is_on_seed(site));
         let mut added = vec![false; sites.len()];
@@ -53,8 +58,8 @@ impl Naive {
         let mut entry = |stage: u32, site: u32, way: Face| {
             found += 1;
             let urgency = match self {
-                Naive::Chain => u64::MAX - found,
-                Naive::AtOnce | Naive::Layers | Naive::Nearest => u64::from(stage),
+                Baseline::Chain => u64::MAX - found,
+                Baseline::AtOnce | Baseline::Layers | Baseline::Nearest => u64::from(stage),
             };
             Reverse((urgency, site, way as u8, stage))
         };
@@ -95,11 +100,11 @@ impl Naive {
             before[i].extend(schedule.held(sites, site));
             before[i].extend(schedule.turn(sites, hardware, site));
             match self {
-                Naive::AtOnce => {}
-                Naive::Chain | Naive::Nearest => {
+                Baseline::AtOnce => {}
+                Baseline::Chain | Baseline::Nearest => {
                     before[i].extend(i.checked_sub(1).map(|i| i as u32))
                 }
-                Naive::Layers => {
+                Baseline::Layers => {
                     if i > 0 && stage > tree[i - 1].2 {
                         (last, first) = (first..i as u32, i as u32);
                     }
@@ -152,11 +157,13 @@ impl Schedule {
                     self.way[site as usize],
                     moment,
                     |near| match sites.at(near) {
-                        near if near == NONE || near == site => Stand::Empty,
+                        near if near == NONE || near == site => CellState::Empty,
                         near => match level[near as usize].cmp(&here) {
-                            std::cmp::Ordering::Less => Stand::Full,
-                            std::cmp::Ordering::Equal => Stand::Awaited(self.way[near as usize]),
-                            std::cmp::Ordering::Greater => Stand::Empty,
+                            std::cmp::Ordering::Less => CellState::Full,
+                            std::cmp::Ordering::Equal => {
+                                CellState::Awaited(self.way[near as usize])
+                            }
+                            std::cmp::Ordering::Greater => CellState::Empty,
                         },
                     },
                 );
@@ -188,7 +195,7 @@ mod tests {
             attracts_always: false,
             free: 100,
         };
-        for naive in Naive::ALL {
+        for naive in Baseline::ALL {
             let (schedule, waiting) = naive.schedule(&sites, hardware, &RateLaw::new(None));
             assert_eq!(schedule.order.len(), 27);
             let mut height = 0;
@@ -198,9 +205,9 @@ mod tests {
                 let held = schedule.held(&sites, site);
                 assert!(held.map_or(sites.is_on_seed(site), |held| before.contains(&held)));
                 assert!(schedule.mean[site as usize] > 0.0);
-                let is_serial = matches!(naive, Naive::Chain | Naive::Nearest);
+                let is_serial = matches!(naive, Baseline::Chain | Baseline::Nearest);
                 assert!(!is_serial || i == 0 || before.contains(&(i - 1)));
-                if naive == Naive::Layers {
+                if naive == Baseline::Layers {
                     assert!(sites.cell(site).z >= height);
                     height = sites.cell(site).z;
                 }

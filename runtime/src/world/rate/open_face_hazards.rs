@@ -44,7 +44,7 @@ pub(super) struct OpenFace {
 
 /// All of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Race {
+pub(super) struct OpenFaceHazards {
     faces: Vec<OpenFace>,
     /// Slots without a face. That which has been so for longest comes first: faces that open as others close, one after
     /// the other, stay near those that they were near.
@@ -110,10 +110,10 @@ impl OpenFace {
     }
 }
 
-impl Race {
+impl OpenFaceHazards {
     /// No face is open; those to these cells will be most often.
-    pub fn new(count: u32, often: impl Iterator<Item = Cell>) -> Race {
-        Race {
+    pub fn new(count: u32, often: impl Iterator<Item = Cell>) -> OpenFaceHazards {
+        OpenFaceHazards {
             faces: Vec::new(),
             vacant: VecDeque::new(),
             cells: ChunkedGrid::new(NOWHERE, often),
@@ -211,7 +211,7 @@ impl Race {
         near
     }
 
-    /// A cell is full now, or empty, and [faces that were open to it](Race::drop_rivals) are so no more. Those of whose surroundings
+    /// A cell is full now, or empty, and [faces that were open to it](OpenFaceHazards::drop_rivals) are so no more. Those of whose surroundings
     /// the law sees something of that are added to `changed`.
     pub fn fill(&mut self, cell: Cell, is_full: bool, ways: u8, changed: &mut Vec<Slot>) {
         self.each_near(cell, SIGHT, |slot, face| {

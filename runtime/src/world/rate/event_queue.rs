@@ -4,7 +4,7 @@ use std::collections::BinaryHeap;
 
 use serde::{Deserialize, Serialize};
 
-use super::race::Slot;
+use super::open_face_hazards::Slot;
 use super::tournament::{NONE, Tournament};
 
 /// Something that may happen.
@@ -13,12 +13,12 @@ pub(super) enum ScheduledCapture {
     /// The face that is kept there captures any block.
     OfAny(Slot),
     /// Or one that was let go near it.
-    HeadStart(HeadStart),
+    HeadStart(ScheduledHeadStart),
 }
 
 /// A block that was let go near an open face is there first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(super) struct HeadStart {
+pub(super) struct ScheduledHeadStart {
     /// Where the face is kept.
     pub slot: Slot,
     /// The opening of the face that it was meant for.
@@ -29,11 +29,11 @@ pub(super) struct HeadStart {
 
 /// The captures of all open faces, and head starts. Of two at one time, that comes first which was noted first.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Agenda {
+pub(super) struct EventQueue {
     /// Moments, by the slots of the faces.
     captures: Tournament,
     /// Those that no longer hold are left in until they come first.
-    head_starts: BinaryHeap<Reverse<(u128, HeadStart)>>,
+    head_starts: BinaryHeap<Reverse<(u128, ScheduledHeadStart)>>,
     noted: u32,
 }
 
@@ -53,7 +53,7 @@ fn slot(moment: u128) -> Slot {
     moment as Slot
 }
 
-impl Agenda {
+impl EventQueue {
     /// Notes when the face in a slot captures, instead of what was said of that before.
     pub fn note(&mut self, slot: Slot, time: f64) {
         let moment = match time.is_finite() {
@@ -78,7 +78,7 @@ impl Agenda {
     }
 
     /// Notes a head start.
-    pub fn note_head_start(&mut self, time: f64, start: HeadStart) {
+    pub fn note_head_start(&mut self, time: f64, start: ScheduledHeadStart) {
         let moment = moment(time, self.order(), start.slot);
         self.head_starts.push(Reverse((moment, start)));
     }

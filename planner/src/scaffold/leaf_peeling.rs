@@ -7,7 +7,7 @@ use crate::sites::{NONE, Sites};
 
 /// Takes a target apart: of the sites that hold nothing, the one goes first that comes last, and has a wide way if any has one. `holders`:
 /// what holds each site when it comes, [`NONE`] for the plate; `times`: when it comes, about. `None`: nothing that is left may go.
-pub fn take_apart(
+pub fn peel_leaves(
     sites: &Sites<'_>,
     mut spaces: [FreeSpace; 2],
     holders: &[u32],

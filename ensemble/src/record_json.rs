@@ -7,7 +7,7 @@ use super::EnsembleProgram;
 
 /// A record with the names of its program: beside each index of a phase or a role stands its name, as
 /// `phase_name`, `parent_name`, `child_name` or `role_name`.
-pub fn named(record: &RunRecord, program: &EnsembleProgram) -> Value {
+pub fn record_json(record: &RunRecord, program: &EnsembleProgram) -> Value {
     let mut value = serde_json::to_value(record).expect("a record is plain data");
     name(&mut value, program);
     value["program"] = json!(program.name);

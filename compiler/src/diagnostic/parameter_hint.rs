@@ -4,7 +4,7 @@ use crate::Sources;
 use crate::plan::PatternInstance;
 
 /// Advises to give an instance one argument more: `name`, written `argument` where it grows.
-pub(crate) fn hand_in(
+pub(crate) fn parameter_hint(
     sources: &Sources,
     grown: &PatternInstance,
     name: &str,
