@@ -8,7 +8,9 @@ use stochc_ir::table::Tables;
 use stochc_rates::Rates;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, tell};
-use crate::expand::{Declarations, ExpansionBounds, Limits, duplicate, expand, expand_aggregate};
+use crate::expand::{
+    Declarations, DeclaredItems, ExpansionBounds, Limits, duplicate, expand, expand_aggregate,
+};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
 use crate::lint_levels::{Allowed, FileLevels, LintLevels};
@@ -448,43 +450,17 @@ pub(crate) fn declarations<'a>(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Declarations<'a> {
     let mut declarations = Declarations {
-        patterns: FxHashMap::default(),
-        shapes: FxHashMap::default(),
+        declared: DeclaredItems::default(),
         lets: Vec::new(),
         names,
     };
     for (file, tree) in trees {
         for item in &tree.items {
-            let (name, old) = match &item.kind {
-                ItemKind::Pattern(pattern) => {
-                    let old = declarations
-                        .patterns
-                        .insert(pattern.name.symbol, (file, pattern));
-                    (pattern.name, old.map(|(file, old)| (file, old.name)))
-                }
-                ItemKind::Shape(shape) => {
-                    let old = declarations.shapes.insert(shape.name.symbol, (file, shape));
-                    (shape.name, old.map(|(file, old)| (file, old.name)))
-                }
-                ItemKind::Let(_) => {
-                    declarations.lets.push((file, item));
-                    continue;
-                }
-                _ => continue,
-            };
-            if let Some((old_file, old)) = old {
-                let old = Site {
-                    file: old_file,
-                    span: old.span,
-                };
-                let new = Site {
-                    file,
-                    span: name.span,
-                };
-                tell(
-                    diagnostics,
-                    duplicate(symbols.word(name.symbol), old, new, item.noun()),
-                );
+            if matches!(item.kind, ItemKind::Let(_)) {
+                declarations.lets.push((file, item));
+            }
+            if let Some(duplicate) = (declarations.declared).declare((file, item), names, symbols) {
+                tell(diagnostics, duplicate);
             }
         }
     }
@@ -583,7 +559,7 @@ impl<'a> AssemblyInput<'a> {
                 certain: certain.as_ref().unwrap_or(&graph),
                 order,
                 assembly: self.assembly,
-                patterns: &self.declarations.patterns,
+                patterns: &self.declarations.declared.patterns,
                 file: self.file,
                 trial: self.trial,
                 has_passable_gaps: scene.as_ref().is_some_and(Rates::pass_gaps),
@@ -599,7 +575,14 @@ impl<'a> AssemblyInput<'a> {
             unplanned_bonds::check(&plan, &layout, order, symbols, cancellation, &mut later)?;
         }
         if is_sound {
-            shape::check(&plan, &layout, &shapes, symbols, cancellation, &mut later)?;
+            shape::check(
+                &plan,
+                &layout,
+                (&shapes, self.declarations.names),
+                symbols,
+                cancellation,
+                &mut later,
+            )?;
             if let Some(scene) = &scene {
                 capacity::check(&plan, &layout, scene, &mut later);
             }

@@ -6,7 +6,9 @@ use stochc_ir::Cell;
 use stochc_ir::suggest::nearest;
 
 use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, tell};
+use crate::expand::Shapes;
 use crate::layout::Layout;
+use crate::names::Names;
 use crate::plan::ProgramPlan;
 use crate::{FileId, Site};
 
@@ -21,7 +23,7 @@ pub(crate) const MOST_CELLS: usize = 50_000_000;
 pub fn check(
     plan: &ProgramPlan,
     layout: &Layout,
-    shapes: &FxHashMap<Symbol, (FileId, &Shape)>,
+    (shapes, names): (&Shapes<'_>, &Names),
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
     diagnostics: &mut Vec<Diagnostic>,
@@ -37,8 +39,10 @@ pub fn check(
         for &(name, site) in &phase.claims {
             cancellation.check()?;
             let word = symbols.word(name);
-            let Some(&(file, shape)) = shapes.get(&name) else {
-                let known = shapes.keys().map(|&known| symbols.word(known));
+            let definition = names.definition(site.file, site.span);
+            let Some(&(file, shape)) = definition.and_then(|it| shapes.get(&it)) else {
+                let known = shapes.values();
+                let known = known.map(|(_, known)| symbols.word(known.name.symbol));
                 let diagnostic =
                     Diagnostic::new(Code::UnknownName, format!("no shape is called `{word}`"))
                         .label(site, "not known here")

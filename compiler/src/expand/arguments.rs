@@ -33,7 +33,7 @@ impl<'a> Expander<'a, '_> {
         let mut values: Vec<BoundValue> = (instance.arguments.iter())
             .map(|argument| self.argument(argument))
             .collect();
-        let uses = (self.known).uses((file, pattern), &self.patterns, self.names);
+        let uses = (self.known).uses((file, pattern), &self.declared.patterns, self.names);
         let misfits: Vec<Misfit> = (values.iter().zip(&*uses).enumerate())
             .filter_map(|(number, (&value, uses))| {
                 let (given, needed) = (value.kind()?, uses.only()?);
@@ -161,7 +161,7 @@ impl<'a> Expander<'a, '_> {
         let unknown = match (argument, value) {
             (Argument::Expr(expr), BoundValue::Block(key))
                 if self.plan.roles.get(&key).is_none()
-                    && self.names.value(self.file, expr.span).is_none() =>
+                    && self.names.definition(self.file, expr.span).is_none() =>
             {
                 Some((expr, key.word))
             }

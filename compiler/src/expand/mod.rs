@@ -2,6 +2,7 @@
 mod aggregate;
 mod arguments;
 mod arithmetic;
+mod declared_items;
 mod place;
 mod probe;
 mod scope;
@@ -11,9 +12,7 @@ mod unknown;
 mod uses;
 
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{
-    Aggregate, Assembly, Item, ItemKind, Name, Pattern, PhaseDeclaration, Quantity, Shape,
-};
+use stochc_grammar::tree::{Aggregate, Assembly, Item, ItemKind, Name, PhaseDeclaration, Quantity};
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
 use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, tell};
@@ -22,6 +21,7 @@ use crate::plan::{
     AfterConstraint, EventId, NameKey, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
 };
 use crate::{FileId, Site, Sources};
+pub use declared_items::{DeclaredItems, Patterns, Shapes};
 pub use probe::Probe;
 use scope::{BoundValue, Scope};
 use stochc_ir::table::{Plate, RoleId};
@@ -86,10 +86,8 @@ pub const MAX_NESTING: usize = 200;
 
 /// What a file declares for the programs in it.
 pub struct Declarations<'a> {
-    /// The patterns, with their files.
-    pub patterns: FxHashMap<Symbol, (FileId, &'a Pattern)>,
-    /// The shapes, with their files.
-    pub shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
+    /// Patterns and shapes.
+    pub declared: DeclaredItems<'a>,
     /// The numbers, with their files, in source order.
     pub lets: Vec<(FileId, &'a Item)>,
     /// What the names of the files refer to.
@@ -97,7 +95,7 @@ pub struct Declarations<'a> {
 }
 
 /// What a program is written out to, and the shapes that it knows.
-pub type Expanded<'a> = (ProgramPlan, FxHashMap<Symbol, (FileId, &'a Shape)>);
+pub type Expanded<'a> = (ProgramPlan, Shapes<'a>);
 
 /// Writes a program out.
 ///
@@ -151,7 +149,7 @@ pub fn expand_probed<'a>(
         );
         expander.pass = pass;
         expander.assembly(assembly);
-        let (plan, shapes, outgrown) = (expander.plan, expander.shapes, expander.outgrown);
+        let (plan, shapes, outgrown) = (expander.plan, expander.declared.shapes, expander.outgrown);
         // It may have been given up before its end.
         cancellation.check()?;
         Ok((plan, shapes, outgrown, told))
@@ -246,8 +244,7 @@ enum Seeding {
 
 struct Expander<'a, 'f> {
     plan: ProgramPlan,
-    patterns: FxHashMap<Symbol, (FileId, &'a Pattern)>,
-    shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
+    declared: DeclaredItems<'a>,
     /// What the names of the files refer to.
     names: &'a Names,
     scope: Scope,
@@ -312,8 +309,7 @@ impl<'a, 'f> Expander<'a, 'f> {
                 aggregate: None,
                 grown: Vec::new(),
             },
-            patterns: declarations.patterns.clone(),
-            shapes: declarations.shapes.clone(),
+            declared: declarations.declared.clone(),
             names: declarations.names,
             scope: Scope::default(),
             known: uses::KnownUses::default(),
@@ -364,36 +360,9 @@ impl<'a> Expander<'a, '_> {
 
     fn declare(&mut self, items: &'a [Item]) {
         for item in items {
-            let site = |span| Site {
-                file: self.file,
-                span,
-            };
-            let (name, known) = match &item.kind {
-                ItemKind::Pattern(pattern) => {
-                    let here = (self.file, &**pattern);
-                    let known = self.patterns.insert(pattern.name.symbol, here);
-                    (pattern.name, known.map(|(file, old)| (file, old.name)))
-                }
-                ItemKind::Shape(shape) => {
-                    let here = (self.file, &**shape);
-                    let known = self.shapes.insert(shape.name.symbol, here);
-                    (shape.name, known.map(|(file, old)| (file, old.name)))
-                }
-                _ => continue,
-            };
-            if let Some((file, old)) = known {
-                let old = Site {
-                    file,
-                    span: old.span,
-                };
-                let diagnostic = duplicate(
-                    self.symbols.word(name.symbol),
-                    old,
-                    site(name.span),
-                    item.noun(),
-                );
-                self.diagnostics.push(diagnostic);
-            }
+            let written = (self.file, item);
+            let duplicate = (self.declared).declare(written, self.names, self.symbols);
+            self.diagnostics.extend(duplicate);
         }
     }
 
@@ -499,7 +468,7 @@ impl<'a> Expander<'a, '_> {
                     phase.claims.push((name.symbol, site));
                 }
             }
-            // Declared beforehand, or no part of an assembly.
+            // DeclaredItems beforehand, or no part of an assembly.
             ItemKind::Pattern(_)
             | ItemKind::Shape(_)
             | ItemKind::Scene(_)
@@ -532,7 +501,7 @@ impl<'a> Expander<'a, '_> {
 
     /// The word of a name of the file at hand, and the number, counter or parameter that it is the name of.
     fn named(&self, name: Name) -> (Symbol, Option<Definition>) {
-        (name.symbol, self.names.value(self.file, name.span))
+        (name.symbol, self.names.definition(self.file, name.span))
     }
 
     /// The value of what a name of the file at hand stands for, if it has one yet.

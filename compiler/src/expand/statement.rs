@@ -201,9 +201,12 @@ impl<'a> Expander<'a, '_> {
     pub fn instance(&mut self, instance: &'a Instance, span: Span) {
         let site = self.site(instance.pattern.span);
         let name = instance.pattern.symbol;
-        let Some(&(file, pattern)) = self.patterns.get(&name) else {
+        let (_, definition) = self.named(instance.pattern);
+        let patterns = &self.declared.patterns;
+        let Some(&(file, pattern)) = definition.and_then(|it| patterns.get(&it)) else {
             let word = self.symbols.word(name);
-            let known = self.patterns.keys().map(|&known| self.symbols.word(known));
+            let known = patterns.values();
+            let known = known.map(|(_, known)| self.symbols.word(known.name.symbol));
             let diagnostic =
                 Diagnostic::new(Code::UnknownName, format!("no pattern is called `{word}`"))
                     .label(site, "not known here")

@@ -28,7 +28,7 @@ impl Expander<'_, '_> {
         let mut diagnostic = Diagnostic::new(Code::WrongKind, title)
             .label(self.site(named.span), label)
             .help("blocks, numbers and parameters need different names");
-        let definition = self.names.value(self.file, named.span);
+        let definition = self.names.definition(self.file, named.span);
         let known = definition.and_then(|definition| self.scope.get(named.symbol, definition));
         if let Some((_, site)) = known {
             diagnostic = diagnostic.label(site, format!("{given} from here on"));

@@ -2,10 +2,9 @@
 use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
-use stochc_grammar::Symbol;
 use stochc_grammar::tree::Pattern;
 
-use super::MAX_NESTING;
+use super::{MAX_NESTING, Patterns};
 use crate::names::{Names, Use, ValueKind};
 use crate::{FileId, Site};
 
@@ -32,9 +31,6 @@ impl Uses {
         self.0[kind as usize].get_or_insert(site);
     }
 }
-
-/// Patterns by name, with their files.
-type Patterns<'a> = FxHashMap<Symbol, (FileId, &'a Pattern)>;
 
 /// What is known of the parameters of patterns, by the file and the first byte of their names.
 #[derive(Debug, Default)]

@@ -94,13 +94,20 @@ impl Definitions {
         }
         occurrences.sort_by_key(|occurrence| (occurrence.site.file, occurrence.site.span.start));
         occurrences.dedup_by_key(|occurrence| (occurrence.site.file, occurrence.site.span.start));
-        let have_values = (occurrences.iter()).filter(|it| self.kind(it.definition).has_value());
-        let values = have_values.map(|it| ((it.site.file, it.site.span.start), it.definition));
+        let asked = (occurrences.iter()).filter(|it| self.kind(it.definition).is_asked_for());
+        let definitions = asked.map(|it| ((it.site.file, it.site.span.start), it.definition));
+        let definitions = definitions.collect();
+        let mut uses = std::mem::take(&mut self.uses);
+        for used in uses.values_mut().flatten() {
+            if let Use::Argument(pattern, _) = used {
+                *pattern = self.root(*pattern);
+            }
+        }
         Names {
-            values: values.collect(),
+            definitions,
             occurrences,
             kinds: self.kinds,
-            uses: self.uses,
+            uses,
         }
     }
 }

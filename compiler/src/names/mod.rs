@@ -1,7 +1,7 @@
 //! What every name of a program's files refers to: where it is declared, and where it is used.
 //!
-//! This is the one place that knows the rules of scope: which `let`, counter or parameter a word stands for, if any, and
-//! whether a parameter stands for a face. Programs are written out by it, declarations are found to be unused by
+//! This is the one place that knows the rules of scope: which `let`, counter, parameter, pattern or shape a word stands for, if
+//! any, and whether a parameter stands for a face. Programs are written out by it, declarations are found to be unused by
 //! it, and editors are answered by it.
 //!
 //! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`, since only writing the
@@ -22,8 +22,8 @@ pub struct Names {
     /// By file and place.
     occurrences: Vec<Occurrence>,
     kinds: Vec<(NameKind, Symbol)>,
-    /// What has a value, by the file and the first byte of each of its names.
-    values: FxHashMap<(FileId, u32), Definition>,
+    /// What writing a program out asks for, by the file and the first byte of each of its names.
+    definitions: FxHashMap<(FileId, u32), Definition>,
     /// What each parameter is used as, in source order.
     uses: FxHashMap<Definition, Vec<Use>>,
 }
@@ -34,7 +34,7 @@ pub(crate) enum Use {
     /// As a value of this kind.
     As(ValueKind, Site),
     /// As an argument of a pattern, whose parameter of this number it is.
-    Argument(Symbol, usize),
+    Argument(Definition, usize),
 }
 
 /// What a parameter may stand for.
@@ -114,11 +114,16 @@ pub enum NameKind {
 }
 
 impl NameKind {
-    /// Whether it stands for a number, or for whatever a pattern is given.
-    const fn has_value(self) -> bool {
+    /// Whether writing a program out asks what a name of this kind refers to: it does not of what it finds by itself, because
+    /// its name has numbers in it, or is a phase's.
+    const fn is_asked_for(self) -> bool {
         matches!(
             self,
-            NameKind::Number | NameKind::Counter | NameKind::Parameter
+            NameKind::Number
+                | NameKind::Counter
+                | NameKind::Parameter
+                | NameKind::Pattern
+                | NameKind::Shape
         )
     }
 
@@ -163,15 +168,15 @@ impl Names {
         resolve::resolve(trees, keep, cancellation)
     }
 
-    /// The number, counter or parameter that is named here; `None`: the name is that of something else, or of nothing.
-    pub(crate) fn value(&self, file: FileId, span: Span) -> Option<Definition> {
-        self.values.get(&(file, span.start)).copied()
+    /// The number, counter, parameter, pattern or shape that is named here; `None`: the name is that of something else, or of nothing.
+    pub(crate) fn definition(&self, file: FileId, span: Span) -> Option<Definition> {
+        self.definitions.get(&(file, span.start)).copied()
     }
 
     /// What the parameter that is declared here is used as, in source order.
     pub(crate) fn uses(&self, file: FileId, parameter: Span) -> &[Use] {
         let uses = self
-            .value(file, parameter)
+            .definition(file, parameter)
             .and_then(|it| self.uses.get(&it));
         uses.map_or(&[], Vec::as_slice)
     }

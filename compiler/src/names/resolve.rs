@@ -291,7 +291,9 @@ impl Resolver<'_> {
                 self.expr(&let_.value);
                 self.bind(NameKind::Number, let_.name);
             }
-            ItemKind::Yields(name) => self.refer(NameKind::Shape, *name),
+            ItemKind::Yields(name) => {
+                self.refer(NameKind::Shape, *name);
+            }
             ItemKind::Phase(phase) => {
                 self.new_name(NameKind::Phase, &phase.name);
                 self.items(&phase.body);
@@ -317,7 +319,7 @@ impl Resolver<'_> {
     }
 
     fn instance(&mut self, instance: &Instance) {
-        self.refer(NameKind::Pattern, instance.pattern);
+        let pattern = self.refer(NameKind::Pattern, instance.pattern);
         for (number, argument) in instance.arguments.iter().enumerate() {
             match argument {
                 Argument::Expr(expr) => match expr.kind {
@@ -325,8 +327,10 @@ impl Resolver<'_> {
                     ExprKind::Name(word) => match self.number(word) {
                         Some(definition) => {
                             self.occur(definition, expr.span, false);
-                            let used = Use::Argument(instance.pattern.symbol, number);
-                            self.definitions.used(definition, used);
+                            if let Some(pattern) = pattern {
+                                self.definitions
+                                    .used(definition, Use::Argument(pattern, number));
+                            }
                         }
                         None => self.occur_block(self.scope, word, expr.span, false),
                     },
@@ -336,8 +340,7 @@ impl Resolver<'_> {
             }
         }
         let Some(alias) = &instance.alias else { return };
-        let scope = (self.named(NameKind::Pattern, instance.pattern.symbol))
-            .and_then(|definition| self.scopes.get(&definition).copied());
+        let scope = pattern.and_then(|definition| self.scopes.get(&definition).copied());
         if let (Some(definition), Some(scope)) = (self.new_name(NameKind::Instance, alias), scope) {
             let scopes = self.grown.entry(definition).or_default();
             if !scopes.contains(&scope) {
@@ -551,10 +554,10 @@ impl Resolver<'_> {
         definitions.first().copied()
     }
 
-    fn refer(&mut self, kind: NameKind, name: Name) {
-        if let Some(definition) = self.named(kind, name.symbol) {
-            self.occur(definition, name.span, false);
-        }
+    fn refer(&mut self, kind: NameKind, name: Name) -> Option<Definition> {
+        let definition = self.named(kind, name.symbol)?;
+        self.occur(definition, name.span, false);
+        Some(definition)
     }
 
     fn bind(&mut self, kind: NameKind, name: Name) -> Definition {

@@ -53,12 +53,13 @@ use occupancy::OccupiedCells;
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
-use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::tree::{Assembly, Pattern};
-use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
+use rustc_hash::FxHashSet;
+use stochc_grammar::tree::Assembly;
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::Cell;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::expand::Patterns;
 use crate::graph::DependencyGraph;
 use crate::layout::Layout;
 use crate::liveness::Liveness;
@@ -91,7 +92,7 @@ pub struct SoundProgram<'a> {
     /// Its text, as a tree.
     pub assembly: &'a Assembly,
     /// The patterns of the files.
-    pub patterns: &'a FxHashMap<Symbol, (FileId, &'a Pattern)>,
+    pub patterns: &'a Patterns<'a>,
     /// The file of the assembly.
     pub file: FileId,
     /// Checks the files again with a change; `None`: such a check is under way, and only the titles of

@@ -1,0 +1,55 @@
+//! Patterns and shapes, by what their names refer to.
+use rustc_hash::FxHashMap;
+use stochc_grammar::tree::{Item, ItemKind, Pattern, Shape};
+use stochc_grammar::{Symbol, Symbols};
+
+use super::duplicate;
+use crate::diagnostic::Diagnostic;
+use crate::names::{Definition, NameKind, Names};
+use crate::{FileId, Site};
+
+/// Patterns, with their files.
+pub type Patterns<'a> = FxHashMap<Definition, (FileId, &'a Pattern)>;
+
+/// Shapes, with their files.
+pub type Shapes<'a> = FxHashMap<Definition, (FileId, &'a Shape)>;
+
+/// The patterns and shapes that are known.
+#[derive(Clone, Default)]
+pub struct DeclaredItems<'a> {
+    pub patterns: Patterns<'a>,
+    pub shapes: Shapes<'a>,
+    /// Where a word was declared last.
+    sites: FxHashMap<(NameKind, Symbol), Site>,
+}
+
+impl<'a> DeclaredItems<'a> {
+    /// Takes in a pattern or a shape, and tells if another one has its name; of other items it knows nothing.
+    pub fn declare(
+        &mut self,
+        (file, item): (FileId, &'a Item),
+        names: &Names,
+        symbols: &Symbols,
+    ) -> Option<Diagnostic> {
+        let (kind, name) = match &item.kind {
+            ItemKind::Pattern(pattern) => (NameKind::Pattern, pattern.name),
+            ItemKind::Shape(shape) => (NameKind::Shape, shape.name),
+            _ => return None,
+        };
+        let definition = names.definition(file, name.span)?;
+        match &item.kind {
+            ItemKind::Pattern(pattern) => {
+                self.patterns.insert(definition, (file, pattern));
+            }
+            ItemKind::Shape(shape) => {
+                self.shapes.insert(definition, (file, shape));
+            }
+            _ => {}
+        }
+        let span = name.span;
+        let site = Site { file, span };
+        let old = self.sites.insert((kind, name.symbol), site)?;
+        let word = symbols.word(name.symbol);
+        Some(duplicate(word, old, site, item.noun()))
+    }
+}
