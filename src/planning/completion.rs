@@ -11,7 +11,7 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
 use stochc_planner::{
-    Hardware, PlanSearch, RateLaw, StandingBlock, Target, TargetError, continuation, plan,
+    ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation, plan,
 };
 use stochc_rates::Rates;
 
@@ -66,7 +66,7 @@ struct Claim<'a> {
     /// What it claims.
     cells: Vec<Cell>,
     /// What stands there instead.
-    there: Vec<(StandingBlock, RoleId)>,
+    there: Vec<(ExistingBlock, RoleId)>,
 }
 
 impl Completion {
@@ -100,7 +100,7 @@ impl Completion {
             names.insert(cell, program.plan.roles.name(role, symbols));
         }
         let hardware = Hardware::of(&scene);
-        let target = Target::with_standing(
+        let target = Target::with_existing(
             claim.cells.clone(),
             (
                 there.into_iter().map(|(block, _)| block).collect(),
@@ -139,7 +139,7 @@ impl Completion {
 
     /// How many blocks are missing.
     pub fn missing(&self) -> usize {
-        self.target.cells().len() - self.target.standing().len()
+        self.target.cells().len() - self.target.existing().len()
     }
 
     /// Plans what is missing, and writes it into the program.
@@ -208,7 +208,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
                 let mut cells = cells.ok_or(NotCompleted::Wrong)?;
                 cells.sort_unstable();
                 cells.dedup();
-                let there = standing(program, number);
+                let there = existing(program, number);
                 if !there
                     .iter()
                     .map(|(block, _)| block.cell)
@@ -236,7 +236,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
 }
 
 /// What stands at the end of a phase, with what it is called.
-pub(super) fn standing(program: &Program, last: usize) -> Vec<(StandingBlock, RoleId)> {
+pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, RoleId)> {
     let plan: &ProgramPlan = &program.plan;
     let mut there = BTreeMap::new();
     for phase in &plan.phases[..=last] {
@@ -261,7 +261,7 @@ pub(super) fn standing(program: &Program, last: usize) -> Vec<(StandingBlock, Ro
     }
     let layout = &program.layout;
     let blocks = there.into_iter().filter_map(|(role, event)| {
-        let block = StandingBlock {
+        let block = ExistingBlock {
             cell: layout.cells[event]?,
             way: layout.parents[event]?.face,
             can_capture: true,
