@@ -230,7 +230,7 @@ impl LayoutBuilder<'_> {
             return;
         }
         if let Some(&there) = self.taken.get(&cell) {
-            match leaving.get(&Holder::standing(there)) {
+            match leaving.get(&Holder::existing(there)) {
                 Some(&release) => self.layout.vacated.push((release, id)),
                 None => {
                     let site = match self.seats[there.0 as usize].and_then(|seat| seat.on) {
@@ -344,7 +344,7 @@ impl LayoutBuilder<'_> {
                         continue;
                     }
                     let name = self.plan.roles.name(event.role, self.symbols);
-                    let is_reused = leaving.contains_key(&Holder::standing(child.role));
+                    let is_reused = leaving.contains_key(&Holder::existing(child.role));
                     let is_new = child.since.is_some();
                     let child = self.plan.roles.name(child.role, self.symbols);
                     let help = match (is_new, is_reused) {
@@ -385,7 +385,7 @@ impl LayoutBuilder<'_> {
         let there = self.taken.get(&cell).filter(|_| parent.since.is_none());
         let there = there.and_then(|&child| {
             let on = self.seats[child.0 as usize].and_then(|seat| seat.on)?;
-            (on.parent == parent.role).then_some((Holder::standing(child), on.capture))
+            (on.parent == parent.role).then_some((Holder::existing(child), on.capture))
         });
         let arrives = arrivals.get(&cell).and_then(|&capture| {
             let child = Holder::captured(self.plan.event(capture).role, capture);

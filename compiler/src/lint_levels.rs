@@ -67,8 +67,8 @@ struct Set {
     site: Site,
     /// Of the whole statement.
     whole: Site,
-    /// Whether it would be told of, if it set nothing.
-    judged: bool,
+    /// Whether it is reported if it sets nothing.
+    reported: bool,
     /// Whether comments belong to it.
     documented: bool,
     used: bool,
@@ -89,7 +89,7 @@ struct LintScope {
 struct LevelScope {
     file: FileId,
     outer: Option<usize>,
-    judged: bool,
+    reported: bool,
 }
 
 impl FileLevels {
@@ -110,7 +110,7 @@ impl FileLevels {
                 file: module.file,
                 outer: None,
                 // Patterns of a file may warn only where another file grows them.
-                judged: own == Some(module.file) && items.iter().any(has_program),
+                reported: own == Some(module.file) && items.iter().any(has_program),
             };
             let whole = Span::new(0, sources.file(module.file).text.len() as u32);
             levels.block(items, whole, place, sources, symbols, diagnostics);
@@ -146,7 +146,7 @@ impl FileLevels {
                         reason: statement.reason.clone(),
                         site: site(statement.code.span),
                         whole: site(item.span),
-                        judged: place.judged,
+                        reported: place.reported,
                         documented: item.docs.0.is_some(),
                         used: false,
                     });
@@ -168,7 +168,7 @@ impl FileLevels {
                 ItemKind::For(block) => &block.body,
                 ItemKind::Pattern(block) => {
                     // Nobody may grow it.
-                    inner.judged = false;
+                    inner.reported = false;
                     &block.body
                 }
                 _ => continue,
@@ -178,7 +178,7 @@ impl FileLevels {
     }
 
     /// Sorts the findings of a check into those that are told and those that are allowed.
-    pub fn judge(
+    pub fn apply(
         mut self,
         diagnostics: Vec<Diagnostic>,
         levels: &LintLevels,
@@ -194,7 +194,7 @@ impl FileLevels {
             // An allowed `unused-allow` is put to use by the other ones.
             for about_itself in [false, true] {
                 let unused = |set: &&Set| {
-                    set.judged
+                    set.reported
                         && !set.used
                         && set.verdict == LintDirectiveKind::Allow
                         && (set.code == Code::UnusedAllow) == about_itself

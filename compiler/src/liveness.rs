@@ -41,7 +41,7 @@ pub struct Holder {
 
 impl Holder {
     /// The block that has a name when the phase begins.
-    pub fn standing(role: RoleId) -> Holder {
+    pub fn existing(role: RoleId) -> Holder {
         Holder { role, since: None }
     }
 

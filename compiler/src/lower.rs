@@ -171,7 +171,7 @@ impl Lowering<'_> {
             None => {
                 let on = self.layout.parents[id.0 as usize];
                 let role = on.map_or(self.plan.event(id).role, |on| on.parent);
-                Holder::standing(role)
+                Holder::existing(role)
             }
         }
     }

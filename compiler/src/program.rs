@@ -125,7 +125,13 @@ pub fn check_changed(
     changes: &[ScalarChange],
 ) -> Checked {
     let bounds = unhurried(limits);
-    to_its_end(judged(path, reader, bounds, levels, (assembly, changes)))
+    to_its_end(check_verified(
+        path,
+        reader,
+        bounds,
+        levels,
+        (assembly, changes),
+    ))
 }
 
 /// [`check`], as long as the result is wanted.
@@ -143,7 +149,7 @@ pub fn check_cancellable(
         limits,
         cancellation,
     };
-    judged(path, reader, bounds, &LintLevels::default(), ("", &[]))
+    check_verified(path, reader, bounds, &LintLevels::default(), ("", &[]))
 }
 
 /// Bounds for somebody who waits.
@@ -163,7 +169,7 @@ fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
 }
 
 /// [`check_all`], with fixes that are safe only if they have been tried.
-fn judged(
+fn check_verified(
     path: &str,
     reader: &mut dyn Reader,
     bounds: ExpansionBounds<'_>,
@@ -174,7 +180,7 @@ fn judged(
         check_all(path, texts, bounds, levels, changes, is_trial, &mut |_| {})
     };
     let mut checked = check_all(reader, false)?;
-    trial::judge(&mut checked, reader, &mut |texts| {
+    trial::verify_fixes(&mut checked, reader, &mut |texts| {
         let mut after = check_all(texts, true)?;
         after.diagnostics = fold(after.diagnostics);
         Ok(after)
@@ -254,7 +260,7 @@ fn check_all(
         true => diagnostics,
         false => fold(diagnostics),
     };
-    let (mut diagnostics, allowed) = file_levels.judge(diagnostics, levels, &sources);
+    let (mut diagnostics, allowed) = file_levels.apply(diagnostics, levels, &sources);
     diagnostics.sort_by_key(Diagnostic::place);
     // A denied warning has come too late to keep a program from being lowered.
     if diagnostics.iter().any(Diagnostic::is_denied) {

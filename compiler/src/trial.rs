@@ -30,7 +30,7 @@ pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Result<Checked, Cancel
 /// # Errors
 ///
 /// [`Cancelled`] if nobody waits for it.
-pub(crate) fn judge(
+pub(crate) fn verify_fixes(
     checked: &mut Checked,
     reader: &mut dyn Reader,
     again: &mut Again<'_>,
@@ -115,8 +115,8 @@ fn try_together(
         (group.iter()).partition(|number| fix(number).is_some_and(|fix| change.add(fix)));
     let mut texts = change.over(&checked.sources, reader);
     let after = again(&mut texts)?;
-    let cures = !fit.is_empty() && cures(checked, &fit, &change, &after);
-    Ok((cures, unfit))
+    let resolves = !fit.is_empty() && resolves(checked, &fit, &change, &after);
+    Ok((resolves, unfit))
 }
 
 /// Whether a change that mends some findings has left none of them, and only such as were there
@@ -125,7 +125,7 @@ fn try_together(
 /// Two kinds of news are none. Some warnings are not looked for while there are errors, so those
 /// that come to light once an error has gone are no fault of the change. And where there was too much to
 /// tell, what is told next is of the codes that were told, and no more of it.
-pub(crate) fn cures(
+pub(crate) fn resolves(
     before: &Checked,
     mended: &[usize],
     change: &TextChange<'_>,

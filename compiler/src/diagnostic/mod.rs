@@ -32,7 +32,7 @@ pub struct Diagnostic {
     /// What to do next.
     pub help: Option<String>,
     /// The part of `help` that others, told as one with this finding, may need otherwise.
-    pub(crate) cure: Option<String>,
+    pub(crate) remedy: Option<String>,
     /// A change of the text that mends it.
     pub fix: Option<Fix>,
     /// The same, said of others: of the other rounds of a loop.
@@ -121,7 +121,7 @@ impl Diagnostic {
             title: title.into(),
             labels: Vec::new(),
             help: None,
-            cure: None,
+            remedy: None,
             fix: None,
             others: Others::default(),
         }

@@ -52,8 +52,8 @@ impl Diagnostic {
             self.fix = None;
         }
         let subject = subject.to_owned();
-        if let Some(cure) = &other.cure {
-            self.tell_cure(&subject, cure);
+        if let Some(remedy) = &other.remedy {
+            self.add_remedy(&subject, remedy);
         }
         if !self.others.first.contains(&subject) {
             self.others.count += 1 + other.others.count;
@@ -65,13 +65,13 @@ impl Diagnostic {
     }
 
     /// Adds what helps another one to the help, unless that has been said.
-    fn tell_cure(&mut self, subject: &str, cure: &str) {
-        let (Some(help), Some(told)) = (&mut self.help, &mut self.cure) else {
+    fn add_remedy(&mut self, subject: &str, remedy: &str) {
+        let (Some(help), Some(told)) = (&mut self.help, &mut self.remedy) else {
             return;
         };
         let more = match told.lines().count() {
-            _ if told.contains(cure) => return,
-            0..=Others::NAMED => format!("for {subject}, {cure}"),
+            _ if told.contains(remedy) => return,
+            0..=Others::NAMED => format!("for {subject}, {remedy}"),
             lines if lines == Others::NAMED + 1 => "others need changes of their own".to_owned(),
             _ => return,
         };

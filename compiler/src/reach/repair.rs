@@ -27,7 +27,7 @@ impl ReachAnalysis<'_> {
         id: EventId,
         barred: &[Site],
     ) -> Option<Vec<EventId>> {
-        let following = case.descent.of(id, &mut self.cures.steps);
+        let following = case.descent.of(id, &mut self.remedies.steps);
         let at_worst = |other: EventId| !following.contains(other) && !case.never.contains(&other);
         let plan = self.subject.plan;
         let stays = |other: EventId| {
@@ -61,7 +61,7 @@ impl ReachAnalysis<'_> {
         at_worst: &dyn Fn(EventId) -> bool,
     ) -> bool {
         let following: Vec<Descendants> = (later.iter())
-            .map(|&other| descent.of(other, &mut self.cures.steps))
+            .map(|&other| descent.of(other, &mut self.remedies.steps))
             .collect();
         let way = self.way_out(id, &|other| {
             at_worst(other) && following.iter().all(|after| !after.contains(other))
@@ -104,10 +104,10 @@ impl ReachAnalysis<'_> {
                 captures.dedup();
                 return Some(captures);
             }
-            if best.len() > FARTHEST || self.cures.is_spent() {
+            if best.len() > FARTHEST || self.remedies.is_spent() {
                 return None;
             }
-            self.cures.steps += 1;
+            self.remedies.steps += 1;
             let mut reach = |next: Cell, extra: u32| {
                 let cost = cost + extra;
                 if best.get(&next).is_some_and(|&(known, _)| known <= cost) {

@@ -1,4 +1,4 @@
-//! Cures as changes of the text, each of them tried.
+//! Remedies as changes of the text, each of them tried.
 use super::diagnose::Case;
 use super::edit::CaptureStatement;
 use super::{EventId, ReachAnalysis, Told};
