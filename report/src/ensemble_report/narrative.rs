@@ -67,7 +67,7 @@ pub(super) fn heading(of: &Telling, what: &str, run: &FinishedRun) -> String {
 }
 
 /// Its critical path in a few sentences of HTML, each an item of a list.
-pub(super) fn story(of: &Telling, run: &FinishedRun) -> Vec<String> {
+pub(super) fn narrative(of: &Telling, run: &FinishedRun) -> Vec<String> {
     let mut longest: Vec<u64> = run
         .critical_path
         .iter()

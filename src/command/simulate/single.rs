@@ -35,7 +35,7 @@ pub fn run(
             exit = Exit::UnsuccessfulRun;
         }
         match options.format {
-            ResultsFormat::Text => print(&story(&record, program))?,
+            ResultsFormat::Text => print(&narrative(&record, program))?,
             ResultsFormat::Json => records.push(record_json(&record, program)),
         }
     }
@@ -49,7 +49,7 @@ pub fn run(
 }
 
 /// A run in lines: a phase, what happened in it, its end.
-fn story(record: &RunRecord, program: &EnsembleProgram) -> String {
+fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
     let teller = Teller { record, program };
     let mut out = String::new();
     // Writing to a string cannot fail.

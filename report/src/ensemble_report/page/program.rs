@@ -10,7 +10,7 @@ use super::{Parts, ROWS};
 use crate::analysis::subject::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
-use crate::ensemble_report::narrative::{Telling, heading, lead, sizes as sizes_of, story};
+use crate::ensemble_report::narrative::{Telling, heading, lead, narrative, sizes as sizes_of};
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
 use crate::svg::{Axis, Colours, Drawing};
@@ -324,12 +324,12 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
         if let Some(lead) = lead(&telling, run) {
             out.paragraph(&lead);
         }
-        let story = match is_aggregate {
+        let narrative = match is_aggregate {
             true => sizes_of(&telling, run),
-            false => story(&telling, run),
+            false => narrative(&telling, run),
         };
-        if !story.is_empty() {
-            out.list("ol", &story);
+        if !narrative.is_empty() {
+            out.list("ol", &narrative);
         }
         match telling.replay {
             Some(address) => out.paragraph(&format!(
