@@ -6,7 +6,7 @@ use stochc_ir::suggest::nearest;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, tell};
 use crate::load::Module;
-use crate::{FileId, Site, Sources};
+use crate::{FileId, SourceLocation, Sources};
 
 /// What becomes of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,9 +64,9 @@ struct Set {
     code: Code,
     reason: String,
     /// Of the code.
-    site: Site,
+    location: SourceLocation,
     /// Of the whole statement.
-    whole: Site,
+    whole: SourceLocation,
     /// Whether it is reported if it sets nothing.
     reported: bool,
     /// Whether comments belong to it.
@@ -133,19 +133,19 @@ impl FileLevels {
             let ItemKind::Level(statement) = &item.kind else {
                 continue;
             };
-            let site = |span| Site {
+            let location = |span| SourceLocation {
                 file: place.file,
                 span,
             };
-            match code(statement, site(item.span), sources, symbols) {
+            match code(statement, location(item.span), sources, symbols) {
                 Ok(code) => {
                     set.insert(code, self.statements.len());
                     self.statements.push(Set {
                         verdict: statement.verdict,
                         code,
                         reason: statement.reason.clone(),
-                        site: site(statement.code.span),
-                        whole: site(item.span),
+                        location: location(statement.code.span),
+                        whole: location(item.span),
                         reported: place.reported,
                         documented: item.docs.0.is_some(),
                         used: false,
@@ -220,11 +220,11 @@ impl FileLevels {
         if diagnostic.code.severity() == Severity::Error {
             return told.push(diagnostic);
         }
-        let site = diagnostic.labels.first().map(|label| label.site);
-        let set = site.and_then(|site| self.find(diagnostic.code, site));
+        let location = diagnostic.labels.first().map(|label| label.location);
+        let set = location.and_then(|location| self.find(diagnostic.code, location));
         let level = match set {
             // No statement speaks of itself.
-            Some(set) if Some(self.statements[set].site) != site => {
+            Some(set) if Some(self.statements[set].location) != location => {
                 let set = &mut self.statements[set];
                 set.used = true;
                 if set.verdict == LintDirectiveKind::Allow {
@@ -232,7 +232,7 @@ impl FileLevels {
                     return allowed.push(Allowed { diagnostic, reason });
                 }
                 let text = format!("denied here: {}", set.reason);
-                diagnostic = diagnostic.label(set.site, text);
+                diagnostic = diagnostic.label(set.location, text);
                 Level::Deny
             }
             _ => levels.of(diagnostic.code),
@@ -251,9 +251,9 @@ impl FileLevels {
     }
 
     /// The statement of the innermost block around a place that speaks of a code.
-    fn find(&self, code: Code, site: Site) -> Option<usize> {
-        let scopes = self.scopes.get(&site.file)?;
-        let at = site.span.start;
+    fn find(&self, code: Code, location: SourceLocation) -> Option<usize> {
+        let scopes = self.scopes.get(&location.file)?;
+        let at = location.span.start;
         // The last block that begins before the place holds it, or lies in one that does.
         let mut next = scopes
             .partition_point(|scope| scope.span.start <= at)
@@ -272,7 +272,7 @@ impl Set {
     fn unused(&self, sources: &Sources) -> Diagnostic {
         let title = format!("there is no `{}` here to allow", self.code);
         let mut diagnostic = Diagnostic::new(Code::UnusedAllow, title)
-            .label(self.site, "allows nothing")
+            .label(self.location, "allows nothing")
             .help("remove it, or look whether it stands in the right block");
         // The comments of a removed statement would belong to nothing.
         if !self.documented {
@@ -288,13 +288,13 @@ impl Set {
 /// The warning that a statement speaks of.
 fn code(
     statement: &LintDirective,
-    whole: Site,
+    whole: SourceLocation,
     sources: &Sources,
     symbols: &Symbols,
 ) -> Result<Code, Box<Diagnostic>> {
     let word = symbols.word(statement.code.symbol);
     let verdict = statement.verdict.word();
-    let site = Site {
+    let location = SourceLocation {
         file: whole.file,
         span: statement.code.span,
     };
@@ -303,8 +303,8 @@ fn code(
         let meant = nearest(word, Code::ALL.iter().map(|code| code.name()));
         return Err(Box::new(
             Diagnostic::new(Code::UnknownCode, title)
-                .label(site, "not known")
-                .suggest(site, meant, || {
+                .label(location, "not known")
+                .suggest(location, meant, || {
                     "`stochc explain` lists all codes".to_owned()
                 }),
         ));
@@ -323,7 +323,7 @@ fn code(
         ),
     };
     let mut diagnostic = Diagnostic::new(Code::FixedLevel, title)
-        .label(site, "an error")
+        .label(location, "an error")
         .help(help);
     if statement.verdict == LintDirectiveKind::Deny {
         let title = format!("remove the `{verdict}`");

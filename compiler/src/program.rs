@@ -18,8 +18,8 @@ use crate::order::{self, Order};
 use crate::plan::ProgramPlan;
 use crate::scenes::Scenes;
 use crate::{
-    FileId, Site, Sources, capacity, layout, liveness, lower, reach, scene, shape, trial, turns,
-    unplanned_bonds, unused,
+    FileId, SourceLocation, Sources, capacity, layout, liveness, lower, reach, scene, shape, trial,
+    turns, unplanned_bonds, unused,
 };
 
 /// Everything that is known of a file after looking at all of it.
@@ -364,19 +364,19 @@ fn programs(
             ItemKind::Aggregate(aggregate) => (aggregate.name, aggregate.scene),
             _ => continue,
         };
-        let site = Site {
+        let location = SourceLocation {
             file: own.file,
             span: name.span,
         };
-        if let Some(old) = seen.insert(name.symbol, site) {
+        if let Some(old) = seen.insert(name.symbol, location) {
             let name = symbols.word(name.symbol);
-            tell(diagnostics, duplicate(name, old, site, item.noun()));
+            tell(diagnostics, duplicate(name, old, location, item.noun()));
         }
         let scene = scenes.get(scene, own.file, symbols, diagnostics);
         let (changed, changes) = about.changes;
         let scene = match scene {
             Some(scene) if symbols.word(name.symbol) == changed => {
-                let wrong = |error| tell(diagnostics, scene::diagnostic(&error, site));
+                let wrong = |error| tell(diagnostics, scene::diagnostic(&error, location));
                 scalars::changed(scene, changes).map_err(wrong).ok()
             }
             scene => scene,
@@ -479,11 +479,11 @@ pub(crate) fn declarations<'a>(
                 _ => continue,
             };
             if let Some((old_file, old)) = old {
-                let old = Site {
+                let old = SourceLocation {
                     file: old_file,
                     span: old.span,
                 };
-                let new = Site {
+                let new = SourceLocation {
                     file,
                     span: name.span,
                 };

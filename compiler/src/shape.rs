@@ -8,7 +8,7 @@ use stochc_ir::suggest::nearest;
 use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, tell};
 use crate::layout::Layout;
 use crate::plan::ProgramPlan;
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// Cells of a shape, at most.
 pub(crate) const MOST_CELLS: usize = 50_000_000;
@@ -34,15 +34,15 @@ pub fn check(
             built.remove(cell);
         }
         built.extend(filled);
-        for &(name, site) in &phase.claims {
+        for &(name, location) in &phase.claims {
             cancellation.check()?;
             let word = symbols.word(name);
             let Some(&(file, shape)) = shapes.get(&name) else {
                 let known = shapes.keys().map(|&known| symbols.word(known));
                 let diagnostic =
                     Diagnostic::new(Code::UnknownName, format!("no shape is called `{word}`"))
-                        .label(site, "not known here")
-                        .suggest(site, nearest(word, known), || {
+                        .label(location, "not known here")
+                        .suggest(location, nearest(word, known), || {
                             format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`")
                         });
                 tell(diagnostics, diagnostic);
@@ -61,13 +61,13 @@ pub fn check(
             }
             let mut built: Vec<Cell> = built.iter().copied().collect();
             built.sort_unstable();
-            let declared = Site {
+            let declared = SourceLocation {
                 file,
                 span: shape.name.span,
             };
             tell(
                 diagnostics,
-                difference(word, site, declared, claimed, &built),
+                difference(word, location, declared, claimed, &built),
             );
         }
     }
@@ -78,7 +78,7 @@ pub fn check(
 pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<Cell>> {
     let malformed = |span, text: &str| {
         Diagnostic::new(Code::ShapeMalformed, "the shape cannot be read as cells")
-            .label(Site { file, span }, text)
+            .label(SourceLocation { file, span }, text)
     };
     let mut number = |expr: &Expr| {
         let value = constant(expr).and_then(|value| i32::try_from(value).ok());
@@ -166,8 +166,8 @@ fn constant(expr: &Expr) -> Option<i64> {
 /// Both sorted; shows the layers that differ.
 fn difference(
     word: &str,
-    site: Site,
-    declared: Site,
+    location: SourceLocation,
+    declared: SourceLocation,
     claimed: &[Cell],
     built: &[Cell],
 ) -> Diagnostic {
@@ -186,7 +186,7 @@ fn difference(
         Code::ShapeMismatch,
         format!("the phase does not build `{word}`: {}", parts.join(", ")),
     )
-    .label(site, "claimed here")
+    .label(location, "claimed here")
     .label(declared, "declared here")
     .help(picture(&missing, &extra, claimed, built))
 }

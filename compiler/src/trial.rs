@@ -107,7 +107,7 @@ fn try_together(
         .first()
         .and_then(fix)
         .and_then(|fix| fix.edits.first());
-    let Some(file) = first.map(|edit| edit.site.file) else {
+    let Some(file) = first.map(|edit| edit.location.file) else {
         return Ok((false, Vec::new()));
     };
     let mut change = TextChange::new(file, &checked.sources.file(file).text);
@@ -198,9 +198,9 @@ impl<'a> FindingSpans<'a> {
     ) -> FindingSpans<'a> {
         let mut by_file: FxHashMap<(Code, Option<FileId>), Vec<usize>> = FxHashMap::default();
         for diagnostic in diagnostics {
-            let site = diagnostic.labels.first().map(|label| label.site);
-            let at = site.map_or(0, |site| site.span.start as usize);
-            let key = (diagnostic.code, site.map(|site| site.file));
+            let location = diagnostic.labels.first().map(|label| label.location);
+            let at = location.map_or(0, |location| location.span.start as usize);
+            let key = (diagnostic.code, location.map(|location| location.file));
             by_file.entry(key).or_default().push(at);
         }
         let by_name = by_file.into_iter().map(|((code, file), mut places)| {

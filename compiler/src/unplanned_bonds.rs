@@ -169,11 +169,11 @@ impl UnplannedBondAnalysis<'_> {
                 format!("`{name}` has nowhere to go when it is rejected"),
             )
             .label(
-                event.site,
+                event.location,
                 format!("its parent pushes it {}", towards(on.face)),
             )
             .label(
-                self.plan.event(on.capture).site,
+                self.plan.event(on.capture).location,
                 format!("captured by that face; `{there}` is behind it"),
             )
             .help(format!(
@@ -223,7 +223,7 @@ impl UnplannedBondAnalysis<'_> {
         };
         Diagnostic::new(Code::UnplannedBond, format!("{count}{title}"))
             .label(
-                phase.site,
+                phase.location,
                 format!("{where_} {named}, while this phase waits for its last block"),
             )
             .help(

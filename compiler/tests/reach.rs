@@ -388,9 +388,9 @@ fn sealed_captures(diagnostics: &[&Diagnostic]) -> usize {
 
 /// The event that a finding speaks of first.
 fn diagnostic_event(program: &Program, diagnostic: &Diagnostic) -> u32 {
-    let site = diagnostic.labels[0].site;
+    let location = diagnostic.labels[0].location;
     (program.plan.events.iter())
-        .position(|event| event.site == site)
+        .position(|event| event.location == location)
         .unwrap() as u32
 }
 
@@ -692,7 +692,7 @@ fn is_resolved(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bo
     let first = diagnostic_named(before, diagnostic);
     let at_its_place = |told: &BTreeSet<u32>| {
         let events = told.iter().map(|&id| program.plan.event(EventId(id)));
-        let here = events.filter(|event| event.site == diagnostic.labels[0].site);
+        let here = events.filter(|event| event.location == diagnostic.labels[0].location);
         here.count()
     };
     !now.contains(&first)

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::plan::{EventKind, ProgramPlan};
-use stochc_compiler::{Checked, FileId, LintLevels, Program, Site, shape_cells};
+use stochc_compiler::{Checked, FileId, LintLevels, Program, SourceLocation, shape_cells};
 use stochc_grammar::format;
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_ir::Cell;
@@ -62,7 +62,7 @@ struct Claim<'a> {
     program: &'a Program,
     phase: usize,
     name: &'a str,
-    site: Site,
+    location: SourceLocation,
     /// What it claims.
     cells: Vec<Cell>,
     /// What stands there instead.
@@ -196,7 +196,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
     let mut is_claimed = false;
     for program in &checked.programs {
         for (number, phase) in program.plan.phases.iter().enumerate() {
-            for &(symbol, site) in &phase.claims {
+            for &(symbol, location) in &phase.claims {
                 let name = checked.symbols.word(symbol);
                 let of_name = declared.iter().find(|it| it.shape.name.symbol == symbol);
                 let Some(declared) = of_name.filter(|_| shape.is_none_or(|shape| shape == name))
@@ -218,7 +218,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
                         program,
                         phase: number,
                         name,
-                        site,
+                        location,
                         cells,
                         there,
                     });
@@ -281,14 +281,14 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
             claim.name
         ))
     };
-    if claim.site.file != FileId(0) {
+    if claim.location.file != FileId(0) {
         return Err(elsewhere());
     }
-    // Spans in trees are all equal; sites are not.
+    // Spans in trees are all equal; locations are not.
     let is_claim = |name: &Name| {
         let file = FileId(0);
         let span = name.span;
-        Site { file, span } == claim.site
+        SourceLocation { file, span } == claim.location
     };
     let claims = |item: &&Item| matches!(&item.kind, ItemKind::Yields(name) if is_claim(name));
     let bodies = checked

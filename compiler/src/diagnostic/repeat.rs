@@ -33,7 +33,7 @@ impl Diagnostic {
     /// Takes another finding in, if it says the same at the same place; at most of another block,
     /// cell or number.
     pub(super) fn absorb(&mut self, other: &Diagnostic) -> bool {
-        let place = |diagnostic: &Diagnostic| diagnostic.labels.first().map(|label| label.site);
+        let place = |diagnostic: &Diagnostic| diagnostic.labels.first().map(|label| label.location);
         if self.code != other.code || place(self) != place(other) || place(self).is_none() {
             return false;
         }
@@ -132,14 +132,14 @@ fn words(title: &str) -> impl Iterator<Item = &str> {
 mod tests {
     use super::super::{Code, Fix};
     use super::*;
-    use crate::{FileId, Site, Span};
+    use crate::{FileId, SourceLocation, Span};
 
     fn at(start: u32, title: &str) -> Diagnostic {
-        let site = Site {
+        let location = SourceLocation {
             file: FileId(0),
             span: Span::new(start, start + 1),
         };
-        Diagnostic::new(Code::AbsentBlock, title).label(site, "here")
+        Diagnostic::new(Code::AbsentBlock, title).label(location, "here")
     }
 
     fn told(titles: &[&str]) -> Vec<String> {
@@ -215,8 +215,8 @@ mod tests {
     fn a_change_for_one_of_several_is_dropped() {
         let fix = |text: &str| {
             let diagnostic = at(0, text);
-            let site = diagnostic.labels[0].site;
-            diagnostic.fix(Fix::replace(site, text, "write it"))
+            let location = diagnostic.labels[0].location;
+            diagnostic.fix(Fix::replace(location, text, "write it"))
         };
         let mut first = fix("no `A`");
         assert!(first.absorb(&fix("no `A`")));

@@ -38,9 +38,9 @@ impl ReachAnalysis<'_> {
             ),
         };
         let mut diagnostic = Diagnostic::new(Code::CrowdedCaptures, title)
-            .label(plan.event(*first).site, format!("`{}`", name(*first)));
+            .label(plan.event(*first).location, format!("`{}`", name(*first)));
         for &id in crowded[1..].iter().take(MOST_SHOWN - 1) {
-            diagnostic = diagnostic.label(plan.event(id).site, format!("`{}`", name(id)));
+            diagnostic = diagnostic.label(plan.event(id).location, format!("`{}`", name(id)));
         }
         let help = "three faces in a square attract blocks that jam each other, and the captures may take long: let one wait for \
                     another, with `after` or in a later phase";

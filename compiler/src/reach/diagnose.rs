@@ -143,7 +143,7 @@ impl ReachAnalysis<'_> {
         };
         let mut diagnostic = Diagnostic::new(Code::SealedCavity, title);
         if subject.trial.is_none() {
-            return Some(diagnostic.label(event.site, ""));
+            return Some(diagnostic.label(event.location, ""));
         }
         let what = match &outcome {
             SealedOutcome::Never(UnreachableCause::Walls) => {
@@ -157,7 +157,7 @@ impl ReachAnalysis<'_> {
             }
             _ => format!("its cell {cell} has no way out once its walls stand"),
         };
-        diagnostic = diagnostic.label(event.site, what);
+        diagnostic = diagnostic.label(event.location, what);
         let mut help = String::new();
         match outcome {
             SealedOutcome::Never(UnreachableCause::Waits(first)) => {
@@ -189,7 +189,7 @@ impl ReachAnalysis<'_> {
         for &wall in walls.iter().take(MOST_WALLS) {
             let wall = plan.event(wall);
             let name = plan.roles.name(wall.role, subject.symbols);
-            diagnostic = diagnostic.label(wall.site, format!("`{name}` is part of the wall"));
+            diagnostic = diagnostic.label(wall.location, format!("`{name}` is part of the wall"));
         }
         if !is_never {
             let (text, fix) = self.remedy(case, id, &walls, &diagnostic.title);
@@ -343,7 +343,7 @@ impl ReachAnalysis<'_> {
         let name = plan.roles.name(plan.event(id).role, self.subject.symbols);
         let title = format!("whether a block can come to `{name}` was not decided");
         Diagnostic::new(Code::ReachUndecided, title)
-            .label(plan.event(id).site, "the search has reached its limit")
+            .label(plan.event(id).location, "the search has reached its limit")
             .help("the walls around it are too large; build them in fewer phases, or leave a wider opening")
     }
 
@@ -384,7 +384,7 @@ impl ReachAnalysis<'_> {
                 name(narrow.capture),
                 narrow.open
             );
-            diagnostic = diagnostic.label(plan.event(narrow.capture).site, text);
+            diagnostic = diagnostic.label(plan.event(narrow.capture).location, text);
         }
         let help = "its neighbours may be in place before it: capture it before them, with `after` or in an earlier \
                     phase; in a gap of its own width a block jams easily, and the capture may take long";

@@ -9,7 +9,7 @@ use super::diagnose::Case;
 use super::path_search::{PathSearch, SearchOutcome};
 use super::reachable::Dismantled;
 use super::{Cell, EventId, ReachAnalysis};
-use crate::Site;
+use crate::SourceLocation;
 
 /// Cells looked at on the way out of one pocket.
 const FARTHEST: usize = 20_000;
@@ -18,14 +18,14 @@ impl ReachAnalysis<'_> {
     /// Captures of a phase that leave `id` a way out if they come after it; none of them can be left out.
     ///
     /// They have gone before it where the phase is taken apart, so that all that is found in this way for one
-    /// phase agrees with one order. None is written at one of the sites in `barred`. `None`: there is no such way,
+    /// phase agrees with one order. None is written at one of the locations in `barred`. `None`: there is no such way,
     /// or none was found.
     pub fn later(
         &mut self,
         case: &Case,
         apart: &Dismantled,
         id: EventId,
-        barred: &[Site],
+        barred: &[SourceLocation],
     ) -> Option<Vec<EventId>> {
         let following = case.descent.of(id, &mut self.remedies.steps);
         let at_worst = |other: EventId| !following.contains(other) && !case.never.contains(&other);
@@ -34,7 +34,7 @@ impl ReachAnalysis<'_> {
             at_worst(other)
                 && (!case.descent.has(other)
                     || apart.gone_at(other) > apart.gone_at(id)
-                    || barred.contains(&plan.event(other).site))
+                    || barred.contains(&plan.event(other).location))
         };
         let mut later = self.on_the_way(id, &at_worst, &stays)?;
         if !self.is_open_after(id, &later, case.descent, &at_worst) {

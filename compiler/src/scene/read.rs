@@ -14,7 +14,7 @@ use stochc_ir::scene::schema::{
 };
 
 use crate::diagnostic::{Code, Diagnostic, Fix, tell};
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// Reads a scene, on top of the one it is derived from.
 ///
@@ -57,7 +57,7 @@ pub fn read(
         wrong.push(clause.word);
         let title = format!("a scene without `{}`", clause.word);
         let diagnostic = Diagnostic::new(Code::MissingTerm, title)
-            .label(reader.site(scene.name.span), "says nothing of it")
+            .label(reader.location(scene.name.span), "says nothing of it")
             .help(format!("add `{example}`"));
         tell(reader.diagnostics, diagnostic);
     }
@@ -232,8 +232,8 @@ impl<'a> SceneReader<'a, '_> {
         let chosen = match (first(0), first(1)) {
             (Some(one), Some(other)) => {
                 let diagnostic = Diagnostic::new(Code::ConflictingTerms, either.both)
-                    .label(self.site(other.span), either.of[1].label)
-                    .label(self.site(one.span), either.of[0].label)
+                    .label(self.location(other.span), either.of[1].label)
+                    .label(self.location(one.span), either.of[0].label)
                     .help(either.help);
                 tell(self.diagnostics, diagnostic);
                 return None;
@@ -264,14 +264,14 @@ impl<'a> SceneReader<'a, '_> {
             .filter(|field| !other.contains(field));
         let shown = shown.collect::<Vec<_>>().join(" ... ");
         let diagnostic = Diagnostic::new(Code::MissingTerm, format!("`{word}` without its braces"))
-            .label(self.site(clause.span), "what of it?")
+            .label(self.location(clause.span), "what of it?")
             .help(format!("write `{word} ... {{ {shown} }}`"));
         let symbols = self.symbols;
         let is = |term: &Term, words: &[SchemaEntry]| matches!(term, Term::Word(name) if words.iter().any(|entry| entry.word == symbols.word(name.symbol)));
         if !(self.terms.peek()).is_some_and(|term| is(term, fields)) {
             return tell(self.diagnostics, diagnostic);
         }
-        let behind = self.site(Span::new(self.place.end, self.place.end));
+        let behind = self.location(Span::new(self.place.end, self.place.end));
         tell(
             self.diagnostics,
             diagnostic.fix(Fix::replace(behind, " {", "write the `{`")),
@@ -284,7 +284,7 @@ impl<'a> SceneReader<'a, '_> {
     fn without(&self, clause: Name, field: &str) -> Diagnostic {
         let word = self.word_of(clause);
         Diagnostic::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
-            .label(self.site(clause.span), format!("needs `{field}`"))
+            .label(self.location(clause.span), format!("needs `{field}`"))
     }
 
     /// Whether each term has what it needs of others; a clause that is there but wrong has been told of.
@@ -303,10 +303,12 @@ impl<'a> SceneReader<'a, '_> {
     }
 
     fn tell(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
-        let site = self.site(span);
+        let location = self.location(span);
         tell(
             self.diagnostics,
-            Diagnostic::new(code, title).label(site, label).help(help),
+            Diagnostic::new(code, title)
+                .label(location, label)
+                .help(help),
         );
     }
 
@@ -314,8 +316,8 @@ impl<'a> SceneReader<'a, '_> {
         self.symbols.word(name.symbol)
     }
 
-    fn site(&self, span: Span) -> Site {
-        Site {
+    fn location(&self, span: Span) -> SourceLocation {
+        SourceLocation {
             file: self.file,
             span,
         }
