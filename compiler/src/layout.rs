@@ -4,7 +4,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 use crate::liveness::{Holder, Liveness};
 use crate::plan::{EventId, EventKind, ProgramPlan};
 
@@ -317,7 +317,7 @@ impl LayoutBuilder<'_> {
 
     fn reject(&mut self, id: EventId, diagnostic: Diagnostic) {
         self.plan.events[id.0 as usize].sound = false;
-        tell(self.diagnostics, diagnostic);
+        report(self.diagnostics, diagnostic);
     }
 
     /// Releases that would leave a child without a parent, and the order among releases.

@@ -4,7 +4,7 @@ use stochc_grammar::tree::{Item, ItemKind, LintDirective, LintDirectiveKind};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::suggest::nearest;
 
-use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, report};
 use crate::load::Module;
 use crate::{FileId, SourceLocation, Sources};
 
@@ -151,7 +151,7 @@ impl FileLevels {
                         used: false,
                     });
                 }
-                Err(diagnostic) => tell(diagnostics, *diagnostic),
+                Err(diagnostic) => report(diagnostics, *diagnostic),
             }
         }
         if !set.is_empty() {

@@ -5,7 +5,8 @@ use stochc_ir::suggest::nearest;
 use stochc_ir::table::{RoleId, Trigger};
 
 use crate::diagnostic::{
-    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, named, parameter_hint, removal, tell,
+    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, named, parameter_hint, removal,
+    report,
 };
 use crate::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
@@ -189,7 +190,7 @@ impl Checker<'_> {
                     diagnostic.fix =
                         Some(Fix::remove(location, format!("remove the seed `{name}`")));
                 }
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
             }
         }
         Ok(())
@@ -370,7 +371,7 @@ impl Checker<'_> {
                 None => return,
             }
         };
-        tell(self.diagnostics, diagnostic);
+        report(self.diagnostics, diagnostic);
     }
 
     /// The names after the phase.
@@ -428,7 +429,7 @@ impl Checker<'_> {
                 "only captured blocks can be released",
             ),
         };
-        tell(
+        report(
             self.diagnostics,
             Diagnostic::new(code, format!("`{name}` {what}"))
                 .label(location, here)
@@ -455,7 +456,7 @@ impl Checker<'_> {
         let title = format!("`{name}` is not part of the structure in this phase");
         let diagnostic = Diagnostic::new(code, title).label(location, consequence);
         if let Some(diagnostic) = self.unknown(role, location, state, diagnostic) {
-            tell(self.diagnostics, diagnostic);
+            report(self.diagnostics, diagnostic);
         }
     }
 
@@ -520,7 +521,7 @@ impl Checker<'_> {
         let key = self.plan.roles.key(role);
         let roles = &self.plan.roles;
         if let Some(members) = members(key, self.blocks(), roles, self.symbols) {
-            return Some(diagnostic.help(members.told("block")));
+            return Some(diagnostic.help(members.describe("block")));
         }
         let known = self.blocks().take(2_000);
         let known = known.map(|key| roles.name_of(key, self.symbols));

@@ -4,7 +4,7 @@ use stochc_grammar::tree::{ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable};
 use stochc_ir::visible;
 
-use crate::diagnostic::{Code, Diagnostic, Fix, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, removal, report};
 use crate::{FileId, SourceLocation, Sources};
 
 /// Reads files for the compiler, which does no IO of its own.
@@ -184,7 +184,7 @@ impl Loader<'_> {
                         .help("the path is relative to the file that imports it"),
                     None => diagnostic.help(reason),
                 };
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
                 return Ok(None);
             }
         };
@@ -242,7 +242,7 @@ impl Loader<'_> {
             .help(
                 "put the file there, or allow the folder in which it is with `--allow-import DIR`",
             );
-        tell(self.diagnostics, diagnostic);
+        report(self.diagnostics, diagnostic);
     }
 
     /// Labels every import of a circle of files.

@@ -97,7 +97,7 @@ pub fn sort(
             |_, &id| (!done.contains(&id) && plan.event(id).sound).then_some(id),
             |edge, &why| (!unneeded.contains(&edge)).then_some(why),
         );
-        tell_cycles(plan, &rest, symbols, diagnostics);
+        report_cycles(plan, &rest, symbols, diagnostics);
         return Ok(None);
     }
     order.chains = (plan.phases.iter())
@@ -144,7 +144,7 @@ fn longest_chain(
 }
 
 /// Tells of the circles in what is left of a graph when all that can happen has.
-fn tell_cycles(
+fn report_cycles(
     plan: &ProgramPlan,
     rest: &DependencyGraph,
     symbols: &Symbols,

@@ -7,7 +7,7 @@ use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
 use stochc_rates::Rates;
 
-use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};
 use crate::expand::{Declarations, ExpansionBounds, Limits, duplicate, expand, expand_aggregate};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
@@ -370,13 +370,13 @@ fn programs(
         };
         if let Some(old) = seen.insert(name.symbol, location) {
             let name = symbols.word(name.symbol);
-            tell(diagnostics, duplicate(name, old, location, item.noun()));
+            report(diagnostics, duplicate(name, old, location, item.noun()));
         }
         let scene = scenes.get(scene, own.file, symbols, diagnostics);
         let (changed, changes) = about.changes;
         let scene = match scene {
             Some(scene) if symbols.word(name.symbol) == changed => {
-                let wrong = |error| tell(diagnostics, scene::diagnostic(&error, location));
+                let wrong = |error| report(diagnostics, scene::diagnostic(&error, location));
                 scalars::changed(scene, changes).map_err(wrong).ok()
             }
             scene => scene,
@@ -487,7 +487,7 @@ pub(crate) fn declarations<'a>(
                     file,
                     span: name.span,
                 };
-                tell(
+                report(
                     diagnostics,
                     duplicate(symbols.word(name.symbol), old, new, item.noun()),
                 );

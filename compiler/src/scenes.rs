@@ -5,7 +5,7 @@ use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::scene::Scene;
 use stochc_ir::suggest::nearest;
 
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 use crate::load::Module;
 use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::{FileId, SourceLocation};
@@ -35,7 +35,7 @@ impl Scenes {
                         span: old.name.span,
                     };
                     let word = symbols.word(scene.name.symbol);
-                    tell(
+                    report(
                         diagnostics,
                         crate::expand::duplicate(word, old, here, "a scene"),
                     );
@@ -124,7 +124,7 @@ impl Scenes {
         } else if let Some((file, tree)) = line.last()
             && let Some(base) = tree.base
         {
-            tell(diagnostics, self.unknown(base, *file, symbols));
+            report(diagnostics, self.unknown(base, *file, symbols));
         }
         scene
     }
@@ -142,7 +142,7 @@ impl Scenes {
         };
         let scene = self.read_or_built_in(Some(name.symbol), symbols.word(name.symbol));
         if scene.is_none() && !self.read.contains_key(&name.symbol) {
-            tell(diagnostics, self.unknown(name, file, symbols));
+            report(diagnostics, self.unknown(name, file, symbols));
         }
         scene
     }

@@ -5,7 +5,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::Cell;
 use stochc_ir::suggest::nearest;
 
-use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, tell};
+use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, report};
 use crate::layout::Layout;
 use crate::plan::ProgramPlan;
 use crate::{FileId, SourceLocation};
@@ -45,7 +45,7 @@ pub fn check(
                         .suggest(location, nearest(word, known), || {
                             format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`")
                         });
-                tell(diagnostics, diagnostic);
+                report(diagnostics, diagnostic);
                 continue;
             };
             let claimed = known.entry(name).or_insert_with(|| {
@@ -65,7 +65,7 @@ pub fn check(
                 file,
                 span: shape.name.span,
             };
-            tell(
+            report(
                 diagnostics,
                 difference(word, location, declared, claimed, &built),
             );

@@ -5,7 +5,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 use crate::layout::Layout;
 use crate::order::Order;
 use crate::plan::{EventId, EventKind, ProgramPlan};
@@ -49,7 +49,7 @@ pub fn check(
         survey.end(number, &mut structure);
     }
     if let Some((number, exposed)) = worst {
-        diagnostics.push(survey.tell(number, exposed, symbols));
+        diagnostics.push(survey.exposed_faces(number, exposed, symbols));
     }
     Ok(())
 }
@@ -179,11 +179,11 @@ impl UnplannedBondAnalysis<'_> {
             .help(format!(
                 "release `{there}` before it, or capture `{name}` through another face"
             ));
-            tell(diagnostics, diagnostic);
+            report(diagnostics, diagnostic);
         }
     }
 
-    fn tell(&self, number: usize, exposed: usize, symbols: &Symbols) -> Diagnostic {
+    fn exposed_faces(&self, number: usize, exposed: usize, symbols: &Symbols) -> Diagnostic {
         let mut structure = StructureModules::of_seeds(self.plan);
         for earlier in 0..number {
             self.before_last(earlier, &mut structure);

@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbols};
 
-use crate::diagnostic::{Code, Diagnostic, Fix, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, removal, report};
 use crate::load::Module;
 use crate::names::{Definition, Names};
 use crate::scene::DEFAULT;
@@ -48,7 +48,7 @@ pub fn check(
             .at(own.file, it.name.span.start)
             .map(|name| name.definition);
         if definition.is_some_and(|definition| !used.contains(&definition)) {
-            tell(diagnostics, it.unused(own.file, sources, symbols));
+            report(diagnostics, it.unused(own.file, sources, symbols));
         }
     }
 }

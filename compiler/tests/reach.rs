@@ -466,11 +466,11 @@ proptest! {
                 })
                 .map(|(_, id, _)| id)
                 .collect();
-            let told = (checked.diagnostics.iter())
+            let reported = (checked.diagnostics.iter())
                 .filter(|diagnostic| diagnostic.code == Code::TightApproach)
                 .find(|diagnostic| phase.events.contains(&diagnostic_event(program, diagnostic)))
                 .map(|diagnostic| diagnostic.title.split(' ').next().unwrap().parse().unwrap_or(1));
-            prop_assert_eq!(told.unwrap_or(0), tight.len(), "phase {}\n{}", number, text);
+            prop_assert_eq!(reported.unwrap_or(0), tight.len(), "phase {}\n{}", number, text);
         }
     }
 
@@ -497,10 +497,10 @@ proptest! {
         prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
         let program = &checked.programs[0];
         let reached = all_orders(program).reached;
-        let mut told = BTreeSet::new();
+        let mut reported = BTreeSet::new();
         for diagnostic in sealed(&checked) {
             let id = EventId(diagnostic_event(program, diagnostic));
-            told.insert(id);
+            reported.insert(id);
             let is_reached = reached.contains(&id);
             prop_assert!(!is_never(diagnostic) || !is_reached, "{text}\n{}", diagnostic.title);
             // With choices it may be left open.
@@ -508,8 +508,8 @@ proptest! {
             prop_assert!(is_open || is_never(diagnostic) || is_reached, "{text}\n{}", diagnostic.title);
         }
         for id in (0..program.plan.events.len() as u32).map(EventId) {
-            let is_told = all_before(program, id).iter().any(|id| told.contains(id));
-            prop_assert!(is_told || reached.contains(&id), "{text}\n{id:?}");
+            let is_reported = all_before(program, id).iter().any(|id| reported.contains(id));
+            prop_assert!(is_reported || reached.contains(&id), "{text}\n{id:?}");
         }
     }
 
@@ -649,18 +649,21 @@ fn apply_remedies(text: &str) -> Remedies {
                 }
                 let then = checked(&written_out(&now, &added));
                 let event = diagnostic_named(&now, diagnostic);
-                let told = |checked: &Checked| -> BTreeSet<u32> {
+                let reported = |checked: &Checked| -> BTreeSet<u32> {
                     let of = |diagnostic: &&Diagnostic| {
                         diagnostic_event(&checked.programs[0], diagnostic)
                     };
                     sealed(checked).iter().map(of).collect()
                 };
-                let mut rest = told(&checked(&plain));
+                let mut rest = reported(&checked(&plain));
                 assert!(rest.remove(&event), "{text}\n{plain}");
                 assert!(others(&then).is_empty(), "{text}\n{:#?}", others(&then));
-                let resolved = !told(&then).contains(&event);
+                let resolved = !reported(&then).contains(&event);
                 assert_eq!(resolved, left_out == 0, "{text}\n{help}");
-                assert!(!resolved || told(&then).is_subset(&rest), "{text}\n{help}");
+                assert!(
+                    !resolved || reported(&then).is_subset(&rest),
+                    "{text}\n{help}"
+                );
             }
         } else if diagnostic.others.count > 0 && help.contains("must come later") {
             // Each capture of the statement has a remedy of its own.
@@ -690,8 +693,8 @@ fn is_resolved(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bo
     let (then, now) = (plain(before), plain(after));
     let program = &before.programs[0];
     let first = diagnostic_named(before, diagnostic);
-    let at_its_place = |told: &BTreeSet<u32>| {
-        let events = told.iter().map(|&id| program.plan.event(EventId(id)));
+    let at_its_place = |reported: &BTreeSet<u32>| {
+        let events = reported.iter().map(|&id| program.plan.event(EventId(id)));
         let here = events.filter(|event| event.location == diagnostic.labels[0].location);
         here.count()
     };
@@ -1206,14 +1209,14 @@ fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
         format!("`M[{east}, 1].up -> E[{k}]` must come later: write `after CORE[{k}]` there\n")
     };
     let two = help(&wells(2));
-    let told = format!("{}for `CORE[1]`, {}", remedy(0), remedy(1));
-    assert!(two.contains(&told), "{two}");
+    let reported = format!("{}for `CORE[1]`, {}", remedy(0), remedy(1));
+    assert!(two.contains(&reported), "{two}");
     let four = help(&wells(4));
-    let told = format!(
-        "{told}for `CORE[2]`, {}others need changes of their own\n",
+    let reported = format!(
+        "{reported}for `CORE[2]`, {}others need changes of their own\n",
         remedy(2)
     );
-    assert!(four.contains(&told), "{four}");
+    assert!(four.contains(&reported), "{four}");
     // What is told does cure.
     let resolved = |text: String, k: i32| {
         let wall = format!("M[{}, 1].up -> E[{k}]", 4 * k + 2);

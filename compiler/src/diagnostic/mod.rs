@@ -74,7 +74,7 @@ pub const MOST_FINDINGS: usize = 1_000;
 
 /// Adds a finding, unless one like it has been told of the same place, or there are so many that
 /// nobody would read them.
-pub(crate) fn tell(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) {
+pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) {
     if diagnostics.len() > MOST_FINDINGS || is_repeated(diagnostics, &diagnostic) {
         return;
     }

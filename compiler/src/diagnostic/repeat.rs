@@ -145,7 +145,7 @@ mod tests {
     fn told(titles: &[&str]) -> Vec<String> {
         let mut diagnostics: Vec<Diagnostic> = Vec::new();
         for title in titles {
-            super::super::tell(&mut diagnostics, at(0, title));
+            super::super::report(&mut diagnostics, at(0, title));
         }
         diagnostics.iter().map(Diagnostic::message).collect()
     }
@@ -205,7 +205,7 @@ mod tests {
         ];
         assert_eq!(told(&titles), titles);
         let mut diagnostics = vec![at(0, "`A` is absent")];
-        super::super::tell(&mut diagnostics, at(1, "`B` is absent"));
+        super::super::report(&mut diagnostics, at(1, "`B` is absent"));
         assert_eq!(diagnostics.len(), 2);
         let nowhere = Diagnostic::new(Code::ImportMissing, "cannot read `a`");
         assert!(!nowhere.clone().absorb(&nowhere));

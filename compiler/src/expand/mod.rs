@@ -16,7 +16,7 @@ use stochc_grammar::tree::{
 };
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
-use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, report};
 use crate::names::{Definition, Names};
 use crate::plan::{
     AfterConstraint, EventId, NameKey, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
@@ -526,7 +526,7 @@ impl<'a> Expander<'a, '_> {
         let location = self.location(name.span);
         if let Some(old) = self.scope.define(self.named(name), value, location) {
             let diagnostic = duplicate(self.symbols.word(name.symbol), old, location, "a `let`");
-            tell(self.diagnostics, diagnostic);
+            report(self.diagnostics, diagnostic);
         }
     }
 

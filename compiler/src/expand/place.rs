@@ -187,7 +187,7 @@ impl Expander<'_, '_> {
                 .label(self.location(segment.name.span), "not known here");
             let roles = &self.plan.roles;
             match members(key, roles.instances(scope), roles, self.symbols) {
-                Some(members) => diagnostic.help(members.told("instance")),
+                Some(members) => diagnostic.help(members.describe("instance")),
                 None => {
                     let known = roles.instances(scope);
                     let known = known.map(|known| self.symbols.word(known.word));

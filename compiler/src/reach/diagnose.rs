@@ -11,7 +11,7 @@ use super::reachable::Dismantled;
 use super::sealed::BlockedCapture;
 use super::trial::Proposal;
 use super::{Cell, EventId, ReachAnalysis, all_before, before, picture};
-use crate::diagnostic::{Code, Diagnostic, Fix, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, report};
 use crate::graph::DependencyGraph;
 
 /// Blocks of a wall that are labelled.
@@ -20,7 +20,7 @@ const MOST_WALLS: usize = 6;
 const MOST_EVENTS: usize = 12;
 
 /// Cells told of, at most, in one phase; more than anybody would read.
-const MOST_TOLD: usize = 100;
+const MOST_REPORTED: usize = 100;
 
 /// What becomes of a capture that can be closed in.
 enum SealedOutcome {
@@ -65,8 +65,8 @@ impl Case<'_> {
 }
 
 impl ReachAnalysis<'_> {
-    /// Tells of stuck captures.
-    pub fn tell_sealed(
+    /// Reports stuck captures.
+    pub fn report_sealed(
         &mut self,
         events: &[EventId],
         descent: &DescendantIndex,
@@ -88,7 +88,7 @@ impl ReachAnalysis<'_> {
             apart,
         };
         let most = match self.subject.trial {
-            Some(_) => MOST_TOLD,
+            Some(_) => MOST_REPORTED,
             None => usize::MAX,
         };
         let mut told = 0;
@@ -98,7 +98,7 @@ impl ReachAnalysis<'_> {
             }
             if let Some(diagnostic) = self.sealed(&case, blocked.capture) {
                 match self.subject.trial {
-                    Some(_) => tell(diagnostics, diagnostic),
+                    Some(_) => report(diagnostics, diagnostic),
                     // Each by itself, so that it is seen which of them a remedy helps.
                     None => diagnostics.push(diagnostic),
                 }
@@ -108,7 +108,7 @@ impl ReachAnalysis<'_> {
         // Where there is a cavity, what the search had no time for says nothing more.
         if told == 0 {
             for blocked in blocked.iter().take(most) {
-                tell(diagnostics, self.undecided(blocked.capture));
+                report(diagnostics, self.undecided(blocked.capture));
             }
         }
     }
@@ -388,7 +388,7 @@ impl ReachAnalysis<'_> {
         }
         let help = "its neighbours may be in place before it: capture it before them, with `after` or in an earlier \
                     phase; in a gap of its own width a block jams easily, and the capture may take long";
-        tell(diagnostics, diagnostic.help(help));
+        report(diagnostics, diagnostic.help(help));
     }
 }
 

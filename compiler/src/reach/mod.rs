@@ -179,11 +179,11 @@ struct ReachAnalysis<'a> {
     remedies: SearchEffort<'a>,
     trials: SearchEffort<'a>,
     /// The errors of the files as they are, once a remedy has been tried.
-    untouched: Option<Vec<Told>>,
+    untouched: Option<Vec<ReportedFinding>>,
 }
 
 /// What is told of an error, without its places.
-pub type Told = (Code, String);
+pub type ReportedFinding = (Code, String);
 
 /// Places searched, and how many may be.
 struct SearchEffort<'a> {
@@ -221,11 +221,11 @@ impl ReachAnalysis<'_> {
             .for_each(KnownPaths::begin_phase);
         let blocked = self.blocked(events, descent);
         if !blocked.is_empty() {
-            self.tell_sealed(events, descent, &blocked, diagnostics);
+            self.report_sealed(events, descent, &blocked, diagnostics);
         }
         if blocked.is_empty() {
             self.report_narrow(number, events, descent, diagnostics);
-            self.tell_crowded(number, events, descent, diagnostics);
+            self.report_crowded(number, events, descent, diagnostics);
         }
         for &id in events {
             if !self.is_capture(id) {

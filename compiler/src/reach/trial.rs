@@ -1,13 +1,13 @@
 //! Remedies as changes of the text, each of them tried.
 use super::diagnose::Case;
 use super::edit::CaptureStatement;
-use super::{EventId, ReachAnalysis, Told};
+use super::{EventId, ReachAnalysis, ReportedFinding};
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Fix};
 
 /// Checks a program's files again with changes of the program's own file, and gives the errors, sorted, also those
 /// that are told as one. `None`: the changes do not fit together.
-pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<Told>> + 'a;
+pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedFinding>> + 'a;
 
 /// Statements that have to wait for a block, and how that is written.
 pub struct Proposal {
@@ -153,7 +153,7 @@ impl<'a> ReachAnalysis<'a> {
     }
 
     /// Whether an error goes with a change, and no other comes; `None`: no more is tried.
-    fn helps(&mut self, error: &Told, delayed: &[DelayedStatement<'a>]) -> Option<bool> {
+    fn helps(&mut self, error: &ReportedFinding, delayed: &[DelayedStatement<'a>]) -> Option<bool> {
         let trial = self.subject.trial.filter(|_| !self.trials.is_spent())?;
         self.trials.steps += self.subject.plan.events.len() as u64 + OVERHEAD;
         let before = match self.untouched.take() {
@@ -161,7 +161,9 @@ impl<'a> ReachAnalysis<'a> {
             None => trial(&[])?,
         };
         let helps = trial(&[&self.fix(delayed)]).is_some_and(|after| {
-            let times = |told: &[Told], one: &Told| told.iter().filter(|told| *told == one).count();
+            let times = |told: &[ReportedFinding], one: &ReportedFinding| {
+                told.iter().filter(|told| *told == one).count()
+            };
             times(&after, error) < times(&before, error)
                 && (after.iter()).all(|one| times(&after, one) <= times(&before, one))
         });

@@ -13,7 +13,7 @@ use stochc_ir::scene::schema::{
     SchemaNumber, SchemaPart,
 };
 
-use crate::diagnostic::{Code, Diagnostic, Fix, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, report};
 use crate::{FileId, SourceLocation};
 
 /// Reads a scene, on top of the one it is derived from.
@@ -59,7 +59,7 @@ pub fn read(
         let diagnostic = Diagnostic::new(Code::MissingTerm, title)
             .label(reader.location(scene.name.span), "says nothing of it")
             .help(format!("add `{example}`"));
-        tell(reader.diagnostics, diagnostic);
+        report(reader.diagnostics, diagnostic);
     }
     (wrong.is_empty() && diagnostics.len() == before).then_some(draft)
 }
@@ -146,7 +146,7 @@ impl<'a> SceneReader<'a, '_> {
             return Some(());
         };
         let here = self.terms.peek().map_or(self.place, |term| span(term));
-        self.tell(
+        self.report(
             Code::MissingTerm,
             title.to_owned(),
             here,
@@ -193,7 +193,7 @@ impl<'a> SceneReader<'a, '_> {
             FieldGroup::Any { needed, help } => {
                 if sound.is_empty() && self.diagnostics.len() == before {
                     let diagnostic = self.without(clause, needed).help(*help);
-                    tell(self.diagnostics, diagnostic);
+                    report(self.diagnostics, diagnostic);
                 }
                 sound.first().map(|_| ())
             }
@@ -208,7 +208,7 @@ impl<'a> SceneReader<'a, '_> {
         for field in fields.iter().filter(|field| field.absent.is_needed()) {
             if named(&seen, field.word, self.symbols).is_none() {
                 let diagnostic = self.without(clause, field.word);
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
             }
             complete = complete.filter(|()| sound.contains(&field.word));
         }
@@ -235,7 +235,7 @@ impl<'a> SceneReader<'a, '_> {
                     .label(self.location(other.span), either.of[1].label)
                     .label(self.location(one.span), either.of[0].label)
                     .help(either.help);
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
                 return None;
             }
             (None, None) if is_wrong => return None,
@@ -245,7 +245,7 @@ impl<'a> SceneReader<'a, '_> {
         let needed = chosen.fields[0];
         if named(seen, needed, symbols).is_none() {
             let diagnostic = self.without(clause, needed).help(chosen.missing);
-            tell(self.diagnostics, diagnostic);
+            report(self.diagnostics, diagnostic);
             return None;
         }
         Some(chosen)
@@ -269,10 +269,10 @@ impl<'a> SceneReader<'a, '_> {
         let symbols = self.symbols;
         let is = |term: &Term, words: &[SchemaEntry]| matches!(term, Term::Word(name) if words.iter().any(|entry| entry.word == symbols.word(name.symbol)));
         if !(self.terms.peek()).is_some_and(|term| is(term, fields)) {
-            return tell(self.diagnostics, diagnostic);
+            return report(self.diagnostics, diagnostic);
         }
         let behind = self.location(Span::new(self.place.end, self.place.end));
-        tell(
+        report(
             self.diagnostics,
             diagnostic.fix(Fix::replace(behind, " {", "write the `{`")),
         );
@@ -298,13 +298,13 @@ impl<'a> SceneReader<'a, '_> {
             let name = named(seen, it.clause, self.symbols);
             let span = name.map_or(self.place, |name| name.span);
             let (title, help) = (it.title.to_owned(), it.help.to_owned());
-            self.tell(Code::MissingTerm, title, span, it.label, help);
+            self.report(Code::MissingTerm, title, span, it.label, help);
         }
     }
 
-    fn tell(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
+    fn report(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
         let location = self.location(span);
-        tell(
+        report(
             self.diagnostics,
             Diagnostic::new(code, title)
                 .label(location, label)

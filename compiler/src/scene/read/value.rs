@@ -6,7 +6,7 @@ use stochc_ir::scene::units::Dimension;
 
 use super::super::{to_si, unit_meant};
 use super::{ClauseContent, SceneReader, span};
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 
 impl<'a> SceneReader<'a, '_> {
     /// A value for a number.
@@ -24,7 +24,7 @@ impl<'a> SceneReader<'a, '_> {
         let label = format!("must be {}", number.range.rule());
         let location = self.location(quantity.span);
         let diagnostic = Diagnostic::new(Code::WrongValue, "a value out of its range");
-        tell(self.diagnostics, diagnostic.label(location, label));
+        report(self.diagnostics, diagnostic.label(location, label));
         None
     }
 
@@ -47,7 +47,7 @@ impl<'a> SceneReader<'a, '_> {
             return Some(());
         }
         let location = self.location(first.span.to(last.span));
-        tell(
+        report(
             self.diagnostics,
             Diagnostic::new(Code::WrongValue, "a range that is empty or negative")
                 .label(location, "from small to large, and not below 0"),
@@ -69,12 +69,12 @@ impl<'a> SceneReader<'a, '_> {
             let word = self.word_of(name);
             let help = format!("write the number before it, such as `2 {word}`");
             let title = "a unit without its number".to_owned();
-            self.tell(Code::MissingTerm, title, name.span, "how much?", help);
+            self.report(Code::MissingTerm, title, name.span, "how much?", help);
             return None;
         }
         let here = self.terms.peek().map_or(self.place, |term| span(term));
         let title = format!("expected {}", dimension.noun());
-        tell(
+        report(
             self.diagnostics,
             Diagnostic::new(Code::MissingTerm, title)
                 .label(self.location(here), "a value belongs here"),
@@ -102,7 +102,7 @@ impl<'a> SceneReader<'a, '_> {
                      L, rev, deg and ticks"
                         .to_owned()
                 });
-            tell(self.diagnostics, diagnostic);
+            report(self.diagnostics, diagnostic);
             return None;
         }
         let label = match found {
@@ -113,7 +113,7 @@ impl<'a> SceneReader<'a, '_> {
             },
         };
         let location = self.location(quantity.span);
-        tell(
+        report(
             self.diagnostics,
             Diagnostic::new(Code::WrongDimension, title).label(location, label),
         );

@@ -4,7 +4,7 @@ use stochc_ir::scene::schema::SchemaEntry;
 use stochc_ir::suggest::nearest;
 
 use super::{SceneReader, named, span, words};
-use crate::diagnostic::{Code, Diagnostic, Fix, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, report};
 
 impl SceneReader<'_, '_> {
     /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
@@ -36,13 +36,13 @@ impl SceneReader<'_, '_> {
                         .suggest(location, meant, || {
                             format!("known are {}", words(known).join(", "))
                         });
-                    tell(self.diagnostics, diagnostic);
+                    report(self.diagnostics, diagnostic);
                 }
             } else if !told {
                 let span = span(term);
                 let help = format!("expected one of {}", words(known).join(", "));
                 let title = format!("expected a {noun}");
-                self.tell(Code::UnknownTerm, title, span, "does not belong here", help);
+                self.report(Code::UnknownTerm, title, span, "does not belong here", help);
             }
             told = true;
         }
@@ -97,14 +97,14 @@ impl SceneReader<'_, '_> {
                     Some(fix) => diagnostic.fix(fix),
                     None => diagnostic,
                 };
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
                 return None;
             }
             Some(term) => ("something else", span(term)),
             None => ("nothing", self.place),
         };
         let title = format!("expected {expected}, found {found}");
-        self.tell(Code::UnknownTerm, title, span, "here", help);
+        self.report(Code::UnknownTerm, title, span, "here", help);
         None
     }
 
@@ -128,7 +128,7 @@ impl SceneReader<'_, '_> {
                     .label(self.location(name.span), "given again")
                     .label(self.location(old.span), "first given here")
                     .help("remove one of the two");
-            tell(self.diagnostics, diagnostic);
+            report(self.diagnostics, diagnostic);
         }
         seen.push(name);
     }
