@@ -13,10 +13,10 @@ pub trait Host: Sync {
     fn warn(&self, text: &str);
 
     /// Hears why a part of the work has failed while the rest of it goes on, in whole lines.
-    fn tell_failure(&self, message: &str);
+    fn report_failure(&self, message: &str);
 
     /// Hears the findings of a file, errors or not.
-    fn tell_findings(&self, checked: &Checked);
+    fn report_findings(&self, checked: &Checked);
 
     /// Draws findings as it shows them, to stand within a message.
     fn draw(&self, checked: &Checked) -> String;

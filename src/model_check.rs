@@ -59,7 +59,7 @@ fn fault(program: &Program) -> Option<Diagnostic> {
         let _ = writeln!(help, "{:5}. {line}", number + 1);
     }
     let diagnostic = Diagnostic::new(Code::InternalError, title);
-    let diagnostic = diagnostic.label(program.plan.site, what);
+    let diagnostic = diagnostic.label(program.plan.location, what);
     Some(diagnostic.help(help.trim_end()))
 }
 

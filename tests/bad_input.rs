@@ -125,8 +125,11 @@ fn examine(checked: &Checked) {
     for diagnostic in &checked.diagnostics {
         assert!(!diagnostic.title.is_empty(), "{diagnostic:?}");
         for label in &diagnostic.labels {
-            let text = &checked.sources.file(label.site.file).text;
-            let (start, end) = (label.site.span.start as usize, label.site.span.end as usize);
+            let text = &checked.sources.file(label.location.file).text;
+            let (start, end) = (
+                label.location.span.start as usize,
+                label.location.span.end as usize,
+            );
             assert!(text.get(start..end).is_some(), "{diagnostic:?}");
         }
     }

@@ -326,7 +326,7 @@ fn only(declarations: &str, phase: &str) -> (String, String, Vec<String>) {
         panic!("{:#?}", text.diagnostics);
     };
     let labels = diagnostic.labels.iter().map(|label| {
-        let place = text.sources.text(label.site);
+        let place = text.sources.text(label.location);
         format!("{place}: {}", label.text)
     });
     let help = diagnostic.help.clone().unwrap_or_default();

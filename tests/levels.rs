@@ -14,7 +14,7 @@ fn files(files: &[(&str, &str)], levels: &LintLevels) -> Checked {
 }
 
 /// The codes of what is told, in capitals if it is an error.
-fn told(text: &str) -> Vec<String> {
+fn reported(text: &str) -> Vec<String> {
     let checked = files(&[("a.sa", text)], &LintLevels::default());
     let name = |diagnostic: &stochc::compiler::diagnostic::Diagnostic| match diagnostic.severity {
         Severity::Error => diagnostic.code.name().to_uppercase(),
@@ -41,21 +41,21 @@ fn a_statement_reaches_over_the_block_around_it() {
     let seed = "allow unused-seed \"a mark\"";
     let phase = "allow empty-phase \"waits for the next version\"";
     let no = "";
-    assert_eq!(told(&program([no; 5])), ["unused-seed", "empty-phase"]);
+    assert_eq!(reported(&program([no; 5])), ["unused-seed", "empty-phase"]);
     for place in 0..3 {
         let mut places = [no; 5];
         places[place] = seed;
-        assert_eq!(told(&program(places)), ["empty-phase"], "{place}");
+        assert_eq!(reported(&program(places)), ["empty-phase"], "{place}");
     }
     for place in [0, 1, 3] {
         let mut places = [no; 5];
         places[place] = phase;
-        assert_eq!(told(&program(places)), ["unused-seed"], "{place}");
+        assert_eq!(reported(&program(places)), ["unused-seed"], "{place}");
     }
     // Elsewhere it finds nothing to allow.
     let elsewhere = [no, no, phase, no, seed];
     assert_eq!(
-        told(&program(elsewhere)),
+        reported(&program(elsewhere)),
         ["unused-seed", "unused-allow", "empty-phase", "unused-allow"]
     );
 }
@@ -66,16 +66,16 @@ fn the_innermost_statement_counts() {
     let allow = "allow empty-phase \"this one does not\"";
     let seed = "allow unused-seed \"a mark\"";
     let both = format!("{seed} {deny}");
-    assert_eq!(told(&program([&both, "", "", "", ""])), ["EMPTY-PHASE"]);
-    assert_eq!(told(&program([&both, "", "", allow, ""])), [""; 0]);
+    assert_eq!(reported(&program([&both, "", "", "", ""])), ["EMPTY-PHASE"]);
+    assert_eq!(reported(&program([&both, "", "", allow, ""])), [""; 0]);
     assert_eq!(
-        told(&program([seed, allow, "", deny, ""])),
+        reported(&program([seed, allow, "", deny, ""])),
         ["unused-allow", "EMPTY-PHASE"]
     );
     // In one block the last one does.
     let twice = format!("{seed} {allow} {deny}");
     assert_eq!(
-        told(&program([&twice, "", "", "", ""])),
+        reported(&program([&twice, "", "", "", ""])),
         ["unused-allow", "EMPTY-PHASE"]
     );
 }
@@ -92,11 +92,11 @@ fn an_outdated_allow_can_be_allowed_itself() {
             }}"
         )
     };
-    assert_eq!(told(&text("")), ["unused-allow"]);
-    assert_eq!(told(&text("allow unused-allow \"generated\"")), [""; 0]);
+    assert_eq!(reported(&text("")), ["unused-allow"]);
+    assert_eq!(reported(&text("allow unused-allow \"generated\"")), [""; 0]);
     let other = "assembly a { allow unused-allow \"x\" seed plate 1 x 1 { M at (0, 0) } \
                  phase p { M.up -> A } }";
-    assert_eq!(told(other), ["unused-allow"]);
+    assert_eq!(reported(other), ["unused-allow"]);
 }
 
 #[test]
@@ -107,15 +107,15 @@ fn an_allow_in_doubt_is_not_held_against_its_author() {
         "pattern _t(b) {{ {allow} b.up -> T }}
         assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}"
     );
-    assert_eq!(told(&pattern), [""; 0]);
+    assert_eq!(reported(&pattern), [""; 0]);
     assert_eq!(
-        told(&format!("{allow} pattern t(b) {{ b.up -> T }}")),
+        reported(&format!("{allow} pattern t(b) {{ b.up -> T }}")),
         [""; 0]
     );
     let wrong = format!(
         "assembly a {{ {allow} seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A  X.up -> B }} }}"
     );
-    assert_eq!(told(&wrong), ["UNKNOWN-NAME"]);
+    assert_eq!(reported(&wrong), ["UNKNOWN-NAME"]);
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn what_is_allowed_is_kept_with_its_reason() {
 #[test]
 fn a_denied_program_has_no_tables() {
     let text = program(["deny warnings_ \"x\"", "", "", "", ""]);
-    assert_eq!(told(&text)[0], "UNKNOWN-CODE");
+    assert_eq!(reported(&text)[0], "UNKNOWN-CODE");
     let text = program(["deny unused-seed \"x\"", "", "", "", ""]);
     let checked = files(&[("a.sa", &text)], &LintLevels::default());
     assert!(checked.has_errors());
@@ -181,25 +181,29 @@ fn what_nobody_uses_is_told_of() {
         ("shape s { layer 1 { # } }", "unused-shape"),
         ("scene s from hemisphere { free 5 uniform }", "unused-scene"),
     ] {
-        assert_eq!(told(&format!("{declared} {program}")), [code], "{declared}");
+        assert_eq!(
+            reported(&format!("{declared} {program}")),
+            [code],
+            "{declared}"
+        );
         let name = declared.split([' ', '(']).nth(1).unwrap();
         let kept = declared.replace(&format!(" {name}"), &format!(" _{name}"));
-        assert_eq!(told(&format!("{kept} {program}")), [""; 0], "{kept}");
+        assert_eq!(reported(&format!("{kept} {program}")), [""; 0], "{kept}");
         let allowed = format!("allow {code} \"later\" {declared} {program}");
-        assert_eq!(told(&allowed), [""; 0], "{allowed}");
+        assert_eq!(reported(&allowed), [""; 0], "{allowed}");
         // A file without a program is there for others.
-        assert_eq!(told(declared), [""; 0]);
+        assert_eq!(reported(declared), [""; 0]);
     }
     // In each kind of block.
     let local = "assembly a {
         let a = 1 pattern t(b) { let i = 1 b.up -> T } shape s { layer 1..2 { # } }
         seed plate 1 x 1 { let b = 1 M at (0, 0) }
         phase p { let c = 1 for i in 1..1 { let d = 1 t(M) } M.up -> A } }";
-    let codes = told(local);
+    let codes = reported(local);
     let of = |code: &str| codes.iter().filter(|told| *told == code).count();
     // It is in error, and after that is mended:
     assert_eq!((of("unused-let"), codes.len()), (0, 1), "{codes:?}");
-    let codes = told(&local.replace("M.up -> A", ""));
+    let codes = reported(&local.replace("M.up -> A", ""));
     let of = |code: &str| codes.iter().filter(|told| *told == code).count();
     assert_eq!((of("unused-let"), of("unused-shape")), (5, 1), "{codes:?}");
 }
@@ -216,7 +220,7 @@ fn what_is_used_anywhere_is_not_told_of() {
          assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }",
         "let n = 3 aggregate pair in magnet_tank to n - 1",
     ] {
-        assert_eq!(told(program), [""; 0], "{program}");
+        assert_eq!(reported(program), [""; 0], "{program}");
     }
     let own =
         "import \"b.sa\" assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
@@ -238,7 +242,7 @@ fn only_a_number_that_no_other_file_sees_is_removed_unasked() {
 #[test]
 fn no_warning_follows_from_an_error() {
     let program = |phases: &str| {
-        told(&format!(
+        reported(&format!(
             "assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }} phase p {{ M.up -> A }} {phases} }}"
         ))
     };
@@ -260,7 +264,7 @@ fn no_warning_follows_from_an_error() {
     );
     // A misspelt name may be that of what seems to be unused.
     let unused = |used: &str| {
-        told(&format!(
+        reported(&format!(
             "shape flat {{ layer 1 {{ # }} }} assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}
             phase p {{ M.up -> A {used} }} }}"
         ))

@@ -23,7 +23,7 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
                     scene.name
                 ),
             )
-            .label(plan.site, format!("the scene {said}: {what}"))
+            .label(plan.location, format!("the scene {said}: {what}"))
             .help(
                 "name a scene with `bond reject`, where every face always attracts, such as \
                  `in magnet_tank`",
@@ -41,7 +41,7 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
                 format!("the aggregate needs {size} free blocks, the scene has {free}"),
             )
             .label(
-                phase.site,
+                phase.location,
                 format!("more than the {free} of `{}`", scene.name),
             )
             .help(format!(
@@ -73,7 +73,7 @@ pub fn check(
                 format!("the structure needs {size} free blocks, the scene has {free}"),
             )
             .label(
-                phase.site,
+                phase.location,
                 format!("anchored at the end of this phase: {size}"),
             )
             .help(format!(
@@ -87,7 +87,7 @@ pub fn check(
         let title = format!("the scene `{}` has no `bond`", scene.name);
         diagnostics.push(
             Diagnostic::new(Code::MissingTerm, title)
-                .label(first.site, "nothing can be captured in it")
+                .label(first.location, "nothing can be captured in it")
                 .help("add a clause such as `bond attract { pull 15 N within 20cm  anchor centres 1mm }`"),
         );
     }
@@ -121,7 +121,7 @@ pub fn check(
                 "the structure grows out of the enclosure",
             )
             .label(
-                event.site,
+                event.location,
                 format!(
                     "the block at {cell} reaches {:.2} m from the centre, beyond {:.2} m",
                     distance * side,

@@ -66,7 +66,7 @@ fn round(
             return None;
         }
         let next = again(&mut change.over(&now.sources, reader));
-        if trial::cures(now, &fixed, &change, &next) {
+        if trial::resolves(now, &fixed, &change, &next) {
             return Some((next, fixed.len()));
         }
         most /= 2;

@@ -2,7 +2,7 @@
 use petgraph::graph::{DiGraph, NodeIndex};
 use stochc_grammar::{Cancellation, Cancelled};
 
-use crate::Site;
+use crate::SourceLocation;
 use crate::layout::Layout;
 use crate::liveness::Liveness;
 use crate::plan::{EventId, EventKind, ProgramPlan};
@@ -27,7 +27,7 @@ pub enum LocatedDependency {
         of: u8,
     },
     /// The program says `after`, there.
-    After(Site),
+    After(SourceLocation),
     /// A block is let go only once its own children are.
     Emptied,
     /// A block can dock only once its cell is empty; the world sees to that by itself.
@@ -82,7 +82,7 @@ pub fn build(
     }
     for (after, subject) in plan.afters.iter().zip(&liveness.subjects) {
         if let Some(first) = *subject {
-            add(first, after.event, LocatedDependency::After(after.site));
+            add(first, after.event, LocatedDependency::After(after.location));
         }
     }
     for &(first, then) in &layout.emptied {

@@ -4,7 +4,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 use crate::liveness::{Holder, Liveness};
 use crate::plan::{EventId, EventKind, ProgramPlan};
 
@@ -69,8 +69,8 @@ pub fn lay_out(
             let first = plan.seeds[first.0 as usize];
             diagnostics.push(
                 Diagnostic::new(Code::OccupiedCell, format!("two seeds at {}", seed.cell))
-                    .label(seed.site, "a second one")
-                    .label(first.site, "the first")
+                    .label(seed.location, "a second one")
+                    .label(first.location, "the first")
                     .help("give each seed a place of its own"),
             );
         }
@@ -224,23 +224,23 @@ impl LayoutBuilder<'_> {
                     Code::BelowPlate,
                     format!("`{name}` would be inside the ground"),
                 )
-                .label(event.site, format!("its cell is {cell}"))
+                .label(event.location, format!("its cell is {cell}"))
                 .help("the plate is the layer z = 0; blocks grow from z = 1 upwards"),
             );
             return;
         }
         if let Some(&there) = self.taken.get(&cell) {
-            match leaving.get(&Holder::standing(there)) {
+            match leaving.get(&Holder::existing(there)) {
                 Some(&release) => self.layout.vacated.push((release, id)),
                 None => {
-                    let site = match self.seats[there.0 as usize].and_then(|seat| seat.on) {
-                        Some(on) => self.plan.event(on.capture).site,
-                        None => event.site,
+                    let location = match self.seats[there.0 as usize].and_then(|seat| seat.on) {
+                        Some(on) => self.plan.event(on.capture).location,
+                        None => event.location,
                     };
                     let name = self.plan.roles.name(there, self.symbols);
                     let diagnostic = self
                         .occupied(id, cell)
-                        .label(site, format!("`{name}` is there"))
+                        .label(location, format!("`{name}` is there"))
                         .help(format!(
                             "capture through another face, or release `{name}` first"
                         ));
@@ -255,7 +255,7 @@ impl LayoutBuilder<'_> {
             let label = format!("`{name}` takes it in the same phase");
             let diagnostic = self
                 .occupied(id, cell)
-                .label(first_event.site, label)
+                .label(first_event.location, label)
                 .help("put the second one into a later phase, behind the release of the first");
             self.reject(id, diagnostic);
             return;
@@ -277,7 +277,7 @@ impl LayoutBuilder<'_> {
                         Code::EmbeddedFace,
                         format!("the {face} face of `{name}` is inside the plate"),
                     )
-                    .label(event.site, "nothing can come to it")
+                    .label(event.location, "nothing can come to it")
                     .help(format!(
                         "only the upper faces of the plate show: `{name}.up`"
                     )),
@@ -285,15 +285,18 @@ impl LayoutBuilder<'_> {
                 false
             }
             Some(on) if on.face.opposite() == face => {
-                let site = self.plan.event(on.capture).site;
+                let location = self.plan.event(on.capture).location;
                 self.reject(
                     id,
                     Diagnostic::new(
                         Code::AnchoringFace,
                         format!("the {face} face of `{name}` is the one that anchors it"),
                     )
-                    .label(event.site, "captures through it")
-                    .label(site, format!("`{name}` hangs on its parent by that face"))
+                    .label(event.location, "captures through it")
+                    .label(
+                        location,
+                        format!("`{name}` hangs on its parent by that face"),
+                    )
                     .help("capture through another of its five faces"),
                 );
                 false
@@ -309,12 +312,12 @@ impl LayoutBuilder<'_> {
             Code::OccupiedCell,
             format!("`{name}` would dock where a block is"),
         )
-        .label(event.site, format!("its cell is {cell}"))
+        .label(event.location, format!("its cell is {cell}"))
     }
 
     fn reject(&mut self, id: EventId, diagnostic: Diagnostic) {
         self.plan.events[id.0 as usize].sound = false;
-        tell(self.diagnostics, diagnostic);
+        report(self.diagnostics, diagnostic);
     }
 
     /// Releases that would leave a child without a parent, and the order among releases.
@@ -344,7 +347,7 @@ impl LayoutBuilder<'_> {
                         continue;
                     }
                     let name = self.plan.roles.name(event.role, self.symbols);
-                    let is_reused = leaving.contains_key(&Holder::standing(child.role));
+                    let is_reused = leaving.contains_key(&Holder::existing(child.role));
                     let is_new = child.since.is_some();
                     let child = self.plan.roles.name(child.role, self.symbols);
                     let help = match (is_new, is_reused) {
@@ -357,15 +360,15 @@ impl LayoutBuilder<'_> {
                              together with the new `{child}`"
                         ),
                     };
-                    let site = self.plan.event(capture).site;
+                    let location = self.plan.event(capture).location;
                     self.reject(
                         id,
                         Diagnostic::new(
                             Code::Adrift,
                             format!("releasing `{name}` sets `{child}` adrift"),
                         )
-                        .label(event.site, format!("`{name}` is let go"))
-                        .label(site, format!("`{child}` hangs on it"))
+                        .label(event.location, format!("`{name}` is let go"))
+                        .label(location, format!("`{child}` hangs on it"))
                         .help(help),
                     );
                 }
@@ -385,7 +388,7 @@ impl LayoutBuilder<'_> {
         let there = self.taken.get(&cell).filter(|_| parent.since.is_none());
         let there = there.and_then(|&child| {
             let on = self.seats[child.0 as usize].and_then(|seat| seat.on)?;
-            (on.parent == parent.role).then_some((Holder::standing(child), on.capture))
+            (on.parent == parent.role).then_some((Holder::existing(child), on.capture))
         });
         let arrives = arrivals.get(&cell).and_then(|&capture| {
             let child = Holder::captured(self.plan.event(capture).role, capture);

@@ -54,7 +54,7 @@ pub use program::{
     Checked, Program, Stage, check, check_cancellable, check_changed, check_observed, check_with,
 };
 pub use shape::cells as shape_cells;
-pub use source::{FileId, Site, SourceFile, Sources};
+pub use source::{FileId, SourceFile, SourceLocation, Sources};
 pub use stochc_grammar::{Cancellation, Cancelled, Span, Symbols};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.

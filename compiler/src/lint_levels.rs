@@ -4,9 +4,9 @@ use stochc_grammar::tree::{Item, ItemKind, LintDirective, LintDirectiveKind};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::suggest::nearest;
 
-use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, report};
 use crate::load::Module;
-use crate::{FileId, Site, Sources};
+use crate::{FileId, SourceLocation, Sources};
 
 /// What becomes of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,11 +64,11 @@ struct Set {
     code: Code,
     reason: String,
     /// Of the code.
-    site: Site,
+    location: SourceLocation,
     /// Of the whole statement.
-    whole: Site,
-    /// Whether it would be told of, if it set nothing.
-    judged: bool,
+    whole: SourceLocation,
+    /// Whether it is reported if it sets nothing.
+    reported: bool,
     /// Whether comments belong to it.
     documented: bool,
     used: bool,
@@ -89,7 +89,7 @@ struct LintScope {
 struct LevelScope {
     file: FileId,
     outer: Option<usize>,
-    judged: bool,
+    reported: bool,
 }
 
 impl FileLevels {
@@ -110,7 +110,7 @@ impl FileLevels {
                 file: module.file,
                 outer: None,
                 // Patterns of a file may warn only where another file grows them.
-                judged: own == Some(module.file) && items.iter().any(has_program),
+                reported: own == Some(module.file) && items.iter().any(has_program),
             };
             let whole = Span::new(0, sources.file(module.file).text.len() as u32);
             levels.block(items, whole, place, sources, symbols, diagnostics);
@@ -133,25 +133,25 @@ impl FileLevels {
             let ItemKind::Level(statement) = &item.kind else {
                 continue;
             };
-            let site = |span| Site {
+            let location = |span| SourceLocation {
                 file: place.file,
                 span,
             };
-            match code(statement, site(item.span), sources, symbols) {
+            match code(statement, location(item.span), sources, symbols) {
                 Ok(code) => {
                     set.insert(code, self.statements.len());
                     self.statements.push(Set {
                         verdict: statement.verdict,
                         code,
                         reason: statement.reason.clone(),
-                        site: site(statement.code.span),
-                        whole: site(item.span),
-                        judged: place.judged,
+                        location: location(statement.code.span),
+                        whole: location(item.span),
+                        reported: place.reported,
                         documented: item.docs.0.is_some(),
                         used: false,
                     });
                 }
-                Err(diagnostic) => tell(diagnostics, *diagnostic),
+                Err(diagnostic) => report(diagnostics, *diagnostic),
             }
         }
         if !set.is_empty() {
@@ -168,7 +168,7 @@ impl FileLevels {
                 ItemKind::For(block) => &block.body,
                 ItemKind::Pattern(block) => {
                     // Nobody may grow it.
-                    inner.judged = false;
+                    inner.reported = false;
                     &block.body
                 }
                 _ => continue,
@@ -178,7 +178,7 @@ impl FileLevels {
     }
 
     /// Sorts the findings of a check into those that are told and those that are allowed.
-    pub fn judge(
+    pub fn apply(
         mut self,
         diagnostics: Vec<Diagnostic>,
         levels: &LintLevels,
@@ -194,7 +194,7 @@ impl FileLevels {
             // An allowed `unused-allow` is put to use by the other ones.
             for about_itself in [false, true] {
                 let unused = |set: &&Set| {
-                    set.judged
+                    set.reported
                         && !set.used
                         && set.verdict == LintDirectiveKind::Allow
                         && (set.code == Code::UnusedAllow) == about_itself
@@ -220,11 +220,11 @@ impl FileLevels {
         if diagnostic.code.severity() == Severity::Error {
             return told.push(diagnostic);
         }
-        let site = diagnostic.labels.first().map(|label| label.site);
-        let set = site.and_then(|site| self.find(diagnostic.code, site));
+        let location = diagnostic.labels.first().map(|label| label.location);
+        let set = location.and_then(|location| self.find(diagnostic.code, location));
         let level = match set {
             // No statement speaks of itself.
-            Some(set) if Some(self.statements[set].site) != site => {
+            Some(set) if Some(self.statements[set].location) != location => {
                 let set = &mut self.statements[set];
                 set.used = true;
                 if set.verdict == LintDirectiveKind::Allow {
@@ -232,7 +232,7 @@ impl FileLevels {
                     return allowed.push(Allowed { diagnostic, reason });
                 }
                 let text = format!("denied here: {}", set.reason);
-                diagnostic = diagnostic.label(set.site, text);
+                diagnostic = diagnostic.label(set.location, text);
                 Level::Deny
             }
             _ => levels.of(diagnostic.code),
@@ -251,9 +251,9 @@ impl FileLevels {
     }
 
     /// The statement of the innermost block around a place that speaks of a code.
-    fn find(&self, code: Code, site: Site) -> Option<usize> {
-        let scopes = self.scopes.get(&site.file)?;
-        let at = site.span.start;
+    fn find(&self, code: Code, location: SourceLocation) -> Option<usize> {
+        let scopes = self.scopes.get(&location.file)?;
+        let at = location.span.start;
         // The last block that begins before the place holds it, or lies in one that does.
         let mut next = scopes
             .partition_point(|scope| scope.span.start <= at)
@@ -272,7 +272,7 @@ impl Set {
     fn unused(&self, sources: &Sources) -> Diagnostic {
         let title = format!("there is no `{}` here to allow", self.code);
         let mut diagnostic = Diagnostic::new(Code::UnusedAllow, title)
-            .label(self.site, "allows nothing")
+            .label(self.location, "allows nothing")
             .help("remove it, or look whether it stands in the right block");
         // The comments of a removed statement would belong to nothing.
         if !self.documented {
@@ -288,13 +288,13 @@ impl Set {
 /// The warning that a statement speaks of.
 fn code(
     statement: &LintDirective,
-    whole: Site,
+    whole: SourceLocation,
     sources: &Sources,
     symbols: &Symbols,
 ) -> Result<Code, Box<Diagnostic>> {
     let word = symbols.word(statement.code.symbol);
     let verdict = statement.verdict.word();
-    let site = Site {
+    let location = SourceLocation {
         file: whole.file,
         span: statement.code.span,
     };
@@ -303,8 +303,8 @@ fn code(
         let meant = nearest(word, Code::ALL.iter().map(|code| code.name()));
         return Err(Box::new(
             Diagnostic::new(Code::UnknownCode, title)
-                .label(site, "not known")
-                .suggest(site, meant, || {
+                .label(location, "not known")
+                .suggest(location, meant, || {
                     "`stochc explain` lists all codes".to_owned()
                 }),
         ));
@@ -323,7 +323,7 @@ fn code(
         ),
     };
     let mut diagnostic = Diagnostic::new(Code::FixedLevel, title)
-        .label(site, "an error")
+        .label(location, "an error")
         .help(help);
     if statement.verdict == LintDirectiveKind::Deny {
         let title = format!("remove the `{verdict}`");

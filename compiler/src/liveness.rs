@@ -5,11 +5,12 @@ use stochc_ir::suggest::nearest;
 use stochc_ir::table::{RoleId, Trigger};
 
 use crate::diagnostic::{
-    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, named, parameter_hint, removal, tell,
+    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, named, parameter_hint, removal,
+    report,
 };
 use crate::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
-use crate::{Site, Sources};
+use crate::{SourceLocation, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.
 #[derive(Clone, Debug)]
@@ -41,7 +42,7 @@ pub struct Holder {
 
 impl Holder {
     /// The block that has a name when the phase begins.
-    pub fn standing(role: RoleId) -> Holder {
+    pub fn existing(role: RoleId) -> Holder {
         Holder { role, since: None }
     }
 
@@ -180,15 +181,16 @@ impl Checker<'_> {
                 let name = self.plan.roles.name(seed.role, self.symbols);
                 let mut diagnostic =
                     Diagnostic::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
-                        .label(seed.site, "captures nothing")
+                        .label(seed.location, "captures nothing")
                         .help("leave it out: the plate is there without it");
                 // A statement in a loop stands for several seeds, of which others may be used.
-                let alone = named(self.sources, seed.site, &name);
+                let alone = named(self.sources, seed.location, &name);
                 if let Some(statement) = seed.statement.filter(|_| alone.is_some()) {
-                    let site = removal(self.sources, statement);
-                    diagnostic.fix = Some(Fix::remove(site, format!("remove the seed `{name}`")));
+                    let location = removal(self.sources, statement);
+                    diagnostic.fix =
+                        Some(Fix::remove(location, format!("remove the seed `{name}`")));
                 }
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
             }
         }
         Ok(())
@@ -205,13 +207,13 @@ impl Checker<'_> {
         if redundant.is_empty() {
             return;
         }
-        let place = |site: Site| (site.file, site.span.start);
+        let place = |location: SourceLocation| (location.file, location.span.start);
         let needed: FxHashSet<_> = (self.plan.afters.iter().zip(&self.liveness.subjects))
             .filter(|(_, subject)| subject.is_some())
-            .map(|(after, _)| place(after.site))
+            .map(|(after, _)| place(after.location))
             .collect();
         for diagnostic in &mut redundant {
-            if needed.contains(&place(diagnostic.labels[0].site)) {
+            if needed.contains(&place(diagnostic.labels[0].location)) {
                 diagnostic.fix = None;
             }
         }
@@ -243,8 +245,8 @@ impl Checker<'_> {
                         first,
                     );
                 } else if seed {
-                    let site = self.plan.seeds[event.role.0 as usize].site;
-                    self.reject_at(id, Code::CapturedTwice, "is a seed of the plate", site);
+                    let location = self.plan.seeds[event.role.0 as usize].location;
+                    self.reject_at(id, Code::CapturedTwice, "is a seed of the plate", location);
                 } else {
                     self.state(event.role, stamp).captured = Some(id);
                 }
@@ -259,8 +261,8 @@ impl Checker<'_> {
                         first,
                     );
                 } else if seed {
-                    let site = self.plan.seeds[event.role.0 as usize].site;
-                    self.reject_at(id, Code::ReleasedSeed, "is part of the plate", site);
+                    let location = self.plan.seeds[event.role.0 as usize].location;
+                    self.reject_at(id, Code::ReleasedSeed, "is part of the plate", location);
                 } else {
                     self.state(event.role, stamp).released = Some(id);
                 }
@@ -339,36 +341,37 @@ impl Checker<'_> {
                 Code::AbsentBlock,
                 format!("`{name}` is not released in this phase"),
             )
-            .label(after.site, "would be waited for in vain")
+            .label(after.location, "would be waited for in vain")
             .help("release it in the same phase, or drop it from the list")
         } else if state.holder.is_some() {
             let mut diagnostic = Diagnostic::new(
                 Code::RedundantAfter,
                 format!("`{name}` is part of the structure before this phase begins"),
             )
-            .label(after.site, "nothing to wait for");
+            .label(after.location, "nothing to wait for");
             if state.released.is_some() {
                 diagnostic =
                     diagnostic.help(format!("to wait until it has gone: `after release {name}`"));
             }
             // The text must speak of this block alone: in a loop or a pattern, others may be meant.
-            if named(self.sources, after.site, &name) == Some(after.site) {
-                let drop = |site| Fix::remove(site, format!("drop `{name}` from the `after`"));
+            if named(self.sources, after.location, &name) == Some(after.location) {
+                let drop =
+                    |location| Fix::remove(location, format!("drop `{name}` from the `after`"));
                 let doubt = state.released.is_some();
-                let fix = entry(self.sources, after.site).map(drop);
+                let fix = entry(self.sources, after.location).map(drop);
                 diagnostic.fix = fix.map(|fix| fix.unsafe_if(doubt));
             }
             diagnostic
         } else {
             let title = format!("`{name}` is not captured in this phase");
             let diagnostic = Diagnostic::new(Code::AbsentBlock, title)
-                .label(after.site, "would be waited for in vain");
-            match self.unknown(after.role, after.site, state, diagnostic) {
+                .label(after.location, "would be waited for in vain");
+            match self.unknown(after.role, after.location, state, diagnostic) {
                 Some(diagnostic) => diagnostic,
                 None => return,
             }
         };
-        tell(self.diagnostics, diagnostic);
+        report(self.diagnostics, diagnostic);
     }
 
     /// The names after the phase.
@@ -397,17 +400,17 @@ impl Checker<'_> {
     }
 
     fn reject(&mut self, id: EventId, code: Code, what: &str, first: EventId) {
-        let site = self.plan.event(first).site;
-        self.reject_at(id, code, what, site);
+        let location = self.plan.event(first).location;
+        self.reject_at(id, code, what, location);
     }
 
-    fn reject_at(&mut self, id: EventId, code: Code, what: &str, other: Site) {
+    fn reject_at(&mut self, id: EventId, code: Code, what: &str, other: SourceLocation) {
         let event = &mut self.plan.events[id.0 as usize];
         event.sound = false;
         if self.diagnostics.len() > MOST_FINDINGS {
             return;
         }
-        let (site, role) = (event.site, event.role);
+        let (location, role) = (event.location, event.role);
         let name = self.plan.roles.name(role, self.symbols);
         let (here, there, help) = match code {
             Code::CapturedTwice => (
@@ -426,10 +429,10 @@ impl Checker<'_> {
                 "only captured blocks can be released",
             ),
         };
-        tell(
+        report(
             self.diagnostics,
             Diagnostic::new(code, format!("`{name}` {what}"))
-                .label(site, here)
+                .label(location, here)
                 .label(other, there)
                 .help(help),
         );
@@ -444,16 +447,16 @@ impl Checker<'_> {
         if self.is_doubtful(role) {
             return;
         }
-        let site = self.plan.event(id).site;
+        let location = self.plan.event(id).location;
         let name = self.plan.roles.name(role, self.symbols);
         let code = match self.plan.event(id).kind {
             EventKind::Release => Code::ReleasedAbsent,
             EventKind::Capture { .. } => Code::AbsentBlock,
         };
         let title = format!("`{name}` is not part of the structure in this phase");
-        let diagnostic = Diagnostic::new(code, title).label(site, consequence);
-        if let Some(diagnostic) = self.unknown(role, site, state, diagnostic) {
-            tell(self.diagnostics, diagnostic);
+        let diagnostic = Diagnostic::new(code, title).label(location, consequence);
+        if let Some(diagnostic) = self.unknown(role, location, state, diagnostic) {
+            report(self.diagnostics, diagnostic);
         }
     }
 
@@ -489,24 +492,24 @@ impl Checker<'_> {
     fn unknown(
         &mut self,
         role: RoleId,
-        site: Site,
+        location: SourceLocation,
         state: RoleLiveness,
         mut diagnostic: Diagnostic,
     ) -> Option<Diagnostic> {
         if let Some(release) = state.last_release {
             let diagnostic = diagnostic
-                .label(self.plan.event(release).site, "released here")
+                .label(self.plan.event(release).location, "released here")
                 .help("capture it again first; a name may be taken many times");
             return Some(diagnostic);
         }
         if let Some(&capture) = self.first_captures().get(&role) {
             let diagnostic = diagnostic
-                .label(self.plan.event(capture).site, "captured here")
+                .label(self.plan.event(capture).location, "captured here")
                 .help("a block can act in the phase that captures it, or later");
             return Some(diagnostic);
         }
         diagnostic.code = Code::UnknownName;
-        if let Some(diagnostic) = self.around(role, site) {
+        if let Some(diagnostic) = self.around(role, location) {
             return Some(diagnostic);
         }
         let name = self.plan.roles.name(role, self.symbols);
@@ -518,17 +521,19 @@ impl Checker<'_> {
         let key = self.plan.roles.key(role);
         let roles = &self.plan.roles;
         if let Some(members) = members(key, self.blocks(), roles, self.symbols) {
-            return Some(diagnostic.help(members.told("block")));
+            return Some(diagnostic.help(members.describe("block")));
         }
         let known = self.blocks().take(2_000);
         let known = known.map(|key| roles.name_of(key, self.symbols));
-        let written = named(self.sources, site, &name);
-        diagnostic = diagnostic.suggest(site, nearest(&name, known), || {
+        let written = named(self.sources, location, &name);
+        diagnostic = diagnostic.suggest(location, nearest(&name, known), || {
             "seat it on the plate, or capture it first".to_owned()
         });
         // Where the name is worked out, the text is another.
-        diagnostic.fix = diagnostic.fix.zip(written).map(|(mut fix, site)| {
-            fix.edits.iter_mut().for_each(|edit| edit.site = site);
+        diagnostic.fix = diagnostic.fix.zip(written).map(|(mut fix, location)| {
+            fix.edits
+                .iter_mut()
+                .for_each(|edit| edit.location = location);
             fix
         });
         Some(diagnostic)
@@ -544,12 +549,12 @@ impl Checker<'_> {
     }
 
     /// That a pattern does not see a block that is known around it.
-    fn around(&mut self, role: RoleId, site: Site) -> Option<Diagnostic> {
+    fn around(&mut self, role: RoleId, location: SourceLocation) -> Option<Diagnostic> {
         let key = self.plan.roles.key(role);
         let grown = self.grown(key.scope)?;
         // Elsewhere the name is written with that of the instance before it.
         let word = self.symbols.word(key.word);
-        let behind = self.sources.text(site).strip_prefix(word)?;
+        let behind = self.sources.text(location).strip_prefix(word)?;
         if behind.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_') {
             return None;
         }
@@ -563,8 +568,8 @@ impl Checker<'_> {
         let is_block = |role: RoleId| is_seed(role) || captures.contains_key(&role);
         let (scope, known) = candidates.into_iter().find(|&(_, role)| is_block(role))?;
         let there = match self.first_captures().get(&known) {
-            Some(&capture) => (self.plan.event(capture).site, "captured here"),
-            None => (self.plan.seeds[known.0 as usize].site, "seated here"),
+            Some(&capture) => (self.plan.event(capture).location, "captured here"),
+            None => (self.plan.seeds[known.0 as usize].location, "seated here"),
         };
         let whose = match self.grown(scope) {
             Some(outer) => format!("of the pattern `{}`", self.symbols.word(outer.pattern)),
@@ -574,7 +579,7 @@ impl Checker<'_> {
         let pattern = self.symbols.word(grown.pattern);
         let title = format!("the pattern `{pattern}` does not see the block `{block}` {whose}");
         let diagnostic = Diagnostic::new(Code::UnknownName, title)
-            .label(site, "not known inside of the pattern")
+            .label(location, "not known inside of the pattern")
             .label(there.0, there.1)
             .help(parameter_hint(self.sources, &grown, word, &block));
         Some(diagnostic)

@@ -4,8 +4,8 @@ use stochc_grammar::tree::{ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable};
 use stochc_ir::visible;
 
-use crate::diagnostic::{Code, Diagnostic, Fix, removal, tell};
-use crate::{FileId, Site, Sources};
+use crate::diagnostic::{Code, Diagnostic, Fix, removal, report};
+use crate::{FileId, SourceLocation, Sources};
 
 /// Reads files for the compiler, which does no IO of its own.
 pub trait Reader {
@@ -84,7 +84,7 @@ const MOST_BYTES: u64 = 1 << 32;
 #[derive(Clone, Copy, PartialEq)]
 enum LoadState {
     /// Its imports are being read; the file, and where the next one is imported.
-    Open(Site),
+    Open(SourceLocation),
     Done,
 }
 
@@ -124,16 +124,18 @@ impl Loader<'_> {
             };
             let file = top.module.file;
             let path = join(&top.path, &import);
-            self.state
-                .insert(top.path.clone(), LoadState::Open(Site { file, span }));
+            self.state.insert(
+                top.path.clone(),
+                LoadState::Open(SourceLocation { file, span }),
+            );
             match self.state.get(&path) {
                 None if self.state.len() >= MOST_FILES || self.bytes >= MOST_BYTES => {
-                    self.too_many(Site { file, span });
+                    self.too_many(SourceLocation { file, span });
                 }
-                None => stack.extend(self.open(path, Some(Site { file, span }))?),
+                None => stack.extend(self.open(path, Some(SourceLocation { file, span }))?),
                 Some(LoadState::Done) => {}
                 Some(LoadState::Open(_)) => {
-                    let statement = statement.map(|span| Site { file, span });
+                    let statement = statement.map(|span| SourceLocation { file, span });
                     self.cycle(&path, &stack, statement);
                 }
             }
@@ -142,7 +144,7 @@ impl Loader<'_> {
     }
 
     /// Says, once, that no more files are read.
-    fn too_many(&mut self, import: Site) {
+    fn too_many(&mut self, import: SourceLocation) {
         if std::mem::replace(&mut self.full, true) {
             return;
         }
@@ -155,12 +157,16 @@ impl Loader<'_> {
     }
 
     /// Reads a file; `None` if that cannot be done, which has been told.
-    fn open(&mut self, path: String, importer: Option<Site>) -> Result<Option<Pending>, Cancelled> {
+    fn open(
+        &mut self,
+        path: String,
+        importer: Option<SourceLocation>,
+    ) -> Result<Option<Pending>, Cancelled> {
         self.cancellation.check()?;
-        if let Some(site) = importer
+        if let Some(location) = importer
             && let Some(folder) = self.reader.outside(&path)
         {
-            self.outside(&path, &folder, site);
+            self.outside(&path, &folder, location);
             self.state.insert(path, LoadState::Done);
             return Ok(None);
         }
@@ -173,12 +179,12 @@ impl Loader<'_> {
                     format!("cannot read `{}`", visible(&path)),
                 );
                 let diagnostic = match importer {
-                    Some(site) => diagnostic
-                        .label(site, reason)
+                    Some(location) => diagnostic
+                        .label(location, reason)
                         .help("the path is relative to the file that imports it"),
                     None => diagnostic.help(reason),
                 };
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
                 return Ok(None);
             }
         };
@@ -190,7 +196,7 @@ impl Loader<'_> {
             let span = Span::new(at, at + '\u{fffd}'.len_utf8() as u32);
             self.diagnostics.push(
                 Diagnostic::new(Code::NotUtf8, "the file is not UTF-8 text")
-                    .label(Site { file, span }, "the first byte that is not")
+                    .label(SourceLocation { file, span }, "the first byte that is not")
                     .help("save the file as UTF-8"),
             );
             self.state.insert(path, LoadState::Done);
@@ -212,11 +218,11 @@ impl Loader<'_> {
                 _ => None,
             })
             .collect();
-        let site = Site {
+        let location = SourceLocation {
             file,
             span: Span::default(),
         };
-        self.state.insert(path.clone(), LoadState::Open(site));
+        self.state.insert(path.clone(), LoadState::Open(location));
         Ok(Some(Pending {
             path,
             module: Module {
@@ -228,7 +234,7 @@ impl Loader<'_> {
     }
 
     /// Says that an import leads out of the folders from which files may come.
-    fn outside(&mut self, path: &str, folder: &str, import: Site) {
+    fn outside(&mut self, path: &str, folder: &str, import: SourceLocation) {
         let (path, folder) = (visible(path), visible(folder));
         let title = format!("`{path}` is not in the folder of the program");
         let diagnostic = Diagnostic::new(Code::ImportOutside, title)
@@ -236,11 +242,11 @@ impl Loader<'_> {
             .help(
                 "put the file there, or allow the folder in which it is with `--allow-import DIR`",
             );
-        tell(self.diagnostics, diagnostic);
+        report(self.diagnostics, diagnostic);
     }
 
     /// Labels every import of a circle of files.
-    fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<Site>) {
+    fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<SourceLocation>) {
         /// Circles told of, and imports labelled of each, at most.
         const MOST: usize = 10;
         let is_circle = |diagnostic: &&Diagnostic| diagnostic.code == Code::ImportCycle;
@@ -256,10 +262,10 @@ impl Loader<'_> {
         };
         let mut diagnostic = Diagnostic::new(Code::ImportCycle, title);
         for pending in circle.iter().take(MOST) {
-            if let Some(LoadState::Open(site)) = self.state.get(&pending.path) {
-                let import = self.sources.text(*site).to_owned();
+            if let Some(LoadState::Open(location)) = self.state.get(&pending.path) {
+                let import = self.sources.text(*location).to_owned();
                 diagnostic = diagnostic.label(
-                    *site,
+                    *location,
                     format!("`{}` imports {import}", visible(&pending.path)),
                 );
             }
@@ -270,8 +276,8 @@ impl Loader<'_> {
         };
         diagnostic = diagnostic.help(help);
         if let (1, Some(statement)) = (circle.len(), statement) {
-            let site = removal(self.sources, statement);
-            diagnostic = diagnostic.fix(Fix::remove(site, "remove the import"));
+            let location = removal(self.sources, statement);
+            diagnostic = diagnostic.fix(Fix::remove(location, "remove the import"));
         }
         self.diagnostics.push(diagnostic);
     }

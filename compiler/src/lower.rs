@@ -122,7 +122,7 @@ impl Lowering<'_> {
                 }
             }
         }
-        self.tell(id, phase);
+        self.notify(id, phase);
     }
 
     /// What an event waits for, as the acting block sees it.
@@ -171,7 +171,7 @@ impl Lowering<'_> {
             None => {
                 let on = self.layout.parents[id.0 as usize];
                 let role = on.map_or(self.plan.event(id).role, |on| on.parent);
-                Holder::standing(role)
+                Holder::existing(role)
             }
         }
     }
@@ -193,7 +193,7 @@ impl Lowering<'_> {
     }
 
     /// The messages that an event sends to the blocks that wait for it elsewhere.
-    fn tell(&mut self, id: EventId, phase: PhaseId) {
+    fn notify(&mut self, id: EventId, phase: PhaseId) {
         let event = *self.plan.event(id);
         let node = NodeIndex::new(id.0 as usize);
         let witness = self.witness(id);

@@ -16,8 +16,8 @@ pub(crate) struct Members {
 }
 
 impl Members {
-    /// Tells which there are of what `noun` calls one.
-    pub fn told(&self, noun: &str) -> String {
+    /// Describes which there are of what `noun` calls one.
+    pub fn describe(&self, noun: &str) -> String {
         let Members { word, names, .. } = self;
         match self.is_single {
             true => format!("the only {noun} called `{word}` is {names}"),

@@ -97,7 +97,7 @@ pub fn sort(
             |_, &id| (!done.contains(&id) && plan.event(id).sound).then_some(id),
             |edge, &why| (!unneeded.contains(&edge)).then_some(why),
         );
-        tell_cycles(plan, &rest, symbols, diagnostics);
+        report_cycles(plan, &rest, symbols, diagnostics);
         return Ok(None);
     }
     order.chains = (plan.phases.iter())
@@ -144,7 +144,7 @@ fn longest_chain(
 }
 
 /// Tells of the circles in what is left of a graph when all that can happen has.
-fn tell_cycles(
+fn report_cycles(
     plan: &ProgramPlan,
     rest: &DependencyGraph,
     symbols: &Symbols,
@@ -215,38 +215,39 @@ fn describe(
         let event = plan.event(then);
         let waits = plan.describe(then, symbols);
         let before = plan.describe(first, symbols);
-        let (site, text) = match why {
+        let (location, text) = match why {
             LocatedDependency::Anchored => {
                 let name = match event.kind {
                     EventKind::Capture { parent, .. } => plan.roles.name(parent, symbols),
                     EventKind::Release => plan.roles.name(event.role, symbols),
                 };
                 (
-                    event.site,
+                    event.location,
                     format!("`{waits}` needs `{name}`, which `{before}` anchors"),
                 )
             }
             LocatedDependency::Face { .. } => (
-                event.site,
+                event.location,
                 format!("`{waits}` waits for a free face: `{before}` is written before it"),
             ),
-            LocatedDependency::After(site) => {
-                (site, format!("`{waits}` is told to wait for `{before}`"))
-            }
+            LocatedDependency::After(location) => (
+                location,
+                format!("`{waits}` is told to wait for `{before}`"),
+            ),
             LocatedDependency::Emptied => (
-                event.site,
+                event.location,
                 format!("`{waits}` waits until its child has gone: `{before}`"),
             ),
             LocatedDependency::Vacated => (
-                event.site,
+                event.location,
                 format!("`{waits}` needs the cell that `{before}` empties"),
             ),
             LocatedDependency::Freed => (
-                event.site,
+                event.location,
                 format!("`{waits}` needs the name that `{before}` frees"),
             ),
         };
-        diagnostic = diagnostic.label(site, text);
+        diagnostic = diagnostic.label(location, text);
     }
     let why = |kind: fn(&LocatedDependency) -> bool| cycle.iter().any(|(_, _, why)| kind(why));
     let help = if count > MOST_LABELS {

@@ -8,7 +8,7 @@ use stochc_ir::scene::units::Dimension;
 use stochc_ir::table::{Plate, RoleId};
 use stochc_ir::{Cell, Face};
 
-use crate::Site;
+use crate::SourceLocation;
 use crate::scene::to_si;
 
 /// A program, written out.
@@ -17,7 +17,7 @@ pub struct ProgramPlan {
     /// Its name.
     pub name: String,
     /// Where that stands.
-    pub site: Site,
+    pub location: SourceLocation,
     /// The seed plate.
     pub plate: Plate,
     /// The seeds, in source order.
@@ -53,9 +53,9 @@ pub struct PatternInstance {
     /// The name of the pattern.
     pub pattern: Symbol,
     /// Where that is declared.
-    pub declared: Site,
+    pub declared: SourceLocation,
     /// The statement that grows it, without the name of the instance.
-    pub call: Site,
+    pub call: SourceLocation,
     /// Whether it has been given what could not be worked out, so that blocks may be missing in it.
     pub is_doubtful: bool,
 }
@@ -68,9 +68,9 @@ pub struct PlanSeed {
     /// Its cell, with z = 0.
     pub cell: Cell,
     /// Where it is named.
-    pub site: Site,
+    pub location: SourceLocation,
     /// The whole statement, if no comments belong to it.
-    pub statement: Option<Site>,
+    pub statement: Option<SourceLocation>,
 }
 
 /// A phase, written out.
@@ -79,7 +79,7 @@ pub struct PlanPhase {
     /// Its name.
     pub name: String,
     /// Where that stands.
-    pub site: Site,
+    pub location: SourceLocation,
     /// Ticks or seconds after which it has failed.
     pub timeout: Option<Timeout>,
     /// Its events, a range of [`ProgramPlan::events`].
@@ -87,7 +87,7 @@ pub struct PlanPhase {
     /// Whether its blocks are attached by hand before anything moves; only the first phase may be.
     pub planted: bool,
     /// The shape it claims, with the place of the claim.
-    pub claims: Vec<(Symbol, Site)>,
+    pub claims: Vec<(Symbol, SourceLocation)>,
 }
 
 /// How long a phase may take.
@@ -131,7 +131,7 @@ pub struct PlanEvent {
     /// The block that is captured or released.
     pub role: RoleId,
     /// Where it is written.
-    pub site: Site,
+    pub location: SourceLocation,
     /// Whether it makes sense; a senseless event has been told of, and takes no further part.
     pub sound: bool,
 }
@@ -160,7 +160,7 @@ pub struct AfterConstraint {
     /// Whether for its release rather than its capture.
     pub release: bool,
     /// Where it is written.
-    pub site: Site,
+    pub location: SourceLocation,
 }
 
 /// A name without its text: the instance of a pattern it belongs to, a word, and indices.

@@ -7,7 +7,7 @@ use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
 use stochc_rates::Rates;
 
-use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};
 use crate::expand::{
     Declarations, DeclaredItems, ExpansionBounds, Limits, duplicate, expand, expand_aggregate,
 };
@@ -20,8 +20,8 @@ use crate::order::{self, Order};
 use crate::plan::ProgramPlan;
 use crate::scenes::Scenes;
 use crate::{
-    FileId, Site, Sources, capacity, layout, liveness, lower, reach, scene, shape, trial, turns,
-    unplanned_bonds, unused,
+    FileId, SourceLocation, Sources, capacity, layout, liveness, lower, reach, scene, shape, trial,
+    turns, unplanned_bonds, unused,
 };
 
 /// Everything that is known of a file after looking at all of it.
@@ -127,7 +127,13 @@ pub fn check_changed(
     changes: &[ScalarChange],
 ) -> Checked {
     let bounds = unhurried(limits);
-    to_its_end(judged(path, reader, bounds, levels, (assembly, changes)))
+    to_its_end(check_verified(
+        path,
+        reader,
+        bounds,
+        levels,
+        (assembly, changes),
+    ))
 }
 
 /// [`check`], as long as the result is wanted.
@@ -145,7 +151,7 @@ pub fn check_cancellable(
         limits,
         cancellation,
     };
-    judged(path, reader, bounds, &LintLevels::default(), ("", &[]))
+    check_verified(path, reader, bounds, &LintLevels::default(), ("", &[]))
 }
 
 /// Bounds for somebody who waits.
@@ -165,7 +171,7 @@ fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
 }
 
 /// [`check_all`], with fixes that are safe only if they have been tried.
-fn judged(
+fn check_verified(
     path: &str,
     reader: &mut dyn Reader,
     bounds: ExpansionBounds<'_>,
@@ -176,7 +182,7 @@ fn judged(
         check_all(path, texts, bounds, levels, changes, is_trial, &mut |_| {})
     };
     let mut checked = check_all(reader, false)?;
-    trial::judge(&mut checked, reader, &mut |texts| {
+    trial::verify_fixes(&mut checked, reader, &mut |texts| {
         let mut after = check_all(texts, true)?;
         after.diagnostics = fold(after.diagnostics);
         Ok(after)
@@ -256,7 +262,7 @@ fn check_all(
         true => diagnostics,
         false => fold(diagnostics),
     };
-    let (mut diagnostics, allowed) = file_levels.judge(diagnostics, levels, &sources);
+    let (mut diagnostics, allowed) = file_levels.apply(diagnostics, levels, &sources);
     diagnostics.sort_by_key(Diagnostic::place);
     // A denied warning has come too late to keep a program from being lowered.
     if diagnostics.iter().any(Diagnostic::is_denied) {
@@ -360,19 +366,19 @@ fn programs(
             ItemKind::Aggregate(aggregate) => (aggregate.name, aggregate.scene),
             _ => continue,
         };
-        let site = Site {
+        let location = SourceLocation {
             file: own.file,
             span: name.span,
         };
-        if let Some(old) = seen.insert(name.symbol, site) {
+        if let Some(old) = seen.insert(name.symbol, location) {
             let name = symbols.word(name.symbol);
-            tell(diagnostics, duplicate(name, old, site, item.noun()));
+            report(diagnostics, duplicate(name, old, location, item.noun()));
         }
         let scene = scenes.get(scene, own.file, symbols, diagnostics);
         let (changed, changes) = about.changes;
         let scene = match scene {
             Some(scene) if symbols.word(name.symbol) == changed => {
-                let wrong = |error| tell(diagnostics, scene::diagnostic(&error, site));
+                let wrong = |error| report(diagnostics, scene::diagnostic(&error, location));
                 scalars::changed(scene, changes).map_err(wrong).ok()
             }
             scene => scene,
@@ -460,7 +466,7 @@ pub(crate) fn declarations<'a>(
                 declarations.lets.push((file, item));
             }
             if let Some(duplicate) = (declarations.declared).declare((file, item), names, symbols) {
-                tell(diagnostics, duplicate);
+                report(diagnostics, duplicate);
             }
         }
     }

@@ -5,10 +5,10 @@ use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::scene::Scene;
 use stochc_ir::suggest::nearest;
 
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 use crate::load::Module;
 use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// Every scene that a program may name.
 pub struct Scenes {
@@ -25,17 +25,17 @@ impl Scenes {
                 let ItemKind::Scene(scene) = &item.kind else {
                     continue;
                 };
-                let here = Site {
+                let here = SourceLocation {
                     file: module.file,
                     span: scene.name.span,
                 };
                 if let Some((file, old)) = declared.get(&scene.name.symbol) {
-                    let old = Site {
+                    let old = SourceLocation {
                         file: *file,
                         span: old.name.span,
                     };
                     let word = symbols.word(scene.name.symbol);
-                    tell(
+                    report(
                         diagnostics,
                         crate::expand::duplicate(word, old, here, "a scene"),
                     );
@@ -83,7 +83,8 @@ impl Scenes {
                 );
                 for (file, tree) in &line {
                     let span = tree.base.map_or(tree.name.span, |base| base.span);
-                    diagnostic = diagnostic.label(Site { file: *file, span }, "derived from this");
+                    diagnostic =
+                        diagnostic.label(SourceLocation { file: *file, span }, "derived from this");
                 }
                 diagnostics.push(diagnostic.help("one of them has to stand for itself"));
                 break;
@@ -123,7 +124,7 @@ impl Scenes {
         } else if let Some((file, tree)) = line.last()
             && let Some(base) = tree.base
         {
-            tell(diagnostics, self.unknown(base, *file, symbols));
+            report(diagnostics, self.unknown(base, *file, symbols));
         }
         scene
     }
@@ -141,7 +142,7 @@ impl Scenes {
         };
         let scene = self.read_or_built_in(Some(name.symbol), symbols.word(name.symbol));
         if scene.is_none() && !self.read.contains_key(&name.symbol) {
-            tell(diagnostics, self.unknown(name, file, symbols));
+            report(diagnostics, self.unknown(name, file, symbols));
         }
         scene
     }
@@ -159,13 +160,13 @@ impl Scenes {
         known.extend(BUILT_IN.iter().map(|(name, _)| *name));
         known.sort_unstable();
         known.dedup();
-        let site = Site {
+        let location = SourceLocation {
             file,
             span: name.span,
         };
         Diagnostic::new(Code::UnknownScene, format!("no scene is called `{word}`"))
-            .label(site, "not known")
-            .suggest(site, nearest(word, &known), || {
+            .label(location, "not known")
+            .suggest(location, nearest(word, &known), || {
                 format!("known are {}", known.join(", "))
             })
     }

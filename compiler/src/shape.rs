@@ -5,12 +5,12 @@ use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::Cell;
 use stochc_ir::suggest::nearest;
 
-use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, tell};
+use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, report};
 use crate::expand::Shapes;
 use crate::layout::Layout;
 use crate::names::Names;
 use crate::plan::ProgramPlan;
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// Cells of a shape, at most.
 pub(crate) const MOST_CELLS: usize = 50_000_000;
@@ -36,20 +36,20 @@ pub fn check(
             built.remove(cell);
         }
         built.extend(filled);
-        for &(name, site) in &phase.claims {
+        for &(name, location) in &phase.claims {
             cancellation.check()?;
             let word = symbols.word(name);
-            let definition = names.definition(site.file, site.span);
+            let definition = names.definition(location.file, location.span);
             let Some(&(file, shape)) = definition.and_then(|it| shapes.get(&it)) else {
                 let known = shapes.values();
                 let known = known.map(|(_, known)| symbols.word(known.name.symbol));
                 let diagnostic =
                     Diagnostic::new(Code::UnknownName, format!("no shape is called `{word}`"))
-                        .label(site, "not known here")
-                        .suggest(site, nearest(word, known), || {
+                        .label(location, "not known here")
+                        .suggest(location, nearest(word, known), || {
                             format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`")
                         });
-                tell(diagnostics, diagnostic);
+                report(diagnostics, diagnostic);
                 continue;
             };
             let claimed = known.entry(name).or_insert_with(|| {
@@ -65,13 +65,13 @@ pub fn check(
             }
             let mut built: Vec<Cell> = built.iter().copied().collect();
             built.sort_unstable();
-            let declared = Site {
+            let declared = SourceLocation {
                 file,
                 span: shape.name.span,
             };
-            tell(
+            report(
                 diagnostics,
-                difference(word, site, declared, claimed, &built),
+                difference(word, location, declared, claimed, &built),
             );
         }
     }
@@ -82,7 +82,7 @@ pub fn check(
 pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<Cell>> {
     let malformed = |span, text: &str| {
         Diagnostic::new(Code::ShapeMalformed, "the shape cannot be read as cells")
-            .label(Site { file, span }, text)
+            .label(SourceLocation { file, span }, text)
     };
     let mut number = |expr: &Expr| {
         let value = constant(expr).and_then(|value| i32::try_from(value).ok());
@@ -170,8 +170,8 @@ fn constant(expr: &Expr) -> Option<i64> {
 /// Both sorted; shows the layers that differ.
 fn difference(
     word: &str,
-    site: Site,
-    declared: Site,
+    location: SourceLocation,
+    declared: SourceLocation,
     claimed: &[Cell],
     built: &[Cell],
 ) -> Diagnostic {
@@ -190,7 +190,7 @@ fn difference(
         Code::ShapeMismatch,
         format!("the phase does not build `{word}`: {}", parts.join(", ")),
     )
-    .label(site, "claimed here")
+    .label(location, "claimed here")
     .label(declared, "declared here")
     .help(picture(&missing, &extra, claimed, built))
 }

@@ -10,22 +10,23 @@ pub struct FileId(pub u32);
 
 /// A place in one of a program's files.
 #[derive(Clone, Copy, Debug)]
-pub struct Site {
+pub struct SourceLocation {
     /// Which file.
     pub file: FileId,
     /// Where in it.
     pub span: Span,
 }
 
-/// Unlike spans in trees, sites are compared: two findings are the same only in the same place.
-impl PartialEq for Site {
-    fn eq(&self, other: &Site) -> bool {
-        let place = |site: &Site| (site.file, site.span.start, site.span.end);
+/// Unlike spans in trees, locations are compared: two findings are the same only in the same place.
+impl PartialEq for SourceLocation {
+    fn eq(&self, other: &SourceLocation) -> bool {
+        let place =
+            |location: &SourceLocation| (location.file, location.span.start, location.span.end);
         place(self) == place(other)
     }
 }
 
-impl Eq for Site {}
+impl Eq for SourceLocation {}
 
 /// Every file that was read, in the order of reading; the first is the program's own.
 #[derive(Clone, Debug, Default)]
@@ -84,17 +85,17 @@ impl Sources {
         &self.files
     }
 
-    /// The text of a site.
-    pub fn text(&self, site: Site) -> &str {
-        let text = &self.file(site.file).text;
-        text.get(site.span.start as usize..site.span.end as usize)
+    /// The text of a location.
+    pub fn text(&self, location: SourceLocation) -> &str {
+        let text = &self.file(location.file).text;
+        text.get(location.span.start as usize..location.span.end as usize)
             .unwrap_or_default()
     }
 
-    /// The white space in front of the line in which a site begins.
-    pub(crate) fn indent(&self, site: Site) -> &str {
-        let file = self.file(site.file);
-        let (start, end) = file.line_range(file.line_of(site.span.start));
+    /// The white space in front of the line in which a location begins.
+    pub(crate) fn indent(&self, location: SourceLocation) -> &str {
+        let file = self.file(location.file);
+        let (start, end) = file.line_range(file.line_of(location.span.start));
         let line = file.text.get(start..end).unwrap_or_default();
         &line[..line.len() - line.trim_start().len()]
     }

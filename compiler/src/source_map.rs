@@ -64,7 +64,7 @@ pub fn blocks_at(
         diagnostics.clear();
         expand_probed(
             &declarations,
-            (known.plan.site.file, assembly),
+            (known.plan.location.file, assembly),
             &checked.sources,
             &mut symbols,
             ExpansionBounds {

@@ -30,7 +30,7 @@ pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Result<Checked, Cancel
 /// # Errors
 ///
 /// [`Cancelled`] if nobody waits for it.
-pub(crate) fn judge(
+pub(crate) fn verify_fixes(
     checked: &mut Checked,
     reader: &mut dyn Reader,
     again: &mut Again<'_>,
@@ -107,7 +107,7 @@ fn try_together(
         .first()
         .and_then(fix)
         .and_then(|fix| fix.edits.first());
-    let Some(file) = first.map(|edit| edit.site.file) else {
+    let Some(file) = first.map(|edit| edit.location.file) else {
         return Ok((false, Vec::new()));
     };
     let mut change = TextChange::new(file, &checked.sources.file(file).text);
@@ -115,8 +115,8 @@ fn try_together(
         (group.iter()).partition(|number| fix(number).is_some_and(|fix| change.add(fix)));
     let mut texts = change.over(&checked.sources, reader);
     let after = again(&mut texts)?;
-    let cures = !fit.is_empty() && cures(checked, &fit, &change, &after);
-    Ok((cures, unfit))
+    let resolves = !fit.is_empty() && resolves(checked, &fit, &change, &after);
+    Ok((resolves, unfit))
 }
 
 /// Whether a change that mends some findings has left none of them, and only such as were there
@@ -125,7 +125,7 @@ fn try_together(
 /// Two kinds of news are none. Some warnings are not looked for while there are errors, so those
 /// that come to light once an error has gone are no fault of the change. And where there was too much to
 /// tell, what is told next is of the codes that were told, and no more of it.
-pub(crate) fn cures(
+pub(crate) fn resolves(
     before: &Checked,
     mended: &[usize],
     change: &TextChange<'_>,
@@ -198,9 +198,9 @@ impl<'a> FindingSpans<'a> {
     ) -> FindingSpans<'a> {
         let mut by_file: FxHashMap<(Code, Option<FileId>), Vec<usize>> = FxHashMap::default();
         for diagnostic in diagnostics {
-            let site = diagnostic.labels.first().map(|label| label.site);
-            let at = site.map_or(0, |site| site.span.start as usize);
-            let key = (diagnostic.code, site.map(|site| site.file));
+            let location = diagnostic.labels.first().map(|label| label.location);
+            let at = location.map_or(0, |location| location.span.start as usize);
+            let key = (diagnostic.code, location.map(|location| location.file));
             by_file.entry(key).or_default().push(at);
         }
         let by_name = by_file.into_iter().map(|((code, file), mut places)| {

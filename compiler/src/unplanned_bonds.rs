@@ -5,7 +5,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 use crate::layout::Layout;
 use crate::order::Order;
 use crate::plan::{EventId, EventKind, ProgramPlan};
@@ -36,20 +36,20 @@ pub fn check(
         layout,
         last: &last,
     };
-    let mut standing = StructureModules::of_seeds(plan);
+    let mut structure = StructureModules::of_seeds(plan);
     // The first of the phases with the most.
     let mut worst: Option<(usize, usize)> = None;
     for number in 0..plan.phases.len() {
         cancellation.check()?;
-        survey.blocked(number, &standing, symbols, diagnostics);
-        let exposed = survey.before_last(number, &mut standing);
+        survey.blocked(number, &structure, symbols, diagnostics);
+        let exposed = survey.before_last(number, &mut structure);
         if exposed > worst.map_or(0, |(_, most)| most) {
             worst = Some((number, exposed));
         }
-        survey.end(number, &mut standing);
+        survey.end(number, &mut structure);
     }
     if let Some((number, exposed)) = worst {
-        diagnostics.push(survey.tell(number, exposed, symbols));
+        diagnostics.push(survey.exposed_faces(number, exposed, symbols));
     }
     Ok(())
 }
@@ -78,10 +78,10 @@ struct UnplannedBondAnalysis<'a> {
 impl UnplannedBondAnalysis<'_> {
     /// Brings all of a phase about but its last capture, and counts the exposed faces; 0 if the
     /// phase has no captures to wait for.
-    fn before_last(&self, number: usize, standing: &mut StructureModules) -> usize {
+    fn before_last(&self, number: usize, structure: &mut StructureModules) -> usize {
         let (emptied, _) = &self.layout.changes[number];
         for cell in emptied {
-            standing.leave(*cell);
+            structure.leave(*cell);
         }
         let Some(last) = self.last[number] else {
             return 0;
@@ -91,7 +91,7 @@ impl UnplannedBondAnalysis<'_> {
             let cell = self.layout.cells[id.0 as usize];
             // Some have gone again by the end of the phase.
             if id != last && cell.is_some_and(|cell| filled.contains(&cell)) {
-                self.settle(id, standing);
+                self.settle(id, structure);
             }
         }
         // What is attached by hand is not waited for.
@@ -99,30 +99,30 @@ impl UnplannedBondAnalysis<'_> {
             return 0;
         }
         let waits = |(cell, on): (Cell, Face)| {
-            !standing.blocks.contains_key(&cell)
-                && (cell.across(on.opposite())).is_some_and(|at| standing.blocks.contains_key(&at))
+            !structure.blocks.contains_key(&cell)
+                && (cell.across(on.opposite())).is_some_and(|at| structure.blocks.contains_key(&at))
         };
         // The face that waits is expected to be docked on.
         let face = self.layout.parents[last.0 as usize].map(|on| on.face);
         let awaited = self.layout.cells[last.0 as usize]
             .zip(face)
             .is_some_and(waits);
-        standing.exposed - usize::from(awaited)
+        structure.exposed - usize::from(awaited)
     }
 
     /// Brings the last capture of a phase about.
-    fn end(&self, number: usize, standing: &mut StructureModules) {
+    fn end(&self, number: usize, structure: &mut StructureModules) {
         let last = self.last[number];
         let cell = last.and_then(|id| self.layout.cells[id.0 as usize]);
         if let (Some(last), Some(cell)) = (last, cell)
             && self.layout.changes[number].1.contains(&cell)
         {
-            self.settle(last, standing);
+            self.settle(last, structure);
         }
     }
 
     /// Adds the block of a capture.
-    fn settle(&self, id: EventId, standing: &mut StructureModules) {
+    fn settle(&self, id: EventId, structure: &mut StructureModules) {
         let event = self.plan.event(id);
         let (Some(cell), Some(on)) = (
             self.layout.cells[id.0 as usize],
@@ -131,7 +131,7 @@ impl UnplannedBondAnalysis<'_> {
             return;
         };
         if matches!(event.kind, EventKind::Capture { .. }) {
-            standing.enter(cell, event.role, Some(on.face.opposite()));
+            structure.enter(cell, event.role, Some(on.face.opposite()));
         }
     }
 
@@ -139,7 +139,7 @@ impl UnplannedBondAnalysis<'_> {
     fn blocked(
         &self,
         number: usize,
-        standing: &StructureModules,
+        structure: &StructureModules,
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
@@ -156,7 +156,7 @@ impl UnplannedBondAnalysis<'_> {
             let Some(before) = cell.across(on.face).filter(|before| before.z >= 1) else {
                 continue;
             };
-            let Some(&(role, _)) = standing.blocks.get(&before) else {
+            let Some(&(role, _)) = structure.blocks.get(&before) else {
                 continue;
             };
             if emptied.contains(&before) {
@@ -169,29 +169,29 @@ impl UnplannedBondAnalysis<'_> {
                 format!("`{name}` has nowhere to go when it is rejected"),
             )
             .label(
-                event.site,
+                event.location,
                 format!("its parent pushes it {}", towards(on.face)),
             )
             .label(
-                self.plan.event(on.capture).site,
+                self.plan.event(on.capture).location,
                 format!("captured by that face; `{there}` is behind it"),
             )
             .help(format!(
                 "release `{there}` before it, or capture `{name}` through another face"
             ));
-            tell(diagnostics, diagnostic);
+            report(diagnostics, diagnostic);
         }
     }
 
-    fn tell(&self, number: usize, exposed: usize, symbols: &Symbols) -> Diagnostic {
-        let mut standing = StructureModules::of_seeds(self.plan);
+    fn exposed_faces(&self, number: usize, exposed: usize, symbols: &Symbols) -> Diagnostic {
+        let mut structure = StructureModules::of_seeds(self.plan);
         for earlier in 0..number {
-            self.before_last(earlier, &mut standing);
-            self.end(earlier, &mut standing);
+            self.before_last(earlier, &mut structure);
+            self.end(earlier, &mut structure);
         }
-        self.before_last(number, &mut standing);
+        self.before_last(number, &mut structure);
         let awaited = self.last[number].and_then(|id| self.layout.parents[id.0 as usize]);
-        let mut faces: Vec<(RoleId, Face)> = standing.faces().collect();
+        let mut faces: Vec<(RoleId, Face)> = structure.faces().collect();
         faces.retain(|face| awaited.is_none_or(|on| *face != (on.parent, on.face)));
         faces.sort_unstable();
         let mut named: Vec<String> = (faces.iter().take(NAMED))
@@ -223,7 +223,7 @@ impl UnplannedBondAnalysis<'_> {
         };
         Diagnostic::new(Code::UnplannedBond, format!("{count}{title}"))
             .label(
-                phase.site,
+                phase.location,
                 format!("{where_} {named}, while this phase waits for its last block"),
             )
             .help(
@@ -252,14 +252,14 @@ struct StructureModules {
 impl StructureModules {
     /// Blocks of the plate without a name are no modules: nothing docks on them.
     fn of_seeds(plan: &ProgramPlan) -> StructureModules {
-        let mut standing = StructureModules {
+        let mut structure = StructureModules {
             blocks: FxHashMap::default(),
             exposed: 0,
         };
         for seed in &plan.seeds {
-            standing.enter(seed.cell, seed.role, None);
+            structure.enter(seed.cell, seed.role, None);
         }
-        standing
+        structure
     }
 
     fn enter(&mut self, cell: Cell, role: RoleId, anchor: Option<Face>) {

@@ -6,11 +6,11 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbols};
 
-use crate::diagnostic::{Code, Diagnostic, Fix, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, removal, report};
 use crate::load::Module;
 use crate::names::{Definition, Names};
 use crate::scene::DEFAULT;
-use crate::{FileId, Site, Sources};
+use crate::{FileId, SourceLocation, Sources};
 
 /// A declaration of the program's file.
 struct Declared<'a> {
@@ -48,7 +48,7 @@ pub fn check(
             .at(own.file, it.name.span.start)
             .map(|name| name.definition);
         if definition.is_some_and(|definition| !used.contains(&definition)) {
-            tell(diagnostics, it.unused(own.file, sources, symbols));
+            report(diagnostics, it.unused(own.file, sources, symbols));
         }
     }
 }
@@ -91,9 +91,9 @@ fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Def
             own.entry(name.definition).or_default().push(it.item.span);
         }
     }
-    let is_elsewhere = |site: Site, spans: &[Span]| {
-        let at = site.span.start;
-        site.file != file
+    let is_elsewhere = |location: SourceLocation, spans: &[Span]| {
+        let at = location.span.start;
+        location.file != file
             || !spans
                 .iter()
                 .any(|span| (span.start..span.end).contains(&at))
@@ -102,7 +102,7 @@ fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Def
         .filter(|name| !name.declares)
         .filter(|name| {
             own.get(&name.definition)
-                .is_some_and(|spans| is_elsewhere(name.site, spans))
+                .is_some_and(|spans| is_elsewhere(name.location, spans))
         })
         .map(|name| name.definition)
         .collect()
@@ -134,13 +134,13 @@ impl Declared<'_> {
                 format!("write `in {word}` behind the name of an assembly, or {keep}"),
             ),
         };
-        let site = |span| Site { file, span };
+        let location = |span| SourceLocation { file, span };
         let mut diagnostic = Diagnostic::new(self.code, title)
-            .label(site(self.name.span), label)
+            .label(location(self.name.span), label)
             .help(help);
         // Comments that belong to it would belong to something else.
         if self.item.docs.0.is_none() {
-            let removed = removal(sources, site(self.item.span));
+            let removed = removal(sources, location(self.item.span));
             let is_certain = self.code == Code::UnusedLet && self.is_local;
             let title = format!("remove {}", self.item.noun().replacen("a ", "the ", 1));
             diagnostic.fix = Some(Fix::remove(removed, title).unsafe_if(!is_certain));

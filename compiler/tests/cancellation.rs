@@ -32,7 +32,7 @@ fn programs() -> Vec<String> {
             &format!("phase p {{ M.up ->> T[1..{n}] }}"),
         )
     };
-    // A room that is closed from above, so that ways are searched for, and a cure is tried.
+    // A room that is closed from above, so that ways are searched for, and a remedy is tried.
     let room = assembly(
         "5 x 5 { for i in 0..4 { for j in 0..4 { S[i, j] at (i, j) } }",
         "phase p { for i in 0..4 { for j in 0..4 { S[i, j].up -> A[i, j] } }

@@ -177,7 +177,7 @@ fn renamed(text: &str, names: &Names, definition: Definition, name: &str) -> Str
     let mut renamed = String::new();
     let mut done = 0;
     for occurrence in names.occurrences_of(definition) {
-        let span = occurrence.site.span;
+        let span = occurrence.location.span;
         renamed.push_str(&text[done..span.start as usize]);
         renamed.push_str(name);
         done = span.end as usize;
@@ -243,7 +243,7 @@ fn a_name_of_blocks_is_written_out_to_blocks_of_that_thing() {
         let mut definitions = std::collections::BTreeMap::new();
         for name in names.all() {
             let kind = names.kind(name.definition);
-            let place = (name.site.file, name.site.span.start);
+            let place = (name.location.file, name.location.span.start);
             let located = blocks_at(checked, place, Limits::default(), NEVER).unwrap();
             let word = checked.symbols.word(names.word(name.definition));
             for located in located {

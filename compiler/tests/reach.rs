@@ -388,9 +388,9 @@ fn sealed_captures(diagnostics: &[&Diagnostic]) -> usize {
 
 /// The event that a finding speaks of first.
 fn diagnostic_event(program: &Program, diagnostic: &Diagnostic) -> u32 {
-    let site = diagnostic.labels[0].site;
+    let location = diagnostic.labels[0].location;
     (program.plan.events.iter())
-        .position(|event| event.site == site)
+        .position(|event| event.location == location)
         .unwrap() as u32
 }
 
@@ -444,7 +444,7 @@ proptest! {
         choices in prop::collection::vec(any::<u32>(), 200..500),
     ) {
         let text = program(&choices, LARGE, false);
-        // Enough for the verdicts; cures are for the other tests.
+        // Enough for the verdicts; remedies are for the other tests.
         let limits = Limits { search: 500_000, ..Limits::default() };
         let checked = checked_within(&text, limits);
         prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
@@ -466,11 +466,11 @@ proptest! {
                 })
                 .map(|(_, id, _)| id)
                 .collect();
-            let told = (checked.diagnostics.iter())
+            let reported = (checked.diagnostics.iter())
                 .filter(|diagnostic| diagnostic.code == Code::TightApproach)
                 .find(|diagnostic| phase.events.contains(&diagnostic_event(program, diagnostic)))
                 .map(|diagnostic| diagnostic.title.split(' ').next().unwrap().parse().unwrap_or(1));
-            prop_assert_eq!(told.unwrap_or(0), tight.len(), "phase {}\n{}", number, text);
+            prop_assert_eq!(reported.unwrap_or(0), tight.len(), "phase {}\n{}", number, text);
         }
     }
 
@@ -497,10 +497,10 @@ proptest! {
         prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
         let program = &checked.programs[0];
         let reached = all_orders(program).reached;
-        let mut told = BTreeSet::new();
+        let mut reported = BTreeSet::new();
         for diagnostic in sealed(&checked) {
             let id = EventId(diagnostic_event(program, diagnostic));
-            told.insert(id);
+            reported.insert(id);
             let is_reached = reached.contains(&id);
             prop_assert!(!is_never(diagnostic) || !is_reached, "{text}\n{}", diagnostic.title);
             // With choices it may be left open.
@@ -508,16 +508,16 @@ proptest! {
             prop_assert!(is_open || is_never(diagnostic) || is_reached, "{text}\n{}", diagnostic.title);
         }
         for id in (0..program.plan.events.len() as u32).map(EventId) {
-            let is_told = all_before(program, id).iter().any(|id| told.contains(id));
-            prop_assert!(is_told || reached.contains(&id), "{text}\n{id:?}");
+            let is_reported = all_before(program, id).iter().any(|id| reported.contains(id));
+            prop_assert!(is_reported || reached.contains(&id), "{text}\n{id:?}");
         }
     }
 
     #[test]
-    fn cures_cure_in_loops_and_patterns(
+    fn remedies_work_in_loops_and_patterns(
         choices in prop::collection::vec(any::<u32>(), 100..400),
     ) {
-        cures_cure_in(&looped(&choices));
+        apply_remedies(&looped(&choices));
     }
 
     #[test]
@@ -533,12 +533,12 @@ proptest! {
     }
 
     #[test]
-    fn cures_cure(
+    fn remedies_work(
         choices in prop::collection::vec(any::<u32>(), 10..120),
         faces in 1u8..=3,
     ) {
         let mut text = with_faces(&program(&choices, SMALL, false), faces);
-        // Each fix cures its own capture; the others follow, one at a time.
+        // Each fix helps its own capture; the others follow, one at a time.
         for _ in 0..20 {
             let now = checked(&text);
             prop_assert!(others(&now).is_empty(), "{text}\n{:#?}", others(&now));
@@ -552,7 +552,7 @@ proptest! {
         }
         // What is written out has blocks with one face at a time.
         if faces == 1 {
-            cures_cure_in(&text);
+            apply_remedies(&text);
         }
     }
 }
@@ -591,10 +591,10 @@ fn follow(checked: &Checked, diagnostic: &Diagnostic) -> Option<bool> {
     Some(!is_open(SMALL, cell(EventId(target)), &full))
 }
 
-/// What came of the cures of a program: those that are changes of the text, those that have to be written out,
-/// findings for which there is none, and those of several captures with different cures.
+/// What came of the remedies of a program: those that are changes of the text, those that have to be written out,
+/// findings for which there is none, and those of several captures with different remedies.
 #[derive(Debug, Default)]
-struct Cures {
+struct Remedies {
     changes: usize,
     written_out: usize,
     none: usize,
@@ -602,20 +602,20 @@ struct Cures {
     never: usize,
 }
 
-/// Applies every cure that is proposed, as it is told: the finding goes, and no error comes; with a part of it left
+/// Applies every remedy that is proposed, as it is told: the finding goes, and no error comes; with a part of it left
 /// out, the finding stays.
-fn cures_cure_in(text: &str) -> Cures {
+fn apply_remedies(text: &str) -> Remedies {
     let now = checked(text);
-    let mut cures = Cures::default();
+    let mut remedies = Remedies::default();
     for diagnostic in sealed(&now) {
         let help = diagnostic.help.as_deref().unwrap();
         if is_never(diagnostic) {
-            cures.never += 1;
+            remedies.never += 1;
             assert_eq!(diagnostic.fix, None, "{text}");
         } else if let Some(fix) = &diagnostic.fix {
-            cures.changes += 1;
+            remedies.changes += 1;
             assert!(
-                is_cured(&now, &checked(&changed(text, fix)), diagnostic),
+                is_resolved(&now, &checked(&changed(text, fix)), diagnostic),
                 "{text}\n{fix:?}"
             );
             for (i, edit) in fix.edits.iter().enumerate() {
@@ -628,12 +628,12 @@ fn cures_cure_in(text: &str) -> Cures {
                 fewer.edits[i].text.truncate(at);
                 let then = checked(&changed(text, &fewer));
                 assert!(
-                    !is_cured(&now, &then, diagnostic),
+                    !is_resolved(&now, &then, diagnostic),
                     "{text}\nneeds less than {fix:?}"
                 );
             }
         } else if help.contains(" of its own") || help.contains(" of their own") {
-            cures.written_out += 1;
+            remedies.written_out += 1;
             let plain = written_out(&now, &BTreeMap::new());
             let waits: Vec<(&str, &str)> =
                 (help.lines().find(|line| line.contains(" own")).unwrap())
@@ -649,28 +649,31 @@ fn cures_cure_in(text: &str) -> Cures {
                 }
                 let then = checked(&written_out(&now, &added));
                 let event = diagnostic_named(&now, diagnostic);
-                let told = |checked: &Checked| -> BTreeSet<u32> {
+                let reported = |checked: &Checked| -> BTreeSet<u32> {
                     let of = |diagnostic: &&Diagnostic| {
                         diagnostic_event(&checked.programs[0], diagnostic)
                     };
                     sealed(checked).iter().map(of).collect()
                 };
-                let mut rest = told(&checked(&plain));
+                let mut rest = reported(&checked(&plain));
                 assert!(rest.remove(&event), "{text}\n{plain}");
                 assert!(others(&then).is_empty(), "{text}\n{:#?}", others(&then));
-                let cured = !told(&then).contains(&event);
-                assert_eq!(cured, left_out == 0, "{text}\n{help}");
-                assert!(!cured || told(&then).is_subset(&rest), "{text}\n{help}");
+                let resolved = !reported(&then).contains(&event);
+                assert_eq!(resolved, left_out == 0, "{text}\n{help}");
+                assert!(
+                    !resolved || reported(&then).is_subset(&rest),
+                    "{text}\n{help}"
+                );
             }
         } else if diagnostic.others.count > 0 && help.contains("must come later") {
-            // Each capture of the statement has a cure of its own.
-            cures.several += 1;
+            // Each capture of the statement has a remedy of its own.
+            remedies.several += 1;
         } else {
-            cures.none += 1;
+            remedies.none += 1;
             assert!(help.contains("no `after`"), "{help}");
         }
     }
-    cures
+    remedies
 }
 
 fn changed(text: &str, fix: &Fix) -> String {
@@ -682,7 +685,7 @@ fn changed(text: &str, fix: &Fix) -> String {
 /// Whether all that a finding speaks of is gone, and nothing is told that was not told before.
 ///
 /// Findings of one place are told as one, so that this is looked at where each event has a place of its own.
-fn is_cured(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bool {
+fn is_resolved(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bool {
     if !others(after).is_empty() {
         return false;
     }
@@ -690,9 +693,9 @@ fn is_cured(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bool 
     let (then, now) = (plain(before), plain(after));
     let program = &before.programs[0];
     let first = diagnostic_named(before, diagnostic);
-    let at_its_place = |told: &BTreeSet<u32>| {
-        let events = told.iter().map(|&id| program.plan.event(EventId(id)));
-        let here = events.filter(|event| event.site == diagnostic.labels[0].site);
+    let at_its_place = |reported: &BTreeSet<u32>| {
+        let events = reported.iter().map(|&id| program.plan.event(EventId(id)));
+        let here = events.filter(|event| event.location == diagnostic.labels[0].location);
         here.count()
     };
     !now.contains(&first)
@@ -959,7 +962,7 @@ fn many_random_programs_have_cavities() {
     assert!(counts[2] > 40 && counts[3] > 20, "{counts:?}");
 }
 
-/// The same for loops and patterns: cures of all kinds have to come up.
+/// The same for loops and patterns: remedies of all kinds have to come up.
 #[test]
 fn many_looped_programs_have_cavities() {
     let mut draws = 1u64;
@@ -969,7 +972,7 @@ fn many_looped_programs_have_cavities() {
             .wrapping_add(1);
         (draws >> 33) as u32
     };
-    let mut all = Cures::default();
+    let mut all = Remedies::default();
     for _ in 0..1500 {
         let choices: Vec<u32> = (0..400).map(|_| next()).collect();
         let text = looped(&choices);
@@ -978,12 +981,12 @@ fn many_looped_programs_have_cavities() {
             "{text}\n{:#?}",
             others(&checked(&text))
         );
-        let cures = cures_cure_in(&text);
-        all.changes += cures.changes;
-        all.written_out += cures.written_out;
-        all.none += cures.none;
-        all.several += cures.several;
-        all.never += cures.never;
+        let remedies = apply_remedies(&text);
+        all.changes += remedies.changes;
+        all.written_out += remedies.written_out;
+        all.none += remedies.none;
+        all.several += remedies.several;
+        all.never += remedies.never;
     }
     println!("of 1500 programs with loops and patterns: {all:?}");
     assert!(all.changes > 30 && all.written_out > 10, "{all:?}");
@@ -1089,11 +1092,14 @@ fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
         );
     }
     let first = sealed(&checked)[0];
-    // Each capture of the statement has a cure of its own: the first one's is told, and no change offered for all.
+    // Each capture of the statement has a remedy of its own: the first one's is told, and no change offered for all.
     assert_eq!(first.fix, None);
     let (late, wait) = ("R[0, i].up ->> W[0, i, 1..5]", "after T[i, i, 1]");
-    let cure = format!("`{late}` must come later: write `{wait}` there\n");
-    assert!(first.help.as_deref().unwrap().contains(&cure), "{first:#?}");
+    let remedy = format!("`{late}` must come later: write `{wait}` there\n");
+    assert!(
+        first.help.as_deref().unwrap().contains(&remedy),
+        "{first:#?}"
+    );
     let then = self::checked(&LAMPS.replace(late, &format!("{late} {wait}")));
     assert!(others(&then).is_empty(), "{:#?}", others(&then));
     let plain = |checked: &Checked| checked_plain(&written_out(checked, &BTreeMap::new()));
@@ -1198,25 +1204,25 @@ fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
         assert_eq!(found[0].fix, None, "it would mend one of them");
         found[0].help.clone().unwrap()
     };
-    let cure = |k: i32| {
+    let remedy = |k: i32| {
         let east = 4 * k + 2;
         format!("`M[{east}, 1].up -> E[{k}]` must come later: write `after CORE[{k}]` there\n")
     };
     let two = help(&wells(2));
-    let told = format!("{}for `CORE[1]`, {}", cure(0), cure(1));
-    assert!(two.contains(&told), "{two}");
+    let reported = format!("{}for `CORE[1]`, {}", remedy(0), remedy(1));
+    assert!(two.contains(&reported), "{two}");
     let four = help(&wells(4));
-    let told = format!(
-        "{told}for `CORE[2]`, {}others need changes of their own\n",
-        cure(2)
+    let reported = format!(
+        "{reported}for `CORE[2]`, {}others need changes of their own\n",
+        remedy(2)
     );
-    assert!(four.contains(&told), "{four}");
+    assert!(four.contains(&reported), "{four}");
     // What is told does cure.
-    let cured = |text: String, k: i32| {
+    let resolved = |text: String, k: i32| {
         let wall = format!("M[{}, 1].up -> E[{k}]", 4 * k + 2);
         text.replace(&wall, &format!("{wall} after CORE[{k}]"))
     };
-    assert!(sealed(&checked(&(0..2).fold(wells(2), cured))).is_empty());
+    assert!(sealed(&checked(&(0..2).fold(wells(2), resolved))).is_empty());
 }
 
 /// The core and one wall come from the same statement: an `after` there would be a circle.
@@ -1241,7 +1247,7 @@ fn what_a_loop_cannot_wait_for_is_cured_elsewhere() {
         help.contains("`V.east -> LID` must come later: write `after W[1, 1]` there"),
         "{help}"
     );
-    assert_eq!(cures_cure_in(GRID).changes, 1);
+    assert_eq!(apply_remedies(GRID).changes, 1);
 }
 
 #[test]
@@ -1257,9 +1263,9 @@ fn a_statement_of_its_own_is_told_where_nothing_else_helps() {
     for text in [text, one] {
         let now = checked(&text);
         assert_eq!(sealed(&now).len(), 1, "{text}\n{:#?}", now.diagnostics);
-        let cures = cures_cure_in(&text);
+        let remedies = apply_remedies(&text);
         assert_eq!(
-            cures.changes + cures.written_out,
+            remedies.changes + remedies.written_out,
             1,
             "{text}\n{:#?}",
             now.diagnostics
@@ -1286,7 +1292,7 @@ assembly wells {
     let fix = sealed(&now)[0].fix.as_ref().unwrap();
     assert!(fix.title.contains("CORE[i]"), "{fix:#?}");
     assert!(sealed(&checked(&changed(text, fix))).is_empty());
-    cures_cure_in(text);
+    apply_remedies(text);
 }
 
 /// Two pockets, each closed by the block that has to come before the other one's core.

@@ -63,7 +63,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         source,
     };
     let mut files = Vec::new();
-    let mut tell = |name: &str, health| {
+    let mut report = |name: &str, health| {
         let name = name.to_owned();
         files.push(FileHealth { name, health });
     };
@@ -78,7 +78,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
     }
     let (checksums, damage) = FolderChecksums::read(path);
     if checksums.is_some() || damage.is_some() {
-        tell(
+        report(
             CHECKSUMS_FILE,
             Health::of(damage.into_iter().collect(), true),
         );
@@ -97,7 +97,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         true => read,
         false => saved(path).map_err(io)?,
     };
-    tell(MANIFEST, Health::of(damage, checksums.knows(MANIFEST)));
+    report(MANIFEST, Health::of(damage, checksums.knows(MANIFEST)));
     let Ok(manifest) = manifest else {
         return Ok(files);
     };
@@ -115,37 +115,37 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
             }
             Err(error) => Health::Damaged(vec![error.to_string()]),
         };
-        tell(JOURNAL, health);
+        report(JOURNAL, health);
     }
     for name in checksums
         .names()
         .filter(|it| ![MANIFEST, JOURNAL].contains(it))
     {
         let damage = checksums.damage(path, name, false).into_iter().collect();
-        tell(name, Health::of(damage, true));
+        report(name, Health::of(damage, true));
     }
     let cut = Cut::read(path).ok().flatten();
     if let Some(cut) = &cut {
         files.extend(shards::health(path, &manifest, cut));
     }
-    let mut tell = |name: &str, health| {
+    let mut report = |name: &str, health| {
         let name = name.to_owned();
         files.push(FileHealth { name, health });
     };
     for table in super::tables() {
         let name = format!("{}.parquet", table.name);
         if !checksums.knows(&name) && path.join(&name).exists() {
-            tell(&name, Health::Unprotected);
+            report(&name, Health::Unprotected);
         }
     }
     files.extend(checkpoint::health(path).map_err(io)?);
-    let mut tell = |name: &str, health| {
+    let mut report = |name: &str, health| {
         let name = name.to_owned();
         files.push(FileHealth { name, health });
     };
     for (program, run) in recordings(&manifest, path) {
         let health = recording(path, &manifest, &finished, (program, run));
-        tell(&format!("{RECORDINGS}/{program}-{run}.rec"), health);
+        report(&format!("{RECORDINGS}/{program}-{run}.rec"), health);
     }
     Ok(files)
 }

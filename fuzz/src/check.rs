@@ -23,8 +23,8 @@ pub fn read(bytes: &[u8]) {
     let renderer = Renderer::new(false, 100);
     for diagnostic in &checked.diagnostics {
         for label in &diagnostic.labels {
-            let text = &checked.sources.file(label.site.file).text;
-            let span = label.site.span;
+            let text = &checked.sources.file(label.location.file).text;
+            let span = label.location.span;
             assert!(text.get(span.start as usize..span.end as usize).is_some());
         }
     }

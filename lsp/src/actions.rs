@@ -18,8 +18,8 @@ pub fn actions(
     let file = analysis.file(path);
     let is_near = |diagnostic: &&Diagnostic| {
         diagnostic.labels.iter().any(|label| {
-            let span = label.site.span;
-            Some(label.site.file) == file
+            let span = label.location.span;
+            Some(label.location.file) == file
                 && span.start as usize <= end
                 && start <= span.end as usize
         })
@@ -41,9 +41,9 @@ pub fn actions(
 fn edit(fix: &Fix, analysis: &Analysis, documents: &Documents) -> WorkspaceEdit {
     let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
     for edit in &fix.edits {
-        let uri = documents.uri(analysis.path(edit.site.file));
+        let uri = documents.uri(analysis.path(edit.location.file));
         changes.entry(uri.into()).or_default().push(TextEdit {
-            range: analysis.range(edit.site),
+            range: analysis.range(edit.location),
             new_text: edit.text.clone(),
         });
     }
@@ -56,7 +56,7 @@ fn edit(fix: &Fix, analysis: &Analysis, documents: &Documents) -> WorkspaceEdit 
 #[cfg(test)]
 mod tests {
     use stochc_compiler::diagnostic::{Code, Edit};
-    use stochc_compiler::{Cancellation, Site, Span};
+    use stochc_compiler::{Cancellation, SourceLocation, Span};
 
     use super::super::position::Encoding;
     use super::*;
@@ -70,14 +70,14 @@ mod tests {
         let never = Cancellation::NEVER;
         let analysis = Analysis::of(&path, &mut reader, Encoding::Utf16, never);
         let mut analysis = analysis.unwrap();
-        let at = |start, end| Site {
+        let at = |start, end| SourceLocation {
             file: stochc_compiler::FileId(0),
             span: Span::new(start, end),
         };
         let fix = Fix {
             title: "call it `m`".to_owned(),
             edits: vec![Edit {
-                site: at(15, 16),
+                location: at(15, 16),
                 text: "m".to_owned(),
             }],
             safe: true,

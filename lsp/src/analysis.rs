@@ -2,7 +2,7 @@
 use gen_lsp_types::{Location, Range};
 use stochc_compiler::names::{Names, Occurrence};
 use stochc_compiler::{
-    Cancellation, Cancelled, Checked, FileId, Limits, Reader, Site, check_cancellable,
+    Cancellation, Cancelled, Checked, FileId, Limits, Reader, SourceLocation, check_cancellable,
 };
 
 use super::documents::Documents;
@@ -64,15 +64,15 @@ impl Analysis {
     }
 
     /// The range of a span in a file.
-    pub fn range(&self, site: Site) -> Range {
-        self.lines(site.file).range(site.span)
+    pub fn range(&self, location: SourceLocation) -> Range {
+        self.lines(location.file).range(location.span)
     }
 
     /// A place for the client.
-    pub fn location(&self, site: Site, documents: &Documents) -> Location {
+    pub fn location(&self, location: SourceLocation, documents: &Documents) -> Location {
         Location {
-            uri: documents.uri(self.path(site.file)).into(),
-            range: self.range(site),
+            uri: documents.uri(self.path(location.file)).into(),
+            range: self.range(location),
         }
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use gen_lsp_types::Range;
 use stochc_compiler::names::{NameKind, Occurrence};
 use stochc_compiler::source_map::{Ancestry, blocks_at};
-use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Site};
+use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, SourceLocation};
 use stochc_grammar::tree::ItemKind;
 
 use super::analysis::Analysis;
@@ -18,32 +18,32 @@ pub fn definitions(
     analysis: &Analysis,
     at: usize,
     cancellation: Cancellation<'_>,
-) -> Result<Vec<Site>, Cancelled> {
+) -> Result<Vec<SourceLocation>, Cancelled> {
     let Some(name) = analysis.name_at(at) else {
         return Ok(imported(analysis, at).into_iter().collect());
     };
     let names = &analysis.names;
-    let declarations: Vec<Site> = (names.occurrences_of(name.definition))
+    let declarations: Vec<SourceLocation> = (names.occurrences_of(name.definition))
         .filter(|occurrence| occurrence.declares)
-        .map(|occurrence| occurrence.site)
+        .map(|occurrence| occurrence.location)
         .collect();
     if names.kind(name.definition) != NameKind::Block {
         return Ok(declarations);
     }
     // Of all blocks with this word, the very ones that are meant here.
-    let mut sites: Vec<Site> = Vec::new();
-    for site in introductions(analysis, at, cancellation)? {
-        let end = site.span.end;
+    let mut locations: Vec<SourceLocation> = Vec::new();
+    for location in introductions(analysis, at, cancellation)? {
+        let end = location.span.end;
         let within = declarations.iter().filter(|declaration| {
-            declaration.file == site.file
-                && (site.span.start..end).contains(&declaration.span.start)
+            declaration.file == location.file
+                && (location.span.start..end).contains(&declaration.span.start)
         });
         let last = within.max_by_key(|declaration| declaration.span.start);
-        sites.extend(last.filter(|last| !sites.contains(last)));
+        locations.extend(last.filter(|last| !locations.contains(last)));
     }
-    Ok(match sites.is_empty() {
+    Ok(match locations.is_empty() {
         true => declarations,
-        false => sites,
+        false => locations,
     })
 }
 
@@ -52,24 +52,24 @@ fn introductions(
     analysis: &Analysis,
     at: usize,
     cancellation: Cancellation<'_>,
-) -> Result<Vec<Site>, Cancelled> {
-    let mut sites = Vec::new();
+) -> Result<Vec<SourceLocation>, Cancelled> {
+    let mut locations = Vec::new();
     let place = (FileId(0), at as u32);
     for located in blocks_at(&analysis.checked, place, Limits::EDITOR, cancellation)? {
         let program = &analysis.checked.programs[located.program];
         let ancestry = Ancestry::of(program);
         for role in located.roles {
             let seeds = program.plan.seeds.iter().filter(|seed| seed.role == role);
-            sites.extend(seeds.map(|seed| seed.site));
+            locations.extend(seeds.map(|seed| seed.location));
             let captures = ancestry.captures(role).iter();
-            sites.extend(captures.map(|&capture| program.plan.event(capture).site));
+            locations.extend(captures.map(|&capture| program.plan.event(capture).location));
         }
     }
-    Ok(sites)
+    Ok(locations)
 }
 
 /// The beginning of the file whose import is named at a byte.
-fn imported(analysis: &Analysis, at: usize) -> Option<Site> {
+fn imported(analysis: &Analysis, at: usize) -> Option<SourceLocation> {
     let checked = &analysis.checked;
     let import = checked
         .tree
@@ -87,7 +87,7 @@ fn imported(analysis: &Analysis, at: usize) -> Option<Site> {
     let path = stochc_compiler::join_import(&checked.sources.file(FileId(0)).name, &import.path);
     let file = analysis.file(&path)?;
     let span = stochc_compiler::Span::new(0, 0);
-    Some(Site { file, span })
+    Some(SourceLocation { file, span })
 }
 
 /// A place in a file by its path, which means the same in every program.
@@ -107,8 +107,8 @@ pub fn everywhere(analyses: &[&Analysis], from: FileRange) -> BTreeSet<FileRange
                 continue;
             }
             for occurrence in analysis.names.occurrences_of(name.definition) {
-                let span = occurrence.site.span;
-                let path = analysis.path(occurrence.site.file);
+                let span = occurrence.location.span;
+                let path = analysis.path(occurrence.location.file);
                 let found = (path.to_owned(), span.start, span.end);
                 // Another program may know of more.
                 if places.insert(found.clone()) && analyses.len() > 1 {
@@ -137,7 +137,7 @@ pub fn highlights(analysis: &Analysis, at: usize) -> Vec<(Range, bool)> {
     let lines = analysis.lines(own);
     let places = analysis.names.occurrences_of(name.definition);
     places
-        .filter(|occurrence| occurrence.site.file == own)
-        .map(|occurrence| (lines.range(occurrence.site.span), occurrence.declares))
+        .filter(|occurrence| occurrence.location.file == own)
+        .map(|occurrence| (lines.range(occurrence.location.span), occurrence.declares))
         .collect()
 }

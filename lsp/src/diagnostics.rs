@@ -18,7 +18,8 @@ pub fn of(
 ) -> BTreeMap<String, Vec<LspDiagnostic>> {
     let mut all = BTreeMap::from([(path.to_owned(), Vec::new())]);
     for diagnostic in &analysis.checked.diagnostics {
-        let file = (diagnostic.labels.first()).map_or(path, |label| analysis.path(label.site.file));
+        let file =
+            (diagnostic.labels.first()).map_or(path, |label| analysis.path(label.location.file));
         let diagnostic = lsp_diagnostic(diagnostic, analysis, documents);
         all.entry(file.to_owned()).or_default().push(diagnostic);
     }
@@ -42,12 +43,12 @@ pub fn lsp_diagnostic(
     }
     let related: Vec<_> = labels
         .map(|label| DiagnosticRelatedInformation {
-            location: analysis.location(label.site, documents),
+            location: analysis.location(label.location, documents),
             message: visible(&label.text).to_string(),
         })
         .collect();
     LspDiagnostic {
-        range: first.map_or_else(Range::default, |label| analysis.range(label.site)),
+        range: first.map_or_else(Range::default, |label| analysis.range(label.location)),
         severity: Some(match diagnostic.severity {
             Severity::Error => DiagnosticSeverity::Error,
             Severity::Warning => DiagnosticSeverity::Warning,

@@ -7,7 +7,7 @@ use stochc_compiler::names::{NameKind, Occurrence};
 use stochc_compiler::order::Order;
 use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
 use stochc_compiler::source_map::{Ancestry, Located, blocks_at};
-use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, Site};
+use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, SourceLocation};
 use stochc_grammar::tree::{Item, Tree};
 use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
@@ -32,7 +32,7 @@ pub fn hover(
     analysis: &Analysis,
     at: usize,
     cancellation: Cancellation<'_>,
-) -> Result<Option<(String, Site)>, Cancelled> {
+) -> Result<Option<(String, SourceLocation)>, Cancelled> {
     let Some(name) = analysis.name_at(at) else {
         return Ok(scene::hover(analysis, at));
     };
@@ -44,14 +44,14 @@ pub fn hover(
         if !located.is_empty() {
             let blocks = located.iter().map(|located| blocks(analysis, located));
             let text = blocks.collect::<Vec<_>>().join("\n---\n");
-            return Ok(Some((text, name.site)));
+            return Ok(Some((text, name.location)));
         }
     }
     let mut text = declaration(analysis, name, kind);
     if kind == NameKind::Phase {
-        text.push_str(&phases(analysis, name.site));
+        text.push_str(&phases(analysis, name.location));
     }
-    Ok(Some((text, name.site)))
+    Ok(Some((text, name.location)))
 }
 
 fn blocks(analysis: &Analysis, located: &Located) -> String {
@@ -179,9 +179,9 @@ fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String
     let names = &analysis.names;
     let word = analysis.checked.symbols.word(names.word(name.definition));
     let mut text = format!("**`{word}`**, {}\n", kind.noun());
-    let Some(site) = (names.occurrences_of(name.definition))
+    let Some(location) = (names.occurrences_of(name.definition))
         .find(|occurrence| occurrence.declares)
-        .map(|occurrence| occurrence.site)
+        .map(|occurrence| occurrence.location)
     else {
         let scene = stochc_compiler::scene::BUILT_IN
             .iter()
@@ -191,8 +191,8 @@ fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String
         }
         return text;
     };
-    let source = &analysis.checked.sources.file(site.file).text;
-    let start = source[..site.span.start as usize]
+    let source = &analysis.checked.sources.file(location.file).text;
+    let start = source[..location.span.start as usize]
         .rfind('\n')
         .map_or(0, |at| at + 1);
     let line = source[start..].lines().next().unwrap_or_default().trim();
@@ -201,10 +201,10 @@ fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String
     let tree = analysis
         .checked
         .trees()
-        .find(|(file, _)| *file == site.file);
+        .find(|(file, _)| *file == location.file);
     for line in tree
         .iter()
-        .flat_map(|(_, tree)| docs(tree, site.span.start))
+        .flat_map(|(_, tree)| docs(tree, location.span.start))
     {
         let _ = writeln!(text, "{line}");
     }
@@ -224,12 +224,12 @@ fn docs(tree: &Tree, at: u32) -> &[String] {
 }
 
 /// What is known of the phases with a name, which may stand in a loop.
-fn phases(analysis: &Analysis, site: Site) -> String {
+fn phases(analysis: &Analysis, location: SourceLocation) -> String {
     let mut text = String::new();
     for program in &analysis.checked.programs {
         let phases = program.plan.phases.iter().enumerate();
         let named = phases.filter(|(_, phase)| {
-            phase.site.file == site.file && phase.site.span.start == site.span.start
+            phase.location.file == location.file && phase.location.span.start == location.span.start
         });
         let named: Vec<_> = named.take(MOST_LISTED).collect();
         let cost = (!named.is_empty()).then(|| times(program)).flatten();

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::names::{Definition, NameKind, Names};
-use stochc_compiler::{Cancellation, Checked, Limits, Site, check_cancellable};
+use stochc_compiler::{Cancellation, Checked, Limits, SourceLocation, check_cancellable};
 use stochc_grammar::{Symbols, parse_cancellable};
 
 use super::analysis::Analysis;
@@ -17,7 +17,7 @@ use super::wire::RequestFailure;
 /// # Errors
 ///
 /// If there is none, or if it is not the program that gives it.
-pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, RequestFailure> {
+pub fn renameable(analysis: &Analysis, at: usize) -> Result<SourceLocation, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
         return Err(RequestFailure::request_failed("there is no name here"));
     };
@@ -34,7 +34,7 @@ pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, RequestFailure
             },
         ));
     }
-    Ok(name.site)
+    Ok(name.location)
 }
 
 /// The changes that give the thing at a byte of a program's own file another name, in all the
@@ -51,10 +51,10 @@ pub fn rename(
     documents: &Documents,
     cancellation: Cancellation<'_>,
 ) -> Result<WorkspaceEdit, RequestFailure> {
-    let site = renameable(analysis, at)?;
+    let location = renameable(analysis, at)?;
     check_name(new_name)?;
-    let path = analysis.path(site.file).to_owned();
-    let places = everywhere(all, (path, site.span.start, site.span.end));
+    let path = analysis.path(location.file).to_owned();
+    let places = everywhere(all, (path, location.span.start, location.span.end));
     let mut by_file: BTreeMap<&str, Vec<&FileRange>> = BTreeMap::new();
     for place in &places {
         by_file.entry(&place.0).or_default().push(place);

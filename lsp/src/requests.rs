@@ -178,10 +178,10 @@ impl Query {
                 let it = it.text_document_position_params;
                 Query::at(it, Needs::Own, |context, analysis, at| {
                     let found = hover::hover(analysis, at, context.cancellation)?;
-                    value(found.map(|(text, site)| {
+                    value(found.map(|(text, location)| {
                         json!({
                             "contents": { "kind": "markdown", "value": text },
-                            "range": analysis.range(site),
+                            "range": analysis.range(location),
                         })
                     }))
                 })
@@ -190,9 +190,10 @@ impl Query {
                 let it: DefinitionParams = params(raw)?;
                 let it = it.text_document_position_params;
                 Query::at(it, Needs::Own, |context, analysis, at| {
-                    let sites = definition::definitions(analysis, at, context.cancellation)?;
-                    let places = sites.into_iter();
-                    let places = places.map(|site| analysis.location(site, &context.documents));
+                    let locations = definition::definitions(analysis, at, context.cancellation)?;
+                    let places = locations.into_iter();
+                    let places =
+                        places.map(|location| analysis.location(location, &context.documents));
                     value(places.collect::<Vec<Location>>())
                 })
             }
@@ -227,9 +228,9 @@ impl Query {
                 let it: PrepareRenameParams = params(raw)?;
                 let it = it.text_document_position_params;
                 Query::at(it, Needs::Own, |_, analysis, at| {
-                    let site = rename::renameable(analysis, at)?;
-                    let placeholder = analysis.checked.sources.text(site);
-                    value(json!({ "range": analysis.range(site), "placeholder": placeholder }))
+                    let location = rename::renameable(analysis, at)?;
+                    let placeholder = analysis.checked.sources.text(location);
+                    value(json!({ "range": analysis.range(location), "placeholder": placeholder }))
                 })
             }
             "textDocument/rename" => {
@@ -300,9 +301,9 @@ fn references(
         return value(json!([]));
     };
     let all = context.all();
-    let span = name.site.span;
+    let span = name.location.span;
     let from = (
-        analysis.path(name.site.file).to_owned(),
+        analysis.path(name.location.file).to_owned(),
         span.start,
         span.end,
     );
@@ -311,7 +312,7 @@ fn references(
         let (analysis, name) =
             (all.iter()).find_map(|analysis| Some((analysis, named_at(analysis, place)?)))?;
         let wanted = with_declaration || !name.declares;
-        wanted.then(|| analysis.location(name.site, &context.documents))
+        wanted.then(|| analysis.location(name.location, &context.documents))
     });
     value(found.collect::<Vec<Location>>())
 }

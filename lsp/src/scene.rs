@@ -1,7 +1,7 @@
 //! What is known of the words of a scene.
 use serde_json::{Value, json};
 use stochc_compiler::scene::WordContext;
-use stochc_compiler::{FileId, Site, Span};
+use stochc_compiler::{FileId, SourceLocation, Span};
 use stochc_grammar::tree::ItemKind;
 use stochc_ir::scene::schema::SchemaEntry;
 
@@ -11,10 +11,10 @@ use super::analysis::Analysis;
 const KEYWORD: u32 = 14;
 
 /// What the word at a byte says, and where it stands.
-pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, Site)> {
+pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, SourceLocation)> {
     let words = words(analysis, at)?;
     let (entry, outer) = words.path.split_last()?;
-    let site = Site {
+    let location = SourceLocation {
         file: FileId(0),
         span: words.word?,
     };
@@ -34,7 +34,7 @@ pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, Site)> {
     {
         text.push_str(&format!("\n```text\n{equation}\n```\n"));
     }
-    Some((text, site))
+    Some((text, location))
 }
 
 /// The words that may stand at a byte.

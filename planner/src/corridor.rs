@@ -44,7 +44,7 @@ impl Corridors {
             first: Default::default(),
         };
         let mut waiting = vec![Vec::new(); sites.len()];
-        for &site in disassembly.order[sites.standing_count()..].iter().rev() {
+        for &site in disassembly.order[sites.existing_count()..].iter().rev() {
             cancellation.check()?;
             waiting[site as usize] = search.cheapest(site);
         }

@@ -30,7 +30,7 @@ pub struct Disassembly {
 
 impl Disassembly {
     /// How many sites have no way in two cells wide.
-    pub fn tight(&self) -> usize {
+    pub fn narrow_count(&self) -> usize {
         self.way_in.iter().filter(|way| way.is_none()).count()
     }
 }
@@ -68,7 +68,7 @@ pub fn disassemble(
         doubtful: [Vec::new(), Vec::new()],
         urgency: &urgency,
     };
-    while disassembler.taken.len() < sites.len() - sites.standing_count() {
+    while disassembler.taken.len() < sites.len() - sites.existing_count() {
         cancellation.check()?;
         let wide = disassembler
             .next(0)
@@ -84,7 +84,7 @@ pub fn disassemble(
         };
         let Some((site, way_in)) = found else {
             let stands =
-                |site: &u32| disassembler.support.stands(*site) && !sites.is_standing(*site);
+                |site: &u32| disassembler.support.stands(*site) && !sites.is_existing(*site);
             let left = (0..sites.len() as u32).filter(stands);
             return Err(TargetError::Sealed(
                 left.map(|site| sites.cell(site)).collect(),
@@ -99,7 +99,7 @@ pub fn disassemble(
         ..
     } = disassembler;
     // What is there before comes first.
-    order.extend(sites.standing().map(|(site, _)| site));
+    order.extend(sites.existing().map(|(site, _)| site));
     order.reverse();
     let mut rank = vec![0; order.len()];
     for (i, &site) in order.iter().enumerate() {
@@ -135,7 +135,7 @@ impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
         while let Some((_, site)) = self.frontiers[space].pop() {
             self.is_queued[space][site as usize] = false;
             let stands = |site: u32| self.support.stands(site);
-            if self.sites.is_standing(site) || !stands(site) {
+            if self.sites.is_existing(site) || !stands(site) {
                 continue;
             }
             let Some(way_in) = self.spaces[space].way_in(self.sites, site, &stands) else {

@@ -40,12 +40,12 @@ pub fn explanation(plan: &BuildPlan) -> String {
         waits(Why::Way),
         waits(Why::Near),
     );
-    let tight: Vec<Cell> = captures
+    let narrow: Vec<Cell> = captures
         .iter()
         .filter(|it| it.is_tight)
         .map(|it| it.cell)
         .collect();
-    let _ = match tight.len() {
+    let _ = match narrow.len() {
         0 => writeln!(
             out,
             "ways in: two cells wide for every cell, in every order"
@@ -53,8 +53,8 @@ pub fn explanation(plan: &BuildPlan) -> String {
         _ => writeln!(
             out,
             "ways in: two cells wide, but for {} of one: {}",
-            tight.len(),
-            crate::target_error::listed(&tight)
+            narrow.len(),
+            crate::target_error::listed(&narrow)
         ),
     };
     if let Some(dismantling) = &plan.dismantling {

@@ -46,7 +46,7 @@ pub use makespan::{Objective, PlanEstimate};
 pub use plan::{Alternative, BuildPlan, Capture, Hardware, Plans, baseline_plans, plan};
 pub use scaffold::{Dismantling, HandOver, Mast};
 pub use search::{AdaptiveGap, PlanSearch, ScheduleGap, adaptive_gap, gap};
-pub use target::{FARTHEST, MOST_CELLS, StandingBlock, Target};
+pub use target::{ExistingBlock, FARTHEST, MOST_CELLS, Target};
 pub use target_error::{LoosePart, TargetError};
 pub use voxels::{UnreadableVoxels, layers, magica_voxel};
 pub use waiting::Why;

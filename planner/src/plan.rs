@@ -250,7 +250,7 @@ impl BuildPlan {
         let samples = Samples::new(sites.len(), runs(sites.len()), seed ^ 0x5eed);
         let estimate = samples.estimate(schedule, waiting, &mut Vec::new());
         let decides = samples.criticality(schedule, waiting);
-        let missing = schedule.order[sites.standing_count()..].iter();
+        let missing = schedule.order[sites.existing_count()..].iter();
         let captures = missing.map(|&site| {
             let here = site as usize;
             let after = afters[here].iter();

@@ -271,7 +271,7 @@ impl<'a> SchedulingJob<'a> {
         let count = self.sites.len();
         let mut state = vec![SiteState::Absent; count];
         let mut schedule = Schedule::empty(count);
-        for (site, way) in self.sites.standing() {
+        for (site, way) in self.sites.existing() {
             state[site as usize] = SiteState::Anchored;
             schedule.way[site as usize] = way;
             schedule.rank[site as usize] = schedule.order.len() as u32;
@@ -387,7 +387,7 @@ impl ScheduleState<'_> {
         let moment = Moment {
             free: 1.0 - bound,
             // Where blocks stand, the gas has been moving.
-            is_first: now == 0.0 && job.sites.standing_count() == 0,
+            is_first: now == 0.0 && job.sites.existing_count() == 0,
         };
         let only = job.roles.and_then(|roles| roles.way(site));
         let along = job.corridors.along[site as usize];

@@ -41,7 +41,7 @@ pub struct PlanSearch<'a> {
 impl PlanSearch<'_> {
     /// What plans are compared by: how long one takes, and what its narrow ways cost.
     pub(crate) fn value(&self, estimate: &PlanEstimate, disassembly: &Disassembly) -> f64 {
-        estimate.of(self.objective) + JAMS * disassembly.tight() as f64
+        estimate.of(self.objective) + JAMS * disassembly.narrow_count() as f64
     }
 }
 
@@ -156,7 +156,7 @@ pub fn search(
     how: PlanSearch<'_>,
 ) -> Result<FoundSchedule, TargetError> {
     let mut found = heuristic(sites, hardware, waits, how)?;
-    if sites.len() <= MOST_SITES && sites.standing_count() == 0 && found.rounds >= VARIANTS {
+    if sites.len() <= MOST_SITES && sites.existing_count() == 0 && found.rounds >= VARIANTS {
         found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?.is_finished;
     }
     Ok(found)
@@ -365,7 +365,7 @@ pub fn adaptive_gap(
     how: PlanSearch<'_>,
 ) -> Result<Option<AdaptiveGap>, TargetError> {
     let sites = Sites::of(target);
-    if sites.len() > MOST_ADAPTIVE || sites.standing_count() > 0 {
+    if sites.len() > MOST_ADAPTIVE || sites.existing_count() > 0 {
         return Ok(None);
     }
     let found = search(&sites, hardware, waits, how)?;
@@ -378,7 +378,7 @@ pub fn adaptive_gap(
     );
     let mut heedless = ExactTimes::new(&job, false);
     // Where a plan has narrow ways, others may as well.
-    let mut times = ExactTimes::new(&job, found.disassembly.tight() == 0);
+    let mut times = ExactTimes::new(&job, found.disassembly.narrow_count() == 0);
     let planned = FixedProgram::of(&times, &found.schedule);
     Ok(Some(AdaptiveGap {
         planned: times.of(&planned),
@@ -419,7 +419,9 @@ fn branch_and_bound(
                 (disassembly, corridors)
             }
         };
-        if disassembly.tight() > found.disassembly.tight() || tried.contains(&corridors.waiting) {
+        if disassembly.narrow_count() > found.disassembly.narrow_count()
+            || tried.contains(&corridors.waiting)
+        {
             continue;
         }
         let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);

@@ -57,7 +57,7 @@ pub struct Sites<'a> {
     number: Grid<Number>,
     windows: Vec<[u32; 27]>,
     /// Of the sites whose blocks are there before, whether they can capture.
-    standing: FxHashMap<u32, bool>,
+    existing: FxHashMap<u32, bool>,
 }
 
 /// The number of a site, or none.
@@ -91,42 +91,42 @@ impl<'a> Sites<'a> {
             window
         };
         let windows = cells.iter().map(window).collect();
-        let standing = target.standing().iter().filter_map(|block| {
+        let existing = target.existing().iter().filter_map(|block| {
             let site = number.get(block.cell)?.0;
             Some((site, block.can_capture))
         });
         Sites {
             target,
-            standing: standing.collect(),
+            existing: existing.collect(),
             number,
             windows,
         }
     }
 
     /// The sites whose blocks are there before, each with the way from its parent.
-    pub fn standing(&self) -> impl Iterator<Item = (u32, Face)> + '_ {
-        let blocks = self.target.standing().iter();
+    pub fn existing(&self) -> impl Iterator<Item = (u32, Face)> + '_ {
+        let blocks = self.target.existing().iter();
         blocks.map(|block| (self.at(block.cell), block.way))
     }
 
     /// How many sites there are whose blocks are there before.
-    pub fn standing_count(&self) -> usize {
-        self.standing.len()
+    pub fn existing_count(&self) -> usize {
+        self.existing.len()
     }
 
     /// Whether the block of a site is there before.
-    pub fn is_standing(&self, site: u32) -> bool {
-        !self.standing.is_empty() && self.standing.contains_key(&site)
+    pub fn is_existing(&self, site: u32) -> bool {
+        !self.existing.is_empty() && self.existing.contains_key(&site)
     }
 
     /// Whether the block of a site can hold no other.
     pub fn is_inert(&self, site: u32) -> bool {
-        !self.standing.is_empty() && self.standing.get(&site) == Some(&false)
+        !self.existing.is_empty() && self.existing.get(&site) == Some(&false)
     }
 
     /// Whether a site is held by what is there before: by a block of the plate, or because its own block is.
     pub fn is_root(&self, site: u32) -> bool {
-        self.is_on_seed(site) || self.is_standing(site)
+        self.is_on_seed(site) || self.is_existing(site)
     }
 
     /// Whether a block of those that stand, or of the plate, can capture a site by a face along an axis.

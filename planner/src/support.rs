@@ -52,13 +52,13 @@ impl Support {
             let level = self.level(next);
             level <= self.level(site)
                 || self
-                    .standing(sites, next)
+                    .present_neighbours(sites, next)
                     .any(|other| other != site && self.level(other) < level)
         };
-        self.standing(sites, site).all(is_held) || self.is_locally_connected(sites, site)
+        self.present_neighbours(sites, site).all(is_held) || self.is_locally_connected(sites, site)
     }
 
-    fn standing(&self, sites: &Sites<'_>, site: u32) -> impl Iterator<Item = u32> {
+    fn present_neighbours(&self, sites: &Sites<'_>, site: u32) -> impl Iterator<Item = u32> {
         // What can hold nothing needs no support either.
         let able = sites.adjacent(site).filter(|&next| !sites.is_inert(next));
         able.filter(|&next| self.stands(next))
@@ -99,13 +99,13 @@ impl Support {
     /// A site goes, without which all else hangs together.
     pub fn remove(&mut self, sites: &Sites<'_>, site: u32) {
         self.stands[site as usize] = false;
-        let mut queue: Vec<u32> = self.standing(sites, site).collect();
+        let mut queue: Vec<u32> = self.present_neighbours(sites, site).collect();
         while let Some(site) = queue.pop() {
             if sites.is_root(site) {
                 continue;
             }
             let lowest = self
-                .standing(sites, site)
+                .present_neighbours(sites, site)
                 .map(|next| self.level(next))
                 .min();
             let Some(lowest) = lowest.filter(|&lowest| lowest >= self.level(site)) else {
@@ -113,7 +113,7 @@ impl Support {
             };
             self.level[site as usize] = lowest + 1;
             queue.push(site);
-            queue.extend(self.standing(sites, site));
+            queue.extend(self.present_neighbours(sites, site));
         }
     }
 
@@ -240,7 +240,7 @@ mod tests {
                     prop_assert_eq!(!is_cut[site as usize], is_free);
                     prop_assert!(is_free || !support.can_spare(&sites, site));
                     let level = support.level(site);
-                    let below = support.standing(&sites, site).any(|next| support.level(next) < level);
+                    let below = support.present_neighbours(&sites, site).any(|next| support.level(next) < level);
                     prop_assert!(below || (level == 1 && sites.is_on_seed(site)));
                     free.extend(is_free.then_some(site));
                 }

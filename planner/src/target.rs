@@ -19,9 +19,9 @@ pub struct Target {
     /// Sorted, each once; z is at least 1.
     cells: Vec<Cell>,
     /// The blocks that are there before, sorted by cell.
-    standing: Vec<StandingBlock>,
+    existing: Vec<ExistingBlock>,
     /// The blocks that are let go before anything is captured, sorted by cell.
-    released: Vec<StandingBlock>,
+    released: Vec<ExistingBlock>,
     plate: Plate,
     /// The blocks of the plate that may capture, sorted; `None`: all of them.
     seeds: Option<Vec<(i32, i32)>>,
@@ -29,7 +29,7 @@ pub struct Target {
 
 /// A block of a target that is there before anything is captured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct StandingBlock {
+pub struct ExistingBlock {
     /// Where it is.
     pub cell: Cell,
     /// The way there from its parent.
@@ -49,7 +49,7 @@ impl Target {
         seeds: Option<Vec<(i32, i32)>>,
         free: u32,
     ) -> Result<Target, TargetError> {
-        Target::with_standing(cells, (Vec::new(), Vec::new()), plate, seeds, free)
+        Target::with_existing(cells, (Vec::new(), Vec::new()), plate, seeds, free)
     }
 
     /// The same where some blocks stand, which are taken from the free ones, and others that are let go first. What stands belongs to the
@@ -57,20 +57,20 @@ impl Target {
     ///
     /// # Errors
     /// As [`Target::new`]; also if nothing is missing.
-    pub fn with_standing(
+    pub fn with_existing(
         mut cells: Vec<Cell>,
-        (mut standing, mut released): (Vec<StandingBlock>, Vec<StandingBlock>),
+        (mut existing, mut released): (Vec<ExistingBlock>, Vec<ExistingBlock>),
         plate: Plate,
         seeds: Option<Vec<(i32, i32)>>,
         free: u32,
     ) -> Result<Target, TargetError> {
-        standing.sort_unstable();
-        standing.dedup_by_key(|block| block.cell);
+        existing.sort_unstable();
+        existing.dedup_by_key(|block| block.cell);
         released.sort_unstable();
-        cells.extend(standing.iter().map(|block| block.cell));
+        cells.extend(existing.iter().map(|block| block.cell));
         cells.sort_unstable();
         cells.dedup();
-        if cells.len() == standing.len() {
+        if cells.len() == existing.len() {
             return Err(TargetError::Empty);
         }
         let is_far = |cell: &&Cell| {
@@ -97,7 +97,7 @@ impl Target {
         });
         let target = Target {
             cells,
-            standing,
+            existing,
             released,
             plate,
             seeds,
@@ -119,26 +119,26 @@ impl Target {
     }
 
     /// The blocks that are there before, sorted by cell.
-    pub fn standing(&self) -> &[StandingBlock] {
-        &self.standing
+    pub fn existing(&self) -> &[ExistingBlock] {
+        &self.existing
     }
 
     /// The blocks that are let go before anything is captured, sorted by cell.
-    pub fn released(&self) -> &[StandingBlock] {
+    pub fn released(&self) -> &[ExistingBlock] {
         &self.released
     }
 
     /// The block in a cell that is there before.
-    pub fn standing_at(&self, cell: Cell) -> Option<&StandingBlock> {
+    pub fn existing_at(&self, cell: Cell) -> Option<&ExistingBlock> {
         let at = self
-            .standing
+            .existing
             .binary_search_by_key(&cell, |block| block.cell);
-        at.ok().map(|at| &self.standing[at])
+        at.ok().map(|at| &self.existing[at])
     }
 
     /// Whether what is in a cell can hold no other block.
     fn is_inert(&self, cell: Cell) -> bool {
-        self.standing_at(cell)
+        self.existing_at(cell)
             .is_some_and(|block| !block.can_capture)
     }
 
@@ -166,7 +166,7 @@ impl Target {
     fn loose(&self) -> Vec<LoosePart> {
         let all: FxHashSet<Cell> = self.cells.iter().copied().collect();
         let mut open: Vec<Cell> = self.cells.to_vec();
-        let stands = |cell: &Cell| self.standing_at(*cell).is_some();
+        let stands = |cell: &Cell| self.existing_at(*cell).is_some();
         let mut held: FxHashSet<Cell> = open.iter().copied().filter(stands).collect();
         open.retain(|&cell| {
             !self.is_inert(cell) && (self.is_on_seed(cell) || held.contains(&cell))

@@ -77,8 +77,8 @@ impl Waiting {
     /// Everything that a schedule has in some order.
     pub fn of(job: &SchedulingJob<'_>, schedule: &Schedule) -> Waiting {
         let mut before: Vec<Vec<u32>> = vec![Vec::new(); schedule.order.len()];
-        let standing = job.sites.standing_count();
-        for (i, &site) in schedule.order.iter().enumerate().skip(standing) {
+        let existing = job.sites.existing_count();
+        for (i, &site) in schedule.order.iter().enumerate().skip(existing) {
             let rank = |site: u32| schedule.rank[site as usize];
             before[i].extend(schedule.held(job.sites, site));
             before[i].extend(schedule.turn(job.sites, job.hardware, site));
@@ -93,7 +93,7 @@ impl Waiting {
         let first = schedule.first_phase as u32;
         for (before, i) in before.iter_mut().zip(0..) {
             // A phase waits for all of the one before.
-            before.retain(|&other| (other < first) == (i < first) && other >= standing as u32);
+            before.retain(|&other| (other < first) == (i < first) && other >= existing as u32);
             before.sort_unstable();
             before.dedup();
         }
@@ -113,9 +113,9 @@ impl Waiting {
         // What is said, and what need not be, of the sites before.
         let mut edges: Vec<Vec<u32>> = Vec::with_capacity(self.before.len());
         let mut search = Ancestors::new(self.before.len());
-        let standing = sites.standing_count();
-        edges.resize(standing, Vec::new());
-        for (&site, before) in schedule.order.iter().zip(&self.before).skip(standing) {
+        let existing = sites.existing_count();
+        edges.resize(existing, Vec::new());
+        for (&site, before) in schedule.order.iter().zip(&self.before).skip(existing) {
             let held = schedule.held(sites, site);
             let mut kept: Vec<u32> = held
                 .into_iter()

@@ -13,8 +13,8 @@ use stochc::ensemble::{
 use stochc::exit::{Exit, Failure};
 use stochc::host::Host;
 use stochc::operations::chosen_run::{ChosenRun, choose};
-use stochc::operations::ensemble::{Making, can_record, make, tell_of_doubts};
-use stochc::operations::results::{read, told};
+use stochc::operations::ensemble::{Making, can_record, make, warn_of_doubts};
+use stochc::operations::results::{ensemble_results, read};
 use stochc::operations::runs::{made_again, try_out_all};
 use stochc::operations::{export, replay, report as pages, shard as pieces, sweep};
 use stochc::report::figures::{self, Figures, Medium};
@@ -87,7 +87,7 @@ impl Detached {
         manifest.within_limits().map_err(Failure::usage)?;
         can_record(&manifest, record)?;
         try_out_all(&manifest)?;
-        tell_of_doubts(&manifest, host);
+        warn_of_doubts(&manifest, host);
         Ok(manifest)
     }
 }
@@ -117,7 +117,7 @@ pub fn simulate(
             checkpoints: Interval::DEFAULT,
             memory: None,
             threads,
-            is_told_of_build: false,
+            has_warned_of_build: false,
             figures: &Figures::default(),
             viewer: None,
         };
@@ -359,7 +359,7 @@ impl PythonEnsemble {
     /// A row for each program.
     fn summary(&self, py: Python<'_>) -> PyResult<PythonTable> {
         self.ask(py, |inner, finished, _| {
-            let comparison = told(&inner.manifest, finished, false)?.comparison;
+            let comparison = ensemble_results(&inner.manifest, finished, false)?.comparison;
             derived::summary(&inner.manifest, &comparison).map_err(Failure::usage)
         })
     }
@@ -374,7 +374,7 @@ impl PythonEnsemble {
     /// What `stochc results` prints: tables of so many columns, or JSON.
     fn results(&self, py: Python<'_>, bonds: bool, width: Option<usize>) -> PyResult<String> {
         self.ask(py, move |inner, finished, _| {
-            let told = told(&inner.manifest, finished, bonds)?;
+            let told = ensemble_results(&inner.manifest, finished, bonds)?;
             Ok(match width {
                 Some(width) => told.text(width),
                 None => told.json(),
@@ -385,7 +385,7 @@ impl PythonEnsemble {
     /// Pictures: the completion curves, or those of a sweep; name, title and SVG of each.
     fn pictures(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
         self.ask(py, |inner, finished, _| {
-            let drawings = match told(&inner.manifest, finished, false)?.sweep {
+            let drawings = match ensemble_results(&inner.manifest, finished, false)?.sweep {
                 Some(sweep) => figures::sweep(Medium::Screen, &sweep, "sweep"),
                 None => {
                     let drawing = figures::completion(Medium::Screen, &inner.manifest, finished);

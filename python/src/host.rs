@@ -63,11 +63,11 @@ impl Host for Caller {
         lock(&self.log).warnings.push(text.trim_end().to_owned());
     }
 
-    fn tell_failure(&self, message: &str) {
+    fn report_failure(&self, message: &str) {
         lock(&self.log).failures += message;
     }
 
-    fn tell_findings(&self, checked: &Checked) {
+    fn report_findings(&self, checked: &Checked) {
         let drawn = self.draw(checked);
         let mut log = lock(&self.log);
         if checked.has_errors() {

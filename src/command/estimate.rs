@@ -58,7 +58,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         seed: chance.seed,
         threads: work.threads,
     };
-    tell(
+    print_estimates(
         &estimates(programs, &how, &host)?,
         options.captures,
         *format,
@@ -69,7 +69,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 pub(super) const SHOWN: usize = 5;
 
 /// Prints estimates, with so many captures of each; without times, it has failed.
-pub(super) fn tell(
+pub(super) fn print_estimates(
     estimates: &[CompletionEstimate],
     captures: usize,
     format: ResultsFormat,

@@ -10,7 +10,7 @@ use stochc_files::programs::{STDIN_NAME, programs, read};
 use stochc_grammar::{FormatError, format};
 use stochc_ir::visible;
 
-use super::terminal::{has_colour, message_width, print, told};
+use super::terminal::{exit_of, has_colour, message_width, print};
 use crate::exit::{Exit, Failure};
 
 /// What `fmt` is given.
@@ -30,7 +30,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     for file in programs(&options.files) {
         let done = file.map_err(Failure::usage);
         let done = done.and_then(|file| one(&file, options.check));
-        exit = exit.or_worse(told(done));
+        exit = exit.or_worse(exit_of(done));
     }
     Ok(exit)
 }

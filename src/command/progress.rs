@@ -73,7 +73,7 @@ fn bar(state: impl Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
         }
     }
     bar.finish_and_clear();
-    say_last(&state(start.elapsed()), start.elapsed());
+    print_last(&state(start.elapsed()), start.elapsed());
 }
 
 fn lines(state: impl Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
@@ -82,18 +82,18 @@ fn lines(state: impl Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
     while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(Duration::from_secs(1)) {
         let state = state(start.elapsed());
         if cadence.due(start.elapsed(), &state) {
-            say(&(state.done + &state.more));
+            print_line(&(state.done + &state.more));
         }
     }
-    say_last(&state(start.elapsed()), start.elapsed());
+    print_last(&state(start.elapsed()), start.elapsed());
 }
 
-fn say_last(state: &WorkProgress, elapsed: Duration) {
-    say(&format!("{}, after {}", state.done, words(elapsed)));
+fn print_last(state: &WorkProgress, elapsed: Duration) {
+    print_line(&format!("{}, after {}", state.done, words(elapsed)));
 }
 
 /// A line on standard error, if there still is somebody to read it.
-fn say(line: &str) {
+fn print_line(line: &str) {
     warn(&format!("{}\n", visible(line)));
 }
 

@@ -7,7 +7,7 @@ use stochc_ensemble::{Manifest, Records};
 use super::memory::MemoryOption;
 use super::terminal::{Terminal, output_width, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::results::{read, told};
+use crate::operations::results::{ensemble_results, read};
 
 /// What `results` is given.
 #[derive(Debug, Args)]
@@ -67,7 +67,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
 pub fn show(manifest: &Manifest, finished: &Records, shown: &ResultsView) -> Result<Exit, Failure> {
-    let told = told(manifest, finished, shown.bonds)?;
+    let told = ensemble_results(manifest, finished, shown.bonds)?;
     let exit = match told.are_all_successful() {
         true => Exit::Success,
         false => Exit::UnsuccessfulRun,

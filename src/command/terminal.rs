@@ -34,11 +34,11 @@ impl Host for Terminal {
         warn(text);
     }
 
-    fn tell_failure(&self, message: &str) {
+    fn report_failure(&self, message: &str) {
         warn_drawn(message);
     }
 
-    fn tell_findings(&self, checked: &Checked) {
+    fn report_findings(&self, checked: &Checked) {
         warn_drawn(&self.draw(checked));
     }
 
@@ -135,7 +135,7 @@ pub fn warn_drawn(text: &str) {
 }
 
 /// Says why a part of the work failed, where the rest of it goes on; how that part ended.
-pub fn told(done: Result<Exit, Failure>) -> Exit {
+pub fn exit_of(done: Result<Exit, Failure>) -> Exit {
     done.unwrap_or_else(|failure| {
         warn_drawn(&failure.message);
         failure.exit

@@ -40,7 +40,7 @@ impl FindingCounts {
                 Severity::Warning => self.warnings += 1,
             }
             // What another file needs is done there.
-            let is_own = |edit: &Edit| edit.site.file == FileId(0);
+            let is_own = |edit: &Edit| edit.location.file == FileId(0);
             let fix = diagnostic.fix.as_ref();
             let is_fixable = fix.is_some_and(|fix| fix.safe && fix.edits.iter().all(is_own));
             self.fixable += usize::from(is_fixable);

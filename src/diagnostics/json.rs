@@ -1,7 +1,7 @@
 //! Findings as JSON.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{Diagnostic, Fix};
-use stochc_compiler::{Checked, Site, Sources};
+use stochc_compiler::{Checked, SourceLocation, Sources};
 
 use super::position;
 
@@ -21,7 +21,7 @@ pub fn values(checked: &Checked) -> impl Iterator<Item = Value> {
 
 fn value(diagnostic: &Diagnostic, sources: &Sources) -> Value {
     let labels: Value = (diagnostic.labels.iter())
-        .map(|label| place(sources, label.site, &label.text))
+        .map(|label| place(sources, label.location, &label.text))
         .collect();
     json!({
         "code": diagnostic.code,
@@ -36,20 +36,20 @@ fn value(diagnostic: &Diagnostic, sources: &Sources) -> Value {
 
 fn change(fix: &Fix, sources: &Sources) -> Value {
     let edits: Value = (fix.edits.iter())
-        .map(|edit| place(sources, edit.site, &edit.text))
+        .map(|edit| place(sources, edit.location, &edit.text))
         .collect();
     json!({ "title": fix.title, "safe": fix.safe, "edits": edits })
 }
 
-fn place(sources: &Sources, site: Site, text: &str) -> Value {
+fn place(sources: &Sources, location: SourceLocation, text: &str) -> Value {
     let point = |at: u32| {
-        let (line, column) = position(sources, site, at);
+        let (line, column) = position(sources, location, at);
         json!({ "offset": at, "line": line, "column": column })
     };
     json!({
-        "file": sources.file(site.file).name,
-        "start": point(site.span.start),
-        "end": point(site.span.end),
+        "file": sources.file(location.file).name,
+        "start": point(location.span.start),
+        "end": point(location.span.end),
         "text": text,
     })
 }

@@ -4,7 +4,7 @@ mod json;
 mod sarif;
 mod short;
 
-use stochc_compiler::{Checked, Site, Sources};
+use stochc_compiler::{Checked, SourceLocation, Sources};
 
 pub use graphical::{FindingCounts, count};
 pub use json::values;
@@ -51,6 +51,6 @@ pub fn json_document(diagnostics: Vec<serde_json::Value>) -> String {
 }
 
 /// Line and column of a byte of a file, both from 1; the column counts characters.
-fn position(sources: &Sources, site: Site, at: u32) -> (usize, usize) {
-    sources.file(site.file).position(at)
+fn position(sources: &Sources, location: SourceLocation, at: u32) -> (usize, usize) {
+    sources.file(location.file).position(at)
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::{Map, Value, json};
 use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, Label, Severity};
-use stochc_compiler::{Allowed, Checked, Site, Sources};
+use stochc_compiler::{Allowed, Checked, SourceLocation, Sources};
 
 use super::position;
 
@@ -119,11 +119,11 @@ impl SarifLog {
 
     /// 3.28
     fn location(&self, label: &Label, sources: &Sources) -> Value {
-        let name = &sources.file(label.site.file).name;
+        let name = &sources.file(label.location.file).name;
         json!({
             "physicalLocation": {
                 "artifactLocation": self.artifact(name),
-                "region": region(sources, label.site),
+                "region": region(sources, label.location),
             },
             "message": { "text": label.text },
         })
@@ -131,16 +131,16 @@ impl SarifLog {
 
     /// 3.55; a change of several files is one `artifactChange` for each.
     fn fix(&self, fix: &Fix, sources: &Sources) -> Value {
-        let mut files: Vec<_> = fix.edits.iter().map(|edit| edit.site.file).collect();
+        let mut files: Vec<_> = fix.edits.iter().map(|edit| edit.location.file).collect();
         files.sort_unstable();
         files.dedup();
         let changes: Value = (files.into_iter())
             .map(|file| {
-                let edits = fix.edits.iter().filter(|edit| edit.site.file == file);
+                let edits = fix.edits.iter().filter(|edit| edit.location.file == file);
                 let replacements: Value = edits
                     .map(|edit| {
                         json!({
-                            "deletedRegion": region(sources, edit.site),
+                            "deletedRegion": region(sources, edit.location),
                             "insertedContent": { "text": edit.text },
                         })
                     })
@@ -166,9 +166,9 @@ impl SarifLog {
 }
 
 /// 3.30; the columns are in the unit that the run declares.
-fn region(sources: &Sources, site: Site) -> Value {
-    let (start_line, start_column) = position(sources, site, site.span.start);
-    let (end_line, end_column) = position(sources, site, site.span.end);
+fn region(sources: &Sources, location: SourceLocation) -> Value {
+    let (start_line, start_column) = position(sources, location, location.span.start);
+    let (end_line, end_column) = position(sources, location, location.span.end);
     json!({
         "startLine": start_line,
         "startColumn": start_column,

@@ -17,8 +17,8 @@ fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
         Severity::Warning => "warning",
     };
     let place = diagnostic.labels.first().map_or_else(String::new, |label| {
-        let (line, column) = position(sources, label.site, label.site.span.start);
-        let name = stochc_ir::visible(&sources.file(label.site.file).name);
+        let (line, column) = position(sources, label.location, label.location.span.start);
+        let name = stochc_ir::visible(&sources.file(label.location.file).name);
         format!("{name}:{line}:{column}: ")
     });
     let title = visible(&diagnostic.message());

@@ -13,7 +13,7 @@ use stochc_runtime::observe::Observer;
 use stochc_runtime::{RunError, observe};
 
 use super::recordings::begin;
-use super::runs::{tell_of_build, until};
+use super::runs::{until, warn_of_build};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
@@ -112,7 +112,7 @@ impl ChosenRun {
         observer: &mut impl Observer,
         host: &dyn Host,
     ) -> Result<RunRecord, Failure> {
-        tell_of_build(&self.manifest.builds, host);
+        warn_of_build(&self.manifest.builds, host);
         let mut watch = until(host.stop());
         let (tables, scene) = (self.entry().tables(), &self.entry().scene);
         let (seed, run) = (self.manifest.seed, self.run);

@@ -13,8 +13,8 @@ use stochc_runtime::RunError;
 
 use super::memory::{Kept, threads};
 use super::recordings::Recordings;
-use super::results::tell_of_damage;
-use super::runs::{made_again, made_by, tell_of_build, tell_of_checkpoints};
+use super::results::warn_of_damage;
+use super::runs::{made_again, made_by, warn_of_build, warn_of_checkpoints};
 use super::scene_warnings::{SceneWarning, scene_warnings};
 use super::sweep;
 use crate::exit::Failure;
@@ -40,7 +40,7 @@ pub struct Making<'a> {
     /// Bytes that may be taken, of which more threads would need more; `None`: nobody says.
     pub memory: Option<u64>,
     /// Whether it has been told already that other builds have made runs of the manifest.
-    pub is_told_of_build: bool,
+    pub has_warned_of_build: bool,
     /// What the figures of a sweep are like.
     pub figures: &'a Figures,
     /// Who looks at it meanwhile.
@@ -85,7 +85,7 @@ fn grows_upwards(tables: &Tables) -> bool {
 
 /// Says what the steps of a model do not resolve in the scenes of programs, and what their blocks do not
 /// reach: each doubt once, with how many other programs share it.
-pub fn tell_of_doubts(manifest: &Manifest, host: &dyn Host) {
+pub fn warn_of_doubts(manifest: &Manifest, host: &dyn Host) {
     if !manifest.settings.model.has_places() {
         return;
     }
@@ -131,15 +131,15 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
         None => Destination::Memory(manifest),
         Some(out) => {
             let folder = Folder::open(out, manifest, how.resume).map_err(Failure::usage)?;
-            tell_of_damage(out, folder.damage(), host);
+            warn_of_damage(out, folder.damage(), host);
             match folder.state() {
                 FolderState::New => {}
                 FolderState::Finished => host.warn(&format!(
                     "`{}` is finished already\n",
                     visible(&out.to_string_lossy())
                 )),
-                FolderState::Resumed if how.is_told_of_build => {}
-                FolderState::Resumed => tell_of_build(folder.builds(), host),
+                FolderState::Resumed if how.has_warned_of_build => {}
+                FolderState::Resumed => warn_of_build(folder.builds(), host),
             }
             if folder.state() == FolderState::Resumed {
                 check_stored(&folder, made_again(manifest, stop)).map_err(Failure::usage)?;
@@ -147,7 +147,7 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
             let folder = folder.with_checkpoints(how.checkpoints);
             let folder = folder.map_err(Failure::usage)?;
             checkpoints = folder.checkpoints().cloned();
-            tell_of_checkpoints(checkpoints.as_deref(), host);
+            warn_of_checkpoints(checkpoints.as_deref(), host);
             Destination::Folder({
                 let figures = how.figures.clone();
                 let further =
@@ -182,7 +182,7 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
         }),
     };
     let results = results.map_err(Failure::usage)?;
-    tell_of_checkpoints(checkpoints.as_deref(), host);
+    warn_of_checkpoints(checkpoints.as_deref(), host);
     Ok(Made {
         unrecorded: recordings.comment(&results.finished, host),
         results,

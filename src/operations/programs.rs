@@ -26,7 +26,7 @@ pub fn programs(
         match read(file, levels, imports, host) {
             Ok(found) => programs.extend(found),
             Err(failure) => {
-                host.tell_failure(&failure.message);
+                host.report_failure(&failure.message);
                 wrong = Some(Failure::silent(failure.exit));
             }
         }
@@ -68,7 +68,7 @@ pub fn accept(
     checked: Checked,
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
-    host.tell_findings(&checked);
+    host.report_findings(&checked);
     if checked.has_errors() {
         return Err(Failure::silent(verdict(&checked)));
     }

@@ -110,7 +110,7 @@ pub fn replan(
             made = self::made(&rest, how, host)?;
             (chains, programs) = (waiting, rest.programs);
         }
-        results.push(outcomes.told(&program.name, how.after));
+        results.push(outcomes.summary(&program.name, how.after));
     }
     Ok(results)
 }
@@ -235,7 +235,7 @@ impl Outcomes {
         Some((chain, rest))
     }
 
-    fn told(&self, program: &str, after: u64) -> Replanning {
+    fn summary(&self, program: &str, after: u64) -> Replanning {
         let both = self.plain.iter().filter_map(|(run, plain)| {
             let replanned = self.replanned.get(run)?;
             Some((*run, [*plain, *replanned]))

@@ -94,9 +94,9 @@ fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
         .map(|file| (program.sources.iter()).position(|source| source.path == file.name))
         .collect();
     let places = (0..).zip(&plan.events).filter_map(|(event, written)| {
-        let span = written.site.span;
+        let span = written.location.span;
         Some(EventLocation {
-            file: files[written.site.file.0 as usize]?,
+            file: files[written.location.file.0 as usize]?,
             bytes: span.start as usize..span.end as usize,
             event,
         })

@@ -102,7 +102,7 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
                 folders.push((path.clone(), input));
             }
             Err(failure) => {
-                host.tell_failure(&failure.message);
+                host.report_failure(&failure.message);
                 wrong = true;
             }
         }

@@ -23,12 +23,12 @@ use crate::host::Host;
 /// If it holds no results.
 pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failure> {
     let contents = Folder::read(folder).map_err(Failure::usage)?;
-    tell_of_damage(folder, &contents.damage, host);
+    warn_of_damage(folder, &contents.damage, host);
     Ok((contents.manifest, contents.finished))
 }
 
 /// Says what is wrong with the files of a results folder.
-pub fn tell_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
+pub fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
     /// More than these say the same.
     const TOLD: usize = 5;
     if damage.is_empty() {
@@ -64,7 +64,7 @@ pub struct EnsembleResults<'a> {
 ///
 /// # Errors
 /// Where the runs cannot be read again.
-pub fn told<'a>(
+pub fn ensemble_results<'a>(
     manifest: &'a Manifest,
     finished: &Records,
     bonds: bool,

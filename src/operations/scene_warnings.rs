@@ -39,7 +39,7 @@ const LEAST_TURN_OF_RAPIER: f64 = 2.5e-6;
 fn digits(scene: &Scene, settings: &Settings, steps: Substeps) -> Option<SceneWarning> {
     let longest = steps.longest();
     let turn = turn_in_steps(scene, f64::from(longest)).filter(|turn| *turn > 0.0)?;
-    let (least, cure) = match settings.model {
+    let (least, remedy) = match settings.model {
         Model::Rapier => (
             LEAST_TURN_OF_RAPIER,
             "`--model rigid --precision double` has them",
@@ -52,7 +52,7 @@ fn digits(scene: &Scene, settings: &Settings, steps: Substeps) -> Option<SceneWa
     Some(SceneWarning {
         symbol: "ω τ",
         figure: format!(
-            "ω τ is {} in a step, fewer digits than single precision has; {cure}",
+            "ω τ is {} in a step, fewer digits than single precision has; {remedy}",
             short(turn)
         ),
         effect: "blocks stop turning",
@@ -63,7 +63,7 @@ fn digits(scene: &Scene, settings: &Settings, steps: Substeps) -> Option<SceneWa
 fn doubt(group: &DimensionlessGroup, steps: u32) -> Option<SceneWarning> {
     let (symbol, value) = (group.symbol, short(group.value));
     if let Some(limit) = group.limit.filter(|_| group.is_exceeded(steps)) {
-        let cure = match group.substeps() {
+        let remedy = match group.substeps() {
             Some(substeps) if substeps <= Substeps::MOST => {
                 format!("`--substeps {substeps}` resolves it")
             }
@@ -72,7 +72,7 @@ fn doubt(group: &DimensionlessGroup, steps: u32) -> Option<SceneWarning> {
         let most = short(limit.most);
         return Some(SceneWarning {
             symbol,
-            figure: format!("{symbol} is {value} with one step a tick, more than {most}; {cure}"),
+            figure: format!("{symbol} is {value} with one step a tick, more than {most}; {remedy}"),
             effect: limit.beyond,
             is_of_height: false,
         });

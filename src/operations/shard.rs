@@ -5,7 +5,7 @@ use stochc_ensemble::Interval;
 use stochc_ensemble::shards::{Piece, ShardError, merge as merge_all};
 
 use super::memory::{Kept, threads};
-use super::runs::{made_again, made_by, tell_of_checkpoints};
+use super::runs::{made_again, made_by, warn_of_checkpoints};
 use super::sweep;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
@@ -25,7 +25,7 @@ pub fn shard(
     let piece = Piece::open(folder, number)
         .and_then(|piece| piece.with_checkpoints(checkpoints))
         .map_err(Failure::usage)?;
-    tell_of_checkpoints(piece.checkpoints(), host);
+    warn_of_checkpoints(piece.checkpoints(), host);
     let (runs, done) = piece.runs();
     if piece.is_made() {
         return Ok(Some(runs));
@@ -42,7 +42,7 @@ pub fn shard(
         true => work(),
         false => during(host, state, work),
     };
-    tell_of_checkpoints(piece.checkpoints(), host);
+    warn_of_checkpoints(piece.checkpoints(), host);
     Ok(made.map_err(Failure::usage)?.then_some(runs))
 }
 

@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::plan::{EventKind, ProgramPlan};
-use stochc_compiler::{Checked, FileId, LintLevels, Program, Site, shape_cells};
+use stochc_compiler::{Checked, FileId, LintLevels, Program, SourceLocation, shape_cells};
 use stochc_grammar::format;
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
 use stochc_planner::{
-    Hardware, PlanSearch, RateLaw, StandingBlock, Target, TargetError, continuation, plan,
+    ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation, plan,
 };
 use stochc_rates::Rates;
 
@@ -62,11 +62,11 @@ struct Claim<'a> {
     program: &'a Program,
     phase: usize,
     name: &'a str,
-    site: Site,
+    location: SourceLocation,
     /// What it claims.
     cells: Vec<Cell>,
     /// What stands there instead.
-    there: Vec<(StandingBlock, RoleId)>,
+    there: Vec<(ExistingBlock, RoleId)>,
 }
 
 impl Completion {
@@ -100,7 +100,7 @@ impl Completion {
             names.insert(cell, program.plan.roles.name(role, symbols));
         }
         let hardware = Hardware::of(&scene);
-        let target = Target::with_standing(
+        let target = Target::with_existing(
             claim.cells.clone(),
             (
                 there.into_iter().map(|(block, _)| block).collect(),
@@ -139,7 +139,7 @@ impl Completion {
 
     /// How many blocks are missing.
     pub fn missing(&self) -> usize {
-        self.target.cells().len() - self.target.standing().len()
+        self.target.cells().len() - self.target.existing().len()
     }
 
     /// Plans what is missing, and writes it into the program.
@@ -196,7 +196,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
     let mut is_claimed = false;
     for program in &checked.programs {
         for (number, phase) in program.plan.phases.iter().enumerate() {
-            for &(symbol, site) in &phase.claims {
+            for &(symbol, location) in &phase.claims {
                 let name = checked.symbols.word(symbol);
                 let of_name = declared.iter().find(|it| it.shape.name.symbol == symbol);
                 let Some(declared) = of_name.filter(|_| shape.is_none_or(|shape| shape == name))
@@ -208,7 +208,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
                 let mut cells = cells.ok_or(NotCompleted::Wrong)?;
                 cells.sort_unstable();
                 cells.dedup();
-                let there = standing(program, number);
+                let there = existing(program, number);
                 if !there
                     .iter()
                     .map(|(block, _)| block.cell)
@@ -218,7 +218,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
                         program,
                         phase: number,
                         name,
-                        site,
+                        location,
                         cells,
                         there,
                     });
@@ -236,7 +236,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
 }
 
 /// What stands at the end of a phase, with what it is called.
-pub(super) fn standing(program: &Program, last: usize) -> Vec<(StandingBlock, RoleId)> {
+pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, RoleId)> {
     let plan: &ProgramPlan = &program.plan;
     let mut there = BTreeMap::new();
     for phase in &plan.phases[..=last] {
@@ -261,7 +261,7 @@ pub(super) fn standing(program: &Program, last: usize) -> Vec<(StandingBlock, Ro
     }
     let layout = &program.layout;
     let blocks = there.into_iter().filter_map(|(role, event)| {
-        let block = StandingBlock {
+        let block = ExistingBlock {
             cell: layout.cells[event]?,
             way: layout.parents[event]?.face,
             can_capture: true,
@@ -281,14 +281,14 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
             claim.name
         ))
     };
-    if claim.site.file != FileId(0) {
+    if claim.location.file != FileId(0) {
         return Err(elsewhere());
     }
-    // Spans in trees are all equal; sites are not.
+    // Spans in trees are all equal; locations are not.
     let is_claim = |name: &Name| {
         let file = FileId(0);
         let span = name.span;
-        Site { file, span } == claim.site
+        SourceLocation { file, span } == claim.location
     };
     let claims = |item: &&Item| matches!(&item.kind, ItemKind::Yields(name) if is_claim(name));
     let bodies = checked

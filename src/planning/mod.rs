@@ -288,10 +288,10 @@ impl Goal {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::of(&scene);
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
-        let Repair { standing, released } = self.repair.clone();
+        let Repair { existing, released } = self.repair.clone();
         let (cells, seeds) = (self.cells.clone(), self.seeds.clone());
         let target =
-            Target::with_standing(cells, (standing, released), plate, seeds, hardware.free);
+            Target::with_existing(cells, (existing, released), plate, seeds, hardware.free);
         let target = target.map_err(Unplanned::Refused)?;
         let law = RateLaw::of(&scene, rates);
         let found = plan(&target, hardware, &law, search).map_err(Unplanned::Refused)?;
@@ -300,8 +300,8 @@ impl Goal {
             && let Ok(other) = self.accepted(&target, scaffolded, &law)
         {
             let value = |planned: &Planned| planned.plan.estimate.of(search.objective);
-            let tight = |planned: &Planned| planned.text.contains(Code::TightApproach.name());
-            if value(&other) < value(&best) && tight(&other) <= tight(&best) {
+            let has_narrow = |planned: &Planned| planned.text.contains(Code::TightApproach.name());
+            if value(&other) < value(&best) && has_narrow(&other) <= has_narrow(&best) {
                 best = other;
             }
         }

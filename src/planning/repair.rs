@@ -5,10 +5,10 @@ use stochc_compiler::{Checked, Program};
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::{RoleId, Tables};
 use stochc_ir::{Cell, Face};
-use stochc_planner::StandingBlock;
+use stochc_planner::ExistingBlock;
 
 use super::Goal;
-use super::completion::standing;
+use super::completion::existing;
 
 /// A structure as a run left it.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,9 +31,9 @@ struct BondedBlock {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Repair {
     /// What stays.
-    pub standing: Vec<StandingBlock>,
+    pub existing: Vec<ExistingBlock>,
     /// What is let go.
-    pub released: Vec<StandingBlock>,
+    pub released: Vec<ExistingBlock>,
 }
 
 impl ExistingStructure {
@@ -97,14 +97,14 @@ impl ExistingStructure {
             let line: Vec<(&str, &BondedBlock)> = self.line(name).collect();
             let cut = line.iter().find(|(name, _)| dead.contains(name));
             let is_wrong = |(_, block): &(&str, &BondedBlock)| !wanted.contains(&block.cell);
-            let standing = StandingBlock {
+            let existing = ExistingBlock {
                 cell: block.cell,
                 way: block.way,
                 can_capture: cut.is_none(),
             };
             match (line.iter().find(|it| is_wrong(it)), cut) {
-                (None, _) => repair.standing.push(standing),
-                (Some(_), None) => repair.released.push(standing),
+                (None, _) => repair.existing.push(existing),
+                (Some(_), None) => repair.released.push(existing),
                 (Some((wrong, _)), Some((cut, _))) => {
                     return Err(format!(
                         "`{wrong}` does not belong to the shape, and cannot be let go with `{name}`: `{cut}` is dead, and no message comes through it"
@@ -144,7 +144,7 @@ impl Goal {
             Some(shape) => Goal::of_program(checked, Some(shape))?,
             None => {
                 let last = plan.phases.len().checked_sub(1);
-                let built = last.map_or(Vec::new(), |last| standing(program, last));
+                let built = last.map_or(Vec::new(), |last| existing(program, last));
                 let cells = built.into_iter().map(|(block, _)| block.cell);
                 Goal {
                     scenes: super::declared_scenes(checked),
@@ -168,7 +168,7 @@ impl Goal {
         dead: &BTreeSet<&str>,
     ) -> Result<(), String> {
         let repair = structure.repair(&self.cells, dead)?;
-        let full: BTreeSet<Cell> = repair.standing.iter().map(|block| block.cell).collect();
+        let full: BTreeSet<Cell> = repair.existing.iter().map(|block| block.cell).collect();
         if self.cells.iter().all(|cell| full.contains(cell)) {
             return Err(match repair.released.len() {
                 0 => "nothing is missing".to_owned(),

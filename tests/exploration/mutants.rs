@@ -30,7 +30,7 @@ fn assemble(tables: &Tables, duties: Vec<LooseDuty>) -> Tables {
 }
 
 /// Explores tables that are meant to do what others do, in full and reduced.
-fn judge(mutant: &Tables, original: &Tables) -> [ExplorationReport; 2] {
+fn explore_twice(mutant: &Tables, original: &Tables) -> [ExplorationReport; 2] {
     let (expected, bounds) = (ProgramGoals::of(original), ExplorationBounds::default());
     let faults = Faults::default();
     [true, false].map(|reduce| {
@@ -88,7 +88,7 @@ fn every_mistake_that_matters_is_found_with_and_without_the_reduction() {
     let (mut full_states, mut reduced_states) = (0, 0);
     for original in &programs {
         for (mistake, mutant) in mutants(original) {
-            let [reduced, full] = judge(&mutant, original);
+            let [reduced, full] = explore_twice(&mutant, original);
             full_states += full.states;
             reduced_states += reduced.states;
             match (full.violation(), reduced.violation()) {
@@ -123,7 +123,7 @@ fn what_is_found_is_told_in_the_programs_own_names() {
         .find(|duty| original.name(duty.0) == "F")
         .unwrap();
     f.3.insert(0, (Vec::new(), Action::Report));
-    let [reduced, _] = judge(&assemble(original, rash), original);
+    let [reduced, _] = explore_twice(&assemble(original, rash), original);
     insta::assert_snapshot!(reduced.violation().unwrap());
 }
 
@@ -144,7 +144,7 @@ fn a_release_that_sets_a_block_adrift_is_found() {
             }
         }
     }
-    let [reduced, full] = judge(&assemble(&original, rash), &original);
+    let [reduced, full] = explore_twice(&assemble(&original, rash), &original);
     for report in [reduced, full] {
         let violation = report.violation().unwrap();
         let both = [Property::NoneAdrift, Property::Order];
@@ -167,7 +167,7 @@ fn a_second_block_of_one_name_is_found() {
             when.retain(|condition| !matches!(condition, Condition::Heard(News::Released(_))));
         }
     }
-    let [reduced, full] = judge(&assemble(&original, rash), &original);
+    let [reduced, full] = explore_twice(&assemble(&original, rash), &original);
     for report in [reduced, full] {
         let violation = report.violation().unwrap();
         let both = [Property::OneHolder, Property::Order];
@@ -183,7 +183,7 @@ fn no_mistake_of_the_compiler_reaches_a_user() {
     let right = checked.programs[0].tables.clone().unwrap();
     let mut count = 0;
     for (mistake, mutant) in mutants(&right) {
-        let [report, _] = judge(&mutant, &right);
+        let [report, _] = explore_twice(&mutant, &right);
         let Some(found) = report.violation() else {
             continue;
         };

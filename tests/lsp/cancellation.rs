@@ -27,7 +27,7 @@ fn hover(client: &mut Client, uri: &str, text: &str) -> i64 {
 }
 
 fn change(client: &mut Client, uri: &str, version: i64, text: &str) {
-    client.tell(
+    client.notify(
         "textDocument/didChange",
         json!({
             "textDocument": { "uri": uri, "version": version },
@@ -54,7 +54,7 @@ fn a_program_is_spoken_of_while_a_large_one_is_checked() {
     let small = hover(&mut client, SMALL, TEXT);
     assert_eq!(codes(&client.answers(1)), [(small, None)]);
     assert_eq!(client.diagnostics(SMALL), [Value::Null; 0]);
-    client.tell("$/cancelRequest", json!({ "id": large }));
+    client.notify("$/cancelRequest", json!({ "id": large }));
     assert_eq!(codes(&client.answers(1)), [(large, Some(CANCELLED))]);
     assert_eq!(client.diagnosed(LARGE), [0; 0]);
     assert_eq!(client.leave(), 0);
@@ -70,7 +70,7 @@ fn a_layout_is_given_while_the_program_is_checked() {
     let params = json!({ "textDocument": { "uri": LARGE }, "options": options });
     let layout = client.request("textDocument/formatting", params);
     assert_eq!(codes(&client.answers(1)), [(layout, None)]);
-    client.tell("$/cancelRequest", json!({ "id": large }));
+    client.notify("$/cancelRequest", json!({ "id": large }));
     assert_eq!(codes(&client.answers(1)), [(large, Some(CANCELLED))]);
 }
 
@@ -112,7 +112,7 @@ fn an_edit_ends_the_checks_of_what_imports_the_file() {
     client.ask("textDocument/documentSymbol", symbols);
     loop {
         change(&mut client, SMALL, 2, "let n = 2\n");
-        client.tell("$/cancelRequest", json!({ "id": "none" }));
+        client.notify("$/cancelRequest", json!({ "id": "none" }));
         let symbols = json!({ "textDocument": { "uri": SMALL } });
         let asked = client.request("textDocument/documentSymbol", symbols);
         let answers = codes(&client.answers(1));
@@ -135,7 +135,7 @@ fn the_conversation_ends_during_a_check() {
     let answers = client.answers(2);
     let expected = [(asked, Some(CANCELLED)), (leaving, None)];
     assert_eq!(codes(&answers), expected);
-    client.tell("exit", Value::Null);
+    client.notify("exit", Value::Null);
     assert_eq!(client.hang_up(), 0);
 
     let mut client = Client::new(&[]);

@@ -41,18 +41,18 @@ impl Client {
             json!({ "capabilities": { "general": general } }),
         );
         assert_eq!(answer["result"]["serverInfo"]["name"], "stochc");
-        client.tell("initialized", json!({}));
+        client.notify("initialized", json!({}));
         client
     }
 
     /// Opens a text.
     pub fn open(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "stochc", "version": 1, "text": text });
-        self.tell("textDocument/didOpen", json!({ "textDocument": document }));
+        self.notify("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
     /// Sends a notification.
-    pub fn tell(&mut self, method: &str, params: Value) {
+    pub fn notify(&mut self, method: &str, params: Value) {
         self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
     }
 
@@ -155,7 +155,7 @@ impl Client {
     /// Takes its leave as the protocol wants it; the exit status.
     pub fn leave(mut self) -> i32 {
         assert_eq!(self.ask("shutdown", Value::Null)["result"], Value::Null);
-        self.tell("exit", Value::Null);
+        self.notify("exit", Value::Null);
         self.child.wait().unwrap().code().unwrap()
     }
 

@@ -303,7 +303,7 @@ fn formatting_touches_the_lines_that_change() {
         .replace("base.up ->> T", "base.up->>T")
         .replace("release D", "release  D");
     let change = json!({ "text": careless });
-    client.tell(
+    client.notify(
         "textDocument/didChange",
         json!({ "textDocument": { "uri": URI, "version": 2 }, "contentChanges": [change] }),
     );
@@ -371,7 +371,7 @@ fn imports_lead_to_their_files_and_texts_of_the_editor_come_first() {
     assert_eq!(answer["result"][0]["uri"], uri("towers.sa"));
     assert_eq!(places(&answer["result"]), ["1:15-1:16"]);
 
-    client.tell(
+    client.notify(
         "textDocument/didClose",
         json!({ "textDocument": { "uri": uri("towers.sa") } }),
     );
@@ -456,7 +456,7 @@ fn imports_stay_within_the_folders_that_are_open() {
     ] {
         let mut client = Client::start();
         client.ask("initialize", open.clone());
-        client.tell("initialized", json!({}));
+        client.notify("initialized", json!({}));
         client.open(&uri("own/main.sa"), "import \"../other/secret\"\n");
         let file = match code {
             "syntax" => "other/secret",

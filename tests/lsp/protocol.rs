@@ -10,7 +10,7 @@ fn the_exit_status_says_whether_the_client_said_goodbye() {
     assert_eq!(Client::new(&[]).leave(), 0);
     assert_eq!(Client::new(&[]).hang_up(), 1);
     let mut client = Client::new(&[]);
-    client.tell("exit", Value::Null);
+    client.notify("exit", Value::Null);
     assert_eq!(client.hang_up(), 1);
     assert_eq!(Client::start().hang_up(), 1);
 }
@@ -21,7 +21,7 @@ fn requests_come_between_initialize_and_shutdown() {
     let hover = place(URI, "x", "x", 0);
     let answer = client.ask("textDocument/hover", hover.clone());
     assert_eq!(answer["error"]["code"], -32002);
-    client.tell("textDocument/didOpen", json!({}));
+    client.notify("textDocument/didOpen", json!({}));
     let answer = client.ask("initialize", json!({ "capabilities": {} }));
     assert_eq!(
         answer["result"]["capabilities"]["positionEncoding"],
@@ -33,7 +33,7 @@ fn requests_come_between_initialize_and_shutdown() {
         client.ask("textDocument/hover", hover)["error"]["code"],
         -32600
     );
-    client.tell("exit", Value::Null);
+    client.notify("exit", Value::Null);
     assert_eq!(client.hang_up(), 0);
 }
 
@@ -47,10 +47,10 @@ fn what_nobody_understands_does_no_harm() {
     assert_eq!(client.answer(&Value::Null)["error"]["code"], -32700);
     client.send_raw(b"Content-Length: 2\r\n\r\n[]");
     assert_eq!(client.answer(&Value::Null)["error"]["code"], -32700);
-    client.tell("textDocument/didChange", json!({ "textDocument": 3 }));
-    client.tell("textDocument/didOpen", json!([]));
-    client.tell("no/such", json!({}));
-    client.tell(
+    client.notify("textDocument/didChange", json!({ "textDocument": 3 }));
+    client.notify("textDocument/didOpen", json!([]));
+    client.notify("no/such", json!({}));
+    client.notify(
         "textDocument/didChange",
         json!({ "textDocument": { "uri": "file:///other", "version": 1 }, "contentChanges": [] }),
     );
@@ -110,8 +110,8 @@ fn a_request_can_be_cancelled_before_its_turn() {
     client.open(URI, text);
     let first = client.request("textDocument/hover", place(URI, text, "M.up", 0));
     let second = client.request("textDocument/hover", place(URI, text, "M.up", 0));
-    client.tell("$/cancelRequest", json!({ "id": second }));
-    client.tell("$/cancelRequest", json!({ "id": "none" }));
+    client.notify("$/cancelRequest", json!({ "id": second }));
+    client.notify("$/cancelRequest", json!({ "id": "none" }));
     let mut answers = [
         client.answer(&json!(second)),
         client.ask("shutdown", Value::Null),
@@ -146,7 +146,7 @@ fn diagnostics_follow_the_text() {
         "start": { "line": 3, "character": 24 },
         "end": { "line": 3, "character": 25 },
     });
-    client.tell(
+    client.notify(
         "textDocument/didChange",
         json!({
             "textDocument": { "uri": URI, "version": 2 },
@@ -155,7 +155,7 @@ fn diagnostics_follow_the_text() {
     );
     assert_eq!(client.diagnostics(URI), [Value::Null; 0]);
 
-    client.tell(
+    client.notify(
         "textDocument/didChange",
         json!({
             "textDocument": { "uri": URI, "version": 3 },
@@ -164,7 +164,7 @@ fn diagnostics_follow_the_text() {
     );
     let found = client.diagnostics(URI);
     assert_eq!(found[0]["code"], "syntax");
-    client.tell(
+    client.notify(
         "textDocument/didClose",
         json!({ "textDocument": { "uri": URI } }),
     );

@@ -169,7 +169,7 @@ fn what_does_not_belong_to_the_shape_is_let_go_with_what_hangs_on_it() {
     sorted.sort_unstable();
     mast.sort_unstable();
     assert_eq!(sorted, mast);
-    assert!(repair.standing.iter().all(|block| block.can_capture));
+    assert!(repair.existing.iter().all(|block| block.can_capture));
 
     // Nothing can be let go that has a dead block between it and the plate.
     let dead = BTreeSet::from(["M[2]"]);

@@ -11,7 +11,7 @@ const TIGHT: [&str; 0] = [];
 
 #[test]
 fn shapes_are_planned_accepted_and_built_in_several_orders() {
-    let mut tight = Vec::new();
+    let mut narrow = Vec::new();
     let files = files();
     assert!(files.len() >= 30, "{}", files.len());
     for path in files {
@@ -31,7 +31,7 @@ fn shapes_are_planned_accepted_and_built_in_several_orders() {
         expected.sort_unstable();
         assert_eq!(cells(&planned.plan), expected, "{name}");
         if planned.text.contains("allow tight-approach") {
-            tight.push(name.clone());
+            narrow.push(name.clone());
         }
         let checked = check_text("planned.sa", &planned.text);
         assert!(
@@ -56,7 +56,7 @@ fn shapes_are_planned_accepted_and_built_in_several_orders() {
             assert_eq!(record.bonds.len(), captures, "{name}");
         }
     }
-    assert_eq!(tight, TIGHT);
+    assert_eq!(narrow, TIGHT);
 }
 
 #[test]

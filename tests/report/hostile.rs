@@ -5,7 +5,7 @@ use stochc::ir::record::{Limit, Outcome};
 use stochc::ir::table::{PhaseId, RoleId};
 use stochc::report::ensemble_report::address;
 
-use crate::sample::{five, parsed, told};
+use crate::sample::{five, parsed, report_of};
 
 const NAMES: [&str; 7] = [
     "</script><script>alert(1)</script>",
@@ -34,7 +34,7 @@ fn hostile_names_are_shown_as_text() {
             program.sources[0].path = name.into();
             program.sources[0].text.push_str(name);
         }
-        let report = told(&inputs);
+        let report = report_of(&inputs);
         let document = parsed(&report.page);
         let tags: Vec<&str> = document
             .descendants()
@@ -84,7 +84,7 @@ fn hostile_names_are_shown_as_text() {
 fn data_files_quote_what_they_have_to() {
     let mut input = five(0.2);
     input.manifest.programs[0].name = "a,\"b\"\nc".into();
-    let report = told(&[input]);
+    let report = report_of(&[input]);
     let means = crate::sample::file(&report, "means.csv");
     let (_, rows) = means.split_once("\r\n").unwrap();
     assert!(rows.starts_with("\"a,\"\"b\"\"\nc\",,4,1,260,"), "{rows}");
@@ -128,7 +128,7 @@ fn impossible_records_are_no_reason_to_stop() {
             // As of a program that was compiled elsewhere.
             input.manifest.programs[0].sources.clear();
         }
-        let report = told(std::slice::from_ref(&input));
+        let report = report_of(std::slice::from_ref(&input));
         parsed(&report.page);
         for (name, content) in &report.files {
             if name.ends_with(".svg") {
@@ -158,7 +158,7 @@ fn no_cell_of_the_data_is_a_formula() {
                 .iter_mut()
                 .for_each(|role| role.name = name.into());
         }
-        let report = told(&inputs);
+        let report = report_of(&inputs);
         let data = (report.files.iter()).filter(|(file, _)| file.ends_with(".csv"));
         let mut cells = 0;
         for (file, text) in data {

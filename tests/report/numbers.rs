@@ -2,7 +2,7 @@
 use stochc::ensemble::Records;
 use stochc::ensemble::statistics::{Observation, Runs, compare};
 
-use crate::sample::{Waits, five, manifest, record, rows, told};
+use crate::sample::{Waits, five, manifest, record, report_of, rows};
 
 fn number(text: &str) -> f64 {
     text.parse().unwrap()
@@ -19,7 +19,7 @@ fn close(found: &str, expected: f64) {
 /// 2) = 0.30, so that e is sqrt 0.3 / |ln 0.4| = 0.59775 after the second.
 #[test]
 fn the_survival_curve_is_kaplan_and_meiers() {
-    let report = told(&[five(0.2)]);
+    let report = report_of(&[five(0.2)]);
     let rows = rows(&report, "survival.csv");
     let whole: Vec<_> = rows.iter().filter(|row| row["phase"].is_empty()).collect();
     let expected = [
@@ -49,7 +49,7 @@ fn the_survival_curve_is_kaplan_and_meiers() {
 /// Restricted to 400: 100 + 0.8 x 100 + 0.4 x 200.
 #[test]
 fn a_censored_mean_is_a_lower_bound() {
-    let report = told(&[five(0.2)]);
+    let report = report_of(&[five(0.2)]);
     let means = rows(&report, "means.csv");
     let row = &means[0];
     assert_eq!((&*row["completed"], &*row["stopped"]), ("4", "1"));
@@ -64,7 +64,7 @@ fn a_censored_mean_is_a_lower_bound() {
 /// end of that phase, also in the run that was stopped.
 #[test]
 fn the_chain_tells_what_decided_each_run() {
-    let report = told(&[five(0.2)]);
+    let report = report_of(&[five(0.2)]);
     let chains = rows(&report, "chains.csv");
     let of = |run: &str| -> Vec<(String, f64)> {
         let links = chains.iter().filter(|row| row["run"] == run);
@@ -113,7 +113,7 @@ fn the_chain_tells_what_decided_each_run() {
 
 #[test]
 fn waits_are_averaged_and_censored_ones_are_not_left_out() {
-    let report = told(&[five(0.2)]);
+    let report = report_of(&[five(0.2)]);
     let waits = rows(&report, "waits.csv");
     let order: Vec<&str> = waits.iter().map(|row| &*row["capture"]).collect();
     assert_eq!(order, ["A.up -> C", "C.up -> E", "B.up -> D", "M.up -> F"]);
@@ -156,7 +156,7 @@ fn programs_with_one_seed_are_compared_run_by_run() {
     };
     (first.finished, first.manifest) = make(0.2, [100, 200, 300, 400]);
     (second.finished, second.manifest) = make(0.3, [110, 230, 320, 440]);
-    let report = told(&[first.clone(), second.clone()]);
+    let report = report_of(&[first.clone(), second.clone()]);
     let rows_of = |report| rows(report, "differences.csv").remove(0);
     let row = rows_of(&report);
     assert_eq!(row["test"], "paired t");
@@ -168,7 +168,7 @@ fn programs_with_one_seed_are_compared_run_by_run() {
     assert_eq!(row["p"], row["p_holm"], "one test needs no correction");
     // With another seed run 3 here has nothing to do with run 3 there.
     second.manifest.seed = 8;
-    let report = told(&[first.clone(), second]);
+    let report = report_of(&[first.clone(), second]);
     let row = rows_of(&report);
     let times = |fs: [f64; 4]| fs.map(|f| Observation::completed(f + 20.0));
     let runs = |seed, fs| Runs {
@@ -182,7 +182,7 @@ fn programs_with_one_seed_are_compared_run_by_run() {
     assert_eq!(row["test"], "Welch t");
     close(&row["p"], expected.unwrap().p);
     // The same runs once more are no second sample.
-    let again = told(&[first.clone(), first]);
+    let again = report_of(&[first.clone(), first]);
     assert_eq!(rows_of(&again)["test"], "same runs");
 }
 
@@ -192,7 +192,7 @@ fn three_programs_are_corrected_for_three_pairs() {
     for (input, seed) in inputs.iter_mut().zip(1..) {
         input.manifest.seed = seed;
     }
-    let report = told(&inputs);
+    let report = report_of(&inputs);
     let rows = rows(&report, "differences.csv");
     assert_eq!(rows.len(), 3);
     for row in rows {
@@ -205,7 +205,7 @@ fn three_programs_are_corrected_for_three_pairs() {
 
 #[test]
 fn one_number_that_differs_is_a_sweep() {
-    let report = told(&[0.3, 0.1, 0.2].map(five));
+    let report = report_of(&[0.3, 0.1, 0.2].map(five));
     let rows = rows(&report, "sweeps.csv");
     let values: Vec<&str> = rows.iter().map(|row| &*row["value"]).collect();
     assert_eq!(values, ["0.1", "0.2", "0.3"]);
@@ -216,7 +216,7 @@ fn one_number_that_differs_is_a_sweep() {
     inputs[0].manifest.programs[0].scene.tick *= 2.0;
     let text = &mut inputs[0].manifest.programs[0].sources[0].text;
     *text = text.replace("hemisphere_2005 {", "hemisphere_2005 { tick 40ms ");
-    let report = told(&inputs);
+    let report = report_of(&inputs);
     assert!(!report.files.iter().any(|(name, _)| name == "sweeps.csv"));
     // And times of different clocks are compared in seconds.
     assert_eq!(

@@ -3,7 +3,7 @@ use std::collections::HashSet;
 
 use stochc::report::ensemble_report::{Figures, ReportError, ReportLocation, report};
 
-use crate::sample::{five, parsed, told};
+use crate::sample::{five, parsed, report_of};
 use crate::stochc::{path, stochc_with};
 
 /// The text of a page: without its style, its pictures and the program, each paragraph and row on
@@ -49,7 +49,7 @@ fn text(page: &str) -> String {
 /// Page and figures of five runs, one of them stopped.
 #[test]
 fn a_small_ensemble_makes_this_page() {
-    let report = told(&[five(0.2)]);
+    let report = report_of(&[five(0.2)]);
     let identity = five(0.2).manifest.identity();
     insta::assert_snapshot!(text(&report.page).replace(&identity, "IDENTITY"));
     let names: Vec<&str> = report.files.iter().map(|(name, _)| name.as_str()).collect();
@@ -60,7 +60,7 @@ fn a_small_ensemble_makes_this_page() {
 fn two_ensembles_are_compared_on_this_page() {
     let mut inputs = [0.1, 0.2].map(five);
     inputs[1].manifest.seed += 1;
-    let report = told(&inputs);
+    let report = report_of(&inputs);
     let text = text(&report.page);
     let (compared, _) = text.split_once("h2: pair (").unwrap();
     insta::assert_snapshot!(compared);
@@ -68,7 +68,7 @@ fn two_ensembles_are_compared_on_this_page() {
 
 #[test]
 fn every_picture_is_well_formed_and_told_in_words() {
-    let report = told(&[0.1, 0.2].map(five));
+    let report = report_of(&[0.1, 0.2].map(five));
     let mut pictures = 0;
     for (name, content) in &report.files {
         if !name.ends_with(".svg") {
@@ -114,7 +114,7 @@ fn every_picture_is_well_formed_and_told_in_words() {
 
 #[test]
 fn the_waits_have_a_mark_for_every_capture() {
-    let report = told(&[five(0.2)]);
+    let report = report_of(&[five(0.2)]);
     let picture = crate::sample::file(&report, "waits-1.svg");
     let document = parsed(picture);
     let told = document
@@ -136,7 +136,7 @@ fn the_waits_have_a_mark_for_every_capture() {
 
 #[test]
 fn the_page_is_whole_and_loads_nothing() {
-    let report = told(&[0.1, 0.2].map(five));
+    let report = report_of(&[0.1, 0.2].map(five));
     let document = parsed(&report.page);
     let mut ids = HashSet::new();
     for node in document.descendants() {
@@ -303,7 +303,7 @@ fn curves_tell_how_many_runs_are_at_risk() {
         Ok::<_, ReportError>(())
     });
     each.unwrap();
-    let report = told(&[input]);
+    let report = report_of(&[input]);
     let document = parsed(crate::sample::file(&report, "survival.svg"));
     let texts: Vec<&str> = (document.descendants())
         .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "text")))

@@ -182,7 +182,7 @@ pub fn five(friction: f64) -> Input {
 }
 
 /// The report of some folders that have no replays.
-pub fn told(inputs: &[Input]) -> Report {
+pub fn report_of(inputs: &[Input]) -> Report {
     drawn(inputs, &Figures::default())
 }
 

@@ -21,11 +21,11 @@ pub fn skipped(package: &str, command: &str) {
         Some(name) if name != "main" => name.to_owned(),
         _ => format!("{}:{}", place.file(), place.line()),
     };
-    let cure = match package {
+    let remedy = match package {
         "axe" => "npm install axe-core, and its axe.min.js as STOCHC_AXE".to_owned(),
         _ => format!("apt-get install {package}"),
     };
-    let note = format!("skipped {test}: `{command}` cannot be run ({cure})\n");
+    let note = format!("skipped {test}: `{command}` cannot be run ({remedy})\n");
     // Past the test's own capture, so that it is seen.
     let _ = std::io::stderr().write_all(note.as_bytes());
     if let Some(record) = std::env::var_os(RECORD) {

@@ -37,7 +37,7 @@ impl<'a> TextChange<'a> {
         let mut put = Vec::new();
         let fits = fix.edits.iter().all(|edit| {
             let (start, end) = range(edit);
-            let fits = edit.site.file == self.file
+            let fits = edit.location.file == self.file
                 && self.text.get(start..end).is_some()
                 && is_free(&self.edits, start, end);
             if fits {
@@ -107,7 +107,10 @@ impl<'a> TextChange<'a> {
 }
 
 fn range(edit: &Edit) -> (usize, usize) {
-    (edit.site.span.start as usize, edit.site.span.end as usize)
+    (
+        edit.location.span.start as usize,
+        edit.location.span.end as usize,
+    )
 }
 
 /// Whether no change has been made to a part of the text.
@@ -147,11 +150,11 @@ impl Reader for Over<'_, '_> {
 mod tests {
     use super::*;
     use crate::load::load;
-    use crate::{Cancellation, Site, Span};
+    use crate::{Cancellation, SourceLocation, Span};
 
     fn fix(edits: &[(u32, u32, &str)]) -> Fix {
         let edits = edits.iter().map(|&(start, end, text)| Edit {
-            site: Site {
+            location: SourceLocation {
                 file: FileId(0),
                 span: Span::new(start, end),
             },

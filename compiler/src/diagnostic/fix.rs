@@ -2,28 +2,32 @@
 use stochc_ir::suggest::Suggestion;
 
 use super::{Edit, Fix};
-use crate::{Site, Sources, Span};
+use crate::{SourceLocation, Sources, Span};
 
 impl Fix {
-    /// Puts `text` in the place of what stands at `site`; safe unless said otherwise.
-    pub(crate) fn replace(site: Site, text: impl Into<String>, title: impl Into<String>) -> Fix {
+    /// Puts `text` in the place of what stands at `location`; safe unless said otherwise.
+    pub(crate) fn replace(
+        location: SourceLocation,
+        text: impl Into<String>,
+        title: impl Into<String>,
+    ) -> Fix {
         let text = text.into();
         Fix {
             title: title.into(),
-            edits: vec![Edit { site, text }],
+            edits: vec![Edit { location, text }],
             safe: true,
         }
     }
 
-    /// Takes away what stands at `site`; safe unless said otherwise.
-    pub(crate) fn remove(site: Site, title: impl Into<String>) -> Fix {
-        Fix::replace(site, "", title)
+    /// Takes away what stands at `location`; safe unless said otherwise.
+    pub(crate) fn remove(location: SourceLocation, title: impl Into<String>) -> Fix {
+        Fix::replace(location, "", title)
     }
 
-    /// Puts a known word in the place of the unknown one at `site`; safe if it is clear.
-    pub(crate) fn word(site: Site, meant: &Suggestion) -> Fix {
+    /// Puts a known word in the place of the unknown one at `location`; safe if it is clear.
+    pub(crate) fn word(location: SourceLocation, meant: &Suggestion) -> Fix {
         let title = format!("write `{}`", meant.word);
-        Fix::replace(site, &meant.word, title).unsafe_if(!meant.clear)
+        Fix::replace(location, &meant.word, title).unsafe_if(!meant.clear)
     }
 
     /// Only to be shown.
@@ -35,7 +39,7 @@ impl Fix {
 }
 
 /// A statement with the blanks that go with it; with its line, if it stands there alone.
-pub(crate) fn removal(sources: &Sources, statement: Site) -> Site {
+pub(crate) fn removal(sources: &Sources, statement: SourceLocation) -> SourceLocation {
     let text = &sources.file(statement.file).text;
     let is_blank = |c: char| matches!(c, ' ' | '\t' | '\r');
     let (start, end) = (statement.span.start as usize, statement.span.end as usize);
@@ -50,18 +54,22 @@ pub(crate) fn removal(sources: &Sources, statement: Site) -> Site {
         Some('\n' | '}' | '/') | None if !begins_line => (start - blanks_before, end),
         _ => (start, end + blanks_behind),
     };
-    Site {
+    SourceLocation {
         file: statement.file,
         span: Span::new(start as u32, end as u32),
     }
 }
 
-/// The place of a name at the beginning of `site`, if it is written there as it is told.
-pub(crate) fn named(sources: &Sources, site: Site, name: &str) -> Option<Site> {
-    let rest = sources.text(site).strip_prefix(name)?;
+/// The place of a name at the beginning of `location`, if it is written there as it is told.
+pub(crate) fn named(
+    sources: &Sources,
+    location: SourceLocation,
+    name: &str,
+) -> Option<SourceLocation> {
+    let rest = sources.text(location).strip_prefix(name)?;
     let goes_on = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '[');
-    let span = Span::new(site.span.start, site.span.start + name.len() as u32);
-    (!rest.starts_with(goes_on)).then_some(Site { span, ..site })
+    let span = Span::new(location.span.start, location.span.start + name.len() as u32);
+    (!rest.starts_with(goes_on)).then_some(SourceLocation { span, ..location })
 }
 
 /// Bytes of a line or block that are looked through, so that many findings in a long one stay quick.
@@ -69,10 +77,10 @@ pub(crate) const LONG: usize = 1 << 12;
 
 /// One entry of the list behind an `after`, with its comma; with the `after`, if it is the only
 /// one. `None` where comments stand between.
-pub(crate) fn entry(sources: &Sources, entry: Site) -> Option<Site> {
+pub(crate) fn entry(sources: &Sources, entry: SourceLocation) -> Option<SourceLocation> {
     let text = &sources.file(entry.file).text;
     let (start, end) = (entry.span.start as usize, entry.span.end as usize);
-    let site = |start: usize, end: usize| Site {
+    let location = |start: usize, end: usize| SourceLocation {
         span: Span::new(start as u32, end as u32),
         ..entry
     };
@@ -87,16 +95,16 @@ pub(crate) fn entry(sources: &Sources, entry: Site) -> Option<Site> {
         return None;
     }
     if let Some(rest) = before.strip_suffix(',') {
-        return Some(site(rest.len(), end));
+        return Some(location(rest.len(), end));
     }
     let after = before.strip_suffix("after")?.len();
     let behind = text[end..].trim_start();
     Some(match behind.strip_prefix(',') {
-        Some(rest) => site(
+        Some(rest) => location(
             start,
             text.len() - rest.trim_start_matches([' ', '\t']).len(),
         ),
-        None => removal(sources, site(after, end)),
+        None => removal(sources, location(after, end)),
     })
 }
 
@@ -109,11 +117,11 @@ mod tests {
         let mut sources = Sources::default();
         let file = sources.add("a.sa", text);
         let at = text.find('X').unwrap_or(0) as u32;
-        let site = Site {
+        let location = SourceLocation {
             file,
             span: Span::new(at, at + 1),
         };
-        let span = removal(&sources, site).span;
+        let span = removal(&sources, location).span;
         format!(
             "{}{}",
             &text[..span.start as usize],

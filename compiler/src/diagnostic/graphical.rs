@@ -53,9 +53,9 @@ struct Picture<'a> {
 
 impl<'a> Picture<'a> {
     fn new(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Picture<'a> {
-        let home = diagnostic.labels.first().map(|label| label.site.file);
+        let home = diagnostic.labels.first().map(|label| label.location.file);
         let mut elsewhere: Vec<FileId> = (diagnostic.labels.iter())
-            .map(|label| label.site.file)
+            .map(|label| label.location.file)
             .filter(|&file| Some(file) != home)
             .collect();
         elsewhere.sort_unstable();
@@ -64,7 +64,7 @@ impl<'a> Picture<'a> {
             let of_file = diagnostic
                 .labels
                 .iter()
-                .filter(|label| label.site.file == file);
+                .filter(|label| label.location.file == file);
             of_file.map(labeled).collect()
         };
         Picture {
@@ -120,7 +120,7 @@ fn advice(diagnostic: &Diagnostic) -> Option<String> {
 }
 
 fn labeled(label: &Label) -> LabeledSpan {
-    let span = label.site.span;
+    let span = label.location.span;
     let text = visible(&label.text);
     LabeledSpan::new(Some(text), span.start as usize, span.len())
 }

@@ -15,7 +15,7 @@ pub use graphical::{Renderer, visible};
 pub(crate) use parameter_hint::parameter_hint;
 pub use repeat::Others;
 
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 use stochc_ir::suggest::Suggestion;
 
 /// One message, with the places it speaks of.
@@ -32,7 +32,7 @@ pub struct Diagnostic {
     /// What to do next.
     pub help: Option<String>,
     /// The part of `help` that others, told as one with this finding, may need otherwise.
-    pub(crate) cure: Option<String>,
+    pub(crate) remedy: Option<String>,
     /// A change of the text that mends it.
     pub fix: Option<Fix>,
     /// The same, said of others: of the other rounds of a loop.
@@ -55,7 +55,7 @@ pub struct Fix {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
     /// What goes; empty: an insertion.
-    pub site: Site,
+    pub location: SourceLocation,
     /// What comes.
     pub text: String,
 }
@@ -64,7 +64,7 @@ pub struct Edit {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     /// Where.
-    pub site: Site,
+    pub location: SourceLocation,
     /// What is there.
     pub text: String,
 }
@@ -74,7 +74,7 @@ pub const MOST_FINDINGS: usize = 1_000;
 
 /// Adds a finding, unless one like it has been told of the same place, or there are so many that
 /// nobody would read them.
-pub(crate) fn tell(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) {
+pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) {
     if diagnostics.len() > MOST_FINDINGS || is_repeated(diagnostics, &diagnostic) {
         return;
     }
@@ -121,7 +121,7 @@ impl Diagnostic {
             title: title.into(),
             labels: Vec::new(),
             help: None,
-            cure: None,
+            remedy: None,
             fix: None,
             others: Others::default(),
         }
@@ -129,8 +129,8 @@ impl Diagnostic {
 
     /// The file and the byte to look at first; `None` if there is no text to show.
     pub(crate) fn place(&self) -> Option<(FileId, u32)> {
-        let site = self.labels.first()?.site;
-        Some((site.file, site.span.start))
+        let location = self.labels.first()?.location;
+        Some((location.file, location.span.start))
     }
 
     /// What it says, in one line: the title, and for what else it holds.
@@ -140,9 +140,9 @@ impl Diagnostic {
 
     /// Adds a place.
     #[must_use]
-    pub fn label(mut self, site: Site, text: impl Into<String>) -> Diagnostic {
+    pub fn label(mut self, location: SourceLocation, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label {
-            site,
+            location,
             text: text.into(),
         });
         self
@@ -162,18 +162,18 @@ impl Diagnostic {
         self
     }
 
-    /// Says which known word the one at `site` is probably meant to be, or else what to do.
+    /// Says which known word the one at `location` is probably meant to be, or else what to do.
     #[must_use]
     pub(crate) fn suggest(
         mut self,
-        site: Site,
+        location: SourceLocation,
         meant: Option<Suggestion>,
         otherwise: impl FnOnce() -> String,
     ) -> Diagnostic {
         let Some(meant) = meant else {
             return self.help(otherwise());
         };
-        self.fix = Some(Fix::word(site, &meant));
+        self.fix = Some(Fix::word(location, &meant));
         self.help(meant.help())
     }
 

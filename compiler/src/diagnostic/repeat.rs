@@ -33,7 +33,7 @@ impl Diagnostic {
     /// Takes another finding in, if it says the same at the same place; at most of another block,
     /// cell or number.
     pub(super) fn absorb(&mut self, other: &Diagnostic) -> bool {
-        let place = |diagnostic: &Diagnostic| diagnostic.labels.first().map(|label| label.site);
+        let place = |diagnostic: &Diagnostic| diagnostic.labels.first().map(|label| label.location);
         if self.code != other.code || place(self) != place(other) || place(self).is_none() {
             return false;
         }
@@ -52,8 +52,8 @@ impl Diagnostic {
             self.fix = None;
         }
         let subject = subject.to_owned();
-        if let Some(cure) = &other.cure {
-            self.tell_cure(&subject, cure);
+        if let Some(remedy) = &other.remedy {
+            self.add_remedy(&subject, remedy);
         }
         if !self.others.first.contains(&subject) {
             self.others.count += 1 + other.others.count;
@@ -65,13 +65,13 @@ impl Diagnostic {
     }
 
     /// Adds what helps another one to the help, unless that has been said.
-    fn tell_cure(&mut self, subject: &str, cure: &str) {
-        let (Some(help), Some(told)) = (&mut self.help, &mut self.cure) else {
+    fn add_remedy(&mut self, subject: &str, remedy: &str) {
+        let (Some(help), Some(told)) = (&mut self.help, &mut self.remedy) else {
             return;
         };
         let more = match told.lines().count() {
-            _ if told.contains(cure) => return,
-            0..=Others::NAMED => format!("for {subject}, {cure}"),
+            _ if told.contains(remedy) => return,
+            0..=Others::NAMED => format!("for {subject}, {remedy}"),
             lines if lines == Others::NAMED + 1 => "others need changes of their own".to_owned(),
             _ => return,
         };
@@ -132,20 +132,20 @@ fn words(title: &str) -> impl Iterator<Item = &str> {
 mod tests {
     use super::super::{Code, Fix};
     use super::*;
-    use crate::{FileId, Site, Span};
+    use crate::{FileId, SourceLocation, Span};
 
     fn at(start: u32, title: &str) -> Diagnostic {
-        let site = Site {
+        let location = SourceLocation {
             file: FileId(0),
             span: Span::new(start, start + 1),
         };
-        Diagnostic::new(Code::AbsentBlock, title).label(site, "here")
+        Diagnostic::new(Code::AbsentBlock, title).label(location, "here")
     }
 
     fn told(titles: &[&str]) -> Vec<String> {
         let mut diagnostics: Vec<Diagnostic> = Vec::new();
         for title in titles {
-            super::super::tell(&mut diagnostics, at(0, title));
+            super::super::report(&mut diagnostics, at(0, title));
         }
         diagnostics.iter().map(Diagnostic::message).collect()
     }
@@ -205,7 +205,7 @@ mod tests {
         ];
         assert_eq!(told(&titles), titles);
         let mut diagnostics = vec![at(0, "`A` is absent")];
-        super::super::tell(&mut diagnostics, at(1, "`B` is absent"));
+        super::super::report(&mut diagnostics, at(1, "`B` is absent"));
         assert_eq!(diagnostics.len(), 2);
         let nowhere = Diagnostic::new(Code::ImportMissing, "cannot read `a`");
         assert!(!nowhere.clone().absorb(&nowhere));
@@ -215,8 +215,8 @@ mod tests {
     fn a_change_for_one_of_several_is_dropped() {
         let fix = |text: &str| {
             let diagnostic = at(0, text);
-            let site = diagnostic.labels[0].site;
-            diagnostic.fix(Fix::replace(site, text, "write it"))
+            let location = diagnostic.labels[0].location;
+            diagnostic.fix(Fix::replace(location, text, "write it"))
         };
         let mut first = fix("no `A`");
         assert!(first.absorb(&fix("no `A`")));

@@ -5,48 +5,48 @@ use stochc_grammar::{
 
 use super::syntax_hints::SyntaxHint;
 use super::{Code, Diagnostic, Edit, Fix};
-use crate::{FileId, Site, Span};
+use crate::{FileId, SourceLocation, Span};
 
 impl Diagnostic {
     /// A finding for a place where a text is not a program; `text` is all of it.
     pub fn from_syntax(file: FileId, error: &SyntaxError, text: &str) -> Diagnostic {
-        let site = Site {
+        let location = SourceLocation {
             file,
             span: error.span,
         };
-        let mut diagnostic = Diagnostic::of_kind(site, error, text);
-        diagnostic.fix = diagnostic.fix.take().or_else(|| fix(site, error, text));
+        let mut diagnostic = Diagnostic::of_kind(location, error, text);
+        diagnostic.fix = diagnostic.fix.take().or_else(|| fix(location, error, text));
         diagnostic
     }
 
-    fn of_kind(site: Site, error: &SyntaxError, text: &str) -> Diagnostic {
+    fn of_kind(location: SourceLocation, error: &SyntaxError, text: &str) -> Diagnostic {
         match &error.kind {
             K::Unexpected {
                 found,
                 expected,
                 behind,
             } => unexpected(&SyntaxHint {
-                site,
+                location,
                 found,
                 expected,
                 behind,
                 text,
             }),
             K::Unclosed => Diagnostic::new(Code::UnclosedBrace, "a block is not closed")
-                .label(site, "opened here")
+                .label(location, "opened here")
                 .help("write `}` where the block ends"),
             K::MissingBrace { what } => {
                 Diagnostic::new(Code::MissingBrace, format!("{what} without its `{{`"))
-                    .label(site, "`{` is missing here")
+                    .label(location, "`{` is missing here")
                     .help("the statements of a block stand between `{` and `}`")
             }
             K::ClosedEarly { what } => {
                 Diagnostic::new(Code::StrayBrace, format!("a `}}` closes {what} too early"))
-                    .label(site, "more of it follows")
+                    .label(location, "more of it follows")
                     .help("remove it, or look for a `{` that is missing before it")
             }
             K::Unopened => Diagnostic::new(Code::StrayBrace, "a `}` without a block to close")
-                .label(site, "nothing is open here")
+                .label(location, "nothing is open here")
                 .help("remove it, or look for a block closed too early above"),
             K::Misplaced {
                 what,
@@ -57,7 +57,7 @@ impl Diagnostic {
                 Code::Misplaced,
                 format!("{what} does not belong in {within}"),
             )
-            .label(site, format!("{what}, in {within}"))
+            .label(location, format!("{what}, in {within}"))
             .help(match *within {
                 // Where one stands in the other, the first has probably been left open.
                 "a phase" | "a seed plate"
@@ -74,53 +74,53 @@ impl Diagnostic {
             }),
             K::Parentheses { word } => {
                 Diagnostic::new(Code::Syntax, format!("parentheses round what `{word}` names"))
-                    .label(site, "not needed")
+                    .label(location, "not needed")
                     .help(format!("write it without: `{word} A`"))
             }
             K::MissingNumber => Diagnostic::new(Code::Syntax, "a unit without its number")
-                .label(site, "how much?")
+                .label(location, "how much?")
                 .help("write the number before it, such as `25 N/m`"),
             K::ReservedWord { word } => Diagnostic::new(
                 Code::ReservedWord,
                 format!("`{word}` is a word of the language"),
             )
-            .label(site, "used as a name")
+            .label(location, "used as a name")
             .help(format!("choose another name, such as `{word}_1`")),
             K::FaceMisused { hint } => {
-                Diagnostic::new(Code::FaceMisused, "a face does not fit here").label(site, *hint)
+                Diagnostic::new(Code::FaceMisused, "a face does not fit here").label(location, *hint)
             }
             K::NumberTooLarge => Diagnostic::new(Code::NumberTooLarge, "a number is too large")
-                .label(site, "too many digits")
+                .label(location, "too many digits")
                 .help("whole numbers have 64 bits; values of a scene are double precision"),
             K::TooDeep => Diagnostic::new(
                 Code::TooDeep,
                 format!("nested more than {MAX_DEPTH} levels deep"),
             )
-            .label(site, "one level too many")
+            .label(location, "one level too many")
             .help("move the inner part into a pattern or a `let`"),
             K::TooManyTerms => Diagnostic::new(
                 Code::TooDeep,
                 format!("an expression of more than {MAX_TERMS} numbers and names"),
             )
-            .label(site, "too many to work out at once")
+            .label(location, "too many to work out at once")
             .help("name a part of it with a `let`"),
             K::StatementTooLong => Diagnostic::new(
                 Code::StatementTooLong,
                 format!("a statement of more than {MAX_STATEMENT} bytes"),
             )
-            .label(site, "begins here")
+            .label(location, "begins here")
             .help("break it up: a chain may go on in the next statement with its last block"),
             K::MissingReason => Diagnostic::new(Code::MissingReason, "no reason is given")
-                .label(site, "why?")
+                .label(location, "why?")
                 .help("say in quotation marks why: `allow unused-seed \"it marks the corner\"`"),
             K::DanglingDoc => Diagnostic::new(Code::DanglingDoc, "a `///` comment with nothing below")
-                .label(site, "belongs to nothing")
+                .label(location, "belongs to nothing")
                 .help("use `//` for a free comment"),
             K::TooMany => Diagnostic::new(
                 Code::TooManyErrors,
                 format!("more than {MAX_ERRORS} errors; the rest of the file was not read"),
             )
-            .label(site, "reading stopped here")
+            .label(location, "reading stopped here")
             .help("fix the errors above first"),
             K::FileTooLarge => Diagnostic::new(Code::FileTooLarge, "a file of 4 GiB or more")
                 .help("split it into several files and `import` them"),
@@ -130,19 +130,19 @@ impl Diagnostic {
 
 fn unexpected(slip: &SyntaxHint<'_>) -> Diagnostic {
     let &SyntaxHint {
-        site,
+        location,
         found,
         expected,
         ..
     } = slip;
     if found.starts_with('\u{feff}') {
-        let start = site.span.start;
-        let mark = Site {
+        let start = location.span.start;
+        let mark = SourceLocation {
             span: Span::new(start, start + '\u{feff}'.len_utf8() as u32),
-            ..site
+            ..location
         };
         return Diagnostic::new(Code::Syntax, "a byte-order mark")
-            .label(site, "an invisible sign of three bytes")
+            .label(location, "an invisible sign of three bytes")
             .help("save the file as UTF-8 without a byte-order mark")
             .fix(Fix::remove(mark, "remove the mark"));
     }
@@ -165,17 +165,17 @@ fn unexpected(slip: &SyntaxHint<'_>) -> Diagnostic {
     } else {
         "here"
     };
-    let mut diagnostic = Diagnostic::new(Code::Syntax, title).label(site, label);
+    let mut diagnostic = Diagnostic::new(Code::Syntax, title).label(location, label);
     (diagnostic.help, diagnostic.fix) = slip.advice();
     diagnostic
 }
 
 /// How errors of syntax other than a wrong word are mended.
-fn fix(site: Site, error: &SyntaxError, text: &str) -> Option<Fix> {
-    let (start, end) = (site.span.start as usize, site.span.end as usize);
-    let part = |start: usize, end: usize| Site {
+fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix> {
+    let (start, end) = (location.span.start as usize, location.span.end as usize);
+    let part = |start: usize, end: usize| SourceLocation {
         span: Span::new(start as u32, end as u32),
-        ..site
+        ..location
     };
     Some(match &error.kind {
         K::DanglingDoc => {
@@ -193,7 +193,7 @@ fn fix(site: Site, error: &SyntaxError, text: &str) -> Option<Fix> {
                 }
                 let slashes = at + line.len() - doc.len();
                 fix.edits.push(Edit {
-                    site: part(slashes, slashes + 3),
+                    location: part(slashes, slashes + 3),
                     text: "//".to_owned(),
                 });
                 at += line.len();
@@ -213,17 +213,17 @@ fn fix(site: Site, error: &SyntaxError, text: &str) -> Option<Fix> {
             };
             let mut fix = Fix::replace(part(start, start + 1), space, "remove the parentheses");
             fix.edits.push(Edit {
-                site: part(end - 1, end),
+                location: part(end - 1, end),
                 text: String::new(),
             });
             fix
         }
         K::ReservedWord { word } => {
             let name = format!("{word}_1");
-            Fix::replace(site, &name, format!("call it `{name}`")).unsafe_if(true)
+            Fix::replace(location, &name, format!("call it `{name}`")).unsafe_if(true)
         }
-        K::MissingBrace { .. } => Fix::replace(site, " {", "write the `{`"),
-        K::Unopened | K::ClosedEarly { .. } => Fix::remove(site, "remove it").unsafe_if(true),
+        K::MissingBrace { .. } => Fix::replace(location, " {", "write the `{`"),
+        K::Unopened | K::ClosedEarly { .. } => Fix::remove(location, "remove it").unsafe_if(true),
         _ => return None,
     })
 }

@@ -3,12 +3,12 @@ use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::{Edit, Fix};
 use crate::scene::unit_meant;
-use crate::{Site, Span};
+use crate::{SourceLocation, Span};
 
 /// A place where something else had to stand.
 pub struct SyntaxHint<'a> {
     /// What stands there.
-    pub site: Site,
+    pub location: SourceLocation,
     /// The text of it, shortened.
     pub found: &'a str,
     /// What could have stood there.
@@ -62,7 +62,7 @@ const FOREIGN: [(&[&str], &str); 4] = [
 impl SyntaxHint<'_> {
     /// The first word of the statement, if it is one of another language: where it stands, what is
     /// wrong with it, and what there is instead.
-    pub fn foreign(&self) -> Option<(Site, String, &'static str)> {
+    pub fn foreign(&self) -> Option<(SourceLocation, String, &'static str)> {
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let before = self.before();
         let start = before.rfind(['\n', '{', '}']).map_or(0, |at| at + 1);
@@ -114,19 +114,19 @@ impl SyntaxHint<'_> {
     }
 
     /// A misspelt word of the language, or a unit.
-    fn misspelt(&self) -> Option<(Site, Suggestion)> {
+    fn misspelt(&self) -> Option<(SourceLocation, Suggestion)> {
         let is_word = |text: &str| text.starts_with(|c: char| c.is_ascii_alphabetic());
         if is_word(self.found) {
             let before = self.before().trim_end_matches([' ', '\t']);
             if self.expects("`{`") && before.ends_with(|c: char| c.is_ascii_digit()) {
-                return unit_meant(self.found).map(|meant| (self.site, meant));
+                return unit_meant(self.found).map(|meant| (self.location, meant));
             }
             let words = self.expected.iter().map(|word| word.trim_matches('`'));
             let words = words.filter(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
             // Of what is no word of the language, such as `a block`, none is a word either.
             let meant = nearest(self.found, words.filter(|word| !word.contains(' ')));
             if let Some(meant) = meant.filter(|_| self.found.len() > 2) {
-                return Some((self.site, meant));
+                return Some((self.location, meant));
             }
         }
         let word = self.word_behind()?;
@@ -137,14 +137,14 @@ impl SyntaxHint<'_> {
     }
 
     /// The place of the first word of the statement.
-    fn word_behind(&self) -> Option<Site> {
+    fn word_behind(&self) -> Option<SourceLocation> {
         let before = self.before().trim_end();
         let start = before.strip_suffix(self.behind)?.len();
         (!self.behind.is_empty()).then(|| self.span(start, before.len()))
     }
 
     fn fix(&self) -> Option<Fix> {
-        let at = self.site.span.start as usize;
+        let at = self.location.span.start as usize;
         let rest = &self.text[at..];
         let here = |length: usize| self.span(at, at + length);
         Some(match self.found {
@@ -173,10 +173,10 @@ impl SyntaxHint<'_> {
                 if !line[end + 2..].trim().is_empty() {
                     return None;
                 }
-                let site = self.span(at + end, at + end + 2);
+                let location = self.span(at + end, at + end + 2);
                 let mut fix = Fix::replace(here(2), "//", "begin the comment with `//`");
                 fix.edits.push(Edit {
-                    site,
+                    location,
                     text: String::new(),
                 });
                 fix
@@ -197,7 +197,7 @@ impl SyntaxHint<'_> {
                 let end = head.rfind(')')?;
                 let mut fix = Fix::remove(self.span(open, open + 1), "remove the parentheses");
                 fix.edits.push(Edit {
-                    site: self.span(at + end, at + end + 1),
+                    location: self.span(at + end, at + end + 1),
                     text: String::new(),
                 });
                 fix
@@ -255,9 +255,9 @@ impl SyntaxHint<'_> {
             !code[..at].ends_with(is_part) && !code[at + length..].starts_with(is_part)
         };
         let places = code.match_indices(sign).map(|(at, _)| at).filter(is_alone);
-        let start = self.site.span.start as usize;
+        let start = self.location.span.start as usize;
         let edits = places.map(|at| Edit {
-            site: self.span(start + at, start + at + length),
+            location: self.span(start + at, start + at + length),
             text: arrow.to_owned(),
         });
         Some(Fix {
@@ -273,7 +273,7 @@ impl SyntaxHint<'_> {
 
     /// Whether a row of a shape stands here, though perhaps not in one.
     fn is_row(&self) -> bool {
-        let rest = &self.text[self.site.span.start as usize..];
+        let rest = &self.text[self.location.span.start as usize..];
         let line = rest.split(['\n', '}']).next().unwrap_or(rest).trim();
         line.chars().all(|c| matches!(c, '#' | '.' | ' ' | '\t'))
     }
@@ -284,12 +284,12 @@ impl SyntaxHint<'_> {
     }
 
     fn before(&self) -> &str {
-        &self.text[..self.site.span.start as usize]
+        &self.text[..self.location.span.start as usize]
     }
 
-    fn span(&self, start: usize, end: usize) -> Site {
-        Site {
-            file: self.site.file,
+    fn span(&self, start: usize, end: usize) -> SourceLocation {
+        SourceLocation {
+            file: self.location.file,
             span: Span::new(start as u32, end as u32),
         }
     }

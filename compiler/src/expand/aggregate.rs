@@ -15,12 +15,12 @@ impl Expander<'_, '_> {
         let Some(value) = self.evaluate(&aggregate.size) else {
             return;
         };
-        let site = self.site(aggregate.size.span);
+        let location = self.location(aggregate.size.span);
         let size = u32::try_from(value).ok();
         let Some(size) = size.filter(|_| (2..=MAX_SIZE).contains(&value)) else {
             self.diagnostics.push(
                 Diagnostic::new(Code::WrongValue, format!("an aggregate of {value} blocks"))
-                    .label(site, format!("must be from 2 to {MAX_SIZE}"))
+                    .label(location, format!("must be from 2 to {MAX_SIZE}"))
                     .help("an aggregate is complete when so many blocks are bonded to each other"),
             );
             return;
@@ -29,7 +29,7 @@ impl Expander<'_, '_> {
         self.plan.phases = (2..=size)
             .map(|size| PlanPhase {
                 name: size.to_string(),
-                site,
+                location,
                 timeout,
                 events: 0..0,
                 planted: false,

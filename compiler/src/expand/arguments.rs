@@ -10,7 +10,7 @@ use super::uses::Uses;
 use crate::diagnostic::{Code, Diagnostic, Edit, Fix};
 use crate::names::ValueKind;
 use crate::plan::{NameKey, PatternInstance};
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// An argument of the wrong kind.
 struct Misfit {
@@ -19,7 +19,7 @@ struct Misfit {
     /// What it is.
     given: ValueKind,
     /// What it has to be, and where it is used so.
-    needed: (ValueKind, Site),
+    needed: (ValueKind, SourceLocation),
 }
 
 impl<'a> Expander<'a, '_> {
@@ -78,11 +78,11 @@ impl<'a> Expander<'a, '_> {
         let end = (instance.alias.as_ref()).map_or(span.end, |alias| alias.span.start);
         grown.push(PatternInstance {
             pattern: pattern.name.symbol,
-            declared: Site {
+            declared: SourceLocation {
                 file,
                 span: pattern.name.span,
             },
-            call: Site {
+            call: SourceLocation {
                 file: self.file,
                 span: Span::new(span.start, end),
             },
@@ -99,7 +99,7 @@ impl<'a> Expander<'a, '_> {
                 if let Some((_, span)) = place.face {
                     self.diagnostics.push(
                         Diagnostic::new(Code::FaceMisused, "an argument is a block or a face")
-                            .label(self.site(span), "this is a block with its face")
+                            .label(self.location(span), "this is a block with its face")
                             .help("give them as two arguments"),
                     );
                     return BoundValue::Unknown;
@@ -149,7 +149,7 @@ impl<'a> Expander<'a, '_> {
     ) {
         let argument = &instance.arguments[misfit.number];
         let (needed, used) = misfit.needed;
-        let site = self.site(span_of(argument));
+        let location = self.location(span_of(argument));
         let name = |symbol| self.symbols.word(symbol);
         let parameter = pattern.parameters[misfit.number];
         let label = format!(
@@ -183,9 +183,9 @@ impl<'a> Expander<'a, '_> {
                 if meant.is_some() {
                     let diagnostic =
                         Diagnostic::new(Code::UnknownName, format!("no face is called `{word}`"))
-                            .label(site, "not known")
+                            .label(location, "not known")
                             .label(used, label)
-                            .suggest(site, meant, String::new);
+                            .suggest(location, meant, String::new);
                     self.diagnostics.push(diagnostic);
                     return;
                 }
@@ -205,7 +205,7 @@ impl<'a> Expander<'a, '_> {
             ValueKind::Face => "give it one of up, down, north, south, east and west",
         };
         let diagnostic = Diagnostic::new(Code::WrongKind, title)
-            .label(site, format!("this is {}", misfit.given.noun()))
+            .label(location, format!("this is {}", misfit.given.noun()))
             .label(used, label)
             .help(help);
         self.diagnostics.push(self.in_instance(diagnostic));
@@ -221,7 +221,7 @@ impl<'a> Expander<'a, '_> {
         order: &[(usize, usize)],
     ) -> Diagnostic {
         let word = self.symbols.word(pattern.name.symbol);
-        let site = |number: usize| self.site(span_of(&instance.arguments[number]));
+        let location = |number: usize| self.location(span_of(&instance.arguments[number]));
         let title = match order.len() {
             2 => format!("two arguments of `{word}` are swapped"),
             _ => format!("the arguments of `{word}` are in the wrong order"),
@@ -231,20 +231,20 @@ impl<'a> Expander<'a, '_> {
             let parameter = self.symbols.word(pattern.parameters[misfit.number].symbol);
             let (given, needed) = (misfit.given.noun(), misfit.needed.0.noun());
             let text = format!("{given}, and `{parameter}` is {needed}");
-            diagnostic = diagnostic.label(site(misfit.number), text);
+            diagnostic = diagnostic.label(location(misfit.number), text);
         }
         for misfit in misfits {
             let text = format!("used as {} here", misfit.needed.0.noun());
             diagnostic = diagnostic.label(misfit.needed.1, text);
         }
         let mut texts: Vec<&str> = (0..instance.arguments.len())
-            .map(|number| self.sources.text(site(number)))
+            .map(|number| self.sources.text(location(number)))
             .collect();
         let old = texts.clone();
         let edits = order.iter().map(|&(number, from)| {
             texts[number] = old[from];
             Edit {
-                site: site(number),
+                location: location(number),
                 text: old[from].to_owned(),
             }
         });

@@ -38,8 +38,8 @@ impl Expander<'_, '_> {
                     Operator::Multiply => left.checked_mul(right),
                     Operator::Divide | Operator::Remainder if right == 0 => {
                         let diagnostic = Diagnostic::new(Code::Arithmetic, "a division by zero")
-                            .label(self.site(sides.1.span), "this is 0")
-                            .label(self.site(sides.0.span), "divided by it")
+                            .label(self.location(sides.1.span), "this is 0")
+                            .label(self.location(sides.0.span), "divided by it")
                             .help("begin the range of its counter at 1, or add to it");
                         self.diagnostics.push(diagnostic);
                         return None;
@@ -56,7 +56,7 @@ impl Expander<'_, '_> {
         if value.is_none() {
             let diagnostic =
                 Diagnostic::new(Code::Arithmetic, "a number leaves the range of 64 bits")
-                    .label(self.site(expr.span), "too large or too small")
+                    .label(self.location(expr.span), "too large or too small")
                     .help("whole numbers have 64 bits");
             self.diagnostics.push(diagnostic);
         }

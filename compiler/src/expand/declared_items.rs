@@ -6,7 +6,7 @@ use stochc_grammar::{Symbol, Symbols};
 use super::duplicate;
 use crate::diagnostic::Diagnostic;
 use crate::names::{Definition, NameKind, Names};
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// Patterns, with their files.
 pub type Patterns<'a> = FxHashMap<Definition, (FileId, &'a Pattern)>;
@@ -20,7 +20,7 @@ pub struct DeclaredItems<'a> {
     pub patterns: Patterns<'a>,
     pub shapes: Shapes<'a>,
     /// Where a word was declared last.
-    sites: FxHashMap<(NameKind, Symbol), Site>,
+    locations: FxHashMap<(NameKind, Symbol), SourceLocation>,
 }
 
 impl<'a> DeclaredItems<'a> {
@@ -47,9 +47,9 @@ impl<'a> DeclaredItems<'a> {
             _ => {}
         }
         let span = name.span;
-        let site = Site { file, span };
-        let old = self.sites.insert((kind, name.symbol), site)?;
+        let location = SourceLocation { file, span };
+        let old = self.locations.insert((kind, name.symbol), location)?;
         let word = symbols.word(name.symbol);
-        Some(duplicate(word, old, site, item.noun()))
+        Some(duplicate(word, old, location, item.noun()))
     }
 }

@@ -15,12 +15,12 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Aggregate, Assembly, Item, ItemKind, Name, PhaseDeclaration, Quantity};
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
-use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, report};
 use crate::names::{Definition, Names};
 use crate::plan::{
     AfterConstraint, EventId, NameKey, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
 };
-use crate::{FileId, Site, Sources};
+use crate::{FileId, SourceLocation, Sources};
 pub use declared_items::{DeclaredItems, Patterns, Shapes};
 pub use probe::Probe;
 use scope::{BoundValue, Scope};
@@ -258,7 +258,7 @@ struct Expander<'a, 'f> {
     /// The file that the statement at hand stands in.
     file: FileId,
     /// The patterns that are being written out, the innermost last.
-    instances: Vec<(Symbol, Site)>,
+    instances: Vec<(Symbol, SourceLocation)>,
     /// Instances without a name, so far.
     anonymous: u32,
     nesting: usize,
@@ -271,8 +271,8 @@ struct Expander<'a, 'f> {
     exhausted: bool,
     /// It was that of [`Limits::events`].
     outgrown: bool,
-    plate: Option<Site>,
-    phase_sites: FxHashMap<String, Site>,
+    plate: Option<SourceLocation>,
+    phase_sites: FxHashMap<String, SourceLocation>,
     in_phase: bool,
     /// What of the seed plate is being written out.
     seeding: Option<Seeding>,
@@ -296,7 +296,7 @@ impl<'a, 'f> Expander<'a, 'f> {
         let mut expander = Expander {
             plan: ProgramPlan {
                 name: symbols.word(name.symbol).to_owned(),
-                site: Site {
+                location: SourceLocation {
                     file,
                     span: name.span,
                 },
@@ -352,7 +352,7 @@ impl<'a> Expander<'a, '_> {
         if self.plate.is_none() {
             self.diagnostics.push(
                 Diagnostic::new(Code::MissingPlate, "the assembly has no seed plate")
-                    .label(self.plan.site, "nothing to grow from")
+                    .label(self.plan.location, "nothing to grow from")
                     .help("begin with `seed plate 3 x 3 { M at (1, 1) }`"),
             );
         }
@@ -370,13 +370,13 @@ impl<'a> Expander<'a, '_> {
         if self.nesting >= MAX_NESTING {
             if let Some(item) = items.first() {
                 self.exhausted = true;
-                let site = self.site(item.span);
+                let location = self.location(item.span);
                 self.diagnostics.push(
                     Diagnostic::new(
                         Code::TooDeep,
                         format!("patterns and loops inside each other, {MAX_NESTING} deep"),
                     )
-                    .label(site, "one level too many")
+                    .label(location, "one level too many")
                     .help("grow a long structure with a loop or `->>` instead of nested patterns"),
                 );
             }
@@ -415,7 +415,7 @@ impl<'a> Expander<'a, '_> {
             let title = format!("more than {MOST_FINDINGS} errors; the rest was not written out");
             self.diagnostics.push(
                 Diagnostic::new(Code::TooManyErrors, title)
-                    .label(self.site(span), "writing out stopped here")
+                    .label(self.location(span), "writing out stopped here")
                     .help("fix the errors above first"),
             );
             return false;
@@ -430,9 +430,9 @@ impl<'a> Expander<'a, '_> {
             Code::ExpansionLimit,
             format!("the program grows beyond {count} {what}"),
         )
-        .label(self.site(span), "the limit is reached here");
-        for &(_, site) in self.instances.iter().rev().take(3) {
-            diagnostic = diagnostic.label(site, "in this instance");
+        .label(self.location(span), "the limit is reached here");
+        for &(_, location) in self.instances.iter().rev().take(3) {
+            diagnostic = diagnostic.label(location, "in this instance");
         }
         let help = "look for a loop with too large a range, or patterns that multiply each other";
         self.diagnostics
@@ -462,13 +462,13 @@ impl<'a> Expander<'a, '_> {
             ItemKind::Seat(seat) => self.seat(seat, item),
             ItemKind::Phase(phase) => self.phase(phase, item),
             ItemKind::Yields(name) => {
-                let site = self.site(name.span);
+                let location = self.location(name.span);
                 self.grown.claims += 1;
                 if let Some(phase) = self.plan.phases.last_mut() {
-                    phase.claims.push((name.symbol, site));
+                    phase.claims.push((name.symbol, location));
                 }
             }
-            // DeclaredItems beforehand, or no part of an assembly.
+            // Declared beforehand, or no part of an assembly.
             ItemKind::Pattern(_)
             | ItemKind::Shape(_)
             | ItemKind::Scene(_)
@@ -492,10 +492,10 @@ impl<'a> Expander<'a, '_> {
 
     /// Gives a name a value, unless it has one in the same block.
     fn define(&mut self, name: Name, value: BoundValue) {
-        let site = self.site(name.span);
-        if let Some(old) = self.scope.define(self.named(name), value, site) {
-            let diagnostic = duplicate(self.symbols.word(name.symbol), old, site, "a `let`");
-            tell(self.diagnostics, diagnostic);
+        let location = self.location(name.span);
+        if let Some(old) = self.scope.define(self.named(name), value, location) {
+            let diagnostic = duplicate(self.symbols.word(name.symbol), old, location, "a `let`");
+            report(self.diagnostics, diagnostic);
         }
     }
 
@@ -515,23 +515,23 @@ impl<'a> Expander<'a, '_> {
         if self.in_phase {
             return self.items(&phase.body);
         }
-        let site = self.site(phase.name.span);
+        let location = self.location(phase.name.span);
         let Some(name) = self.single_key(&phase.name) else {
             return;
         };
         let name = self.plan.roles.name_of(name, self.symbols);
         if let Some(&old) = self.phase_sites.get(&name) {
             self.diagnostics
-                .push(duplicate(&name, old, site, "a phase"));
+                .push(duplicate(&name, old, location, "a phase"));
         }
         if self.pass == Pass::Writing {
-            self.phase_sites.insert(name.clone(), site);
+            self.phase_sites.insert(name.clone(), location);
         }
         let timeout = self.timeout(phase.timeout.as_ref());
         let start = self.grown.events as u32;
         self.push_phase(PlanPhase {
             name,
-            site,
+            location,
             timeout,
             events: start..start,
             planted: false,
@@ -549,7 +549,7 @@ impl<'a> Expander<'a, '_> {
             if start == end && planned.claims.is_empty() {
                 let mut diagnostic =
                     Diagnostic::new(Code::EmptyPhase, "a phase without captures or releases")
-                        .label(site, "ends as soon as it begins")
+                        .label(location, "ends as soon as it begins")
                         .help("remove it, or check the ranges of its loops");
                 if phase.body.is_empty() && item.docs.0.is_none() {
                     diagnostic.fix = self.without(item);
@@ -620,7 +620,7 @@ impl<'a> Expander<'a, '_> {
                 )
             };
             let diagnostic = Diagnostic::new(Code::WrongDimension, title);
-            let diagnostic = diagnostic.label(self.site(quantity.span), label);
+            let diagnostic = diagnostic.label(self.location(quantity.span), label);
             self.diagnostics.push(diagnostic.help(help));
         }
         timeout
@@ -628,25 +628,25 @@ impl<'a> Expander<'a, '_> {
 
     /// The removal of a block, if not even a comment stands in it.
     fn without(&self, block: &Item) -> Option<Fix> {
-        let site = self.site(block.span);
+        let location = self.location(block.span);
         if block.span.len() > LONG {
             return None;
         }
-        let (_, body) = self.sources.text(site).split_once('{')?;
+        let (_, body) = self.sources.text(location).split_once('{')?;
         let title = format!("remove {}", block.noun().replacen("a ", "the ", 1));
-        (body.trim() == "}").then(|| Fix::remove(removal(self.sources, site), title))
+        (body.trim() == "}").then(|| Fix::remove(removal(self.sources, location), title))
     }
 
     /// Adds the place where the pattern at hand is grown, if there is one.
     fn in_instance(&self, diagnostic: Diagnostic) -> Diagnostic {
         match self.instances.last() {
-            Some(&(_, site)) => diagnostic.label(site, "in this instance"),
+            Some(&(_, location)) => diagnostic.label(location, "in this instance"),
             None => diagnostic,
         }
     }
 
-    fn site(&self, span: Span) -> Site {
-        Site {
+    fn location(&self, span: Span) -> SourceLocation {
+        SourceLocation {
             file: self.file,
             span,
         }
@@ -654,7 +654,7 @@ impl<'a> Expander<'a, '_> {
 }
 
 /// Two things with one name.
-pub fn duplicate(name: &str, old: Site, new: Site, noun: &str) -> Diagnostic {
+pub fn duplicate(name: &str, old: SourceLocation, new: SourceLocation, noun: &str) -> Diagnostic {
     Diagnostic::new(Code::DuplicateName, format!("`{name}` is declared twice"))
         .label(new, format!("{noun} with a name that is taken"))
         .label(old, "first declared here")

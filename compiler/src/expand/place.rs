@@ -112,7 +112,7 @@ impl Expander<'_, '_> {
         if blocks.ranged {
             self.diagnostics.push(
                 Diagnostic::new(Code::RangeMisused, "several blocks where one is needed")
-                    .label(self.site(place.span), "a range of blocks")
+                    .label(self.location(place.span), "a range of blocks")
                     .help("`->>` captures a range of blocks in a row"),
             );
             return None;
@@ -127,7 +127,7 @@ impl Expander<'_, '_> {
             _ => {
                 self.diagnostics.push(
                     Diagnostic::new(Code::WrongKind, "a new name has no dots")
-                        .label(self.site(place.span), "belongs to something else")
+                        .label(self.location(place.span), "belongs to something else")
                         .help("use a name of its own"),
                 );
                 return None;
@@ -137,7 +137,7 @@ impl Expander<'_, '_> {
         if ranged {
             self.diagnostics.push(
                 Diagnostic::new(Code::RangeMisused, "several names where one is needed")
-                    .label(self.site(place.span), "a range of names")
+                    .label(self.location(place.span), "a range of names")
                     .help("write one after the other, or use a loop"),
             );
             return None;
@@ -167,13 +167,16 @@ impl Expander<'_, '_> {
                 Code::UnknownName,
                 format!("`{wanted}` is no face of `{word}`"),
             )
-            .label(self.site(next.name.span), "not known here")
-            .suggest(self.site(next.name.span), meant, || {
+            .label(self.location(next.name.span), "not known here")
+            .suggest(self.location(next.name.span), meant, || {
                 "the faces are up, down, north, south, east and west".to_owned()
             })
         } else if ranged {
             Diagnostic::new(Code::RangeMisused, "a range of instances")
-                .label(self.site(segment.name.span), "one instance is needed here")
+                .label(
+                    self.location(segment.name.span),
+                    "one instance is needed here",
+                )
                 .help("go through the instances with a loop")
         } else if let Some(diagnostic) = self.instance_around(key, segment) {
             diagnostic
@@ -181,15 +184,15 @@ impl Expander<'_, '_> {
             let name = self.plan.roles.name_of(key, self.symbols);
             let title = format!("no instance of a pattern is called `{name}`");
             let diagnostic = Diagnostic::new(Code::UnknownName, title)
-                .label(self.site(segment.name.span), "not known here");
+                .label(self.location(segment.name.span), "not known here");
             let roles = &self.plan.roles;
             match members(key, roles.instances(scope), roles, self.symbols) {
-                Some(members) => diagnostic.help(members.told("instance")),
+                Some(members) => diagnostic.help(members.describe("instance")),
                 None => {
                     let known = roles.instances(scope);
                     let known = known.map(|known| self.symbols.word(known.word));
                     let meant = nearest(word, known);
-                    diagnostic.suggest(self.site(segment.name.span), meant, || {
+                    diagnostic.suggest(self.location(segment.name.span), meant, || {
                         format!(
                             "name the instance where it grows: `tower(A, 2) as {word}`; \
                              what a pattern builds is known behind that statement"
@@ -212,7 +215,7 @@ impl Expander<'_, '_> {
         let (word, pattern) = (self.symbols.word(word), self.symbols.word(pattern));
         let title = format!("the pattern `{pattern}` does not see the instance `{word}`");
         let diagnostic = Diagnostic::new(Code::UnknownName, title).label(
-            self.site(segment.name.span),
+            self.location(segment.name.span),
             "not known inside of the pattern",
         );
         let help = "give the pattern the block of it that is needed, as an argument";
@@ -236,7 +239,7 @@ impl Expander<'_, '_> {
                     Code::WrongArguments,
                     format!("more than {} indices", NameKey::MAX_INDICES),
                 )
-                .label(self.site(segment.name.span), "has too many")
+                .label(self.location(segment.name.span), "has too many")
                 .help("count some of them into one: `T[3 * i + j]`"),
             );
             return None;
@@ -271,7 +274,10 @@ impl Expander<'_, '_> {
                     Code::ExpansionLimit,
                     format!("the program grows beyond {room} captures and releases"),
                 )
-                .label(self.site(segment.name.span), "this range alone is larger")
+                .label(
+                    self.location(segment.name.span),
+                    "this range alone is larger",
+                )
                 .help(
                     self.limits
                         .help("check the ends of the range: both are included"),
@@ -295,7 +301,7 @@ impl Expander<'_, '_> {
                     Code::Arithmetic,
                     format!("{value} is too large for an index"),
                 )
-                .label(self.site(expr.span), "indices have 32 bits")
+                .label(self.location(expr.span), "indices have 32 bits")
                 .help("count from a smaller number"),
             );
         }

@@ -4,7 +4,7 @@ use smallvec::SmallVec;
 use stochc_grammar::Symbol;
 use stochc_ir::Face;
 
-use crate::Site;
+use crate::SourceLocation;
 use crate::names::{Definition, ValueKind};
 use crate::plan::NameKey;
 
@@ -38,7 +38,7 @@ struct Binding {
     /// What has the value.
     definition: Option<Definition>,
     value: BoundValue,
-    site: Site,
+    location: SourceLocation,
     /// How many blocks were open when it was made.
     level: u32,
 }
@@ -103,15 +103,15 @@ impl Scope {
         &mut self,
         (word, definition): (Symbol, Option<Definition>),
         value: BoundValue,
-        site: Site,
-    ) -> Option<Site> {
+        location: SourceLocation,
+    ) -> Option<SourceLocation> {
         let bindings = self.words.entry(word).or_default();
         let old = bindings.last().filter(|old| old.level == self.level);
-        let old = old.map(|old| old.site);
+        let old = old.map(|old| old.location);
         bindings.push(Binding {
             definition,
             value,
-            site,
+            location,
             level: self.level,
         });
         self.defined.push(word);
@@ -129,15 +129,19 @@ impl Scope {
     }
 
     /// The value of a definition with this word, and where it has got it.
-    pub fn get(&self, word: Symbol, definition: Definition) -> Option<(BoundValue, Site)> {
+    pub fn get(
+        &self,
+        word: Symbol,
+        definition: Definition,
+    ) -> Option<(BoundValue, SourceLocation)> {
         let mut bindings = self.words.get(&word)?.iter().rev();
         let binding = bindings.find(|it| it.definition == Some(definition))?;
-        Some((binding.value, binding.site))
+        Some((binding.value, binding.location))
     }
 
     /// Where something with this word, whatever it is, has got a value.
-    pub fn any(&self, word: Symbol) -> Option<Site> {
-        Some(self.words.get(&word)?.last()?.site)
+    pub fn any(&self, word: Symbol) -> Option<SourceLocation> {
+        Some(self.words.get(&word)?.last()?.location)
     }
 
     /// Every word that stands for a number, for suggestions.

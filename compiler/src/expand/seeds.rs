@@ -5,7 +5,7 @@ use stochc_ir::Cell;
 use stochc_ir::table::{PLANTED, Plate};
 
 use super::{Expander, Pass, Seeding, duplicate};
-use crate::Site;
+use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::{PlanPhase, PlanSeed};
 
@@ -28,14 +28,14 @@ impl<'a> Expander<'a, '_> {
         if self.in_phase {
             return;
         }
-        let site = Site {
+        let location = SourceLocation {
             file: self.file,
             span: Span::new(span.start, span.start + "seed".len() as u32),
         };
-        if let Some(old) = self.plate.replace(site) {
+        if let Some(old) = self.plate.replace(location) {
             self.diagnostics.push(
                 Diagnostic::new(Code::DuplicateName, "an assembly has one seed plate")
-                    .label(site, "a second one")
+                    .label(location, "a second one")
                     .label(old, "the first")
                     .help("put all seeds on one plate"),
             );
@@ -44,8 +44,8 @@ impl<'a> Expander<'a, '_> {
         if let Some(phase) = self.plan.phases.first() {
             let diagnostic =
                 Diagnostic::new(Code::Misplaced, "the seed plate stands behind a phase")
-                    .label(site, "comes too late")
-                    .label(phase.site, "the first phase")
+                    .label(location, "comes too late")
+                    .label(phase.location, "the first phase")
                     .help("move it to the beginning of the assembly");
             self.diagnostics.push(diagnostic);
             return;
@@ -60,13 +60,13 @@ impl<'a> Expander<'a, '_> {
         self.items(&seed.body);
         if has_captures(&seed.body) {
             self.seeding = Some(Seeding::Captures);
-            self.planted(seed, site);
+            self.planted(seed, location);
         }
         self.seeding = outer;
     }
 
     /// What is attached by hand, as a phase before the first.
-    fn planted(&mut self, seed: &'a stochc_grammar::tree::Seed, site: Site) {
+    fn planted(&mut self, seed: &'a stochc_grammar::tree::Seed, location: SourceLocation) {
         let start = self.grown.events;
         self.in_phase = true;
         self.items(&seed.body);
@@ -77,7 +77,7 @@ impl<'a> Expander<'a, '_> {
         }
         self.push_phase(PlanPhase {
             name: PLANTED.to_owned(),
-            site,
+            location,
             timeout: None,
             events: start as u32..end as u32,
             planted: true,
@@ -92,7 +92,7 @@ impl<'a> Expander<'a, '_> {
         }
         self.diagnostics.push(
             Diagnostic::new(Code::WrongValue, format!("a plate of {value} blocks")).label(
-                self.site(expr.span),
+                self.location(expr.span),
                 format!("must be from 1 to {MAX_EDGE}"),
             ),
         );
@@ -101,7 +101,7 @@ impl<'a> Expander<'a, '_> {
 
     /// One seed.
     pub fn seat(&mut self, seat: &'a Seat, item: &Item) {
-        let site = self.site(seat.place.span);
+        let location = self.location(seat.place.span);
         let key = self.single_key(&seat.place);
         let (x, y) = (self.evaluate(&seat.at.0), self.evaluate(&seat.at.1));
         let (Some(key), Some(x), Some(y)) = (key, x, y) else {
@@ -116,7 +116,7 @@ impl<'a> Expander<'a, '_> {
         }
         let inside = |value: i64, edge: u32| (0..i64::from(edge)).contains(&value);
         if !(inside(x, width) && inside(y, depth)) {
-            let at = self.site(seat.at.0.span.to(seat.at.1.span));
+            let at = self.location(seat.at.0.span.to(seat.at.1.span));
             self.diagnostics.push(
                 Diagnostic::new(
                     Code::SeedOutsidePlate,
@@ -140,18 +140,19 @@ impl<'a> Expander<'a, '_> {
         let role = self.role(key);
         // Seeds are interned first, so a new one has the next number.
         if (role.0 as usize) < self.plan.seeds.len() {
-            let old = self.plan.seeds[role.0 as usize].site;
+            let old = self.plan.seeds[role.0 as usize].location;
             let name = self.plan.roles.name(role, self.symbols);
-            self.diagnostics.push(duplicate(&name, old, site, "a seed"));
+            self.diagnostics
+                .push(duplicate(&name, old, location, "a seed"));
             return;
         }
         // Unless a statement that does not belong in a plate came first; that has been told of.
         if role.0 as usize == self.plan.seeds.len() {
-            let statement = item.docs.0.is_none().then(|| self.site(item.span));
+            let statement = item.docs.0.is_none().then(|| self.location(item.span));
             self.plan.seeds.push(PlanSeed {
                 role,
                 cell,
-                site,
+                location,
                 statement,
             });
         }

@@ -7,7 +7,7 @@ use stochc_ir::table::RoleId;
 
 use super::scope::BoundValue;
 use super::{Expander, Pass};
-use crate::Site;
+use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::plan::{AfterConstraint, EventId, EventKind, NameKey, PlanEvent};
 
@@ -23,14 +23,14 @@ impl<'a> Expander<'a, '_> {
             if self.exhausted || !self.step(link.place.span) {
                 return;
             }
-            let site = self.site(parent_place.span.to(link.place.span));
+            let location = self.location(parent_place.span.to(link.place.span));
             match link.arrow {
                 Arrow::One => {
                     let child = self.single(&link.place);
                     let used = self.face(parent, face, parent_place);
                     let role = child.map(|(key, _)| self.role(key));
                     if let (Some(parent), Some(face), Some(child)) = (parent, used, role) {
-                        self.capture(parent, face, child, site);
+                        self.capture(parent, face, child, location);
                     }
                     parent = role;
                     face = child.and_then(|(_, face)| face);
@@ -44,7 +44,7 @@ impl<'a> Expander<'a, '_> {
                     if !blocks.ranged {
                         let mut diagnostic =
                             Diagnostic::new(Code::RangeMisused, "`->>` needs a range of blocks")
-                                .label(self.site(link.place.span), "a single block")
+                                .label(self.location(link.place.span), "a single block")
                                 .help("write a range such as `T[1..12]`, or `->` for one block");
                         diagnostic.fix = self.single_arrow(parent_place, &link.place);
                         self.diagnostics.push(diagnostic);
@@ -53,7 +53,7 @@ impl<'a> Expander<'a, '_> {
                     for key in blocks.keys.iter() {
                         let child = self.role(key);
                         if let (Some(parent), Some(face)) = (parent, used) {
-                            self.capture(parent, face, child, site);
+                            self.capture(parent, face, child, location);
                         }
                         parent = Some(child);
                         if self.exhausted || !self.step(link.place.span) {
@@ -71,10 +71,10 @@ impl<'a> Expander<'a, '_> {
                 Code::FaceMisused,
                 "a face at the end of a chain captures nothing",
             )
-            .label(self.site(span), "nothing follows")
+            .label(self.location(span), "nothing follows")
             .help("leave the face out, or write what it captures: `-> X`");
             if last.place.face.is_some() {
-                let dotted = self.site(Span::new(span.start - 1, span.end));
+                let dotted = self.location(Span::new(span.start - 1, span.end));
                 // Something may have been forgotten behind it.
                 diagnostic.fix = Some(Fix::remove(dotted, "leave the face out").unsafe_if(true));
             }
@@ -87,10 +87,10 @@ impl<'a> Expander<'a, '_> {
 
     /// The arrow between two places for one block, if nothing else stands there.
     fn single_arrow(&self, parent: &Place, child: &Place) -> Option<Fix> {
-        let between = self.site(Span::new(parent.span.end, child.span.start));
+        let between = self.location(Span::new(parent.span.end, child.span.start));
         let text = self.sources.text(between);
         let start = between.span.start + text.find("->>")? as u32;
-        let arrow = self.site(Span::new(start, start + "->>".len() as u32));
+        let arrow = self.location(Span::new(start, start + "->>".len() as u32));
         (text.trim() == "->>").then(|| Fix::replace(arrow, "->", "write `->`"))
     }
 
@@ -101,13 +101,13 @@ impl<'a> Expander<'a, '_> {
             let name = text.map_or("", |symbol| self.symbols.word(symbol));
             self.diagnostics.push(
                 Diagnostic::new(Code::MissingFace, "a capture needs a face")
-                    .label(self.site(place.span), "through which of its faces?")
+                    .label(self.location(place.span), "through which of its faces?")
                     .help(format!(
                         "write `{name}.up`, or another of up, down, north, south, east, west"
                     ))
                     .fix(
                         Fix::replace(
-                            self.site(Span::new(place.span.end, place.span.end)),
+                            self.location(Span::new(place.span.end, place.span.end)),
                             ".up",
                             "add `.up`",
                         )
@@ -118,11 +118,11 @@ impl<'a> Expander<'a, '_> {
         face
     }
 
-    fn capture(&mut self, parent: RoleId, face: Face, role: RoleId, site: Site) {
+    fn capture(&mut self, parent: RoleId, face: Face, role: RoleId, location: SourceLocation) {
         self.push_event(PlanEvent {
             kind: EventKind::Capture { parent, face },
             role,
-            site,
+            location,
             sound: true,
         });
     }
@@ -135,7 +135,7 @@ impl<'a> Expander<'a, '_> {
             subjects
         };
         for subject in subjects {
-            let site = self.site(subject.place.span);
+            let location = self.location(subject.place.span);
             let Some(blocks) = self.place(&subject.place) else {
                 continue;
             };
@@ -145,7 +145,7 @@ impl<'a> Expander<'a, '_> {
                     event,
                     role,
                     release: subject.release,
-                    site,
+                    location,
                 });
                 if self.exhausted || !self.step(subject.place.span) {
                     return;
@@ -157,7 +157,7 @@ impl<'a> Expander<'a, '_> {
     /// Releases.
     pub fn release(&mut self, release: &'a Release) {
         for place in &release.places {
-            let site = self.site(place.span);
+            let location = self.location(place.span);
             let Some(blocks) = self.place(place) else {
                 continue;
             };
@@ -166,7 +166,7 @@ impl<'a> Expander<'a, '_> {
                 let event = self.push_event(PlanEvent {
                     kind: EventKind::Release,
                     role,
-                    site,
+                    location,
                     sound: true,
                 });
                 self.after(event, &release.after);
@@ -181,7 +181,7 @@ impl<'a> Expander<'a, '_> {
     pub fn repeat(&mut self, block: &'a For) {
         let first = self.evaluate(&block.range.0);
         let last = self.evaluate(&block.range.1);
-        let site = self.site(block.counter.span);
+        let location = self.location(block.counter.span);
         let (Some(first), Some(last)) = (first, last) else {
             return;
         };
@@ -191,7 +191,8 @@ impl<'a> Expander<'a, '_> {
             }
             let mark = self.scope.mark();
             let counter = self.named(block.counter);
-            self.scope.define(counter, BoundValue::Number(value), site);
+            self.scope
+                .define(counter, BoundValue::Number(value), location);
             self.items(&block.body);
             self.scope.restore(mark);
         }
@@ -199,7 +200,7 @@ impl<'a> Expander<'a, '_> {
 
     /// An instance of a pattern.
     pub fn instance(&mut self, instance: &'a Instance, span: Span) {
-        let site = self.site(instance.pattern.span);
+        let location = self.location(instance.pattern.span);
         let name = instance.pattern.symbol;
         let (_, definition) = self.named(instance.pattern);
         let patterns = &self.declared.patterns;
@@ -209,8 +210,8 @@ impl<'a> Expander<'a, '_> {
             let known = known.map(|(_, known)| self.symbols.word(known.name.symbol));
             let diagnostic =
                 Diagnostic::new(Code::UnknownName, format!("no pattern is called `{word}`"))
-                    .label(site, "not known here")
-                    .suggest(site, nearest(word, known), || match word {
+                    .label(location, "not known here")
+                    .suggest(location, nearest(word, known), || match word {
                         "allow" | "deny" => format!(
                             "a level is set without parentheses: `{word} unused-seed \"reason\"`"
                         ),
@@ -220,14 +221,14 @@ impl<'a> Expander<'a, '_> {
             return;
         };
         if let Some(depth) = self.instances.iter().position(|&(outer, _)| outer == name) {
-            self.recursion(depth, site);
+            self.recursion(depth, location);
             return;
         }
         let (given, needed) = (instance.arguments.len(), pattern.parameters.len());
         let values = if given == needed {
             self.arguments(instance, (file, pattern))
         } else {
-            let parameters = Site {
+            let parameters = SourceLocation {
                 file,
                 span: pattern.name.span,
             };
@@ -240,7 +241,7 @@ impl<'a> Expander<'a, '_> {
                         if needed == 1 { "" } else { "s" }
                     ),
                 )
-                .label(self.site(span), format!("gives {given}"))
+                .label(self.location(span), format!("gives {given}"))
                 .label(parameters, format!("takes {needed}")),
             );
             vec![BoundValue::Unknown; needed]
@@ -262,7 +263,7 @@ impl<'a> Expander<'a, '_> {
         let outer_file = std::mem::replace(&mut self.file, file);
         // Of what is around it, a pattern sees the numbers of the assembly.
         let outer_blocks = self.blocks.split_off(1.min(self.blocks.len()));
-        self.instances.push((name, site));
+        self.instances.push((name, location));
         for (parameter, value) in pattern.parameters.iter().zip(values) {
             self.define(*parameter, value);
         }
@@ -291,14 +292,14 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    fn recursion(&mut self, depth: usize, site: Site) {
+    fn recursion(&mut self, depth: usize, location: SourceLocation) {
         let mut diagnostic = Diagnostic::new(
             Code::RecursivePattern,
             "a pattern grows itself, without end",
         )
-        .label(site, "grows the pattern it stands in");
-        for &(name, site) in &self.instances[depth..] {
-            diagnostic = diagnostic.label(site, format!("grows `{}`", self.symbols.word(name)));
+        .label(location, "grows the pattern it stands in");
+        for &(name, location) in &self.instances[depth..] {
+            diagnostic = diagnostic.label(location, format!("grows `{}`", self.symbols.word(name)));
         }
         let help = "repeat with `for` or `->>` instead";
         self.diagnostics.push(diagnostic.help(help));

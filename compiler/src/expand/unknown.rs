@@ -5,7 +5,7 @@ use stochc_ir::suggest::nearest;
 
 use super::Expander;
 use super::scope::BoundValue;
-use crate::Site;
+use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic, parameter_hint};
 use crate::names::ValueKind;
 
@@ -26,12 +26,12 @@ impl Expander<'_, '_> {
             ),
         };
         let mut diagnostic = Diagnostic::new(Code::WrongKind, title)
-            .label(self.site(named.span), label)
+            .label(self.location(named.span), label)
             .help("blocks, numbers and parameters need different names");
         let definition = self.names.definition(self.file, named.span);
         let known = definition.and_then(|definition| self.scope.get(named.symbol, definition));
-        if let Some((_, site)) = known {
-            diagnostic = diagnostic.label(site, format!("{given} from here on"));
+        if let Some((_, location)) = known {
+            diagnostic = diagnostic.label(location, format!("{given} from here on"));
         }
         self.diagnostics.push(self.in_instance(diagnostic));
         if let Some(definition) = definition {
@@ -42,17 +42,19 @@ impl Expander<'_, '_> {
     /// Tells of a name that no number has here.
     pub(super) fn unknown_number(&mut self, word: Symbol, span: Span) {
         let name = self.symbols.word(word);
-        let site = self.site(span);
+        let location = self.location(span);
         let diagnostic = if let Some((let_, named)) = self.let_below(word) {
             let diagnostic = Diagnostic::new(
                 Code::UnknownName,
                 format!("`{name}` is used before its `let`"),
             );
-            match let_.file == site.file && (let_.span.start..let_.span.end).contains(&span.start) {
-                true => (diagnostic.label(site, "used in its own value"))
+            match let_.file == location.file
+                && (let_.span.start..let_.span.end).contains(&span.start)
+            {
+                true => (diagnostic.label(location, "used in its own value"))
                     .help("give it a value that can be worked out without it"),
                 false => (diagnostic
-                    .label(site, "not known yet")
+                    .label(location, "not known yet")
                     .label(named, "known from here on"))
                 .help(
                     "move the `let` up: a number is known from its `let` to the end of the block",
@@ -64,14 +66,14 @@ impl Expander<'_, '_> {
                 Code::UnknownName,
                 format!("the pattern `{pattern}` does not see `{name}`"),
             )
-            .label(site, "not known inside of the pattern")
+            .label(location, "not known inside of the pattern")
             .label(around, "a number around the place where it grows")
             .help(parameter_hint(self.sources, &grown, name, name))
         } else {
             let known = self.scope.words().map(|word| self.symbols.word(word));
             Diagnostic::new(Code::UnknownName, format!("no number is called `{name}`"))
-                .label(site, "not known here")
-                .suggest(site, nearest(name, known), || {
+                .label(location, "not known here")
+                .suggest(location, nearest(name, known), || {
                     format!("define it: `let {name} = 3`")
                 })
         };
@@ -85,24 +87,24 @@ impl Expander<'_, '_> {
     }
 
     /// A `let` of a block around the statement at hand whose name is not known yet, and its name.
-    fn let_below(&self, word: Symbol) -> Option<(Site, Site)> {
+    fn let_below(&self, word: Symbol) -> Option<(SourceLocation, SourceLocation)> {
         let names = |item: &Item| match &item.kind {
             ItemKind::Let(let_) if let_.name.symbol == word => Some((item.span, let_.name.span)),
             _ => None,
         };
-        let own = self.plan.site.file;
+        let own = self.plan.location.file;
         for (number, block) in self.blocks.iter().enumerate().rev() {
             // The outermost block is that of the assembly, all others are of the pattern that grows.
             let file = if number == 0 { own } else { self.file };
             if let Some((item, name)) = block.iter().find_map(names) {
-                let site = |span| Site { file, span };
-                return Some((site(item), site(name)));
+                let location = |span| SourceLocation { file, span };
+                return Some((location(item), location(name)));
             }
         }
         self.lets.iter().find_map(|&(file, item)| {
             let (item, name) = names(item)?;
-            let site = |span| Site { file, span };
-            Some((site(item), site(name)))
+            let location = |span| SourceLocation { file, span };
+            Some((location(item), location(name)))
         })
     }
 }

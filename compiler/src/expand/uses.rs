@@ -6,15 +6,15 @@ use stochc_grammar::tree::Pattern;
 
 use super::{MAX_NESTING, Patterns};
 use crate::names::{Names, Use, ValueKind};
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// The first place where a parameter is used as each kind of thing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Uses([Option<Site>; ValueKind::ALL.len()]);
+pub struct Uses([Option<SourceLocation>; ValueKind::ALL.len()]);
 
 impl Uses {
     /// The kind it has to be, and where it is used so; `None` if it is not used, or in several ways.
-    pub fn only(&self) -> Option<(ValueKind, Site)> {
+    pub fn only(&self) -> Option<(ValueKind, SourceLocation)> {
         let mut used = ValueKind::ALL
             .into_iter()
             .filter_map(|kind| Some((kind, self.0[kind as usize]?)));
@@ -27,8 +27,8 @@ impl Uses {
         self.0.iter().any(Option::is_some)
     }
 
-    fn note(&mut self, kind: ValueKind, site: Site) {
-        self.0[kind as usize].get_or_insert(site);
+    fn note(&mut self, kind: ValueKind, location: SourceLocation) {
+        self.0[kind as usize].get_or_insert(location);
     }
 }
 
@@ -67,16 +67,17 @@ impl KnownUses {
         for (own, parameter) in uses.iter_mut().zip(&pattern.parameters) {
             for used in names.uses(file, parameter.span) {
                 match *used {
-                    Use::As(kind, site) => own.note(kind, site),
+                    Use::As(kind, location) => own.note(kind, location),
                     Use::Argument(inner, number) => {
                         let Some(&inner) = patterns.get(&inner) else {
                             continue;
                         };
                         let inner = self.uses_at(inner, patterns, names, depth + 1);
                         for kind in ValueKind::ALL {
-                            if let Some(site) = inner.get(number).and_then(|it| it.0[kind as usize])
+                            if let Some(location) =
+                                inner.get(number).and_then(|it| it.0[kind as usize])
                             {
-                                own.note(kind, site);
+                                own.note(kind, location);
                             }
                         }
                     }

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
 use super::{Definition, Keep, NameKind, Names, Occurrence, Use};
-use crate::Site;
+use crate::SourceLocation;
 
 /// Definitions, found one after the other.
 pub struct Definitions {
@@ -50,12 +50,12 @@ impl Definitions {
         }
     }
 
-    pub fn occur(&mut self, definition: Definition, site: Site, declares: bool) {
+    pub fn occur(&mut self, definition: Definition, location: SourceLocation, declares: bool) {
         if !self.keeps(self.kind(definition)) {
             return;
         }
         self.occurrences.push(Occurrence {
-            site,
+            location,
             definition,
             declares,
         });
@@ -92,10 +92,13 @@ impl Definitions {
         for occurrence in &mut occurrences {
             occurrence.definition = self.root(occurrence.definition);
         }
-        occurrences.sort_by_key(|occurrence| (occurrence.site.file, occurrence.site.span.start));
-        occurrences.dedup_by_key(|occurrence| (occurrence.site.file, occurrence.site.span.start));
+        occurrences
+            .sort_by_key(|occurrence| (occurrence.location.file, occurrence.location.span.start));
+        occurrences
+            .dedup_by_key(|occurrence| (occurrence.location.file, occurrence.location.span.start));
         let asked = (occurrences.iter()).filter(|it| self.kind(it.definition).is_asked_for());
-        let definitions = asked.map(|it| ((it.site.file, it.site.span.start), it.definition));
+        let definitions =
+            asked.map(|it| ((it.location.file, it.location.span.start), it.definition));
         let definitions = definitions.collect();
         let mut uses = std::mem::take(&mut self.uses);
         for used in uses.values_mut().flatten() {

@@ -14,7 +14,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::Tree;
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
-use crate::{Checked, FileId, Site};
+use crate::{Checked, FileId, SourceLocation};
 
 /// Every name of a program's files.
 #[derive(Clone, Debug, Default)]
@@ -32,7 +32,7 @@ pub struct Names {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Use {
     /// As a value of this kind.
-    As(ValueKind, Site),
+    As(ValueKind, SourceLocation),
     /// As an argument of a pattern, whose parameter of this number it is.
     Argument(Definition, usize),
 }
@@ -75,7 +75,7 @@ pub(crate) enum Keep {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Occurrence {
     /// Where.
-    pub site: Site,
+    pub location: SourceLocation,
     /// What it refers to.
     pub definition: Definition,
     /// Whether it is declared here, or captured if it is a block.
@@ -183,11 +183,12 @@ impl Names {
 
     /// The name at a byte of a file, or the one that ends there.
     pub fn at(&self, file: FileId, at: u32) -> Option<&Occurrence> {
-        let key = |occurrence: &Occurrence| (occurrence.site.file, occurrence.site.span.start);
+        let key =
+            |occurrence: &Occurrence| (occurrence.location.file, occurrence.location.span.start);
         let behind = (self.occurrences).partition_point(|occurrence| key(occurrence) <= (file, at));
         let candidate = &self.occurrences[behind.checked_sub(1)?];
-        let site = candidate.site;
-        (site.file == file && at <= site.span.end).then_some(candidate)
+        let location = candidate.location;
+        (location.file == file && at <= location.span.end).then_some(candidate)
     }
 
     /// Every name, by file and place.
@@ -236,7 +237,7 @@ mod tests {
                 seen.push(occurrence.definition);
                 seen.len() - 1
             });
-            let word = checked.sources.text(occurrence.site);
+            let word = checked.sources.text(occurrence.location);
             assert_eq!(
                 word,
                 checked.symbols.word(names.word(occurrence.definition))

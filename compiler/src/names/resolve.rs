@@ -8,7 +8,7 @@ use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
 use super::definitions::{Bindings, Definitions};
 use super::{Definition, Keep, NameKind, Names, Use, ValueKind};
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// Resolves every name of a program's files.
 ///
@@ -436,8 +436,8 @@ impl Resolver<'_> {
     }
 
     fn used_as(&mut self, definition: Definition, kind: ValueKind, span: Span) {
-        let site = self.site(span);
-        self.definitions.used(definition, Use::As(kind, site));
+        let location = self.location(span);
+        self.definitions.used(definition, Use::As(kind, location));
     }
 
     /// The name of a block of a scope.
@@ -580,12 +580,12 @@ impl Resolver<'_> {
     }
 
     fn occur(&mut self, definition: Definition, span: Span, declares: bool) {
-        let site = self.site(span);
-        self.definitions.occur(definition, site, declares);
+        let location = self.location(span);
+        self.definitions.occur(definition, location, declares);
     }
 
-    fn site(&self, span: Span) -> Site {
-        Site {
+    fn location(&self, span: Span) -> SourceLocation {
+        SourceLocation {
             file: self.file,
             span,
         }

@@ -40,7 +40,7 @@ const FARTHEST: usize = 20_000;
 
 impl ReachAnalysis<'_> {
     /// The captures of a phase that come in through a gap, in their worst case.
-    pub fn tight(&mut self, events: &[EventId], descent: &DescendantIndex) -> NarrowCaptures {
+    pub fn narrow(&mut self, events: &[EventId], descent: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         // Whether nothing but what waits for it can stand above the cell of an event.
         let mut is_clear_above = vec![false; events.len()];

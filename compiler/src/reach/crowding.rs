@@ -5,7 +5,7 @@ use stochc_ir::Cell;
 
 use super::ReachAnalysis;
 use super::descendants::DescendantIndex;
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 use crate::plan::EventId;
 
 /// Captures of a phase that are shown, at most.
@@ -16,7 +16,7 @@ const MOST_SQUARES: usize = 10_000;
 
 impl ReachAnalysis<'_> {
     /// Tells of three or more faces that may be open at the same time towards cells of one square of four.
-    pub fn tell_crowded(
+    pub fn report_crowded(
         &mut self,
         number: usize,
         events: &[EventId],
@@ -38,13 +38,13 @@ impl ReachAnalysis<'_> {
             ),
         };
         let mut diagnostic = Diagnostic::new(Code::CrowdedCaptures, title)
-            .label(plan.event(*first).site, format!("`{}`", name(*first)));
+            .label(plan.event(*first).location, format!("`{}`", name(*first)));
         for &id in crowded[1..].iter().take(MOST_SHOWN - 1) {
-            diagnostic = diagnostic.label(plan.event(id).site, format!("`{}`", name(id)));
+            diagnostic = diagnostic.label(plan.event(id).location, format!("`{}`", name(id)));
         }
         let help = "three faces in a square attract blocks that jam each other, and the captures may take long: let one wait for \
                     another, with `after` or in a later phase";
-        tell(diagnostics, diagnostic.help(help));
+        report(diagnostics, diagnostic.help(help));
     }
 
     /// The captures of a phase that are in such a square, in the order of the source.

@@ -11,7 +11,7 @@ use super::reachable::Dismantled;
 use super::sealed::BlockedCapture;
 use super::trial::Proposal;
 use super::{Cell, EventId, ReachAnalysis, all_before, before, picture};
-use crate::diagnostic::{Code, Diagnostic, Fix, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, report};
 use crate::graph::DependencyGraph;
 
 /// Blocks of a wall that are labelled.
@@ -20,7 +20,7 @@ const MOST_WALLS: usize = 6;
 const MOST_EVENTS: usize = 12;
 
 /// Cells told of, at most, in one phase; more than anybody would read.
-const MOST_TOLD: usize = 100;
+const MOST_REPORTED: usize = 100;
 
 /// What becomes of a capture that can be closed in.
 enum SealedOutcome {
@@ -65,8 +65,8 @@ impl Case<'_> {
 }
 
 impl ReachAnalysis<'_> {
-    /// Tells of stuck captures.
-    pub fn tell_sealed(
+    /// Reports stuck captures.
+    pub fn report_sealed(
         &mut self,
         events: &[EventId],
         descent: &DescendantIndex,
@@ -88,7 +88,7 @@ impl ReachAnalysis<'_> {
             apart,
         };
         let most = match self.subject.trial {
-            Some(_) => MOST_TOLD,
+            Some(_) => MOST_REPORTED,
             None => usize::MAX,
         };
         let mut told = 0;
@@ -98,8 +98,8 @@ impl ReachAnalysis<'_> {
             }
             if let Some(diagnostic) = self.sealed(&case, blocked.capture) {
                 match self.subject.trial {
-                    Some(_) => tell(diagnostics, diagnostic),
-                    // Each by itself, so that it is seen which of them a cure cures.
+                    Some(_) => report(diagnostics, diagnostic),
+                    // Each by itself, so that it is seen which of them a remedy helps.
                     None => diagnostics.push(diagnostic),
                 }
                 told += 1;
@@ -108,7 +108,7 @@ impl ReachAnalysis<'_> {
         // Where there is a cavity, what the search had no time for says nothing more.
         if told == 0 {
             for blocked in blocked.iter().take(most) {
-                tell(diagnostics, self.undecided(blocked.capture));
+                report(diagnostics, self.undecided(blocked.capture));
             }
         }
     }
@@ -121,7 +121,7 @@ impl ReachAnalysis<'_> {
         let cell = self.cell(id)?;
         let name = plan.roles.name(event.role, subject.symbols);
         let own = all_before(subject.certain, [id]);
-        let following = case.descent.of(id, &mut self.cures.steps);
+        let following = case.descent.of(id, &mut self.remedies.steps);
         let is_never = case.never.contains(&id);
         // What of the phase is there when its turn has come: at best, where that is too much already.
         let has = |other: EventId| match is_never {
@@ -143,7 +143,7 @@ impl ReachAnalysis<'_> {
         };
         let mut diagnostic = Diagnostic::new(Code::SealedCavity, title);
         if subject.trial.is_none() {
-            return Some(diagnostic.label(event.site, ""));
+            return Some(diagnostic.label(event.location, ""));
         }
         let what = match &outcome {
             SealedOutcome::Never(UnreachableCause::Walls) => {
@@ -157,7 +157,7 @@ impl ReachAnalysis<'_> {
             }
             _ => format!("its cell {cell} has no way out once its walls stand"),
         };
-        diagnostic = diagnostic.label(event.site, what);
+        diagnostic = diagnostic.label(event.location, what);
         let mut help = String::new();
         match outcome {
             SealedOutcome::Never(UnreachableCause::Waits(first)) => {
@@ -177,11 +177,11 @@ impl ReachAnalysis<'_> {
             SealedOutcome::Never(UnreachableCause::Walls) => {
                 let needed = all_before(subject.certain, walls.iter().copied());
                 let order = case.events.iter().filter(|id| needed.contains(id));
-                let order = self.story(order.copied());
+                let order = self.describe_order(order.copied());
                 help.push_str(&format!("it waits for its walls: {order}\nleave an opening\n"));
             }
             SealedOutcome::Walled(order) => {
-                let order = self.story(order);
+                let order = self.describe_order(order);
                 help.push_str(&format!("an order that leads there: {order}\n"));
             }
             SealedOutcome::Doubtful => {}
@@ -189,12 +189,12 @@ impl ReachAnalysis<'_> {
         for &wall in walls.iter().take(MOST_WALLS) {
             let wall = plan.event(wall);
             let name = plan.roles.name(wall.role, subject.symbols);
-            diagnostic = diagnostic.label(wall.site, format!("`{name}` is part of the wall"));
+            diagnostic = diagnostic.label(wall.location, format!("`{name}` is part of the wall"));
         }
         if !is_never {
-            let (text, fix) = self.cure(case, id, &walls, &diagnostic.title);
+            let (text, fix) = self.remedy(case, id, &walls, &diagnostic.title);
             help.push_str(&text);
-            diagnostic.cure = Some(text.trim_end().to_owned());
+            diagnostic.remedy = Some(text.trim_end().to_owned());
             diagnostic.fix = fix;
         }
         let is_full = |cell| self.occupancy.is_blocked(cell, &has);
@@ -203,7 +203,7 @@ impl ReachAnalysis<'_> {
     }
 
     /// What helps, in words and as a change of the text.
-    fn cure(
+    fn remedy(
         &mut self,
         case: &Case,
         id: EventId,
@@ -326,12 +326,12 @@ impl ReachAnalysis<'_> {
     }
 
     /// Events one after the other.
-    fn story(&self, events: impl IntoIterator<Item = EventId>) -> String {
-        let story: Vec<String> = (events.into_iter())
+    fn describe_order(&self, events: impl IntoIterator<Item = EventId>) -> String {
+        let names: Vec<String> = (events.into_iter())
             .map(|id| self.subject.plan.describe(id, self.subject.symbols))
             .collect();
-        let more = story.len().saturating_sub(MOST_EVENTS);
-        let mut text = story[..story.len() - more].join(", ");
+        let more = names.len().saturating_sub(MOST_EVENTS);
+        let mut text = names[..names.len() - more].join(", ");
         if more > 0 {
             text.push_str(&format!(", and {more} more"));
         }
@@ -343,25 +343,25 @@ impl ReachAnalysis<'_> {
         let name = plan.roles.name(plan.event(id).role, self.subject.symbols);
         let title = format!("whether a block can come to `{name}` was not decided");
         Diagnostic::new(Code::ReachUndecided, title)
-            .label(plan.event(id).site, "the search has reached its limit")
+            .label(plan.event(id).location, "the search has reached its limit")
             .help("the walls around it are too large; build them in fewer phases, or leave a wider opening")
     }
 
     /// Tells of gaps that leave a block no clearance.
-    pub fn tell_tight(
+    pub fn report_narrow(
         &mut self,
         number: usize,
         events: &[EventId],
         descent: &DescendantIndex,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
-        let tight = self.tight(events, descent);
-        let Some(first) = tight.worst.first() else {
+        let narrow = self.narrow(events, descent);
+        let Some(first) = narrow.worst.first() else {
             return;
         };
         let plan = self.subject.plan;
         let name = |id: EventId| plan.roles.name(plan.event(id).role, self.subject.symbols);
-        let title = match tight.count {
+        let title = match narrow.count {
             1 => format!(
                 "`{}` comes in through a gap one block wide",
                 name(first.capture)
@@ -372,23 +372,23 @@ impl ReachAnalysis<'_> {
             ),
         };
         let mut diagnostic = Diagnostic::new(Code::TightApproach, title);
-        for tight in &tight.worst {
-            let are = if tight.open == 1 { "is" } else { "are" };
-            let length = match tight.length {
+        for narrow in &narrow.worst {
+            let are = if narrow.open == 1 { "is" } else { "are" };
+            let length = match narrow.length {
                 Some(1) => ", only the last cell of the way is narrow".to_owned(),
                 Some(length) => format!(", the last {length} cells of the best way are narrow"),
                 None => String::new(),
             };
             let text = format!(
                 "`{}`: {} of 5 sides {are} open{length}",
-                name(tight.capture),
-                tight.open
+                name(narrow.capture),
+                narrow.open
             );
-            diagnostic = diagnostic.label(plan.event(tight.capture).site, text);
+            diagnostic = diagnostic.label(plan.event(narrow.capture).location, text);
         }
         let help = "its neighbours may be in place before it: capture it before them, with `after` or in an earlier \
                     phase; in a gap of its own width a block jams easily, and the capture may take long";
-        tell(diagnostics, diagnostic.help(help));
+        report(diagnostics, diagnostic.help(help));
     }
 }
 

@@ -6,7 +6,7 @@ use stochc_ir::table::RoleId;
 use super::{EventId, SoundProgram};
 use crate::diagnostic::Edit;
 use crate::plan::{EventKind, NameKey};
-use crate::{FileId, Site};
+use crate::{FileId, SourceLocation};
 
 /// One arrow of a chain, with what it captures: in a row, a loop or a pattern, many times.
 #[derive(Clone, Copy)]
@@ -18,7 +18,7 @@ pub struct CaptureStatement<'a> {
 impl<'a> CaptureStatement<'a> {
     /// The statement of the program's own file that a capture comes from.
     pub fn of(subject: &SoundProgram<'a>, capture: EventId) -> Option<CaptureStatement<'a>> {
-        let Site { file, span } = subject.plan.event(capture).site;
+        let SourceLocation { file, span } = subject.plan.event(capture).location;
         if file != subject.file {
             return None;
         }
@@ -43,7 +43,7 @@ impl<'a> CaptureStatement<'a> {
     /// As it is written.
     pub fn text(&self, subject: &SoundProgram<'a>) -> &'a str {
         let (parent, child) = self.places();
-        let place = site(subject.file, parent.span.start, child.span.end);
+        let place = location(subject.file, parent.span.start, child.span.end);
         subject.sources.text(place)
     }
 
@@ -108,7 +108,7 @@ impl<'a> CaptureStatement<'a> {
     pub fn wait(&self, subject: &SoundProgram, name: &str) -> Vec<Edit> {
         let CaptureStatement { chain, link } = *self;
         let at = |start: u32, end: u32, text: String| Edit {
-            site: site(subject.file, start, end),
+            location: location(subject.file, start, end),
             text,
         };
         let end = chain
@@ -130,7 +130,7 @@ impl<'a> CaptureStatement<'a> {
         }
         // Only the first capture of a chain can wait: the chain goes on in a line of its own.
         let (place, _) = self.places();
-        let text_of = |start, end| subject.sources.text(site(subject.file, start, end));
+        let text_of = |start, end| subject.sources.text(location(subject.file, start, end));
         let block = match place.face {
             Some((_, face)) => text_of(place.span.start, face.start)
                 .trim_end()
@@ -154,7 +154,7 @@ impl<'a> CaptureStatement<'a> {
         let waits = text_of(end, end_of_after);
         let indent = subject
             .sources
-            .indent(site(subject.file, chain.head.span.start, end));
+            .indent(location(subject.file, chain.head.span.start, end));
         vec![
             at(
                 place.span.start,
@@ -249,8 +249,8 @@ fn indices(index: i64, counters: &[(Symbol, i64)], subject: &SoundProgram) -> Ve
     written
 }
 
-fn site(file: FileId, start: u32, end: u32) -> Site {
-    Site {
+fn location(file: FileId, start: u32, end: u32) -> SourceLocation {
+    SourceLocation {
         file,
         span: Span { start, end },
     }

@@ -25,7 +25,7 @@
 //! into the closed cell, and stays, is not counted on.
 //!
 //! **What no order reaches** is told apart (`reachable.rs`): a capture whose own predecessors close it in, and what
-//! waits for such a one. For the others a cure is looked for (`repair.rs`), written as a change of the text (`edit.rs`)
+//! waits for such a one. For the others a remedy is looked for (`repair.rs`), written as a change of the text (`edit.rs`)
 //! and tried (`trial.rs`): it is proposed only if the program so changed has this error no more, and no new one.
 //!
 //! **It is fast** because a capture has a way out if a neighbour that waits for it has one, and else
@@ -71,7 +71,7 @@ pub use trial::Trial;
 /// Cells that may be searched for every event, besides those that the limits say.
 const STEPS_PER_EVENT: u64 = 10;
 
-/// Of the cells that may be searched, the part that counts for events of the programs in which cures are tried.
+/// Of the cells that may be searched, the part that counts for events of the programs in which remedies are tried.
 const TRIED: u64 = 100;
 
 /// A program in which nothing else is wrong.
@@ -135,7 +135,7 @@ pub fn check(
         known_paths: Default::default(),
         proof: effort(1),
         warning: effort(10),
-        cures: effort(1),
+        remedies: effort(1),
         trials: SearchEffort {
             steps: 0,
             budget: search / TRIED,
@@ -177,14 +177,14 @@ struct ReachAnalysis<'a> {
     proof: SearchEffort<'a>,
     warning: SearchEffort<'a>,
     /// The same for saying what is wrong and what helps, and events that are written out again to try it.
-    cures: SearchEffort<'a>,
+    remedies: SearchEffort<'a>,
     trials: SearchEffort<'a>,
-    /// The errors of the files as they are, once a cure has been tried.
-    untouched: Option<Vec<Told>>,
+    /// The errors of the files as they are, once a remedy has been tried.
+    untouched: Option<Vec<ReportedFinding>>,
 }
 
 /// What is told of an error, without its places.
-pub type Told = (Code, String);
+pub type ReportedFinding = (Code, String);
 
 /// Places searched, and how many may be.
 struct SearchEffort<'a> {
@@ -222,11 +222,11 @@ impl ReachAnalysis<'_> {
             .for_each(KnownPaths::begin_phase);
         let blocked = self.blocked(events, descent);
         if !blocked.is_empty() {
-            self.tell_sealed(events, descent, &blocked, diagnostics);
+            self.report_sealed(events, descent, &blocked, diagnostics);
         }
         if blocked.is_empty() {
-            self.tell_tight(number, events, descent, diagnostics);
-            self.tell_crowded(number, events, descent, diagnostics);
+            self.report_narrow(number, events, descent, diagnostics);
+            self.report_crowded(number, events, descent, diagnostics);
         }
         for &id in events {
             if !self.is_capture(id) {

@@ -51,7 +51,7 @@ impl ReachAnalysis<'_> {
             [cell],
             &|_| false,
             &mut self.known_paths[0],
-            &mut self.cures,
+            &mut self.remedies,
         )
     }
 
@@ -105,11 +105,11 @@ impl ReachAnalysis<'_> {
 
     /// The way out of a cell when of the phase only what the capture surely waits for has happened.
     pub fn way_past_its_own(&mut self, id: EventId, descent: &DescendantIndex) -> SearchOutcome {
-        if self.cures.is_spent() {
+        if self.remedies.is_spent() {
             return SearchOutcome::Unknown;
         }
         let own = all_before(self.subject.certain, [id]);
-        self.cures.steps += own.len() as u64;
+        self.remedies.steps += own.len() as u64;
         self.way_out(id, &|other| {
             !descent.has(other) || (other != id && own.contains(&other))
         })

@@ -9,7 +9,7 @@ use super::diagnose::Case;
 use super::path_search::{PathSearch, SearchOutcome};
 use super::reachable::Dismantled;
 use super::{Cell, EventId, ReachAnalysis};
-use crate::Site;
+use crate::SourceLocation;
 
 /// Cells looked at on the way out of one pocket.
 const FARTHEST: usize = 20_000;
@@ -18,23 +18,23 @@ impl ReachAnalysis<'_> {
     /// Captures of a phase that leave `id` a way out if they come after it; none of them can be left out.
     ///
     /// They have gone before it where the phase is taken apart, so that all that is found in this way for one
-    /// phase agrees with one order. None is written at one of the sites in `barred`. `None`: there is no such way,
+    /// phase agrees with one order. None is written at one of the locations in `barred`. `None`: there is no such way,
     /// or none was found.
     pub fn later(
         &mut self,
         case: &Case,
         apart: &Dismantled,
         id: EventId,
-        barred: &[Site],
+        barred: &[SourceLocation],
     ) -> Option<Vec<EventId>> {
-        let following = case.descent.of(id, &mut self.cures.steps);
+        let following = case.descent.of(id, &mut self.remedies.steps);
         let at_worst = |other: EventId| !following.contains(other) && !case.never.contains(&other);
         let plan = self.subject.plan;
         let stays = |other: EventId| {
             at_worst(other)
                 && (!case.descent.has(other)
                     || apart.gone_at(other) > apart.gone_at(id)
-                    || barred.contains(&plan.event(other).site))
+                    || barred.contains(&plan.event(other).location))
         };
         let mut later = self.on_the_way(id, &at_worst, &stays)?;
         if !self.is_open_after(id, &later, case.descent, &at_worst) {
@@ -61,7 +61,7 @@ impl ReachAnalysis<'_> {
         at_worst: &dyn Fn(EventId) -> bool,
     ) -> bool {
         let following: Vec<Descendants> = (later.iter())
-            .map(|&other| descent.of(other, &mut self.cures.steps))
+            .map(|&other| descent.of(other, &mut self.remedies.steps))
             .collect();
         let way = self.way_out(id, &|other| {
             at_worst(other) && following.iter().all(|after| !after.contains(other))
@@ -104,10 +104,10 @@ impl ReachAnalysis<'_> {
                 captures.dedup();
                 return Some(captures);
             }
-            if best.len() > FARTHEST || self.cures.is_spent() {
+            if best.len() > FARTHEST || self.remedies.is_spent() {
                 return None;
             }
-            self.cures.steps += 1;
+            self.remedies.steps += 1;
             let mut reach = |next: Cell, extra: u32| {
                 let cost = cost + extra;
                 if best.get(&next).is_some_and(|&(known, _)| known <= cost) {

@@ -81,7 +81,7 @@ impl ReachAnalysis<'_> {
         after(self.subject.certain, id).any(|next| {
             self.is_safe[next.0 as usize]
                 && (self.cell(next))
-                    .is_some_and(|next| touch(cell, next) && !occupancy.is_held_over(next))
+                    .is_some_and(|next| are_adjacent(cell, next) && !occupancy.is_held_over(next))
         })
     }
 
@@ -121,6 +121,6 @@ impl ReachAnalysis<'_> {
 }
 
 /// Whether two cells share a face.
-pub fn touch(a: Cell, b: Cell) -> bool {
+pub fn are_adjacent(a: Cell, b: Cell) -> bool {
     Face::ALL.iter().any(|&face| a.across(face) == Some(b))
 }

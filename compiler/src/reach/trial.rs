@@ -1,13 +1,13 @@
-//! Cures as changes of the text, each of them tried.
+//! Remedies as changes of the text, each of them tried.
 use super::diagnose::Case;
 use super::edit::CaptureStatement;
-use super::{EventId, ReachAnalysis, Told};
-use crate::Site;
+use super::{EventId, ReachAnalysis, ReportedFinding};
+use crate::SourceLocation;
 use crate::diagnostic::{Code, Fix};
 
 /// Checks a program's files again with changes of the program's own file, and gives the errors, sorted, also those
 /// that are told as one. `None`: the changes do not fit together.
-pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<Told>> + 'a;
+pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedFinding>> + 'a;
 
 /// Statements that have to wait for a block, and how that is written.
 pub struct Proposal {
@@ -22,7 +22,7 @@ pub struct Proposal {
 struct DelayedStatement<'a> {
     statement: CaptureStatement<'a>,
     /// Where it stands.
-    site: Site,
+    location: SourceLocation,
     /// The name that it has to wait for.
     name: String,
 }
@@ -47,7 +47,7 @@ impl<'a> ReachAnalysis<'a> {
         let error = (Code::SealedCavity, title.to_owned());
         let plan = self.subject.plan;
         let mut lists = first;
-        let mut barred: Vec<Site> = Vec::new();
+        let mut barred: Vec<SourceLocation> = Vec::new();
         for i in 0..MOST_LISTS {
             let later = lists.get(i)?;
             for mut delayed in self.writings(id, later) {
@@ -66,7 +66,7 @@ impl<'a> ReachAnalysis<'a> {
                 return Some(self.propose(case, &delayed));
             }
             // Another way out, by other statements.
-            barred.extend(later.iter().map(|&other| plan.event(other).site));
+            barred.extend(later.iter().map(|&other| plan.event(other).location));
             if let (Some(apart), true) = (&case.apart, i + 1 == lists.len()) {
                 lists.extend(self.later(case, apart, id, &barred));
             }
@@ -78,10 +78,10 @@ impl<'a> ReachAnalysis<'a> {
     fn writings(&self, id: EventId, later: &[EventId]) -> Vec<Vec<DelayedStatement<'a>>> {
         let plan = self.subject.plan;
         let role = plan.event(id).role;
-        let mut statements: Vec<(CaptureStatement<'a>, Site, Vec<String>)> = Vec::new();
+        let mut statements: Vec<(CaptureStatement<'a>, SourceLocation, Vec<String>)> = Vec::new();
         for &other in later {
-            let site = plan.event(other).site;
-            if statements.iter().any(|(_, known, _)| *known == site) {
+            let location = plan.event(other).location;
+            if statements.iter().any(|(_, known, _)| *known == location) {
                 continue;
             }
             let Some(statement) = CaptureStatement::of(&self.subject, other) else {
@@ -91,19 +91,22 @@ impl<'a> ReachAnalysis<'a> {
             if names.is_empty() {
                 return Vec::new();
             }
-            statements.push((statement, site, names));
+            statements.push((statement, location, names));
         }
         let most = statements.iter().map(|(.., names)| names.len()).max();
         (0..most.unwrap_or(0).min(MOST_WRITINGS))
             .map(|choice| {
-                let delayed =
-                    |(statement, site, names): &(CaptureStatement<'a>, Site, Vec<String>)| {
-                        DelayedStatement {
-                            statement: *statement,
-                            site: *site,
-                            name: names[choice.min(names.len() - 1)].clone(),
-                        }
-                    };
+                let delayed = |(statement, location, names): &(
+                    CaptureStatement<'a>,
+                    SourceLocation,
+                    Vec<String>,
+                )| {
+                    DelayedStatement {
+                        statement: *statement,
+                        location: *location,
+                        name: names[choice.min(names.len() - 1)].clone(),
+                    }
+                };
                 statements.iter().map(delayed).collect()
             })
             .collect()
@@ -131,7 +134,7 @@ impl<'a> ReachAnalysis<'a> {
             let mut made = plan
                 .events
                 .iter()
-                .filter(|event| event.site == delayed.site);
+                .filter(|event| event.location == delayed.location);
             let is_plain = made
                 .next()
                 .is_some_and(|event| plan.roles.key(event.role).scope == 0);
@@ -150,7 +153,7 @@ impl<'a> ReachAnalysis<'a> {
     }
 
     /// Whether an error goes with a change, and no other comes; `None`: no more is tried.
-    fn helps(&mut self, error: &Told, delayed: &[DelayedStatement<'a>]) -> Option<bool> {
+    fn helps(&mut self, error: &ReportedFinding, delayed: &[DelayedStatement<'a>]) -> Option<bool> {
         let trial = self.subject.trial.filter(|_| !self.trials.is_spent())?;
         self.trials.steps += self.subject.plan.events.len() as u64 + OVERHEAD;
         let before = match self.untouched.take() {
@@ -158,7 +161,9 @@ impl<'a> ReachAnalysis<'a> {
             None => trial(&[])?,
         };
         let helps = trial(&[&self.fix(delayed)]).is_some_and(|after| {
-            let times = |told: &[Told], one: &Told| told.iter().filter(|told| *told == one).count();
+            let times = |told: &[ReportedFinding], one: &ReportedFinding| {
+                told.iter().filter(|told| *told == one).count()
+            };
             times(&after, error) < times(&before, error)
                 && (after.iter()).all(|one| times(&after, one) <= times(&before, one))
         });

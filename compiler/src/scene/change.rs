@@ -1,11 +1,11 @@
 //! What is wrong with a change of a scene, as a finding.
 use stochc_ir::scene::scalars::ScalarError;
 
-use crate::Site;
+use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
 
 /// What is wrong with a change, as a finding at the assembly whose scene it is.
-pub(crate) fn diagnostic(error: &ScalarError, assembly: Site) -> Diagnostic {
+pub(crate) fn diagnostic(error: &ScalarError, assembly: SourceLocation) -> Diagnostic {
     let code = match error {
         ScalarError::Unknown { .. } => Code::UnknownTerm,
         ScalarError::Absent { .. } => Code::MissingTerm,

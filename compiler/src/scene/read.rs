@@ -13,8 +13,8 @@ use stochc_ir::scene::schema::{
     SchemaNumber, SchemaPart,
 };
 
-use crate::diagnostic::{Code, Diagnostic, Fix, tell};
-use crate::{FileId, Site};
+use crate::diagnostic::{Code, Diagnostic, Fix, report};
+use crate::{FileId, SourceLocation};
 
 /// Reads a scene, on top of the one it is derived from.
 ///
@@ -57,9 +57,9 @@ pub fn read(
         wrong.push(clause.word);
         let title = format!("a scene without `{}`", clause.word);
         let diagnostic = Diagnostic::new(Code::MissingTerm, title)
-            .label(reader.site(scene.name.span), "says nothing of it")
+            .label(reader.location(scene.name.span), "says nothing of it")
             .help(format!("add `{example}`"));
-        tell(reader.diagnostics, diagnostic);
+        report(reader.diagnostics, diagnostic);
     }
     (wrong.is_empty() && diagnostics.len() == before).then_some(draft)
 }
@@ -146,7 +146,7 @@ impl<'a> SceneReader<'a, '_> {
             return Some(());
         };
         let here = self.terms.peek().map_or(self.place, |term| span(term));
-        self.tell(
+        self.report(
             Code::MissingTerm,
             title.to_owned(),
             here,
@@ -193,7 +193,7 @@ impl<'a> SceneReader<'a, '_> {
             FieldGroup::Any { needed, help } => {
                 if sound.is_empty() && self.diagnostics.len() == before {
                     let diagnostic = self.without(clause, needed).help(*help);
-                    tell(self.diagnostics, diagnostic);
+                    report(self.diagnostics, diagnostic);
                 }
                 sound.first().map(|_| ())
             }
@@ -208,7 +208,7 @@ impl<'a> SceneReader<'a, '_> {
         for field in fields.iter().filter(|field| field.absent.is_needed()) {
             if named(&seen, field.word, self.symbols).is_none() {
                 let diagnostic = self.without(clause, field.word);
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
             }
             complete = complete.filter(|()| sound.contains(&field.word));
         }
@@ -232,10 +232,10 @@ impl<'a> SceneReader<'a, '_> {
         let chosen = match (first(0), first(1)) {
             (Some(one), Some(other)) => {
                 let diagnostic = Diagnostic::new(Code::ConflictingTerms, either.both)
-                    .label(self.site(other.span), either.of[1].label)
-                    .label(self.site(one.span), either.of[0].label)
+                    .label(self.location(other.span), either.of[1].label)
+                    .label(self.location(one.span), either.of[0].label)
                     .help(either.help);
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
                 return None;
             }
             (None, None) if is_wrong => return None,
@@ -245,7 +245,7 @@ impl<'a> SceneReader<'a, '_> {
         let needed = chosen.fields[0];
         if named(seen, needed, symbols).is_none() {
             let diagnostic = self.without(clause, needed).help(chosen.missing);
-            tell(self.diagnostics, diagnostic);
+            report(self.diagnostics, diagnostic);
             return None;
         }
         Some(chosen)
@@ -264,15 +264,15 @@ impl<'a> SceneReader<'a, '_> {
             .filter(|field| !other.contains(field));
         let shown = shown.collect::<Vec<_>>().join(" ... ");
         let diagnostic = Diagnostic::new(Code::MissingTerm, format!("`{word}` without its braces"))
-            .label(self.site(clause.span), "what of it?")
+            .label(self.location(clause.span), "what of it?")
             .help(format!("write `{word} ... {{ {shown} }}`"));
         let symbols = self.symbols;
         let is = |term: &Term, words: &[SchemaEntry]| matches!(term, Term::Word(name) if words.iter().any(|entry| entry.word == symbols.word(name.symbol)));
         if !(self.terms.peek()).is_some_and(|term| is(term, fields)) {
-            return tell(self.diagnostics, diagnostic);
+            return report(self.diagnostics, diagnostic);
         }
-        let behind = self.site(Span::new(self.place.end, self.place.end));
-        tell(
+        let behind = self.location(Span::new(self.place.end, self.place.end));
+        report(
             self.diagnostics,
             diagnostic.fix(Fix::replace(behind, " {", "write the `{`")),
         );
@@ -284,7 +284,7 @@ impl<'a> SceneReader<'a, '_> {
     fn without(&self, clause: Name, field: &str) -> Diagnostic {
         let word = self.word_of(clause);
         Diagnostic::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
-            .label(self.site(clause.span), format!("needs `{field}`"))
+            .label(self.location(clause.span), format!("needs `{field}`"))
     }
 
     /// Whether each term has what it needs of others; a clause that is there but wrong has been told of.
@@ -298,15 +298,17 @@ impl<'a> SceneReader<'a, '_> {
             let name = named(seen, it.clause, self.symbols);
             let span = name.map_or(self.place, |name| name.span);
             let (title, help) = (it.title.to_owned(), it.help.to_owned());
-            self.tell(Code::MissingTerm, title, span, it.label, help);
+            self.report(Code::MissingTerm, title, span, it.label, help);
         }
     }
 
-    fn tell(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
-        let site = self.site(span);
-        tell(
+    fn report(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
+        let location = self.location(span);
+        report(
             self.diagnostics,
-            Diagnostic::new(code, title).label(site, label).help(help),
+            Diagnostic::new(code, title)
+                .label(location, label)
+                .help(help),
         );
     }
 
@@ -314,8 +316,8 @@ impl<'a> SceneReader<'a, '_> {
         self.symbols.word(name.symbol)
     }
 
-    fn site(&self, span: Span) -> Site {
-        Site {
+    fn location(&self, span: Span) -> SourceLocation {
+        SourceLocation {
             file: self.file,
             span,
         }

@@ -49,7 +49,7 @@ fn fixed(text: &str) -> String {
 }
 
 /// What is told, without its place.
-fn told(diagnostics: &[Diagnostic]) -> Vec<(Code, String)> {
+fn reported(diagnostics: &[Diagnostic]) -> Vec<(Code, String)> {
     let mut told: Vec<_> = (diagnostics.iter())
         .map(|diagnostic| (diagnostic.code, diagnostic.title.clone()))
         .collect();
@@ -428,7 +428,7 @@ fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) 
     assert!(change.add(fix), "{fix:?}");
     let new = change.text();
     let after = checked(&new);
-    let (old, left) = (told(&before.diagnostics), told(&after.diagnostics));
+    let (old, left) = (reported(&before.diagnostics), reported(&after.diagnostics));
     let this = (diagnostic.code, diagnostic.title.clone());
     let times = |told: &[(Code, String)]| told.iter().filter(|one| **one == this).count();
     assert!(times(&left) < times(&old), "{this:?} in\n{new}");

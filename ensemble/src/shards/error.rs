@@ -78,7 +78,7 @@ pub enum ShardError {
     /// Files in the place of pieces are of something else.
     #[error(
         "`{path}`: {}; move what does not belong there elsewhere, and make these pieces: {}",
-        told(.pieces),
+        list_reasons(.pieces),
         commands(.path, .pieces.iter().map(|(number, _)| *number))
     )]
     Foreign {
@@ -119,7 +119,7 @@ impl From<JournalError> for ShardError {
 /// Pieces that are told; of more, how many there are.
 const TOLD: usize = 10;
 
-fn told(pieces: &[(u64, String)]) -> String {
+fn list_reasons(pieces: &[(u64, String)]) -> String {
     let each = pieces.iter().take(TOLD);
     let each: Vec<String> = each
         .map(|(number, what)| format!("piece {number} {what}"))

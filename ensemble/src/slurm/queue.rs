@@ -62,7 +62,7 @@ impl Queue {
     }
 
     /// How many tasks run and how many wait, and what becomes of the pieces after them, in a few words.
-    pub fn told(&self) -> String {
+    pub fn summary(&self) -> String {
         let active = self.pieces.iter().filter(|job| job.is_active());
         let (wait, run): (Vec<&SlurmJob>, Vec<&SlurmJob>) =
             active.partition(|job| job.is_pending());
@@ -168,7 +168,7 @@ slurm_load_jobs error: Invalid job id specified
     fn only_jobs_of_the_folder_count() {
         let queue = Queue::read(PRINTED, "stochc-a");
         assert_eq!((queue.pieces.len(), queue.merges.len()), (3, 1));
-        assert_eq!(queue.told(), "1 task runs, 4 wait (Resources)");
+        assert_eq!(queue.summary(), "1 task runs, 4 wait (Resources)");
         let [waiting, running, ended] = &queue.pieces[..] else {
             panic!()
         };
@@ -177,7 +177,7 @@ slurm_load_jobs error: Invalid job id specified
         assert!(running.is_active() && !ended.is_active());
         let last = "13|N/A|stochc-a-merge|RUNNING|None";
         assert_eq!(
-            Queue::read(last, "stochc-a").told(),
+            Queue::read(last, "stochc-a").summary(),
             "they are put together"
         );
         assert_eq!(Queue::read("", "stochc-a"), Queue::default());

@@ -33,7 +33,7 @@ pub enum Verdict {
 ///
 /// Both are judged as everywhere: run by run, corrected for the number of pairs.
 pub fn rank(reference: &[Runs], candidate: &[Runs]) -> Vec<Ranked> {
-    let judge =
+    let rank_pair =
         |((i, j, truth), (_, _, found)): ((usize, usize, Longer), (usize, usize, Longer))| {
             let (first, second) = match truth {
                 Longer::First => (j, i),
@@ -53,7 +53,7 @@ pub fn rank(reference: &[Runs], candidate: &[Runs]) -> Vec<Ranked> {
         };
     orders(reference)
         .zip(orders(candidate))
-        .map(judge)
+        .map(rank_pair)
         .collect()
 }
 

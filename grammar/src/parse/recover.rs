@@ -23,7 +23,7 @@ impl Parser<'_, '_> {
         if matches!(self.text.as_bytes().get(start), Some(b'[' | b'{')) {
             self.retract(start);
         }
-        self.tell(&error, start, at);
+        self.report(&error, start, at);
         self.docs.clear();
         // A word alone is all of what is wrong: the next line may be right.
         let (end, brace) = self.end_of_piece(
@@ -38,7 +38,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    fn tell(&mut self, error: &Unreadable, start: usize, at: usize) {
+    fn report(&mut self, error: &Unreadable, start: usize, at: usize) {
         let found = words::found(self.text, at);
         let span = Span::new(at as u32, (at + found.len()) as u32);
         let kind = match error.cause {

@@ -1,8 +1,8 @@
 //! The program of a plan, as text.
 mod dismantling;
+mod existing;
 mod repetition;
 mod shape;
-mod standing;
 mod statement;
 #[cfg(test)]
 mod tests;
@@ -16,9 +16,9 @@ use crate::plan::{BuildPlan, Capture};
 use crate::target::Target;
 use crate::text::counted;
 use crate::waiting::Why;
+use existing::{name_of, planted, write_releases};
 use repetition::{Repeated, repeated};
 pub use shape::declaration;
-use standing::{name_of, planted, write_releases};
 use statement::{NameWords, Statement, statements};
 
 /// What is called how.

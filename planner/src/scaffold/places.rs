@@ -22,7 +22,7 @@ const LONGEST: usize = 60;
 /// Whether a mast could stand beside or under a target.
 pub fn has_place(target: &Target) -> bool {
     // Beside what stands none are planned.
-    if !target.standing().is_empty() {
+    if !target.existing().is_empty() {
         return false;
     }
     let mut cells = target.cells().iter().flat_map(|&cell| {

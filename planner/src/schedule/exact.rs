@@ -57,7 +57,7 @@ impl<'a> Branching<'a> {
             samples,
             objective,
             enough,
-            least: least(job),
+            least: shortest_waits(job),
             value: f64::INFINITY,
             best: None,
             left: 0,
@@ -240,7 +240,7 @@ fn site_or(parent: u32, site: u32) -> u32 {
 }
 
 /// Of each site, the shortest mean wait over all ways into it and all that may stand or be awaited around it.
-fn least(job: &SchedulingJob<'_>) -> Vec<f32> {
+fn shortest_waits(job: &SchedulingJob<'_>) -> Vec<f32> {
     let count = job.sites.len() as u32;
     let moment = Moment {
         free: 1.0,

@@ -64,7 +64,7 @@ impl SchedulingJob<'_> {
                 ready.push((urgency.to_bits(), Reverse(site)));
             }
         };
-        for (site, way) in self.sites.standing() {
+        for (site, way) in self.sites.existing() {
             is_ready[site as usize] = true;
             state.place(site, way, 0.0, 0.0);
         }
@@ -159,7 +159,7 @@ impl SerialState<'_> {
         let bound = schedule.order.len() as f64 / f64::from(job.hardware.free.max(1));
         let moment = Moment {
             free: 1.0 - bound,
-            is_first: start == 0.0 && job.sites.standing_count() == 0,
+            is_first: start == 0.0 && job.sites.existing_count() == 0,
         };
         job.waits.mean(job.sites.cell(site), way, moment, stands) as f32
     }
@@ -177,9 +177,9 @@ impl SerialState<'_> {
 
     /// In the order in which faces open.
     fn sorted(mut self) -> Schedule {
-        let standing = self.job.sites.standing_count();
+        let existing = self.job.sites.existing_count();
         let start = &self.start;
-        self.schedule.order[standing..]
+        self.schedule.order[existing..]
             .sort_by(|&a, &b| start[a as usize].total_cmp(&start[b as usize]));
         for (rank, &site) in (0..).zip(&self.schedule.order) {
             self.schedule.rank[site as usize] = rank;

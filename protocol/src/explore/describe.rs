@@ -25,7 +25,7 @@ impl Describer<'_> {
         for &transition in transitions {
             let before = state.clone();
             let effects = state.make(context, transition);
-            lines.push(self.tell(&before, transition, &effects));
+            lines.push(self.transition(&before, transition, &effects));
         }
         lines
     }
@@ -49,7 +49,7 @@ impl Describer<'_> {
     }
 
     /// A transition in the state in which it was made, and what came of it.
-    pub fn tell(
+    pub fn transition(
         &self,
         before: &ProgramState<'_>,
         transition: Transition,

@@ -59,7 +59,7 @@ impl ProgramGoals {
                     Action::AskRelease => (News::Released(duty.role), None),
                     Action::Report | Action::Tell { .. } => continue,
                 };
-                let waits_for = rule.when.iter().filter_map(|condition| told(*condition));
+                let waits_for = rule.when.iter().filter_map(|condition| news_of(*condition));
                 let needed = rule.when.iter().find_map(|condition| match condition {
                     Condition::Turn(needed) => Some(usize::from(*needed)),
                     _ => None,
@@ -142,7 +142,7 @@ impl ProgramGoals {
 }
 
 /// The event that a condition stands for.
-fn told(condition: Condition) -> Option<News> {
+fn news_of(condition: Condition) -> Option<News> {
     match condition {
         Condition::Docked(role) => Some(News::Anchored(role)),
         Condition::Released(role) => Some(News::Released(role)),

@@ -354,12 +354,12 @@ impl<'t, M: Copy> Structure<'t, M> {
                 let own = block.orientation.to_own(face);
                 self.let_go(at, own, child, environment);
             }
-            action => self.say(at, rule, action, environment),
+            action => self.send_message(at, rule, action, environment),
         }
     }
 
     /// Sends what an action of a block says.
-    fn say(
+    fn send_message(
         &mut self,
         at: BlockSlot,
         rule: u32,

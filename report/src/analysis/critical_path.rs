@@ -360,7 +360,7 @@ mod tests {
         }
     }
 
-    fn told(segments: &[CriticalPathSegment]) -> Vec<(Option<usize>, u64, u64)> {
+    fn summary(segments: &[CriticalPathSegment]) -> Vec<(Option<usize>, u64, u64)> {
         let told = segments
             .iter()
             .map(|segment| (segment.event(), segment.from, segment.to));
@@ -385,7 +385,7 @@ mod tests {
             (Some(3), 100, 100),
             (Some(4), 100, 160),
         ];
-        assert_eq!(told(&segments), expected);
+        assert_eq!(summary(&segments), expected);
         assert_eq!(segments[1].since, Some((0, Dependency::Anchored)));
         // The waits meet end to end and fill the run.
         assert_eq!(
@@ -413,7 +413,7 @@ mod tests {
             (Some(3), 95, 95),
             (Some(4), 95, 100),
         ];
-        assert_eq!(told(&segments), expected);
+        assert_eq!(summary(&segments), expected);
     }
 
     #[test]
@@ -445,7 +445,7 @@ mod tests {
         let record = record(Outcome::Completed, 90, &[90], bonds);
         let segments = critical_path(&events, &record, &moments(&events, &record));
         let expected = [(Some(1), 0, 20), (Some(2), 20, 50), (Some(3), 50, 90)];
-        assert_eq!(told(&segments), expected);
+        assert_eq!(summary(&segments), expected);
     }
 
     #[test]
@@ -467,7 +467,7 @@ mod tests {
         });
         let events = program();
         let segments = critical_path(&events, &record, &moments(&events, &record));
-        assert_eq!(told(&segments), [(Some(0), 0, 30), (Some(1), 30, 500)]);
+        assert_eq!(summary(&segments), [(Some(0), 0, 30), (Some(1), 30, 500)]);
         assert_eq!(segments[1].kind, SegmentKind::Pending { event: 1 });
     }
 

@@ -68,7 +68,7 @@ pub(crate) struct ReportedProgram<'a> {
     /// Of an aggregate, the times from the beginning to each size of its largest group.
     size_times: Vec<TimeSample>,
     /// The runs that are told one by one, and what they are.
-    told: Vec<(&'static str, FinishedRun)>,
+    example_runs: Vec<(&'static str, FinishedRun)>,
 }
 
 /// A run whose physics broke down.
@@ -182,7 +182,7 @@ impl<'a> ReportedProgram<'a> {
             decisive: Decisive::of(&events),
             phase_times: vec![TimeSample::default(); program.phases().len()],
             size_times: vec![TimeSample::default(); program.phases().len()],
-            told: Vec::new(),
+            example_runs: Vec::new(),
             events,
         }
     }
@@ -241,7 +241,7 @@ impl<'a> ReportedProgram<'a> {
         };
         for (what, place) in places {
             if let Some(done) = finished.get(self.number, runs[place].0)? {
-                self.told
+                self.example_runs
                     .push((what, FinishedRun::of(&self.events, &done.record)));
             }
         }
@@ -305,8 +305,8 @@ impl<'a> ReportedProgram<'a> {
     }
 
     /// The fastest run, the one in the middle, and the slowest, each once.
-    pub fn told(&self) -> &[(&'static str, FinishedRun)] {
-        &self.told
+    pub fn example_runs(&self) -> &[(&'static str, FinishedRun)] {
+        &self.example_runs
     }
 }
 

@@ -52,7 +52,7 @@ pub(crate) fn entries(
             "{}: entries into the field against docking time",
             subject.label
         ),
-        &told(&ranked),
+        &description(&ranked),
     );
     let of = Axis::new(
         "from the captured block's last entry to its docking",
@@ -82,14 +82,14 @@ pub(crate) fn entries(
         );
     }
     for (wait, entries, docking) in &means {
-        let told = format!(
+        let tooltip = format!(
             "{}: {} entries, {} ticks to dock",
             wait.text,
             number(*entries),
             number(*docking)
         );
         let class = format!("rim {}", phase(wait.phase.0 as usize));
-        out.disc(&class, (x.at(*entries), y.at(*docking)), 5.0, &told);
+        out.disc(&class, (x.at(*entries), y.at(*docking)), 5.0, &tooltip);
     }
     let keys: Vec<LegendEntry> = (phases.iter())
         .map(|&number| {
@@ -145,7 +145,7 @@ fn around(at: (f64, f64), half: (f64, f64)) -> Vec<(f64, f64)> {
     places
 }
 
-fn told(ranked: &[(&ReportedCapture, f64, f64)]) -> String {
+fn description(ranked: &[(&ReportedCapture, f64, f64)]) -> String {
     let each = ranked.iter().map(|(wait, entries, docking)| {
         format!(
             "{}: {} entries, {} ticks to dock",

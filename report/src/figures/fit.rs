@@ -98,12 +98,12 @@ fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
         let class = if it.is_fitted { "s0" } else { "s1" };
         let style = Style::line(5.0).faint(0.5);
         out.stroke(class, (scale.at(low), y), (scale.at(high), y), style);
-        let told = format!(
+        let tooltip = format!(
             "{}: measured {}",
             it.observed.program,
             number(it.observed.mean)
         );
-        out.disc("ink", (scale.at(it.observed.mean), y), 4.0, &told);
+        out.disc("ink", (scale.at(it.observed.mean), y), 4.0, &tooltip);
         out.text("ink", (EDGE, y + 4.0), &fitted(name, column));
     }
     foot

@@ -27,7 +27,7 @@ const STEPS: usize = 40;
 pub(crate) fn maps(
     medium: Medium,
     name: &str,
-    (title, told): (&str, &str),
+    (title, description): (&str, &str),
     columns: &[MapColumn],
 ) -> Option<Drawing> {
     let most = |column: &MapColumn| {
@@ -37,7 +37,7 @@ pub(crate) fn maps(
     if columns.iter().all(|column| most(column) <= 0.0) {
         return None;
     }
-    let mut out = Drawing::new(medium, name, title, told);
+    let mut out = Drawing::new(medium, name, title, description);
     let wide = (medium.width() - EDGE - GAP * columns.len() as f64) / columns.len() as f64;
     let mut end: f64 = 0.0;
     for (i, column) in columns.iter().enumerate() {
@@ -78,7 +78,7 @@ fn panel(
         let interval = ratio
             .interval
             .map(|(from, to)| format!(", {} to {}", number(unit * from), number(unit * to)));
-        let told = format!(
+        let tooltip = format!(
             "{} east, {} {}: {}{}",
             place.0,
             place.1,
@@ -86,7 +86,7 @@ fn panel(
             number(unit * ratio.value),
             interval.unwrap_or_default()
         );
-        out.field("", corner, (side, side), Style::area(colour), &told);
+        out.field("", corner, (side, side), Style::area(colour), &tooltip);
         if !ratio.is_certain() {
             let centre = (corner.0 + side / 2.0, corner.1 + side / 2.0);
             let own = Style::area(colour.ink());

@@ -16,12 +16,12 @@ pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Optio
     if last <= 0.0 {
         return None;
     }
-    let told: Vec<_> = times
+    let tooltip: Vec<_> = times
         .iter()
         .map(|(name, time)| described(name, time, unit))
         .collect();
     let bottom = TOP + ROW * times.len() as f64;
-    let description = format!("{}.", told.join(". "));
+    let description = format!("{}.", tooltip.join(". "));
     let title = "Mean times to completion";
     let mut out = Drawing::new(medium, "means", title, &description);
     let names = widest(times.iter().map(|(name, _)| *name)).min(0.34 * medium.width());
@@ -29,12 +29,12 @@ pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Optio
     let x = Scale::linear((0.0, last), (left, right));
     let of = Axis::new("mean time to completion, 95\u{a0}% interval", unit);
     let end = out.across(&x, (left, right), bottom, TOP, &of);
-    for (i, ((name, time), told)) in times.iter().zip(&told).enumerate() {
+    for (i, ((name, time), tooltip)) in times.iter().zip(&tooltip).enumerate() {
         let y = TOP + ROW * (i as f64 + 0.5);
         out.text("ink", (EDGE, y + 4.0), &fitted(name, names));
         let (low, high) = (x.at(time.mean - half(time)), x.at(time.mean + half(time)));
         out.stroke(class(i), (low, y), (high, y), Style::line(3.0));
-        out.disc(class(i), (x.at(time.mean), y), 5.0, told);
+        out.disc(class(i), (x.at(time.mean), y), 5.0, tooltip);
         if time.censored > 0 {
             out.text("ink", (high + 7.0, y + 4.0), "≥");
         }

@@ -43,7 +43,7 @@ pub(crate) fn origins(
         medium,
         &format!("origins-{number}"),
         &format!("{label}: where captured blocks came from"),
-        &told(program, &rows),
+        &description(program, &rows),
     );
     let names = widest(rows.iter().map(|wait| wait.text.as_str())).min(0.34 * medium.width());
     let (left, right) = (EDGE + names + 12.0, medium.width() - 24.0);
@@ -57,19 +57,24 @@ pub(crate) fn origins(
         let mut from = 0.0;
         let mut bar = |colour: &str, hatch: usize, n: usize, what: &str| {
             let to = from + 100.0 * n as f64 / total as f64;
-            let told = format!("{}: {what}, {n} of {total}", wait.text);
+            let tooltip = format!("{}: {what}, {n} of {total}", wait.text);
             let size = (x.at(to) - x.at(from), 15.0);
-            out.rectangle(&format!("bar {colour}"), (x.at(from), y + 4.0), size, &told);
+            out.rectangle(
+                &format!("bar {colour}"),
+                (x.at(from), y + 4.0),
+                size,
+                &tooltip,
+            );
             out.hatch(hatch, (x.at(from), y + 4.0), size);
             from = to;
         };
         let mut released = wait.released().to_vec();
         released.sort_by_key(|&(role, _)| place(role));
         for (role, n) in released {
-            let told = format!("released as {}", program.role(role));
+            let tooltip = format!("released as {}", program.role(role));
             match place(role).filter(|&i| i < ROLES) {
-                Some(i) => bar(class(i), i, n, &told),
-                None => bar("rest", 0, n, &told),
+                Some(i) => bar(class(i), i, n, &tooltip),
+                None => bar("rest", 0, n, &tooltip),
             }
         }
         bar("grey", 0, wait.free(), "never captured before");
@@ -98,7 +103,7 @@ pub(crate) fn origins(
     Some(out.high(foot - 8.0))
 }
 
-fn told(program: &EnsembleProgram, rows: &[&ReportedCapture]) -> String {
+fn description(program: &EnsembleProgram, rows: &[&ReportedCapture]) -> String {
     let row = |wait: &&ReportedCapture| {
         let total = wait.free() + wait.released().iter().map(|(_, n)| n).sum::<usize>();
         let each = wait.released().iter();

@@ -45,7 +45,7 @@ pub(crate) fn survival(
     if last <= 0.0 {
         return None;
     }
-    let mut out = Drawing::new(medium, name, title, &told(&known));
+    let mut out = Drawing::new(medium, name, title, &description(&known));
     // The first number below the axis stands beside its name.
     let most = curves.iter().map(|curve| curve.times.len()).max();
     let most = width(&most.unwrap_or(0).to_string());
@@ -169,7 +169,7 @@ fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier) -> String {
     )
 }
 
-fn told(known: &[(usize, &SurvivalCurve, KaplanMeier)]) -> String {
+fn description(known: &[(usize, &SurvivalCurve, KaplanMeier)]) -> String {
     let each = known
         .iter()
         .map(|(_, curve, estimate)| legend(curve, estimate));

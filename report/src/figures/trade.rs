@@ -262,13 +262,13 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
         out.stroke(class, (x, axes.y(low)), (x, axes.y(high)), style);
     }
     let cost = seconds(point.cost);
-    let told = match (point.reference, point.candidate.worst) {
+    let tooltip = match (point.reference, point.candidate.worst) {
         (false, Some(worst)) => {
             format!("{}: {}, {cost}", point.candidate.options, relative(&worst))
         }
         _ => format!("{}: the reference, {cost}", point.candidate.options),
     };
-    out.mark(&format!("mark {class}"), symbol, (x, y), MARK, &told);
+    out.mark(&format!("mark {class}"), symbol, (x, y), MARK, &tooltip);
 }
 
 /// Numbers beside the marks, each where it covers the least.

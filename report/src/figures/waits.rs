@@ -41,7 +41,7 @@ pub(crate) fn waits(
         medium,
         &format!("waits-{program}"),
         &format!("{}: how long each capture was waited for", subject.label),
-        &told(&shown),
+        &description(&shown),
     );
     let decisive = shown.iter().any(|wait| wait.share.is_some());
     let most = shown
@@ -110,14 +110,14 @@ pub(crate) fn waits(
                 let (low, high) = (x.at(time.mean - half), x.at(time.mean + half));
                 out.stroke(class, (low, middle), (high, middle), Style::line(4.0));
                 let bound = if time.censored > 0 { "at least " } else { "" };
-                let told = format!(
+                let tooltip = format!(
                     "{}: {bound}{} ± {} ticks, {} captures",
                     wait.text,
                     number(time.mean),
                     number(half),
                     time.completed
                 );
-                out.disc(class, (x.at(time.mean), middle), 4.5, &told);
+                out.disc(class, (x.at(time.mean), middle), 4.5, &tooltip);
                 if time.censored > 0 {
                     out.text("ink", (high + 6.0, middle + 4.0), "≥");
                 }
@@ -125,9 +125,14 @@ pub(crate) fn waits(
             None => out.text("dim", (left + 4.0, middle + 4.0), "never waited for"),
         }
         if let Some(share) = wait.share {
-            let told = format!("{}: {}", wait.text, percent(share));
+            let tooltip = format!("{}: {}", wait.text, percent(share));
             let size = (bar.at(share) - bars, 10.0);
-            out.rectangle(&format!("bar {class}"), (bars, middle - 5.0), size, &told);
+            out.rectangle(
+                &format!("bar {class}"),
+                (bars, middle - 5.0),
+                size,
+                &tooltip,
+            );
             out.text("dim", (bar.at(share) + 5.0, middle + 4.0), &percent(share));
         }
         y += ROW;
@@ -159,7 +164,7 @@ fn shown(waits: &[ReportedCapture]) -> Vec<&ReportedCapture> {
     ranked.into_iter().map(|(_, wait)| wait).collect()
 }
 
-fn told(shown: &[&ReportedCapture]) -> String {
+fn description(shown: &[&ReportedCapture]) -> String {
     let mean = |wait: &&&ReportedCapture| wait.time().map_or(0.0, |time| time.mean);
     let longest = shown.iter().max_by(|a, b| mean(a).total_cmp(&mean(b)));
     let share = |wait: &&&ReportedCapture| wait.share.unwrap_or(0.0);

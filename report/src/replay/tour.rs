@@ -5,7 +5,7 @@ use stochc_ir::record::RunRecord;
 
 use crate::analysis::events::Events;
 use crate::analysis::subject::FinishedRun;
-use crate::ensemble_report::narrative::{Telling, item};
+use crate::ensemble_report::narrative::{RunContext, item};
 
 /// Steps of a tour, at most: of a longer path those that took longest.
 const MOST: usize = 200;
@@ -15,7 +15,7 @@ const MOST: usize = 200;
 pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
     let events = Events::of(program);
     let run = FinishedRun::of(&events, record);
-    let telling = Telling {
+    let context = RunContext {
         program,
         events: &events,
         replay: None,
@@ -40,7 +40,7 @@ pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
             let mut same = same.filter(|it| it.action == event.action);
             same.next().and_then(|it| it.cell)
         });
-        json!({ "from": segment.from, "to": segment.to, "cell": cell, "html": item(&telling, &run, segment) })
+        json!({ "from": segment.from, "to": segment.to, "cell": cell, "html": item(&context, &run, segment) })
     });
     Value::Array(steps.collect())
 }

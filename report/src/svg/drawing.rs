@@ -78,12 +78,12 @@ impl Drawing {
         &self.shapes
     }
 
-    pub(crate) fn push(&mut self, class: &str, own: Style, form: Form, told: &str) {
+    pub(crate) fn push(&mut self, class: &str, own: Style, form: Form, tooltip: &str) {
         self.shapes.push(DrawnShape {
             class: class.to_owned(),
             own,
             form,
-            told: told.to_owned(),
+            tooltip: tooltip.to_owned(),
         });
     }
 
@@ -127,14 +127,14 @@ impl Drawing {
         y
     }
 
-    /// A mark at a point; `told` is what a pointer over it shows.
+    /// A mark at a point; `tooltip` is what a pointer over it shows.
     pub(crate) fn mark(
         &mut self,
         class: &str,
         marker: Marker,
         centre: Point,
         size: f64,
-        told: &str,
+        tooltip: &str,
     ) {
         let own = match marker {
             Marker::Ring => Style {
@@ -143,12 +143,12 @@ impl Drawing {
             },
             _ => Style::default(),
         };
-        self.push(class, own, marker.form(centre, size), told);
+        self.push(class, own, marker.form(centre, size), tooltip);
     }
 
     /// A rectangle, from its upper left corner.
-    pub(crate) fn rectangle(&mut self, class: &str, corner: Point, size: Point, told: &str) {
-        self.field(class, corner, size, Style::default(), told);
+    pub(crate) fn rectangle(&mut self, class: &str, corner: Point, size: Point, tooltip: &str) {
+        self.field(class, corner, size, Style::default(), tooltip);
     }
 
     /// A rectangle of a style of its own.
@@ -158,10 +158,10 @@ impl Drawing {
         corner: Point,
         size: Point,
         own: Style,
-        told: &str,
+        tooltip: &str,
     ) {
         let size = (size.0.max(0.0), size.1.max(0.0));
-        self.push(class, own, Form::Rectangle(corner, size), told);
+        self.push(class, own, Form::Rectangle(corner, size), tooltip);
     }
 
     /// Strokes over a bar, of one of six kinds, so that colour is not the only difference.
@@ -196,9 +196,9 @@ impl Drawing {
         }
     }
 
-    /// A disc; `told` is what a pointer over it shows.
-    pub(crate) fn disc(&mut self, class: &str, centre: Point, radius: f64, told: &str) {
-        self.push(class, Style::default(), Form::Disc(centre, radius), told);
+    /// A disc; `tooltip` is what a pointer over it shows.
+    pub(crate) fn disc(&mut self, class: &str, centre: Point, radius: f64, tooltip: &str) {
+        self.push(class, Style::default(), Form::Disc(centre, radius), tooltip);
     }
 
     /// A disc of a style of its own.
@@ -281,9 +281,9 @@ mod tests {
                 }
             }
             assert_eq!(out.shapes.is_empty(), kind == 0);
-            let told = format!("{:?}", out.shapes);
-            assert!(!kinds.contains(&told), "{kind}");
-            kinds.push(told);
+            let drawn = format!("{:?}", out.shapes);
+            assert!(!kinds.contains(&drawn), "{kind}");
+            kinds.push(drawn);
         }
     }
 

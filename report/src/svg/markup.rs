@@ -131,12 +131,12 @@ fn write(out: &mut String, shape: &DrawnShape) {
             return;
         }
     };
-    let _ = match &*shape.told {
+    let _ = match &*shape.tooltip {
         "" => writeln!(out, "{group}<{name} {attributes}/>{end}"),
-        told => writeln!(
+        tooltip => writeln!(
             out,
             "{group}<{name} {attributes}><title>{}</title></{name}>{end}",
-            escaped(told)
+            escaped(tooltip)
         ),
     };
 }

@@ -13,7 +13,7 @@ pub(crate) struct DrawnShape {
     pub own: Style,
     pub form: Form,
     /// What a pointer over it shows; empty: nothing.
-    pub told: String,
+    pub tooltip: String,
 }
 
 /// The form of a part.

@@ -33,16 +33,16 @@ pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: u
 
 /// `p = 0.03`, and beside it what is left of that among several.
 fn p_values(found: &Difference, pairs: usize) -> String {
-    let told = |p: f64| match probability(p) {
+    let text = |p: f64| match probability(p) {
         p if p.starts_with('<') => format!("p~{}", p.replace(' ', "~")),
         p => format!("p~=~{p}"),
     };
     match pairs {
-        0 | 1 => told(found.p),
+        0 | 1 => text(found.p),
         _ => format!(
             "{} (of~{pairs} pairs {})",
-            told(found.p),
-            told(found.p_holm)
+            text(found.p),
+            text(found.p_holm)
         ),
     }
 }

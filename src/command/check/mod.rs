@@ -18,7 +18,7 @@ use self::cost::{costs, summed_up};
 use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
-use super::terminal::{has_colour, message_width, print, told, warn, warn_drawn};
+use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
 use crate::diagnostics::{FindingCounts, Format, SarifLog, count, json_document, show, values};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::verdict;
@@ -94,7 +94,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         let file = match &file {
             Ok(file) => file,
             Err(reason) => {
-                exit = exit.or_worse(told(Err(Failure::usage(reason))));
+                exit = exit.or_worse(exit_of(Err(Failure::usage(reason))));
                 continue;
             }
         };

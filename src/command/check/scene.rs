@@ -66,10 +66,10 @@ impl InForce<'_> {
                 "symbol": group.symbol,
                 "meaning": group.meaning,
                 "value": group.value,
-                "most": most(group),
+                "most": max_value(group),
                 "exceeded": group.is_exceeded(1),
                 "substeps": group.substeps(),
-                "least": least(group),
+                "least": min_value(group),
             })
         };
         let step_error = |error: &StepError| {
@@ -183,8 +183,8 @@ impl InForce<'_> {
             w = symbol + meaning + 4
         );
         for group in &self.groups {
-            let most = most(group).map(|most| format!("at most {}", short(most)));
-            let least = least(group).map(|least| format!("at least {}", short(least)));
+            let most = max_value(group).map(|most| format!("at most {}", short(most)));
+            let least = min_value(group).map(|least| format!("at least {}", short(least)));
             let limit = most.or(least).unwrap_or_default();
             let line = format!(
                 "    {:symbol$}  {:meaning$}  {:9}  {limit}",
@@ -255,7 +255,7 @@ impl InForce<'_> {
 }
 
 /// The smallest value that a group should have.
-fn least(group: &DimensionlessGroup) -> Option<f64> {
+fn min_value(group: &DimensionlessGroup) -> Option<f64> {
     match group.expected?.bound {
         RangeBound::AtLeast(least) => Some(least),
         RangeBound::AtMost(_) => None,
@@ -263,7 +263,7 @@ fn least(group: &DimensionlessGroup) -> Option<f64> {
 }
 
 /// The largest value that a group should have: with one step a tick, or whatever the steps are.
-fn most(group: &DimensionlessGroup) -> Option<f64> {
+fn max_value(group: &DimensionlessGroup) -> Option<f64> {
     if let Some(limit) = group.limit {
         return Some(limit.most);
     }

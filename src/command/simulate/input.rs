@@ -9,7 +9,7 @@ use super::{Options, older_manifest};
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::programs::programs;
-use crate::operations::runs::tell_of_build;
+use crate::operations::runs::warn_of_build;
 use crate::operations::{rates, sweep};
 
 /// The manifest of what is asked for.
@@ -59,7 +59,7 @@ fn from_manifest(
         _ => Manifest::from_json(&text).map_err(refuse)?,
     };
     manifest.within_limits().map_err(refuse)?;
-    tell_of_build(&manifest.builds, host);
+    warn_of_build(&manifest.builds, host);
     // Its runs are made by this one now.
     manifest.builds = vec![this_build()];
     Ok(manifest)

@@ -12,13 +12,13 @@ use stochc_ir::visible;
 
 pub use options::Options;
 
-use super::estimate::{SHOWN, tell as tell_estimates};
+use super::estimate::{SHOWN, print_estimates};
 use super::interrupt::stop_on_interrupt;
 use super::results::{ResultsFormat, ResultsView, show};
 use super::terminal::{Terminal, output_width, print};
 use super::watch::Watching;
 use crate::exit::{Exit, Failure};
-use crate::operations::ensemble::{Made, Making, can_record, make, tell_of_doubts};
+use crate::operations::ensemble::{Made, Making, can_record, make, warn_of_doubts};
 use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::replan::{Replan, replan};
 use crate::operations::runs::try_out_all;
@@ -55,14 +55,14 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
                 threads: options.work.threads,
             };
             let estimates = estimates(manifest.programs, &how, &host)?;
-            return tell_estimates(&estimates, SHOWN, options.format);
+            return print_estimates(&estimates, SHOWN, options.format);
         }
     }
     // Also about a setting that was found.
     accuracy::comment(options, &manifest)?;
     can_record(&manifest, options.record.as_ref())?;
     try_out_all(&manifest)?;
-    tell_of_doubts(&manifest, &host);
+    warn_of_doubts(&manifest, &host);
     if let Some(after) = options.replan {
         return replanned(options, manifest, after, &host);
     }
@@ -141,7 +141,7 @@ fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<E
         threads: options.work.threads,
         memory: options.memory.limit,
         // Of a manifest that is given it has been told.
-        is_told_of_build: options.manifest.is_some(),
+        has_warned_of_build: options.manifest.is_some(),
         figures: &options.figures.figures(),
         viewer: watching.as_ref().map(|it| it as &dyn Viewer),
     };

@@ -35,7 +35,7 @@ pub fn run(
             exit = Exit::UnsuccessfulRun;
         }
         match options.format {
-            ResultsFormat::Text => print(&story(&record, program))?,
+            ResultsFormat::Text => print(&narrative(&record, program))?,
             ResultsFormat::Json => records.push(record_json(&record, program)),
         }
     }
@@ -49,8 +49,8 @@ pub fn run(
 }
 
 /// A run in lines: a phase, what happened in it, its end.
-fn story(record: &RunRecord, program: &EnsembleProgram) -> String {
-    let teller = Teller { record, program };
+fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
+    let narrator = RunNarrator { record, program };
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(out, "{}, run {}", visible(&program.name), record.run);
@@ -58,7 +58,7 @@ fn story(record: &RunRecord, program: &EnsembleProgram) -> String {
     for (number, name) in (0..).zip(program.phases().iter().map(|phase| &phase.name)) {
         let (phase, name) = (PhaseId(number), visible(name));
         let ended = record.phase_ticks.get(number as usize);
-        let lines = teller.lines(phase);
+        let lines = narrator.lines(phase);
         if ended.is_none() && lines.is_empty() {
             break;
         }
@@ -69,7 +69,7 @@ fn story(record: &RunRecord, program: &EnsembleProgram) -> String {
         let _ = writeln!(
             out,
             "  phase {name}, from tick {begun}{}{by_hand}",
-            teller.tick().beside(begun as f64)
+            narrator.tick().beside(begun as f64)
         );
         for (tick, line) in lines {
             let time = seconds(tick as f64 * program.scene.tick);
@@ -77,17 +77,17 @@ fn story(record: &RunRecord, program: &EnsembleProgram) -> String {
         }
         begun = begun.saturating_add(*ended.unwrap_or(&0));
     }
-    out += &teller.end();
+    out += &narrator.end();
     out
 }
 
 /// Tells of a run.
-struct Teller<'a> {
+struct RunNarrator<'a> {
     record: &'a RunRecord,
     program: &'a EnsembleProgram,
 }
 
-impl Teller<'_> {
+impl RunNarrator<'_> {
     fn tick(&self) -> Tick {
         Tick(self.program.scene.tick)
     }

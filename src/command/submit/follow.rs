@@ -216,7 +216,7 @@ impl Follower<'_> {
 
     fn shown(&self, there: u64, more: &str) {
         let all = self.jobs.ensemble.pieces;
-        let mut told = vec![self.queue.told(), more.to_owned()];
+        let mut told = vec![self.queue.summary(), more.to_owned()];
         if self.workflow.attempts() > 1 {
             let (attempt, of) = (self.workflow.attempts(), self.jobs.options.attempts);
             told.insert(0, format!("attempt {attempt} of {of}"));

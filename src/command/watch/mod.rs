@@ -118,21 +118,21 @@ fn publish(
                 events.publish("frame", &frame);
             }
         }
-        tell(manifest, progress, events, start, &mut drawn);
+        publish_numbers(manifest, progress, events, start, &mut drawn);
         progress.ask_view(|program| watch::not_shown(manifest, program).is_none());
         cost += begun.elapsed();
         pause = BEAT.max(cost * SHARE);
     }
     if events.has_listeners() {
-        tell(manifest, progress, events, start, &mut None);
+        publish_numbers(manifest, progress, events, start, &mut None);
     }
     let snapshot = progress.snapshot();
     let complete = snapshot.done == snapshot.total;
     events.publish("end", &json!({ "complete": complete }));
 }
 
-/// Tells the numbers, and the curves where they have changed since they were `drawn`, of so many runs and when.
-fn tell(
+/// Publishes the numbers, and the curves where they have changed since they were `drawn`, of so many runs and when.
+fn publish_numbers(
     manifest: &Manifest,
     progress: &Progress,
     events: &EventBroadcast,

@@ -197,7 +197,7 @@ fn search(
     };
     let rates = of_files(options.rates)?;
     let planned = during(host, state, || plan(&rates, search));
-    planned.map_err(|unplanned| told(&unplanned, options, host))
+    planned.map_err(|unplanned| failure_of(&unplanned, options, host))
 }
 
 /// What cannot be built, and why.
@@ -222,7 +222,7 @@ fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
 }
 
 /// Why there is no plan.
-fn told(unplanned: &Unplanned, options: &PlanOptions<'_>, host: &dyn Host) -> Failure {
+fn failure_of(unplanned: &Unplanned, options: &PlanOptions<'_>, host: &dyn Host) -> Failure {
     match unplanned {
         Unplanned::Refused(TargetError::Cancelled) => Failure {
             exit: Exit::Interrupted,
@@ -230,7 +230,7 @@ fn told(unplanned: &Unplanned, options: &PlanOptions<'_>, host: &dyn Host) -> Fa
         },
         Unplanned::Refused(error) => impossible(options, error),
         Unplanned::Wrong(checked) => {
-            host.tell_findings(checked);
+            host.report_findings(checked);
             Failure::silent(verdict(checked))
         }
     }

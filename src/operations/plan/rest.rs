@@ -31,7 +31,7 @@ pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completi
     let checked = target::checked(options)?;
     Completion::of(&checked, options.shape).map_err(|error| match error {
         NotCompleted::Wrong => {
-            host.tell_findings(&checked);
+            host.report_findings(&checked);
             Failure::silent(verdict(&checked))
         }
         NotCompleted::Refused(reason) => refused(options.target, &reason),

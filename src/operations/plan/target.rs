@@ -53,7 +53,7 @@ fn voxels(
 fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let checked = checked(options)?;
     if checked.has_errors() {
-        host.tell_findings(&checked);
+        host.report_findings(&checked);
         return Err(Failure::silent(verdict(&checked)));
     }
     Goal::of_program(&checked, options.shape).map_err(|reason| refused(options.target, &reason))

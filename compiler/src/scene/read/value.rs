@@ -6,7 +6,7 @@ use stochc_ir::scene::units::Dimension;
 
 use super::super::{to_si, unit_meant};
 use super::{ClauseContent, SceneReader, span};
-use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::diagnostic::{Code, Diagnostic, report};
 
 impl<'a> SceneReader<'a, '_> {
     /// A value for a number.
@@ -22,9 +22,9 @@ impl<'a> SceneReader<'a, '_> {
             return Some(());
         }
         let label = format!("must be {}", number.range.rule());
-        let site = self.site(quantity.span);
+        let location = self.location(quantity.span);
         let diagnostic = Diagnostic::new(Code::WrongValue, "a value out of its range");
-        tell(self.diagnostics, diagnostic.label(site, label));
+        report(self.diagnostics, diagnostic.label(location, label));
         None
     }
 
@@ -46,11 +46,11 @@ impl<'a> SceneReader<'a, '_> {
             said.numbers.extend([(high, to), (low, from)]);
             return Some(());
         }
-        let site = self.site(first.span.to(last.span));
-        tell(
+        let location = self.location(first.span.to(last.span));
+        report(
             self.diagnostics,
             Diagnostic::new(Code::WrongValue, "a range that is empty or negative")
-                .label(site, "from small to large, and not below 0"),
+                .label(location, "from small to large, and not below 0"),
         );
         None
     }
@@ -69,15 +69,15 @@ impl<'a> SceneReader<'a, '_> {
             let word = self.word_of(name);
             let help = format!("write the number before it, such as `2 {word}`");
             let title = "a unit without its number".to_owned();
-            self.tell(Code::MissingTerm, title, name.span, "how much?", help);
+            self.report(Code::MissingTerm, title, name.span, "how much?", help);
             return None;
         }
         let here = self.terms.peek().map_or(self.place, |term| span(term));
         let title = format!("expected {}", dimension.noun());
-        tell(
+        report(
             self.diagnostics,
             Diagnostic::new(Code::MissingTerm, title)
-                .label(self.site(here), "a value belongs here"),
+                .label(self.location(here), "a value belongs here"),
         );
         None
     }
@@ -94,15 +94,15 @@ impl<'a> SceneReader<'a, '_> {
         {
             self.terms.next();
             let word = self.word_of(name);
-            let site = self.site(name.span);
+            let location = self.location(name.span);
             let diagnostic = Diagnostic::new(Code::WrongDimension, title)
-                .label(site, format!("`{word}` is no unit"))
-                .suggest(site, unit_meant(word), || {
+                .label(location, format!("`{word}` is no unit"))
+                .suggest(location, unit_meant(word), || {
                     "units are those of the SI, with prefixes such as `m` and `k`, and min, h, \
                      L, rev, deg and ticks"
                         .to_owned()
                 });
-            tell(self.diagnostics, diagnostic);
+            report(self.diagnostics, diagnostic);
             return None;
         }
         let label = match found {
@@ -112,10 +112,10 @@ impl<'a> SceneReader<'a, '_> {
                 noun => format!("is {}", noun.split(',').next().unwrap_or(noun)),
             },
         };
-        let site = self.site(quantity.span);
-        tell(
+        let location = self.location(quantity.span);
+        report(
             self.diagnostics,
-            Diagnostic::new(Code::WrongDimension, title).label(site, label),
+            Diagnostic::new(Code::WrongDimension, title).label(location, label),
         );
         None
     }

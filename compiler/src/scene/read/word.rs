@@ -4,7 +4,7 @@ use stochc_ir::scene::schema::SchemaEntry;
 use stochc_ir::suggest::nearest;
 
 use super::{SceneReader, named, span, words};
-use crate::diagnostic::{Code, Diagnostic, Fix, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, report};
 
 impl SceneReader<'_, '_> {
     /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
@@ -24,7 +24,7 @@ impl SceneReader<'_, '_> {
                     return Some((*name, entry));
                 }
                 if !told {
-                    let site = self.site(name.span);
+                    let location = self.location(name.span);
                     let title = format!("`{word}` is no {noun}");
                     let mut meant = nearest(word, words(known));
                     if let Some(meant) = &mut meant {
@@ -32,17 +32,17 @@ impl SceneReader<'_, '_> {
                         meant.clear &= named(said, &meant.word, self.symbols).is_none();
                     }
                     let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
-                        .label(site, "not known here")
-                        .suggest(site, meant, || {
+                        .label(location, "not known here")
+                        .suggest(location, meant, || {
                             format!("known are {}", words(known).join(", "))
                         });
-                    tell(self.diagnostics, diagnostic);
+                    report(self.diagnostics, diagnostic);
                 }
             } else if !told {
                 let span = span(term);
                 let help = format!("expected one of {}", words(known).join(", "));
                 let title = format!("expected a {noun}");
-                self.tell(Code::UnknownTerm, title, span, "does not belong here", help);
+                self.report(Code::UnknownTerm, title, span, "does not belong here", help);
             }
             told = true;
         }
@@ -81,30 +81,30 @@ impl SceneReader<'_, '_> {
                     return Some(kind);
                 }
                 self.terms.next();
-                let site = self.site(name.span);
+                let location = self.location(name.span);
                 let title = format!("expected {expected}, found `{found}`");
                 let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
-                    .label(site, "here")
+                    .label(location, "here")
                     .help(help);
                 let fix = match (nearest(found, known), known) {
-                    (Some(meant), _) => Some(Fix::word(site, &meant)),
-                    (None, [only]) => {
-                        Some(Fix::replace(site, *only, format!("write `{only}`")).unsafe_if(true))
-                    }
+                    (Some(meant), _) => Some(Fix::word(location, &meant)),
+                    (None, [only]) => Some(
+                        Fix::replace(location, *only, format!("write `{only}`")).unsafe_if(true),
+                    ),
                     _ => None,
                 };
                 let diagnostic = match fix {
                     Some(fix) => diagnostic.fix(fix),
                     None => diagnostic,
                 };
-                tell(self.diagnostics, diagnostic);
+                report(self.diagnostics, diagnostic);
                 return None;
             }
             Some(term) => ("something else", span(term)),
             None => ("nothing", self.place),
         };
         let title = format!("expected {expected}, found {found}");
-        self.tell(Code::UnknownTerm, title, span, "here", help);
+        self.report(Code::UnknownTerm, title, span, "here", help);
         None
     }
 
@@ -125,10 +125,10 @@ impl SceneReader<'_, '_> {
             let word = self.word_of(name);
             let diagnostic =
                 Diagnostic::new(Code::DuplicateTerm, format!("`{word}` is given twice"))
-                    .label(self.site(name.span), "given again")
-                    .label(self.site(old.span), "first given here")
+                    .label(self.location(name.span), "given again")
+                    .label(self.location(old.span), "first given here")
                     .help("remove one of the two");
-            tell(self.diagnostics, diagnostic);
+            report(self.diagnostics, diagnostic);
         }
         seen.push(name);
     }

@@ -38,19 +38,19 @@ pub fn speed(scene: &Scene) -> Speed {
         return speed;
     }
     let kick = kick(scene);
-    let told = |rms: f64, from| Speed {
+    let of_rms = |rms: f64, from| Speed {
         rms: Some(units.speed_si(rms)),
         from,
     };
     if kick == 0.0 {
-        return told(0.0, SpeedFrom::Rest);
+        return of_rms(0.0, SpeedFrom::Rest);
     }
     let left = left(scene);
     let loss = loss(scene);
     if loss > 0.0 {
-        told(balance(kick, left, loss), SpeedFrom::Collisions)
+        of_rms(balance(kick, left, loss), SpeedFrom::Collisions)
     } else if left < 1.0 {
-        told(kick * (left / (1.0 - left)).sqrt(), SpeedFrom::Drag)
+        of_rms(kick * (left / (1.0 - left)).sqrt(), SpeedFrom::Drag)
     } else {
         Speed {
             rms: None,

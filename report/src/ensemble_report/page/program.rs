@@ -10,7 +10,7 @@ use super::{Parts, ROWS};
 use crate::analysis::subject::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
-use crate::ensemble_report::narrative::{Telling, heading, lead, sizes as sizes_of, story};
+use crate::ensemble_report::narrative::{RunContext, heading, lead, narrative, sizes as sizes_of};
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
 use crate::svg::{Axis, Colours, Drawing};
@@ -312,26 +312,26 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
         out.note(note);
     }
     let path = &parts.inputs[subject.folder].path;
-    for (what, run) in subject.told() {
+    for (what, run) in subject.example_runs() {
         let number = run.record.run;
         let replay = parts.surroundings.replay;
-        let telling = Telling {
+        let context = RunContext {
             program: subject.program,
             events: &subject.events,
             replay: replay(subject.folder, subject.number, number),
         };
-        out.raw(&format!("<h4>{}</h4>\n", heading(&telling, what, run)));
-        if let Some(lead) = lead(&telling, run) {
+        out.raw(&format!("<h4>{}</h4>\n", heading(&context, what, run)));
+        if let Some(lead) = lead(&context, run) {
             out.paragraph(&lead);
         }
-        let story = match is_aggregate {
-            true => sizes_of(&telling, run),
-            false => story(&telling, run),
+        let narrative = match is_aggregate {
+            true => sizes_of(&context, run),
+            false => narrative(&context, run),
         };
-        if !story.is_empty() {
-            out.list("ol", &story);
+        if !narrative.is_empty() {
+            out.list("ol", &narrative);
         }
-        match telling.replay {
+        match context.replay {
             Some(address) => out.paragraph(&format!(
                 "<a href=\"{}\">Watch run {number}</a>",
                 escaped(&address)

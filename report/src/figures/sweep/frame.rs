@@ -89,13 +89,13 @@ impl<'a> Panel<'a> {
     pub fn frame(
         &self,
         name: &str,
-        (title, told): (&str, &str),
+        (title, description): (&str, &str),
         curves: &[SweepCurve],
         (of, scale): (&Axis, YScale),
         (notes, label): (&[&str], impl Fn(f64) -> String),
     ) -> AxesFrame {
         let title = format!("{title}{}", self.at());
-        let mut out = Drawing::new(self.medium, name, &title, told);
+        let mut out = Drawing::new(self.medium, name, &title, description);
         let empty = scale.at((1.0, 0.0));
         let (left, right) = (Drawing::left_of(&empty, &label), self.medium.width() - 24.0);
         let top = out.head(&of.on(&empty));
@@ -148,7 +148,7 @@ impl YScale {
 }
 
 /// One sentence for each curve, of what `each` says of its points.
-pub(super) fn told(curves: &[SweepCurve], each: impl Fn(&SweepPoint) -> String) -> String {
+pub(super) fn description(curves: &[SweepCurve], each: impl Fn(&SweepPoint) -> String) -> String {
     let curve = |curve: &SweepCurve| {
         let points = (curve.points.iter())
             .map(|(value, point)| format!("{} at {}", each(point), number(*value)));

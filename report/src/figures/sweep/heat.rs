@@ -31,10 +31,15 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
         axes[1].of,
         panel.at()
     );
-    let told: Vec<String> = own()
+    let tooltip: Vec<String> = own()
         .map(|point| format!("{}: {}", point.name, described(point, unit)))
         .collect();
-    let mut out = Drawing::new(panel.medium, name, &title, &format!("{}.", told.join(". ")));
+    let mut out = Drawing::new(
+        panel.medium,
+        name,
+        &title,
+        &format!("{}.", tooltip.join(". ")),
+    );
     let top = out.head(&panel.axis(1).label());
     let bottom = top + HEIGHT * up.len() as f64;
     let rows = numbers.iter().rev().enumerate();
@@ -53,7 +58,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
         bottom,
         &panel.axis(0).label(),
     );
-    for (point, told) in own().zip(&told) {
+    for (point, tooltip) in own().zip(&tooltip) {
         let place = |of: &[SweptValue], i: usize| of.iter().position(|it| *it == point.values[i]);
         let (Some(column), Some(row)) = (place(&across, 0), place(&up, 1)) else {
             continue;
@@ -75,7 +80,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
             stroke_opacity: Some(0.4),
             ..Style::default()
         };
-        out.field("s0", corner, (width - 2.0, HEIGHT - 2.0), own, told);
+        out.field("s0", corner, (width - 2.0, HEIGHT - 2.0), own, tooltip);
         // What does not fit is told by a pointer over the field.
         if width_of(&text) + 4.0 <= width {
             let place = (corner.0 + width / 2.0, corner.1 + HEIGHT / 2.0 + 3.0);

@@ -2,7 +2,7 @@
 use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::percent_number;
 
-use super::frame::{AxesFrame, Panel, YScale, aside, told};
+use super::frame::{AxesFrame, Panel, YScale, aside, description};
 use crate::svg::{Axis, DASHES, Drawing, Style, class};
 
 /// Shares with their 95 % intervals; `None`: no run is finished.
@@ -11,7 +11,7 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     panel.points.iter().find(|point| point.share.is_some())?;
     let of = &panel.sweep.axes[0].of;
     let title = format!("Runs that completed, over {of}");
-    let words = told(&curves, described);
+    let words = description(&curves, described);
     let name = format!("{}-completed", panel.name);
     let notes = ["dots: the part of the finished runs that completed, lines: 95 % intervals"];
     let axis = Axis::new("runs that completed", "%");
@@ -41,8 +41,8 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
                     Style::line(2.0),
                 );
             }
-            let told = format!("{}: {}", point.name, described(point));
-            out.disc(class(i), (at, y.at(share)), 4.5, &told);
+            let tooltip = format!("{}: {}", point.name, described(point));
+            out.disc(class(i), (at, y.at(share)), 4.5, &tooltip);
         }
     }
     Some(out)

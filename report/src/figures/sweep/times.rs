@@ -3,7 +3,7 @@ use stochc_ensemble::Time;
 use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::number;
 
-use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, told};
+use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, description};
 use crate::svg::{Axis, DASHES, Drawing, Style, class};
 
 /// Means with their 95 % intervals, and medians; `None`: no run has a time.
@@ -28,7 +28,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     }
     let of = &panel.sweep.axes[0].of;
     let title = format!("Mean time to completion over {of}");
-    let words = told(&curves, |point| described(point, unit));
+    let words = description(&curves, |point| described(point, unit));
     let axis = Axis::new("mean time to completion", unit);
     let AxesFrame {
         mut out,
@@ -51,7 +51,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
         let places: Vec<_> = curve.points.iter().filter_map(mean).collect();
         out.curve(class(i), &places, DASHES[i % DASHES.len()]);
         for (value, point) in &curve.points {
-            let (at, told) = (
+            let (at, tooltip) = (
                 place(*value),
                 format!("{}: {}", point.name, described(point, unit)),
             );
@@ -66,9 +66,9 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
                 out.stroke(class(i), from, to, Style::line(2.0));
             }
             let mean = (at, y.at(time.mean));
-            out.disc(class(i), mean, 4.5, &told);
+            out.disc(class(i), mean, 4.5, &tooltip);
             if time.censored > 0 {
-                out.disc("paper", mean, 2.6, &told);
+                out.disc("paper", mean, 2.6, &tooltip);
                 out.text("ink", (at + 8.0, mean.1 - 6.0), "≥");
             }
         }

@@ -231,7 +231,7 @@ impl LatticeStructure {
         face: Face,
         cell: Cell,
         docking: &Docking,
-        mut tell: impl FnMut(FaceChange),
+        mut emit: impl FnMut(FaceChange),
     ) {
         let (on, parent) = (number(seat, face), self.seats[seat]);
         let way = parent.orientation.to_structure(face);
@@ -250,10 +250,10 @@ impl LatticeStructure {
         content.block = child as u32;
         content.aimed &= !bit(way);
         let is_aimed_at = content.aimed != 0;
-        tell(FaceChange::Closed(on));
+        emit(FaceChange::Closed(on));
         if is_aimed_at {
             for (seat, face) in self.aimed(cell) {
-                tell(FaceChange::Closed(number(seat, face)));
+                emit(FaceChange::Closed(number(seat, face)));
             }
         }
     }
@@ -276,7 +276,7 @@ impl LatticeStructure {
         &mut self,
         seat: usize,
         face: Face,
-        mut tell: impl FnMut(FaceChange),
+        mut emit: impl FnMut(FaceChange),
     ) -> Option<usize> {
         let of = &mut self.seats[seat];
         if of.holding & bit(face) == 0 {
@@ -288,7 +288,7 @@ impl LatticeStructure {
         self.grid.mark(cell, false).block = NOBODY;
         self.free.insert(child - self.seeds.len());
         for (seat, face) in self.aimed(cell) {
-            tell(FaceChange::Opened(number(seat, face)));
+            emit(FaceChange::Opened(number(seat, face)));
         }
         Some(child)
     }

@@ -97,8 +97,8 @@ impl ShuffleWorld {
     /// Puts a block that docks on a face into its cell, which is empty.
     #[inline]
     fn dock(&mut self, seat: usize, face: Face, cell: Cell, docking: &Docking) {
-        let tell = |change| note(&mut self.open, change);
-        self.lattice.dock(seat, face, cell, docking, tell);
+        let emit = |change| note(&mut self.open, change);
+        self.lattice.dock(seat, face, cell, docking, emit);
         self.expose(cell);
     }
 
@@ -218,11 +218,11 @@ impl World for ShuffleWorld {
         };
         let mut going: SmallVec<[_; 8]> = smallvec![(seat, site.face)];
         while let Some((seat, face)) = going.pop() {
-            let mut tell = |change| note(&mut self.open, change);
+            let mut emit = |change| note(&mut self.open, change);
             if let Some(closed) = self.lattice.close(seat, face) {
-                tell(closed);
+                emit(closed);
             }
-            if let Some(child) = self.lattice.let_go(seat, face, tell) {
+            if let Some(child) = self.lattice.let_go(seat, face, emit) {
                 going.extend(Face::ALL.map(|face| (child, face)));
                 self.expose(self.lattice.seats[child].cell);
             }

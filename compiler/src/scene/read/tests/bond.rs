@@ -1,7 +1,7 @@
 use super::sample::scene;
 use crate::diagnostic::{Code, Diagnostic};
 
-fn told(clause: &str) -> Vec<Diagnostic> {
+fn reported(clause: &str) -> Vec<Diagnostic> {
     let (scene, diagnostics) = scene(clause);
     assert_eq!(scene, None, "{clause}");
     diagnostics
@@ -10,7 +10,7 @@ fn told(clause: &str) -> Vec<Diagnostic> {
 /// It was passed over in silence, and the scene had no bond.
 #[test]
 fn an_anchor_that_says_nothing_is_told() {
-    let diagnostics = told("bond attract { pull 1 N within 1cm  anchor }");
+    let diagnostics = reported("bond attract { pull 1 N within 1cm  anchor }");
     let titles: Vec<_> = diagnostics.iter().map(|it| it.title.as_str()).collect();
     assert_eq!(
         titles,
@@ -22,7 +22,7 @@ fn an_anchor_that_says_nothing_is_told() {
 #[test]
 fn what_stands_behind_an_unknown_measure_is_read() {
     for anchor in ["anchor 1mm", "anchor middle 1mm tilt 20 deg"] {
-        let diagnostics = told(&format!("bond attract {{ {anchor}  pull 1 N within 1cm }}"));
+        let diagnostics = reported(&format!("bond attract {{ {anchor}  pull 1 N within 1cm }}"));
         let codes: Vec<_> = diagnostics.iter().map(|it| it.code).collect();
         assert_eq!(codes, [Code::UnknownTerm], "{diagnostics:?}");
     }

@@ -9,7 +9,7 @@ fn contact(fields: &str) -> Option<Contact> {
     scene?.contact
 }
 
-fn told(clause: &str) -> Vec<(Code, String)> {
+fn reported(clause: &str) -> Vec<(Code, String)> {
     let (scene, diagnostics) = scene(clause);
     assert_eq!(scene, None, "{clause}");
     let told = diagnostics.into_iter();
@@ -68,46 +68,49 @@ fn a_contact_is_not_both() {
 #[test]
 fn what_is_wrong_with_a_contact_is_told_of() {
     let missing = |what: &str| vec![(Code::MissingTerm, format!("`contact` without {what}"))];
-    assert_eq!(told("contact"), missing("its braces"));
+    assert_eq!(reported("contact"), missing("its braces"));
     assert_eq!(
-        told("contact { friction 0.2 }"),
+        reported("contact { friction 0.2 }"),
         missing("`restitution`"),
         "the older kind is the one asked for"
     );
     assert_eq!(
-        told("contact { damping 5 kg/s  friction 0.2 }"),
+        reported("contact { damping 5 kg/s  friction 0.2 }"),
         missing("`stiffness`")
     );
-    assert_eq!(told("contact { stiffness 25 N/m }"), missing("`friction`"));
+    assert_eq!(
+        reported("contact { stiffness 25 N/m }"),
+        missing("`friction`")
+    );
     let both = [missing("`restitution`"), missing("`friction`")].concat();
-    assert_eq!(told("contact { }"), both);
+    assert_eq!(reported("contact { }"), both);
 
     let range = || (Code::WrongValue, "a value out of its range".to_owned());
     assert_eq!(
-        told("contact { stiffness 0 N/m  damping -1 kg/s  friction 0.2 }"),
+        reported("contact { stiffness 0 N/m  damping -1 kg/s  friction 0.2 }"),
         [range(), range()]
     );
     let dimension = |example: &str| (Code::WrongDimension, format!("expected {example}"));
     assert_eq!(
-        told("contact { stiffness 25 N  damping 5 N/m  friction 0.2 }"),
+        reported("contact { stiffness 25 N  damping 5 N/m  friction 0.2 }"),
         [
             dimension("a stiffness, such as `25 N/m`"),
             dimension("a damping, such as `5 N s/m`")
         ]
     );
     assert_eq!(
-        told("contact { stiffness 25 N/m  damping  friction 0.2 }"),
+        reported("contact { stiffness 25 N/m  damping  friction 0.2 }"),
         [(
             Code::MissingTerm,
             "expected a damping, such as `5 N s/m`".to_owned()
         )]
     );
     assert_eq!(
-        told("contact { stifness 25 N/m  stiffness 25 N/m  friction 0.2 }"),
+        reported("contact { stifness 25 N/m  stiffness 25 N/m  friction 0.2 }"),
         [(Code::UnknownTerm, "`stifness` is no field".to_owned())]
     );
     assert_eq!(
-        told("contact { stiffness 25 N/m  stiffness 5 N/m  friction 0.2 }"),
+        reported("contact { stiffness 25 N/m  stiffness 5 N/m  friction 0.2 }"),
         [(Code::DuplicateTerm, "`stiffness` is given twice".to_owned())]
     );
 }

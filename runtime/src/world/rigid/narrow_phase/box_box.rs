@@ -3,7 +3,7 @@ use nalgebra::{Rotation3, Vector3};
 use smallvec::smallvec;
 
 use super::clipping::face_points;
-use super::separating_axis::{Direction, LeastOverlap, least};
+use super::separating_axis::{Direction, LeastOverlap, least_overlaps};
 use super::{Manifold, ManifoldPoint};
 use crate::world::real::Real;
 use crate::world::rigid::simd::{ABREAST, Lane};
@@ -40,7 +40,7 @@ pub fn boxes<'a, R: Lane>(
     count: usize,
     mut touch: impl FnMut(usize, &Manifold<R>),
 ) {
-    for (number, overlap) in least(pairs, count).iter().enumerate() {
+    for (number, overlap) in least_overlaps(pairs, count).iter().enumerate() {
         let (a, b) = &pairs[number];
         if let Some(overlap) = overlap
             && let Some(manifold) = manifold(a, b, overlap)

@@ -48,7 +48,7 @@ struct SeparatingAxisSearch<R: Lane> {
 }
 
 /// How pairs of boxes overlap, as many of them as count; `None`: they do not.
-pub(super) fn least<'a, R: Lane>(
+pub(super) fn least_overlaps<'a, R: Lane>(
     pairs: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
     count: usize,
 ) -> [Option<LeastOverlap<R>>; ABREAST] {

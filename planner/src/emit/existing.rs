@@ -6,21 +6,21 @@ use stochc_ir::Cell;
 
 use super::statement::{Called, NameWords};
 use crate::plan::Capture;
-use crate::target::{StandingBlock, Target};
+use crate::target::{ExistingBlock, Target};
 
 /// The blocks that are attached by hand, each behind its parent.
 pub fn planted(target: &Target) -> Vec<Capture> {
-    let all = || target.standing().iter().chain(target.released());
-    let there: FxHashMap<Cell, &StandingBlock> = all().map(|block| (block.cell, block)).collect();
-    let parent = |block: &StandingBlock| {
+    let all = || target.existing().iter().chain(target.released());
+    let there: FxHashMap<Cell, &ExistingBlock> = all().map(|block| (block.cell, block)).collect();
+    let parent = |block: &ExistingBlock| {
         let cell = block.cell.across(block.way.opposite())?;
         there.get(&cell).copied()
     };
-    let depth = |block: &StandingBlock| {
+    let depth = |block: &ExistingBlock| {
         let above = std::iter::successors(parent(block), |block| parent(block));
         above.take(there.len()).count()
     };
-    let mut sorted: Vec<(usize, &StandingBlock)> =
+    let mut sorted: Vec<(usize, &ExistingBlock)> =
         all().map(|block| (depth(block), block)).collect();
     sorted.sort_unstable();
     let captures = sorted
@@ -31,7 +31,7 @@ pub fn planted(target: &Target) -> Vec<Capture> {
 
 /// What a block is called that is attached by hand; `None`: there is none in the cell.
 pub fn name_of(target: &Target, cell: Cell) -> Option<String> {
-    let Cell { x, y, z } = target.standing_at(cell)?.cell;
+    let Cell { x, y, z } = target.existing_at(cell)?.cell;
     let word = NameWords::OWN.of(Called::Block);
     Some(format!("{word}[{x}, {y}, {z}]"))
 }
@@ -41,7 +41,7 @@ pub fn write_releases(target: &Target, out: &mut String) {
     let word = NameWords::OWN.of(Called::Block);
     let released = target.released().iter();
     let names: Vec<String> = released
-        .map(|StandingBlock { cell, .. }| format!("{word}[{}, {}, {}]", cell.x, cell.y, cell.z))
+        .map(|ExistingBlock { cell, .. }| format!("{word}[{}, {}, {}]", cell.x, cell.y, cell.z))
         .collect();
     if names.is_empty() {
         return;
