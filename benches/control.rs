@@ -33,7 +33,9 @@ fn main() {
         Some(&captures) => vec![captures],
         None => vec![1_000, 10_000, 100_000, 1_000_000],
     };
-    println!("| program | captures | releases | hops | million events a second | ns an event | million a second with hops |");
+    println!(
+        "| program | captures | releases | hops | million events a second | ns an event | million a second with hops |"
+    );
     println!("|---|---|---|---|---|---|---|");
     for (name, down) in [
         ("build", ""),
