@@ -184,6 +184,10 @@ proptest! {
 }
 
 /// The shortest time of some runs of towers of ten on a square plate, built and taken down, over the number of events \[s\].
+#[allow(
+    clippy::disallowed_methods,
+    reason = "the test compares times of one process"
+)]
 fn time_per_event(edge: usize) -> f64 {
     let last = edge - 1;
     let text = format!(
