@@ -14,7 +14,7 @@
 //! let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
 //! let checked = check("pair.sa", &mut reader, Limits::default());
 //! let finding = &checked.diagnostics[0];
-//! assert_eq!(finding.code.name(), "occupied-face");
+//! assert_eq!(finding.code.name(), "occupied-cell");
 //! assert!(checked.has_errors() && checked.programs[0].tables.is_none());
 //! ```
 mod capacity;

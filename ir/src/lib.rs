@@ -14,6 +14,7 @@ mod plate;
 pub mod record;
 pub mod scene;
 pub mod state;
+pub mod structure;
 pub mod suggest;
 pub mod table;
 

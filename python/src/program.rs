@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use stochc::compiler::emit::{structure_svg, structure_text};
+use stochc::compiler::emit::{built_structure, structure_text};
 use stochc::compiler::{Checked, LintLevels, Program};
 use stochc::diagnostics::{drawn, values};
 use stochc::ensemble::{EnsembleProgram, Manifest, Source};
@@ -13,6 +13,7 @@ use stochc::ir::Executable;
 use stochc::ir::emit::{graph_text, table_text};
 use stochc::operations::codes;
 use stochc::operations::programs::{accept, programs, recompile};
+use stochc::report::figures::structure;
 use stochc::runtime::Settings;
 
 use super::call::call;
@@ -159,7 +160,8 @@ impl PythonProgram {
     /// The picture of its structure, if its text is known and it has one.
     fn structure_svg(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.of_text(py, |program, checked| {
-            structure_svg(&program.plan, &program.layout, &checked.symbols)
+            let built = built_structure(&program.plan, &program.layout, &checked.symbols)?;
+            Some(structure(&built).file())
         })
     }
 

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use stochc_compiler::emit::{structure_json, structure_svg, structure_text};
+use stochc_compiler::emit::{built_structure, structure_json, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
 use stochc_files::atomic::{Draft, Replaces};
 use stochc_files::programs::{is_executable, not_a_file};
@@ -12,6 +12,7 @@ use stochc_grammar::to_json;
 use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 use stochc_ir::graph::EventGraph;
 use stochc_ir::{Executable, Json};
+use stochc_report::figures::structure;
 
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
@@ -183,7 +184,8 @@ fn text<'a>(
     let (plan, layout, tables) = (&program.plan, &program.layout, program.tables.as_ref());
     Some(match (stage, form) {
         (EmittedStage::Structure, EmittedFormat::Svg) => {
-            Box::new(structure_svg(plan, layout, symbols)?)
+            let built = built_structure(plan, layout, symbols)?;
+            Box::new(structure(&built).file())
         }
         (EmittedStage::Structure, _) => Box::new(structure_text(plan, layout)),
         (EmittedStage::Graph, EmittedFormat::Dot) => Box::new(graph_dot(graph?, tables?)),

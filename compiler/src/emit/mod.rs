@@ -1,4 +1,4 @@
 //! The structure in a form to read: text, JSON and SVG. Tables and graphs are shown by [`stochc_ir::emit`].
 mod structure;
 
-pub use structure::{structure_json, structure_svg, structure_text};
+pub use structure::{built_structure, structure_json, structure_text};

@@ -6,6 +6,7 @@ mod fit;
 mod maps;
 mod means;
 mod origins;
+mod structure;
 mod survival;
 mod sweep;
 mod trade;
@@ -23,6 +24,7 @@ pub use completion::completion;
 pub(crate) use completion::completion_so_far;
 pub use files::{FigureFormat, Figures};
 pub use fit::fit;
+pub use structure::structure;
 pub use sweep::pictures as sweep;
 pub use trade::trade;
 

@@ -1,4 +1,6 @@
 //! A picture with a name, a title, and words for those who cannot see it.
+use stochc_ir::palette::Rgb;
+
 use super::axis::LINE;
 use super::letters::{self, fitted, wrapped};
 use super::medium::Medium;
@@ -221,6 +223,17 @@ impl Drawing {
     pub(crate) fn area(&mut self, class: &str, points: &[Point]) {
         let class = format!("band {class}");
         self.push(&class, Style::default(), Form::Area(points.to_vec()), "");
+    }
+
+    /// An area of a style of its own.
+    pub(crate) fn polygon(&mut self, points: &[Point], own: Style) {
+        self.push("", own, Form::Area(points.to_vec()), "");
+    }
+
+    /// A line of text around `place`, in this colour on light and on dark.
+    pub(crate) fn label(&mut self, place: Point, content: &str, colour: Rgb) {
+        let form = Form::Text(place, TextAnchor::Middle, content.to_owned());
+        self.push("", Style::area(colour), form, "");
     }
 
     /// Keys of colours side by side, in as many columns as they find room, the first with its foot at `place`; gives the foot

@@ -1,0 +1,189 @@
+//! What a program builds, at the end of each phase.
+use stochc_ir::palette::{self, LIGHT, Rgb};
+use stochc_ir::structure::{BuiltBlock, BuiltStructure};
+use stochc_ir::{Cell, Face};
+
+use crate::svg::letters::{fitted, widest};
+use crate::svg::{Drawing, Medium, Paint, Style};
+
+/// The edge of a cube, in units of a drawing.
+const EDGE: f64 = 26.0;
+
+/// Width of a cube, as it is seen.
+const WIDTH: f64 = 2.0 * COS * EDGE;
+
+/// The cosine of 30 degrees: edges of the ground go up and down by that angle.
+const COS: f64 = 0.866;
+
+/// A picture of each phase's end side by side, seen from the south-east; blocks have the colour of the phase that captured
+/// them, and dark edges at the end of that phase.
+pub fn structure(built: &BuiltStructure) -> Drawing {
+    let plate = &built.plate;
+    let ground: Vec<Cell> = (0..plate.width as i32)
+        .flat_map(|x| (0..plate.depth as i32).map(move |y| Cell::new(x, y, 0)))
+        .collect();
+    let blocks = built.phases.iter().flat_map(|phase| &phase.blocks);
+    let all = blocks.map(|block| block.cell).chain(ground.iter().copied());
+    let corners = all.flat_map(|cell| {
+        VISIBLE
+            .into_iter()
+            .flat_map(move |side| corners(cell, side))
+    });
+    let corners: Vec<(f64, f64)> = corners.collect();
+    let bounds = |of: fn(&(f64, f64)) -> f64| {
+        let bounds = corners.iter().map(of).map(|it| (it, it));
+        let bounds = bounds.reduce(|(low, high), (it, _)| (low.min(it), high.max(it)));
+        // An aggregate has no blocks of which anything is known.
+        bounds.unwrap_or((0.0, 0.0))
+    };
+    let ((left, right), (top, bottom)) = (bounds(|it| it.0), bounds(|it| it.1));
+    let names = widest(built.phases.iter().map(|phase| phase.name.as_str()));
+    let column = (right - left).max(names.min(3.0 * WIDTH)) + EDGE;
+    let height = bottom - top + 2.5 * EDGE;
+    let counts = built.phases.iter().map(|phase| match phase.blocks.len() {
+        1 => format!("phase {}: 1 block", phase.name),
+        count => format!("phase {}: {count} blocks", phase.name),
+    });
+    let description = format!(
+        "At the end of {}.",
+        counts.collect::<Vec<_>>().join(", of ")
+    );
+    let title = format!("What {} builds", built.program);
+    let width = column * built.phases.len() as f64;
+    let name = format!("structure-{}", built.program.replace('_', "-"));
+    let mut out = Drawing::sized(Medium::Screen, width, &name, &title, &description);
+    for (number, phase) in built.phases.iter().enumerate() {
+        let middle = column * (number as f64 + 0.5);
+        let shift = (middle - (left + right) / 2.0, EDGE / 2.0 - top);
+        let standing = phase.blocks.iter().map(|block| (block.cell, Some(block)));
+        let mut cells: Vec<(Cell, Option<&BuiltBlock>)> = (ground.iter().map(|&cell| (cell, None)))
+            .chain(standing)
+            .collect();
+        // From the farthest to the nearest.
+        cells.sort_by_key(|(cell, _)| (cell.x - cell.y + cell.z, cell.z));
+        for (cell, block) in cells {
+            cube(&mut out, shift, cell, block, number);
+        }
+        let foot = (middle, height - 0.9 * EDGE);
+        out.text_around("ink", foot, &fitted(&phase.name, column - EDGE / 2.0));
+    }
+    out.high(height)
+}
+
+/// The sides that are seen, with the light on each.
+const VISIBLE: [Face; 3] = [Face::Up, Face::South, Face::East];
+
+fn light(side: Face) -> f64 {
+    match side {
+        Face::Up => 1.0,
+        Face::South => 0.85,
+        _ => 0.7,
+    }
+}
+
+/// Where a point is drawn.
+fn project([x, y, z]: [f64; 3]) -> (f64, f64) {
+    (EDGE * COS * (x + y), EDGE * (0.5 * (x - y) - z))
+}
+
+/// The corners of a side of a cell's cube.
+fn corners(cell: Cell, side: Face) -> [(f64, f64); 4] {
+    let of = match side {
+        Face::Up => [[0, 0, 1], [0, 1, 1], [1, 1, 1], [1, 0, 1]],
+        Face::South => [[0, 0, 1], [1, 0, 1], [1, 0, 0], [0, 0, 0]],
+        _ => [[1, 0, 1], [1, 1, 1], [1, 1, 0], [1, 0, 0]],
+    };
+    let low = [cell.x, cell.y, cell.z].map(f64::from);
+    of.map(|corner: [i32; 3]| project(std::array::from_fn(|i| low[i] + f64::from(corner[i]))))
+}
+
+/// A block, or one of the plate.
+fn cube(
+    out: &mut Drawing,
+    (right, down): (f64, f64),
+    cell: Cell,
+    block: Option<&BuiltBlock>,
+    phase: usize,
+) {
+    let colour = block.map_or(LIGHT.plate, |block| palette::phase(block.since));
+    let (rim, width) = match block {
+        Some(block) if block.since == phase => (Rgb(0, 0, 0), 1.6),
+        _ => (Rgb(0xff, 0xff, 0xff), 0.8),
+    };
+    let place = |(x, y): (f64, f64)| (x + right, y + down);
+    for side in VISIBLE {
+        let style = Style {
+            stroke: Some(Paint::Colour(rim)),
+            ..Style::line(width)
+        };
+        let style = Style::area(colour.shaded(light(side))).then(style);
+        out.polygon(&corners(cell, side).map(place), style);
+    }
+    if let Some(block) = block {
+        let low = [cell.x, cell.y, cell.z].map(f64::from);
+        let top = place(project([low[0] + 0.5, low[1] + 0.5, low[2] + 1.0]));
+        let name = fitted(&block.name, 0.8 * WIDTH);
+        out.label((top.0, top.1 + 4.0), &name, colour.ink());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::structure::BuiltPhase;
+    use stochc_ir::table::Plate;
+
+    use super::*;
+
+    fn tower(height: i32) -> BuiltPhase {
+        let block = |z| BuiltBlock {
+            cell: Cell::new(0, 0, z),
+            name: format!("T[{z}]"),
+            since: 0,
+        };
+        BuiltPhase {
+            name: "grow & go".to_owned(),
+            blocks: (1..=height).map(block).collect(),
+        }
+    }
+
+    fn drawn(phases: Vec<BuiltPhase>, edge: u32) -> String {
+        let plate = Plate {
+            width: edge,
+            depth: edge,
+        };
+        let program = "tower".to_owned();
+        structure(&BuiltStructure {
+            program,
+            plate,
+            phases,
+        })
+        .file()
+    }
+
+    #[test]
+    fn each_block_has_three_sides_and_a_name() {
+        let picture = drawn(vec![tower(1), tower(3)], 2);
+        let document = roxmltree::Document::parse(&picture).unwrap();
+        let count = |name| {
+            let nodes = document.descendants();
+            nodes
+                .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", name)))
+                .count()
+        };
+        assert_eq!(count("polygon"), 3 * (2 * 4 + 1 + 3));
+        // Those of blocks, and of phases.
+        assert_eq!(count("text"), 4 + 2);
+        assert!(picture.contains("grow &amp; go: 3 blocks"));
+    }
+
+    #[test]
+    fn nothing_can_be_drawn_as_well() {
+        let empty = BuiltPhase {
+            blocks: Vec::new(),
+            ..tower(0)
+        };
+        let picture = drawn(vec![empty], 0);
+        assert!(roxmltree::Document::parse(&picture).is_ok(), "{picture}");
+        assert!(!picture.contains("NaN") && !picture.contains("inf"));
+    }
+}
