@@ -33,7 +33,6 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
     let bounds = |of: fn(&(f64, f64)) -> f64| {
         let bounds = corners.iter().map(of).map(|it| (it, it));
         let bounds = bounds.reduce(|(low, high), (it, _)| (low.min(it), high.max(it)));
-        // An aggregate has no blocks of which anything is known.
         bounds.unwrap_or((0.0, 0.0))
     };
     let ((left, right), (top, bottom)) = (bounds(|it| it.0), bounds(|it| it.1));
@@ -44,10 +43,14 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
         1 => format!("phase {}: 1 block", phase.name),
         count => format!("phase {}: {count} blocks", phase.name),
     });
-    let description = format!(
-        "At the end of {}.",
-        counts.collect::<Vec<_>>().join(", of ")
-    );
+    let description = match corners.is_empty() {
+        // Of an aggregate.
+        true => "Chance decides what it looks like.".to_owned(),
+        false => format!(
+            "At the end of {}.",
+            counts.collect::<Vec<_>>().join(", of ")
+        ),
+    };
     let title = format!("What {} builds", built.program);
     let width = column * built.phases.len() as f64;
     let name = format!("structure-{}", built.program.replace('_', "-"));
@@ -184,6 +187,6 @@ mod tests {
         };
         let picture = drawn(vec![empty], 0);
         assert!(roxmltree::Document::parse(&picture).is_ok(), "{picture}");
-        assert!(!picture.contains("NaN") && !picture.contains("inf"));
+        assert!(picture.contains("Chance decides") && !picture.contains("NaN"));
     }
 }
