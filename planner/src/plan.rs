@@ -7,7 +7,7 @@ use crate::baseline::Baseline;
 use crate::free_space::WayIn;
 use crate::makespan::{PlanEstimate, Samples};
 use crate::scaffold::{Dismantling, Scaffolded, SitePart, SiteRoles, has_place, scaffolded};
-use crate::schedule::{Schedule, SchedulingJob};
+use crate::schedule::Schedule;
 use crate::search::{PlanSearch, search};
 use crate::sites::Sites;
 use crate::waiting::{Waiting, Why};
@@ -141,13 +141,7 @@ pub fn plan(
         false => how,
     };
     let found = search(&sites, hardware, waits, plain)?;
-    let job = SchedulingJob::new(
-        &sites,
-        &found.disassembly,
-        &found.corridors,
-        hardware,
-        waits,
-    );
+    let job = found.job(&sites, hardware, waits);
     let waiting = Waiting::of(&job, &found.schedule);
     let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
     let plain = BuildPlan {
@@ -197,14 +191,7 @@ impl BuildPlan {
         } = it;
         let sites = Sites::of(&union);
         let roles = SiteRoles::of(&sites, &scaffolding);
-        let job = SchedulingJob::new(
-            &sites,
-            &found.disassembly,
-            &found.corridors,
-            hardware,
-            waits,
-        );
-        let job = job.with_roles(&roles);
+        let job = found.job(&sites, hardware, waits).with_roles(&roles);
         let waiting = Waiting::of(&job, &found.schedule);
         let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
         let mut plan = BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed);

@@ -450,9 +450,9 @@ impl ScheduleState<'_> {
     }
 }
 
-/// Looks at the job that a target makes, with one face a block and typical rates.
+/// Looks at the job that a target makes of so many free blocks, with one face a block and typical rates.
 #[cfg(test)]
-fn with_job<T>(target: &crate::Target, look: impl FnOnce(&SchedulingJob<'_>) -> T) -> T {
+fn with_job<T>(target: &crate::Target, free: u32, look: impl FnOnce(&SchedulingJob<'_>) -> T) -> T {
     let sites = Sites::of(target);
     let spaces = [2, 1].map(|side| crate::free_space::FreeSpace::of(&sites, side));
     let keys = vec![0.5; sites.len()];
@@ -462,7 +462,7 @@ fn with_job<T>(target: &crate::Target, look: impl FnOnce(&SchedulingJob<'_>) -> 
     let hardware = Hardware {
         faces: 1,
         attracts_always: false,
-        free: 100,
+        free,
     };
     let law = RateLaw::new(None);
     look(&SchedulingJob::new(

@@ -76,6 +76,18 @@ pub struct FoundSchedule {
     pub is_best: bool,
 }
 
+impl FoundSchedule {
+    /// The job that it is a schedule of.
+    pub fn job<'a>(
+        &'a self,
+        sites: &'a Sites<'a>,
+        hardware: Hardware,
+        waits: &'a RateLaw<'a>,
+    ) -> SchedulingJob<'a> {
+        SchedulingJob::new(sites, &self.disassembly, &self.corridors, hardware, waits)
+    }
+}
+
 /// Ways and the best schedule with them.
 struct ScheduleCandidate {
     /// Keys of the order in which the target was taken apart.
@@ -369,13 +381,7 @@ pub fn adaptive_gap(
         return Ok(None);
     }
     let found = search(&sites, hardware, waits, how)?;
-    let job = SchedulingJob::new(
-        &sites,
-        &found.disassembly,
-        &found.corridors,
-        hardware,
-        waits,
-    );
+    let job = found.job(&sites, hardware, waits);
     let mut heedless = ExactTimes::new(&job, false);
     // Where a plan has narrow ways, others may as well.
     let mut times = ExactTimes::new(&job, found.disassembly.narrow_count() == 0);
@@ -398,7 +404,7 @@ fn branch_and_bound(
     found: &mut FoundSchedule,
 ) -> Result<ScheduleGap, TargetError> {
     let value = |samples: &Samples, found: &FoundSchedule| {
-        let job = SchedulingJob::new(sites, &found.disassembly, &found.corridors, hardware, waits);
+        let job = found.job(sites, hardware, waits);
         value(&job, samples, &found.schedule, search.objective)
     };
     let samples = Samples::new(sites.len(), SMALL_RUNS, search.seed);

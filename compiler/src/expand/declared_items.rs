@@ -1,6 +1,6 @@
 //! Patterns and shapes, by what their names refer to.
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{Item, ItemKind, Pattern, Shape};
+use stochc_grammar::tree::{Item, ItemKind, Name, Pattern, Shape};
 use stochc_grammar::{Symbol, Symbols};
 
 use super::duplicate;
@@ -31,21 +31,20 @@ impl<'a> DeclaredItems<'a> {
         names: &Names,
         symbols: &Symbols,
     ) -> Option<Diagnostic> {
+        let definition = |name: Name| names.definition(file, name.span);
         let (kind, name) = match &item.kind {
-            ItemKind::Pattern(pattern) => (NameKind::Pattern, pattern.name),
-            ItemKind::Shape(shape) => (NameKind::Shape, shape.name),
-            _ => return None,
-        };
-        let definition = names.definition(file, name.span)?;
-        match &item.kind {
             ItemKind::Pattern(pattern) => {
-                self.patterns.insert(definition, (file, pattern));
+                let name = pattern.name;
+                self.patterns.insert(definition(name)?, (file, pattern));
+                (NameKind::Pattern, name)
             }
             ItemKind::Shape(shape) => {
-                self.shapes.insert(definition, (file, shape));
+                let name = shape.name;
+                self.shapes.insert(definition(name)?, (file, shape));
+                (NameKind::Shape, name)
             }
-            _ => {}
-        }
+            _ => return None,
+        };
         let span = name.span;
         let location = SourceLocation { file, span };
         let old = self.locations.insert((kind, name.symbol), location)?;

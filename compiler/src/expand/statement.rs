@@ -202,7 +202,7 @@ impl<'a> Expander<'a, '_> {
     pub fn instance(&mut self, instance: &'a Instance, span: Span) {
         let location = self.location(instance.pattern.span);
         let name = instance.pattern.symbol;
-        let (_, definition) = self.named(instance.pattern);
+        let definition = self.names.definition(self.file, instance.pattern.span);
         let patterns = &self.declared.patterns;
         let Some(&(file, pattern)) = definition.and_then(|it| patterns.get(&it)) else {
             let word = self.symbols.word(name);

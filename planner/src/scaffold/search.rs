@@ -101,13 +101,7 @@ pub fn scaffolded(
     };
     let growth = GrowthSchedule::of(sites, &without.schedule, &Scaffolding::default());
     let samples = study.samples.of(sites);
-    let job = SchedulingJob::new(
-        sites,
-        &without.disassembly,
-        &without.corridors,
-        hardware,
-        waits,
-    );
+    let job = without.job(sites, hardware, waits);
     let estimate = study.estimated(&job, &samples, &without.schedule);
     let value = study.how.value(&estimate, &without.disassembly);
     let mut best: Option<(f64, Scaffolded)> = None;

@@ -293,7 +293,7 @@ mod tests {
             let Some(target) = held(cells, &Plate { width: 2, depth: 1 }) else {
                 return Ok(());
             };
-            with_job(&target, |job| {
+            with_job(&target, 100, |job| {
                 let samples = Samples::new(job.sites.len(), 20, 3);
                 let of = || Branching::new(job, &samples, Objective::Mean, Cancellation::NEVER);
                 let best = of().search(f64::INFINITY, u64::MAX);

@@ -140,15 +140,10 @@ mod tests {
     use stochc_ir::Cell;
     use stochc_ir::table::Plate;
 
+    use super::super::with_job;
     use super::*;
-    use crate::corridor::Corridors;
-    use crate::disassembly::disassemble;
-    use crate::free_space::FreeSpace;
+    use crate::Target;
     use crate::schedule::Priorities;
-    use crate::schedule::SchedulingJob;
-    use crate::sites::Sites;
-    use crate::waits::RateLaw;
-    use crate::{Hardware, Target};
 
     /// What is found of the job of these cells and its listed schedule.
     fn of_job<R>(
@@ -158,21 +153,11 @@ mod tests {
     ) -> R {
         let cells = cells.iter().map(|&(x, y, z)| Cell::new(x, y, z)).collect();
         let target = Target::new(cells, Plate { width: 3, depth: 3 }, None, 300).unwrap();
-        let sites = Sites::of(&target);
-        let spaces = [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
-        let keys = vec![0.5; sites.len()];
-        let disassembly = disassemble(&sites, spaces, &keys, Cancellation::NEVER).unwrap();
-        let corridors = Corridors::of(&sites, &disassembly, Cancellation::NEVER).unwrap();
-        let hardware = Hardware {
-            faces: 1,
-            attracts_always: false,
-            free: 300,
-        };
-        let law = RateLaw::new(None);
-        let job = SchedulingJob::new(&sites, &disassembly, &corridors, hardware, &law);
-        let even = Priorities::even(sites.len());
-        let schedule = job.schedule(&even, Cancellation::NEVER).unwrap();
-        find(&mut ExactTimes::new(&job, keeps_ways), &schedule)
+        with_job(&target, 300, |job| {
+            let even = Priorities::even(job.sites.len());
+            let schedule = job.schedule(&even, Cancellation::NEVER).unwrap();
+            find(&mut ExactTimes::new(job, keeps_ways), &schedule)
+        })
     }
 
     /// The mean times of the best policy, of the best one that is fixed, of the best program and of the listed schedule.

@@ -213,7 +213,7 @@ mod tests {
             let Some(target) = held(cells, &Plate { width: 3, depth: 2 }) else {
                 return Ok(());
             };
-            with_job(&target, |job| {
+            with_job(&target, 100, |job| {
                 prop_assert!(job.has_serial());
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 let mut priorities = Priorities::even(job.sites.len());

@@ -1,7 +1,7 @@
 //! What a program builds, at the end of each phase.
+use stochc_ir::Cell;
 use stochc_ir::palette::{self, LIGHT, Rgb};
 use stochc_ir::structure::{BuiltBlock, BuiltStructure};
-use stochc_ir::{Cell, Face};
 
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, Medium, Paint, Style};
@@ -25,9 +25,9 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
     let blocks = built.phases.iter().flat_map(|phase| &phase.blocks);
     let all = blocks.map(|block| block.cell).chain(ground.iter().copied());
     let corners = all.flat_map(|cell| {
-        VISIBLE
+        SIDES
             .into_iter()
-            .flat_map(move |side| corners(cell, side))
+            .flat_map(move |(_, side)| corners(cell, side))
     });
     let corners: Vec<(f64, f64)> = corners.collect();
     let bounds = |of: fn(&(f64, f64)) -> f64| {
@@ -73,16 +73,12 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
     out.high(height)
 }
 
-/// The sides that are seen, with the light on each.
-const VISIBLE: [Face; 3] = [Face::Up, Face::South, Face::East];
-
-fn light(side: Face) -> f64 {
-    match side {
-        Face::Up => 1.0,
-        Face::South => 0.85,
-        _ => 0.7,
-    }
-}
+/// The sides that are seen, top, south and east: the light on each, and its corners.
+const SIDES: [(f64, [[i32; 3]; 4]); 3] = [
+    (1.0, [[0, 0, 1], [0, 1, 1], [1, 1, 1], [1, 0, 1]]),
+    (0.85, [[0, 0, 1], [1, 0, 1], [1, 0, 0], [0, 0, 0]]),
+    (0.7, [[1, 0, 1], [1, 1, 1], [1, 1, 0], [1, 0, 0]]),
+];
 
 /// Where a point is drawn.
 fn project([x, y, z]: [f64; 3]) -> (f64, f64) {
@@ -90,14 +86,9 @@ fn project([x, y, z]: [f64; 3]) -> (f64, f64) {
 }
 
 /// The corners of a side of a cell's cube.
-fn corners(cell: Cell, side: Face) -> [(f64, f64); 4] {
-    let of = match side {
-        Face::Up => [[0, 0, 1], [0, 1, 1], [1, 1, 1], [1, 0, 1]],
-        Face::South => [[0, 0, 1], [1, 0, 1], [1, 0, 0], [0, 0, 0]],
-        _ => [[1, 0, 1], [1, 1, 1], [1, 1, 0], [1, 0, 0]],
-    };
+fn corners(cell: Cell, side: [[i32; 3]; 4]) -> [(f64, f64); 4] {
     let low = [cell.x, cell.y, cell.z].map(f64::from);
-    of.map(|corner: [i32; 3]| project(std::array::from_fn(|i| low[i] + f64::from(corner[i]))))
+    side.map(|corner| project(std::array::from_fn(|i| low[i] + f64::from(corner[i]))))
 }
 
 /// A block, or one of the plate.
@@ -114,12 +105,12 @@ fn cube(
         _ => (Rgb(0xff, 0xff, 0xff), 0.8),
     };
     let place = |(x, y): (f64, f64)| (x + right, y + down);
-    for side in VISIBLE {
+    for (light, side) in SIDES {
         let style = Style {
             stroke: Some(Paint::Colour(rim)),
             ..Style::line(width)
         };
-        let style = Style::area(colour.shaded(light(side))).then(style);
+        let style = Style::area(colour.shaded(light)).then(style);
         out.polygon(&corners(cell, side).map(place), style);
     }
     if let Some(block) = block {
