@@ -10,7 +10,7 @@ use stochc::exit::Failure;
 use stochc::host::Host as _;
 use stochc::operations::estimate::{Estimating, estimates};
 use stochc::operations::plan::{
-    Budget, PlanOptions, PlanScope, RunEnd, SeedPlate, plan as planned, read,
+    Budget, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, plan as planned, read,
 };
 use stochc::operations::runs::threads;
 use stochc::operations::trade::{keep, measured, memory};
@@ -73,6 +73,7 @@ pub struct PlanRequest {
     dead: Vec<String>,
     shape: Option<String>,
     seed_plate: Option<String>,
+    offset: Option<String>,
     scene: Option<String>,
     imports: Vec<PathBuf>,
     budget: Option<String>,
@@ -93,6 +94,7 @@ pub fn plan(
         let said = |what: &'static str| move |reason| Failure::usage(format!("{what}: {reason}"));
         let seed_plate = asked.seed_plate.as_deref().map(SeedPlate::parse);
         let seed_plate = seed_plate.transpose().map_err(said("seed_plate"))?;
+        let offset = asked.offset.as_deref().map(Offset::parse);
         let budget = asked.budget.as_deref().map(Budget::parse);
         let imports = folders(asked.imports)?;
         let options = PlanOptions {
@@ -107,6 +109,7 @@ pub fn plan(
             ),
             shape: asked.shape.as_deref(),
             seed_plate: seed_plate.as_ref(),
+            offset: offset.transpose().map_err(said("offset"))?,
             scene: asked.scene.as_deref(),
             imports: &imports,
             budget: budget.transpose().map_err(said("budget"))?,

@@ -129,6 +129,7 @@ def plan(
     dead: str | Iterable[str] = (),
     shape: str | None = None,
     seed_plate: str | None = None,
+    offset: str | None = None,
     scene: str | None = None,
     budget: int | str | None = None,
     minimize: Literal["mean", "p90"] = "mean",
@@ -148,6 +149,7 @@ def plan(
         dead: names of blocks that neither capture nor pass messages on any more at the end of the run.
         shape: which shape of the program.
         seed_plate: the plate to build on, such as `"3 x 3 at (1, 1)"`.
+        offset: moves the shape by so many cells to the east and to the north, such as `"2, 1"`.
         scene: the name of the scene to build in.
         budget: how long to look for a better plan: a time (`"10s"`), or a number of tries.
         minimize: the mean time to completion, or that in which nine runs of ten are complete.
@@ -161,9 +163,9 @@ def plan(
         raise UsageError(f"minimize: give 'mean' or 'p90', not {told(minimize)}")
     maybe = _maybe_word
     if _arguments.yes("complete", complete):
-        _alone("complete", run=run, seed_plate=seed_plate, scene=scene, keep_scaffolds=keep_scaffolds or None)
+        _alone("complete", run=run, seed_plate=seed_plate, offset=offset, scene=scene, keep_scaffolds=keep_scaffolds or None)
     if run is not None:
-        _alone("run", seed_plate=seed_plate, keep_scaffolds=keep_scaffolds or None)
+        _alone("run", seed_plate=seed_plate, offset=offset, keep_scaffolds=keep_scaffolds or None)
     elif program is not None or dead:
         raise UsageError("program, dead: they are of a run: give `run` as well")
     if budget is not None and not isinstance(budget, str):
@@ -176,6 +178,7 @@ def plan(
         "dead": _arguments.words("dead", dead),
         "shape": maybe("shape", shape),
         "seed_plate": maybe("seed_plate", seed_plate),
+        "offset": maybe("offset", offset),
         "scene": maybe("scene", scene),
         "imports": _arguments.paths("allow_import", allow_import),
         "budget": maybe("budget", budget),

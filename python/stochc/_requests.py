@@ -63,6 +63,7 @@ class Planned(TypedDict):
     dead: list[str]
     shape: str | None
     seed_plate: str | None
+    offset: str | None
     scene: str | None
     imports: list[str]
     budget: str | None

@@ -64,6 +64,7 @@ def test_strange_options(name: str, tmp_path: Path) -> None:
         lambda it: stochc.sweep(stochc.EXAMPLE, {it: 1}, runs=1, model="shuffle"),
         lambda it: stochc.prepare(stochc.EXAMPLE, "/nowhere/at/all", it),
         lambda it: stochc.plan("examples/open_platform.sa", budget=1, seed_plate=it),
+        lambda it: stochc.plan("examples/open_platform.sa", budget=1, offset=it),
         lambda it: stochc.plan("examples/open_platform.sa", budget=it),
         lambda it: stochc.plan("examples/open_platform.sa", budget=1, keep_scaffolds=it),
     ],

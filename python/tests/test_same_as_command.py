@@ -188,11 +188,11 @@ def test_what_is_missing_is_planned_as_by_the_command(command: Command, tmp_path
 
 
 def test_scaffolds_are_kept_or_taken_down_as_by_the_command(command: Command) -> None:
-    asked = ("examples/planned/serpentine.sa", "--seed-plate", "10 x 2", "--budget", "300")
+    asked = ("examples/planned/serpentine.sa", "--seed-plate", "12 x 2", "--offset", "1, 0", "--budget", "300")
     programs = set()
     for options, keep in [((), False), (("--keep-scaffolds",), True)]:
         told = command("plan", *asked, "--format", "json", "--quiet", *options)
-        planned = stochc.plan(asked[0], seed_plate="10 x 2", budget=300, keep_scaffolds=keep)
+        planned = stochc.plan(asked[0], seed_plate="12 x 2", offset="1, 0", budget=300, keep_scaffolds=keep)
         assert {"program": planned.text, "plan": planned.plan} == json.loads(told.stdout)
         programs.add(planned.text)
     assert len(programs) == 2

@@ -13,7 +13,9 @@ use super::new_file::NewFile;
 use super::results::ResultsFormat;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::plan::{Budget, PlanOptions, PlanScope, RunEnd, SeedPlate, plan, read};
+use crate::operations::plan::{
+    Budget, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, plan, read,
+};
 use crate::planning::Planned;
 
 /// What `plan` is given.
@@ -24,11 +26,11 @@ pub struct Options {
     #[arg(value_name = "TARGET")]
     target: String,
     /// Complete the program: plan what is missing where a phase claims a shape that it does not build
-    #[arg(long, conflicts_with_all = ["run", "seed_plate", "scene", "keep_scaffolds"])]
+    #[arg(long, conflicts_with_all = ["run", "seed_plate", "offset", "scene", "keep_scaffolds"])]
     complete: bool,
     /// Plan the rest of run N of a results folder: what stands at its end is attached by hand in the program, and what does not belong to
     /// the shape is let go
-    #[arg(long, value_name = "N", conflicts_with_all = ["seed_plate", "keep_scaffolds"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["seed_plate", "offset", "keep_scaffolds"])]
     run: Option<u64>,
     /// Name of the program of the run; needed if the folder holds several
     #[arg(long, value_name = "NAME", requires = "run")]
@@ -43,6 +45,9 @@ pub struct Options {
     /// [default: that of the assembly which claims the shape, or the smallest plate under the shape]
     #[arg(long, value_name = "PLATE", value_parser = SeedPlate::parse)]
     seed_plate: Option<SeedPlate>,
+    /// Move the shape by so many cells to the east and to the north on the plate, such as `2, 1`
+    #[arg(long, value_name = "X, Y", value_parser = Offset::parse, allow_hyphen_values = true)]
+    offset: Option<Offset>,
     /// Scene to build in [default: that of the assembly which claims the shape]
     #[arg(long, value_name = "NAME")]
     scene: Option<String>,
@@ -102,6 +107,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         ),
         shape: options.shape.as_deref(),
         seed_plate: options.seed_plate.as_ref(),
+        offset: options.offset,
         scene: options.scene.as_deref(),
         imports: &options.imports.folders,
         budget: options.budget,

@@ -188,6 +188,22 @@ impl Goal {
         })
     }
 
+    /// The same shape so many cells further east and north; `None`: there are no such cells.
+    pub fn moved(self, east: i32, north: i32) -> Option<Goal> {
+        let moved = |cell: &Cell| {
+            let (x, y) = (cell.x.checked_add(east)?, cell.y.checked_add(north)?);
+            Some(Cell::new(x, y, cell.z))
+        };
+        let cells: Vec<Cell> = self.cells.iter().map(moved).collect::<Option<_>>()?;
+        Some(Goal {
+            plate: self.plate,
+            seeds: self.seeds,
+            scene: self.scene,
+            scenes: self.scenes,
+            ..Goal::of_cells(&self.name, cells)
+        })
+    }
+
     /// Builds it in a scene of this name, which the text declares.
     pub fn declare_scene(&mut self, name: &str, text: &str) {
         self.scene = Some(name.to_owned());

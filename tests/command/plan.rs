@@ -159,6 +159,16 @@ fn shapes_plates_and_scenes_are_chosen() {
         (1, true),
         "{told}"
     );
+    let said = stochc_with(
+        "plan --quiet --shape two --seed-plate",
+        &["3 x 3 at (2, 1)", "--offset", "2, 1", &target],
+    );
+    assert_eq!(said.status, 0, "{}", said.err);
+    for part in ["P[2, 1] at (2, 1)", "shape two at (2, 1)", "B[2, 1, 1]"] {
+        assert!(said.out.contains(part), "{part}: {}", said.out);
+    }
+    let said = stochc_with("plan --quiet --shape two --offset -1,0", &[&target]);
+    assert_eq!(said.status, 1, "{}", said.err);
     let (status, told) = wrong("plan --quiet --shape two --scene nowhere", &[&target]);
     assert_eq!(
         (status, told.contains("no scene is called `nowhere`")),
@@ -169,6 +179,9 @@ fn shapes_plates_and_scenes_are_chosen() {
         "--budget 0",
         "--budget soon",
         "--seed-plate 3",
+        "--offset 3",
+        "--complete --offset 1,1",
+        "--run 1 --offset 1,1",
         "--minimize most",
     ] {
         assert_eq!(

@@ -1,5 +1,6 @@
 //! From a shape to a program that builds it.
 mod budget;
+mod offset;
 mod rest;
 mod seed_plate;
 mod target;
@@ -22,6 +23,7 @@ use crate::planning::{Completion, Goal, Planned, Unplanned};
 use crate::progress::WorkProgress;
 
 pub use budget::Budget;
+pub use offset::Offset;
 pub use rest::RunEnd;
 pub use seed_plate::SeedPlate;
 
@@ -36,6 +38,8 @@ pub struct PlanOptions<'a> {
     pub shape: Option<&'a str>,
     /// The plate to build on; `None`: that of the target.
     pub seed_plate: Option<&'a SeedPlate>,
+    /// How far the shape is moved from where the target has it.
+    pub offset: Option<Offset>,
     /// The scene to build in; `None`: that of the target.
     pub scene: Option<&'a str>,
     /// Folders from which the program may import as well.
@@ -57,7 +61,7 @@ pub struct PlanOptions<'a> {
 /// # Errors
 /// If the target cannot be read, or is none.
 fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    let goal = placed(target::read(options, host)?, options);
+    let goal = placed(target::read(options, host)?, options)?;
     match options.scene.filter(|scene| !goal.knows_scene(scene)) {
         None => Ok(goal),
         Some(scene) => Err(Failure::usage(format!(
@@ -67,8 +71,15 @@ fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     }
 }
 
-/// The same on the plate and in the scene that are chosen.
-fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Goal {
+/// The same at the place, on the plate and in the scene that are chosen.
+///
+/// # Errors
+/// If a cell would have no place.
+fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
+    if let Some(Offset { east, north }) = options.offset {
+        goal = (goal.moved(east, north))
+            .ok_or_else(|| Failure::usage("--offset: the shape would be too far from the plate"))?;
+    }
     if let Some(plate) = options.seed_plate {
         goal.plate = Some(plate.plate.clone());
         goal.seeds = plate.seeds.clone();
@@ -76,7 +87,7 @@ fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Goal {
     if let Some(scene) = options.scene {
         goal.scene = Some(scene.to_owned());
     }
-    goal
+    Ok(goal)
 }
 
 #[expect(
@@ -210,7 +221,7 @@ fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
     let mut failure = refused(options.target, &error.to_string());
     if let Some(help) = error.help() {
         let option = match (error, options.extent) {
-            (TargetError::Loose(_), PlanScope::Whole) => " (`--seed-plate`)",
+            (TargetError::Loose(_), PlanScope::Whole) => " (`--seed-plate`, `--offset`)",
             (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
                 " (`--scene`)"
             }

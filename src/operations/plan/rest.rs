@@ -95,10 +95,12 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         ));
     }
     let goal = Goal::of_end(&checked, program, options.shape);
-    goal.and_then(|mut goal| {
+    let goal = goal.and_then(|mut goal| {
         goal.stand_on(&structure, &dead)?;
         Ok(goal)
-    })
-    .map(|goal| placed(goal, options))
-    .map_err(|reason| refused(options.target, &reason))
+    });
+    placed(
+        goal.map_err(|reason| refused(options.target, &reason))?,
+        options,
+    )
 }
