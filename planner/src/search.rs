@@ -7,15 +7,16 @@ use stochc_grammar::Cancellation;
 use crate::corridor::Corridors;
 use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
+use crate::hardware::Hardware;
 use crate::makespan::{Objective, PlanEstimate, Samples};
-use crate::schedule::{
-    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Priorities, Schedule,
-    SchedulingJob, WAIT, estimated, value,
+use crate::schedule::Schedule;
+use crate::scheduling::{
+    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Priorities, SchedulingJob,
+    WAIT, estimated, value,
 };
 use crate::sites::Sites;
-use crate::waiting::Waiting;
 use crate::waits::RateLaw;
-use crate::{Hardware, Target, TargetError};
+use crate::{Target, TargetError};
 
 /// How to look for a plan.
 #[derive(Clone, Copy)]
@@ -194,7 +195,7 @@ fn heuristic(
         let corridors = Corridors::of(sites, &disassembly, wanted)?;
         let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);
         let schedule = job.schedule(&priorities, wanted)?;
-        let waiting = Waiting::of(&job, &schedule);
+        let waiting = job.waiting(&schedule);
         let scheduled = PrioritizedSchedule {
             estimate: estimated(&job, &samples, &schedule, &waiting),
             priorities,
@@ -473,7 +474,7 @@ pub fn improved(
     rng: &mut ChaCha8Rng,
 ) -> (PrioritizedSchedule, u64) {
     let value = |of: &PrioritizedSchedule| of.estimate.of(search.objective);
-    let waiting = Waiting::of(job, &best.schedule);
+    let waiting = job.waiting(&best.schedule);
     let mut critical = samples.criticality(&best.schedule, &waiting);
     let mut current = best.clone();
     let from = rounds;
@@ -488,7 +489,7 @@ pub fn improved(
             Ok(None) => continue,
             Err(_) => break,
         };
-        let waiting = Waiting::of(job, &schedule);
+        let waiting = job.waiting(&schedule);
         let other = PrioritizedSchedule {
             estimate: estimated(job, samples, &schedule, &waiting),
             priorities,
