@@ -1,4 +1,6 @@
 //! Units as people write them.
+use stochc_grammar::tree::Quantity;
+use stochc_ir::scene::units::{self, Dimension};
 use stochc_ir::suggest::{Suggestion, nearest};
 
 /// What a unit may be made of, for suggestions.
@@ -32,6 +34,13 @@ const NAMES: [(&str, &[&str]); 13] = [
     ("L", &["liter", "liters", "litre", "litres"]),
     ("deg", &["degree", "degrees"]),
 ];
+
+/// A value in SI units, with its dimension.
+pub fn to_si(quantity: &Quantity) -> (f64, Dimension) {
+    let factors = quantity.unit.iter();
+    let factors = factors.map(|factor| (factor.symbol.as_str(), factor.power));
+    units::to_si(quantity.value, factors)
+}
 
 /// The unit that a word is probably meant to be.
 pub fn unit_meant(word: &str) -> Option<Suggestion> {
