@@ -10,7 +10,8 @@ use crate::makespan::{PlanEstimate, Samples};
 use crate::scaffold::{Dismantling, SitePart, SiteRoles};
 use crate::scaffold_search::{Scaffolded, has_place, scaffolded};
 use crate::schedule::Schedule;
-use crate::search::{PlanSearch, search};
+use crate::scheduling::SchedulingJob;
+use crate::search::{FoundSchedule, PlanSearch, search};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
@@ -83,12 +84,9 @@ pub fn plan(
     };
     let found = search(&sites, hardware, waits, plain)?;
     let job = found.job(&sites, hardware, waits);
-    let waiting = job.waiting(&found.schedule);
-    let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
     let plain = BuildPlan {
-        rounds: found.rounds,
         is_best: found.is_best,
-        ..BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed)
+        ..BuildPlan::of_found(&job, &found, how.seed)
     };
     let scaffolded = match has_place(target) {
         true => scaffolded(&sites, &found, hardware, waits, how),
@@ -133,15 +131,12 @@ impl BuildPlan {
         let sites = Sites::of(&union);
         let roles = SiteRoles::of(&sites, &scaffolding);
         let job = found.job(&sites, hardware, waits).with_roles(&roles);
-        let waiting = job.waiting(&found.schedule);
-        let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
-        let mut plan = BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed);
+        let mut plan = BuildPlan::of_found(&job, &found, how.seed);
         for capture in &mut plan.captures {
             capture.is_temporary = matches!(roles.part(sites.at(capture.cell)), SitePart::Mast(_));
         }
         let rest = plan.captures.split_off(found.schedule.first_phase);
         BuildPlan {
-            rounds: found.rounds,
             dismantling: Some(Dismantling::of(&scaffolding, rest, how.keeps_scaffolds)),
             ..plan
         }
@@ -162,6 +157,17 @@ impl BuildPlan {
             .collect();
         cells.sort_unstable();
         cells
+    }
+
+    /// The schedule that was found for a job.
+    fn of_found(job: &SchedulingJob<'_>, found: &FoundSchedule, seed: u64) -> BuildPlan {
+        let schedule = &found.schedule;
+        let waiting = job.waiting(schedule);
+        let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
+        BuildPlan {
+            rounds: found.rounds,
+            ..BuildPlan::of(job.sites, job.hardware, schedule, &waiting, ways, seed)
+        }
     }
 
     /// A schedule; of its ways in, what lies in that of each site, and how its block comes to it.

@@ -150,6 +150,18 @@ impl<'a> SchedulingJob<'a> {
         self.sites.next(site, way.opposite())
     }
 
+    /// Whether a block may come to a site by a way: along its corridor, towards the plate or what `holds`.
+    fn is_way(&self, site: u32, way: Face, holds: impl FnOnce(u32) -> bool) -> bool {
+        let along = self.corridors.along[site as usize];
+        if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
+            return false;
+        }
+        match self.parent(site, way) {
+            NONE => way == Face::Up && self.sites.is_on_seed(site),
+            parent => !self.sites.is_inert(parent) && holds(parent),
+        }
+    }
+
     /// What ways into a site are compared by: a wait, and whether it goes on straight \[ticks\].
     fn price(&self, schedule: &Schedule, site: u32, way: Face, wait: f32) -> f32 {
         let parent = self.parent(site, way);
@@ -373,25 +385,21 @@ impl ScheduleState<'_> {
             is_first: now == 0.0 && job.sites.existing_count() == 0,
         };
         let only = job.roles.and_then(|roles| roles.way(site));
-        let along = job.corridors.along[site as usize];
         let is_own = move |parent: u32| match &self.phase {
             Some(phase) => only.is_some() || phase.is_own(parent),
             None => true,
         };
-        let holds = move |way: &Face| match job.parent(site, *way) {
-            _ if only.is_some_and(|only| only != *way) => false,
-            _ if along.is_some_and(|axis| *way != axis && *way != axis.opposite()) => false,
-            NONE => *way == Face::Up && job.sites.is_on_seed(site),
-            parent => {
-                self.state[parent as usize] == SiteState::Anchored
-                    && !job.sites.is_inert(parent)
-                    && is_own(parent)
-                    && self.open_faces[parent as usize] < job.hardware.faces
-            }
+        let holds = move |parent: u32| {
+            self.state[parent as usize] == SiteState::Anchored
+                && is_own(parent)
+                && self.open_faces[parent as usize] < job.hardware.faces
+        };
+        let is_way = move |way: &Face| {
+            only.is_none_or(|only| only == *way) && job.is_way(site, *way, &holds)
         };
         let crowding = job.crowding();
         let may_open = move |way: &Face| crowding.may_open(site, *way, |near| self.open_way(near));
-        let ways = Face::ALL.into_iter().filter(holds).filter(may_open);
+        let ways = Face::ALL.into_iter().filter(is_way).filter(may_open);
         ways.map(move |way| (way, job.waits.mean(cell, way, moment, stands) as f32))
     }
 

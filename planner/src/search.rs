@@ -89,6 +89,37 @@ impl FoundSchedule {
     }
 }
 
+/// Where cubes of two sides and of one come to before anything is built.
+struct Spaces<'a> {
+    sites: &'a Sites<'a>,
+    wide: FreeSpace,
+    narrow: FreeSpace,
+}
+
+impl<'a> Spaces<'a> {
+    fn of(sites: &'a Sites<'a>) -> Spaces<'a> {
+        Spaces {
+            sites,
+            wide: FreeSpace::of(sites, 2),
+            narrow: FreeSpace::of(sites, 1),
+        }
+    }
+
+    /// Ways in, by the keys of the order in which the target is taken apart, and what waits so that they stay open.
+    fn ways(
+        &self,
+        keys: &[f32],
+        has_gaps: bool,
+        wanted: Cancellation<'_>,
+    ) -> Result<(Disassembly, Corridors), TargetError> {
+        let wide = self.wide.clone().with_gaps(has_gaps);
+        let spaces = [wide, self.narrow.clone()];
+        let disassembly = disassemble(self.sites, spaces, keys, wanted)?;
+        let corridors = Corridors::of(self.sites, &disassembly, wanted)?;
+        Ok((disassembly, corridors))
+    }
+}
+
 /// Ways and the best schedule with them.
 struct ScheduleCandidate {
     /// Keys of the order in which the target was taken apart.
@@ -184,15 +215,13 @@ fn heuristic(
 ) -> Result<FoundSchedule, TargetError> {
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
-    let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
+    let spaces = Spaces::of(sites);
     let candidate = |order: Vec<f32>,
                      priorities: Priorities,
                      has_gaps: bool,
                      wanted: Cancellation<'_>|
      -> Result<ScheduleCandidate, TargetError> {
-        let [wide, narrow] = spaces.clone();
-        let disassembly = disassemble(sites, [wide.with_gaps(has_gaps), narrow], &order, wanted)?;
-        let corridors = Corridors::of(sites, &disassembly, wanted)?;
+        let (disassembly, corridors) = spaces.ways(&order, has_gaps, wanted)?;
         let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);
         let schedule = job.schedule(&priorities, wanted)?;
         let waiting = job.waiting(&schedule);
@@ -414,16 +443,13 @@ fn branch_and_bound(
     let mut left = (search.rounds.saturating_mul(FACES_PER_ROUND)).min(MOST_FACES);
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let mut tried: Vec<Vec<Vec<u32>>> = Vec::new();
+    let spaces = Spaces::of(sites);
     for variant in 0..ALL_VARIANTS {
         let (disassembly, corridors) = match variant {
             0 => (found.disassembly.clone(), found.corridors.clone()),
             _ => {
-                let wide = FreeSpace::of(sites, 2).with_gaps(takes_gaps(waits, variant));
-                let spaces = [wide, FreeSpace::of(sites, 1)];
                 let keys: Vec<f32> = (0..sites.len()).map(|_| rng.random()).collect();
-                let disassembly = disassemble(sites, spaces, &keys, search.cancellation)?;
-                let corridors = Corridors::of(sites, &disassembly, search.cancellation)?;
-                (disassembly, corridors)
+                spaces.ways(&keys, takes_gaps(waits, variant), search.cancellation)?
             }
         };
         if disassembly.narrow_count() > found.disassembly.narrow_count()

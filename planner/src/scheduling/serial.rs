@@ -88,19 +88,8 @@ impl SchedulingJob<'_> {
 impl SerialState<'_> {
     /// The ways into a site from what has been placed.
     fn ways(&self, site: u32) -> impl Iterator<Item = Face> {
-        let job = self.job;
-        let along = job.corridors.along[site as usize];
-        Face::ALL.into_iter().filter(move |&way| {
-            if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
-                return false;
-            }
-            match job.parent(site, way) {
-                NONE => way == Face::Up && job.sites.is_on_seed(site),
-                parent => {
-                    self.schedule.rank[parent as usize] != NONE && !job.sites.is_inert(parent)
-                }
-            }
-        })
+        let holds = |parent: u32| self.schedule.rank[parent as usize] != NONE;
+        (Face::ALL.into_iter()).filter(move |&way| self.job.is_way(site, way, holds))
     }
 
     fn may_be_placed(&self, site: u32) -> bool {
