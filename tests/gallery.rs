@@ -1,8 +1,6 @@
 //! docs/diagnostics.md: every finding, with a program that has it and the message as it is drawn.
-#![allow(
-    clippy::disallowed_methods,
-    reason = "the test compares a page of the documentation with what it should be, or writes it"
-)]
+mod pages;
+
 use std::fmt::Write as _;
 
 use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer, Severity};
@@ -11,9 +9,6 @@ use stochc::ir::table::{Action, Tables};
 use stochc_grammar::{SyntaxError, SyntaxErrorKind};
 
 const PAGE: &str = "docs/diagnostics.md";
-
-/// The variable that lets the test write the page instead of comparing it.
-const SWITCH: &str = "STOCHC_WRITE_DOCS";
 
 const HEAD: &str = "\
 # Every finding
@@ -267,15 +262,5 @@ fn every_finding_is_in_the_gallery_as_it_is_told() {
     for &code in Code::ALL {
         assert!(page.contains(&format!("\n### {code}\n")), "{code}");
     }
-    if std::env::var_os(SWITCH).is_some() {
-        std::fs::write(PAGE, &page).unwrap();
-    }
-    let known = std::fs::read_to_string(PAGE).unwrap_or_default();
-    for (number, (new, old)) in page.lines().zip(known.lines()).enumerate() {
-        assert_eq!(new, old, "{PAGE}:{}; {SWITCH}=1 writes it anew", number + 1);
-    }
-    assert!(
-        page == known,
-        "{PAGE} has another end; {SWITCH}=1 writes it anew"
-    );
+    pages::assert_page(PAGE, &page);
 }

@@ -1,8 +1,6 @@
 //! The language reference: its examples are right programs, and its table of scenes is that of the schema.
-#![allow(
-    clippy::disallowed_methods,
-    reason = "the test compares a page of the documentation with what it should be, or writes it"
-)]
+mod pages;
+
 use stochc::compiler::scene::BUILT_IN;
 use stochc::compiler::{Checked, Limits, check};
 use stochc::diagnostics::{Format, show};
@@ -47,7 +45,7 @@ fn the_table_of_scenes_is_that_of_the_schema() {
     for clause in &CLAUSES {
         clause.rows(0, &mut table);
     }
-    is_in("docs/language.md", REFERENCE, &table);
+    pages::assert_table("docs/language.md", &table);
 }
 
 /// Likewise.
@@ -61,25 +59,7 @@ fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
         let range = number.range.rule();
         table += &format!("| `{name}` | {short} | {range} | {} |\n", number.meaning);
     }
-    is_in("docs/sweep.md", include_str!("../docs/sweep.md"), &table);
-}
-
-/// Holds the table of a page with the same head against what it should be, or writes it.
-fn is_in(path: &str, page: &str, table: &str) {
-    let head = table.lines().next().expect("a head");
-    let start = page.find(head).expect("a table with this head");
-    let end = page[start..].find("\n\n").expect("an end of the table");
-    let end = start + end + 1;
-    if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
-        let page = [&page[..start], table, &page[end..]].concat();
-        std::fs::write(path, page).unwrap();
-    } else {
-        assert_eq!(
-            &page[start..end],
-            table,
-            "write it with STOCHC_WRITE_DOCS=1 cargo test --test language"
-        );
-    }
+    pages::assert_table("docs/sweep.md", &table);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //!
 //! The page of the results is written anew with `STOCHC_WRITE_DOCS=1 cargo test --test verification`.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+mod pages;
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -177,11 +178,7 @@ fn proof_and_execution_agree_on_every_program() {
         "\n{} programs: {right} are right and end in every order, {wrong} are wrong and can wait for ever.",
         cases.len(),
     );
-    if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
-        std::fs::write(PAGE, &page).unwrap();
-    }
-    let written = std::fs::read_to_string(PAGE).unwrap();
-    assert_eq!(written, page, "write it anew with STOCHC_WRITE_DOCS=1");
+    pages::assert_page(PAGE, &page);
 }
 
 /// An execution that could not fail would prove nothing.

@@ -1,10 +1,11 @@
 //! A program with all its safe fixes.
 use std::sync::Arc;
 
+use crate::checked::Checked;
 use crate::diagnostic::TextChange;
 use crate::lint_levels::LintLevels;
-use crate::load::Reader;
-use crate::program::{Checked, check_with};
+use crate::program::check_with;
+use crate::reader::Reader;
 use crate::{FileId, Limits, trial};
 
 /// Rounds of checking and changing, at most: each change may make room for another.

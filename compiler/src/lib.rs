@@ -18,6 +18,7 @@
 //! assert!(checked.has_errors() && checked.programs[0].tables.is_none());
 //! ```
 mod capacity;
+mod checked;
 pub mod cost;
 pub mod diagnostic;
 pub mod emit;
@@ -36,6 +37,7 @@ pub mod order;
 pub mod plan;
 mod program;
 mod reach;
+mod reader;
 pub mod scene;
 mod scenes;
 mod shape;
@@ -43,16 +45,17 @@ mod source;
 pub mod source_map;
 mod trial;
 pub mod turns;
+mod units;
 mod unplanned_bonds;
 mod unused;
 
+pub use checked::{Checked, Program};
 pub use expand::{Limits, MAX_NESTING};
 pub use fix::{Fixed, fix};
 pub use lint_levels::{Allowed, Level, LintLevels};
-pub use load::{Module, Reader, join as join_import};
-pub use program::{
-    Checked, Program, Stage, check, check_cancellable, check_changed, check_observed, check_with,
-};
+pub use load::{Module, join as join_import};
+pub use program::{Stage, check, check_cancellable, check_changed, check_observed, check_with};
+pub use reader::Reader;
 pub use shape::cells as shape_cells;
 pub use source::{FileId, SourceFile, SourceLocation, Sources};
 pub use stochc_grammar::{Cancellation, Cancelled, Span, Symbols};

@@ -5,27 +5,8 @@ use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols, parse_cance
 use stochc_ir::visible;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, removal, report};
+use crate::reader::Reader;
 use crate::{FileId, SourceLocation, Sources};
-
-/// Reads files for the compiler, which does no IO of its own.
-pub trait Reader {
-    /// The bytes of a file, or why they cannot be had, in the words of the system.
-    ///
-    /// `path` is the program's own path joined with that of the import, with `/` between folders.
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, String>;
-
-    /// The folder within which imports stay, if a file that is imported lies outside of it and is not to be read.
-    fn outside(&mut self, path: &str) -> Option<String> {
-        let _ = path;
-        None
-    }
-}
-
-impl<F: FnMut(&str) -> Result<Vec<u8>, String>> Reader for F {
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
-        self(path)
-    }
-}
 
 /// One parsed file.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use stochc_ir::table::{Plate, RoleId};
 use stochc_ir::{Cell, Face};
 
 use crate::SourceLocation;
-use crate::scene::to_si;
+use crate::units::to_si;
 
 /// A program, written out.
 #[derive(Clone, Debug)]

@@ -4,79 +4,23 @@ use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::{BondKind, Scene};
-use stochc_ir::table::Tables;
 use stochc_rates::Rates;
 
+use crate::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};
 use crate::expand::{
     Declarations, DeclaredItems, ExpansionBounds, Limits, duplicate, expand, expand_aggregate,
 };
-use crate::graph::{self, DependencyGraph};
-use crate::layout::Layout;
-use crate::lint_levels::{Allowed, FileLevels, LintLevels};
-use crate::load::{Loaded, Module, Reader, load};
+use crate::lint_levels::{FileLevels, LintLevels};
+use crate::load::{Loaded, load};
 use crate::names::{Keep, Names};
-use crate::order::{self, Order};
 use crate::plan::ProgramPlan;
+use crate::reader::Reader;
 use crate::scenes::Scenes;
 use crate::{
-    FileId, SourceLocation, Sources, capacity, layout, liveness, lower, reach, scene, shape, trial,
-    turns, unplanned_bonds, unused,
+    FileId, SourceLocation, Sources, capacity, graph, layout, liveness, lower, order, reach, scene,
+    shape, trial, turns, unplanned_bonds, unused,
 };
-
-/// Everything that is known of a file after looking at all of it.
-#[derive(Debug)]
-pub struct Checked {
-    /// The texts, for showing findings.
-    pub sources: Sources,
-    /// What is wrong or suspicious: by file and place, each once.
-    pub diagnostics: Vec<Diagnostic>,
-    /// What is suspicious and allowed to be.
-    pub allowed: Vec<Allowed>,
-    /// The tree of the file itself; empty if it cannot be read.
-    pub tree: Tree,
-    /// The files it imports, in the order of reading.
-    pub imports: Vec<Module>,
-    /// The words of the trees and plans.
-    pub symbols: Symbols,
-    /// The assemblies and aggregates of the file itself, in source order.
-    pub programs: Vec<Program>,
-}
-
-/// One assembly or aggregate, as far as it makes sense.
-#[derive(Debug)]
-pub struct Program {
-    /// Written out.
-    pub plan: ProgramPlan,
-    /// The world it runs in; `None` if that is wrong.
-    pub scene: Option<Scene>,
-    /// Where every block sits.
-    pub layout: Layout,
-    /// What waits for what.
-    pub graph: DependencyGraph,
-    /// An order of it; `None` if there is a cycle.
-    pub order: Option<Order>,
-    /// What every block knows; `None` unless everything is right.
-    pub tables: Option<Tables>,
-    /// The tables of a program that is right but for circles and cells out of reach: to show how
-    /// it gets stuck, not to be run.
-    pub stuck: Option<Tables>,
-}
-
-impl Checked {
-    /// The trees of all files: imported ones before those that import them, the file's own last.
-    pub fn trees(&self) -> impl Iterator<Item = (FileId, &Tree)> {
-        let imports = self.imports.iter();
-        // The file itself is read first.
-        let own = (!self.sources.files().is_empty()).then_some((FileId(0), &self.tree));
-        imports.map(|module| (module.file, &module.tree)).chain(own)
-    }
-
-    /// Whether anything is wrong, not merely suspicious.
-    pub fn has_errors(&self) -> bool {
-        self.diagnostics.iter().any(Diagnostic::is_error)
-    }
-}
 
 /// A step of the pipeline, in the order of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -8,9 +8,9 @@ use std::collections::{BTreeSet, VecDeque};
 use rustc_hash::FxHashMap;
 use stochc_grammar::Cancelled;
 
+use crate::checked::Checked;
 use crate::diagnostic::{Code, Diagnostic, Severity, TextChange};
-use crate::load::Reader;
-use crate::program::Checked;
+use crate::reader::Reader;
 use crate::{FileId, Sources};
 
 /// Further checks of one program, at most.

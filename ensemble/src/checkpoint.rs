@@ -23,12 +23,10 @@ use stochc_ir::state::StateWriter;
 use stochc_runtime::Save;
 
 use super::clock;
+use super::file_names::{CHECKPOINTS, DAMAGED};
+use super::health::{FileHealth, Health};
 use super::text::{duration, visible};
-use super::verify::{DAMAGED, FileHealth, Health};
 use super::{Manifest, this_build};
-
-/// The folder within a folder of results for checkpoints.
-pub const CHECKPOINTS: &str = "checkpoints";
 
 /// Of the file.
 const VERSION: u32 = 2;
@@ -288,7 +286,7 @@ impl Checkpoints {
             run,
             tick,
         };
-        draft.write_all(super::journal::line(&header).as_bytes())?;
+        draft.write_all(super::journal_line::line(&header).as_bytes())?;
         save(&mut StateWriter::new(&mut draft)).map_err(io::Error::other)?;
         let (mut draft, signature) = draft.finish();
         draft.write_all(&signature)?;

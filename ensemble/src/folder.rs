@@ -26,20 +26,19 @@ use stochc_files::disk;
 use stochc_files::disk::Lock;
 
 use super::build::{UNKNOWN, other_build};
-use super::checkpoint::{self, CHECKPOINTS, Checkpoints, Interval};
-use super::folder_checksums::{CHECKSUMS_FILE, FolderChecksums};
+use super::checkpoint::{self, Checkpoints, Interval};
+use super::file_names::{CHECKPOINTS, CHECKSUMS_FILE, JOURNAL, MANIFEST, RECORDINGS, SHARDS_FILE};
+use super::finished::Finished;
+use super::folder_checksums::FolderChecksums;
 use super::folder_error::FolderError;
-use super::journal::{self, Finished, Journal, JournalError, JournalHeader};
+use super::journal::{self, Journal, JournalHeader};
+use super::journal_error::JournalError;
+use super::line_location::LineLocation;
 use super::manifest::{Manifest, OLDEST};
 use super::parquet;
-use super::records::{LineLocation, Records};
-use super::shards::SHARDS_FILE;
+use super::records::Records;
 
-pub(super) const MANIFEST: &str = "manifest.json";
-pub(super) const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = ".lock";
-/// The folder within it for recordings.
-pub const RECORDINGS: &str = "recordings";
 
 /// A results folder that belongs to this process until it is dropped.
 #[derive(Debug)]

@@ -9,8 +9,7 @@ use stochc_files::budget::CHECKSUMS;
 use stochc_files::checksum::{self, LineIntegrity, Sum, mended, of_file};
 use stochc_files::{open, read_file};
 
-/// Its name.
-pub(super) const CHECKSUMS_FILE: &str = "checksums.json";
+use super::file_names::CHECKSUMS_FILE;
 
 /// Checksums of files.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use stochc_files::shell::file as shell_file;
 
-use super::folder::MANIFEST;
-use super::journal::JournalError;
+use super::file_names::MANIFEST;
+use super::journal_error::JournalError;
 
 /// Why a folder was refused.
 #[derive(Debug, thiserror::Error)]

@@ -18,34 +18,17 @@ use stochc_files as files;
 use stochc_files::File;
 use stochc_files::budget::{self, JOURNAL as JOURNAL_BUDGET};
 use stochc_files::checksum::{self, LineIntegrity};
-use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::record::Outcome;
 
+use super::finished::Finished;
+use super::journal_error::JournalError;
+use super::journal_line::{line, read_line};
 use super::record_validation::inconsistency;
-use super::records::{LineLocation, Records};
+use super::records::Records;
 use super::{EnsembleProgram, Manifest};
 
 /// What a loss of power may cost: the runs finished during this time. A kill costs none.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
-
-/// A run of one of the ensemble's programs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Finished {
-    /// An index into the manifest's programs.
-    pub program: usize,
-    /// How it went.
-    pub record: RunRecord,
-}
-
-impl Finished {
-    pub(crate) fn at(&self, file: u32, at: u64) -> LineLocation {
-        LineLocation {
-            program: u32::try_from(self.program).expect("a manifest has few programs"),
-            run: self.record.run,
-            file,
-            at,
-        }
-    }
-}
 
 /// Version of the layout of a journal: in 1 lines had no checksums.
 const JOURNAL: u32 = 2;
@@ -95,25 +78,6 @@ pub(super) struct PieceHeader {
     pub runs: u64,
     /// The build that made it.
     pub build: String,
-}
-
-/// Why a journal cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum JournalError {
-    /// Its first line names another ensemble, or is no such line.
-    #[error(
-        "`journal.jsonl` does not belong to `manifest.json` beside it; \
-         move both to where they came from, or choose another folder; if one is damaged, `stochc verify --repair` may help"
-    )]
-    Foreign,
-    /// Somebody has written to it while it was read.
-    #[error(
-        "`journal.jsonl` has changed while it was read; do this again when nobody writes to the folder"
-    )]
-    Changed,
-    /// It could not be read or written.
-    #[error("cannot keep finished runs in `journal.jsonl`: {0}")]
-    Io(#[from] io::Error),
 }
 
 /// A journal that is open for appending; dropping it without [`Journal::close`] may lose its end with the power.
@@ -272,25 +236,6 @@ pub(super) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
     Ok(header.filter(|_| checksum::check(line) == LineIntegrity::Sound))
 }
 
-/// Reads a line again that has been sound, and how many bytes it has; `line` is where it is kept meanwhile.
-///
-/// # Errors
-/// [`JournalError::Changed`] where it is no such line.
-pub(super) fn read_at(
-    file: &mut impl BufRead,
-    most: u64,
-    line: &mut Vec<u8>,
-) -> Result<(Finished, u64), JournalError> {
-    line.clear();
-    let bytes = read_line(file, most, line)?;
-    let text = line.strip_suffix(b"\n").ok_or(JournalError::Changed)?;
-    if checksum::check(text) == LineIntegrity::Damaged {
-        return Err(JournalError::Changed);
-    }
-    let finished = serde_json::from_slice(text).map_err(|_| JournalError::Changed)?;
-    Ok((finished, bytes))
-}
-
 /// The run of a line, or what is wrong with it.
 pub(super) fn run(line: &[u8], is_sealed: bool, manifest: &Manifest) -> Result<Finished, String> {
     let damaged = || "is damaged".to_owned();
@@ -349,21 +294,6 @@ pub(super) fn salvaged(
 pub(super) fn most_line(manifest: &Manifest) -> u64 {
     let captures = manifest.programs.iter().map(EnsembleProgram::captures);
     budget::record(captures.max().unwrap_or(0))
-}
-
-/// Reads the next line with its end, or what there is of it; how many bytes.
-///
-/// # Errors
-/// Those of the file, and of a line of `most` bytes.
-fn read_line(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
-    let count = file.take(most).read_until(b'\n', line)? as u64;
-    match count < most {
-        true => Ok(count),
-        false => {
-            let size = budget::size(most);
-            Err(budget::too_large(&format!("a line of {size} or more")))
-        }
-    }
 }
 
 impl Journal {
@@ -444,12 +374,6 @@ impl Journal {
         synced.unwrap_or_else(|_| Err(io::Error::other("the writer panicked")))?;
         Ok(self.file.sync_all()?)
     }
-}
-
-/// A line of a journal, with its checksum.
-pub(super) fn line(of: &impl Serialize) -> String {
-    let json = serde_json::to_string(of).expect("a record is plain data");
-    checksum::sealed(json) + "\n"
 }
 
 /// Makes lines safe every so often, until the other end hangs up.

@@ -2,7 +2,8 @@
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::{Finished, Manifest};
+use super::Manifest;
+use super::finished::Finished;
 
 /// Why a line is of no run of the manifest; `None`: it may be.
 pub(super) fn inconsistency(manifest: &Manifest, finished: &Finished) -> Option<String> {

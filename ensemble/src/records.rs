@@ -5,8 +5,10 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use stochc_files::File;
 
-use super::Finished;
-use super::journal::{JournalError, read_at};
+use super::finished::Finished;
+use super::journal_error::JournalError;
+use super::journal_line::read_at;
+use super::line_location::LineLocation;
 
 /// Finished runs, sorted by program and run, each once; to be gone through as often as need be.
 ///
@@ -28,23 +30,6 @@ struct Lines {
     files: Mutex<Vec<BufReader<File>>>,
     /// Bytes of a line, fewer than which it has.
     most: u64,
-}
-
-/// Where the line of a run is. The order is that of [`Records`]; of two lines for one run, the first counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct LineLocation {
-    pub program: u32,
-    pub run: u64,
-    /// Its number among the files.
-    pub file: u32,
-    /// Where it begins \[bytes\].
-    pub at: u64,
-}
-
-impl LineLocation {
-    fn key(&self) -> (usize, u64) {
-        (self.program as usize, self.run)
-    }
 }
 
 impl Default for Records {

@@ -1,6 +1,6 @@
 //! The whole road of an ensemble: what is left to do, doing it, keeping it.
 use std::convert::Infallible;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -8,8 +8,9 @@ use stochc_ir::record::RunRecord;
 
 use super::executor::{RunCancelled, attempt, execute};
 use super::journal::Journal;
+use super::line_location::LineLocation;
 use super::progress::{Progress, RunWatch};
-use super::records::LineLocation;
+use super::todo::{PendingRun, Todo};
 use super::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, Records};
 
 /// Where the runs of an ensemble go.
@@ -96,13 +97,6 @@ pub(super) fn check_again(
     }
 }
 
-/// A run that is to be done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PendingRun {
-    pub program: usize,
-    pub run: u64,
-}
-
 /// Does the runs of an ensemble that are not done yet, and writes its tables.
 ///
 /// `simulate` gets the index of a program, the number of a run, and a [`RunWatch`] to call once a
@@ -160,44 +154,6 @@ impl Results {
             complete: finished.len() as u64 == manifest.total(),
             finished,
         }
-    }
-}
-
-/// Runs that are to be done.
-pub(super) struct Todo<'a> {
-    programs: u64,
-    jobs: Range<u64>,
-    /// Runs of which none is done again.
-    kept: Option<&'a Records>,
-    /// How many there are.
-    pub left: u64,
-}
-
-impl<'a> Todo<'a> {
-    /// Those of these [`job`]s that are not `kept`, of which there are no others.
-    pub fn all(manifest: &Manifest, jobs: Range<u64>, kept: Option<&'a Records>) -> Todo<'a> {
-        let done = kept.map_or(0, |kept| kept.len() as u64);
-        Todo {
-            programs: manifest.programs.len() as u64,
-            left: (jobs.end - jobs.start).saturating_sub(done),
-            jobs,
-            kept,
-        }
-    }
-
-    /// Nobody says that they can all be counted, let alone kept.
-    fn iter(self) -> impl Iterator<Item = PendingRun> + use<'a> {
-        let jobs = self.jobs.map(move |number| job(number, self.programs));
-        jobs.filter(move |job| !(self.kept).is_some_and(|it| it.contains(job.program, job.run)))
-    }
-}
-
-/// A job by its number: the first run of each program, then the second, and so on, so that a table compares the programs
-/// fairly at any time.
-pub(super) fn job(number: u64, programs: u64) -> PendingRun {
-    PendingRun {
-        program: (number % programs) as usize,
-        run: number / programs,
     }
 }
 

@@ -6,52 +6,19 @@ use stochc_files::atomic::{Replaces, move_aside, replace};
 use stochc_files::{budget, disk, open, read_file};
 
 use super::checkpoint;
-use super::folder::{JOURNAL, MANIFEST, lock, without_manifest, write_manifest};
-use super::folder_checksums::{CHECKSUMS_FILE, FolderChecksums};
-use super::journal::{JournalError, read as read_journal, salvaged};
+use super::file_names::{CHECKSUMS_FILE, JOURNAL, MANIFEST, RECORDINGS, SHARDS, SHARDS_FILE};
+use super::folder::{lock, without_manifest, write_manifest};
+use super::folder_checksums::FolderChecksums;
+use super::journal::{read as read_journal, salvaged};
+use super::journal_error::JournalError;
 use super::manifest::OLDEST;
 use super::recording::{Outline, VERSION, path as recording_path};
-use super::shards::{self, Cut, SHARDS, SHARDS_FILE};
+use super::shards::{self, Cut};
 use super::text::visible;
-use super::{Folder, FolderError, Further, Manifest, RECORDINGS, Records, Resume};
+use super::{Folder, FolderError, Further, Manifest, Records, Resume};
 
-/// The folder within it to which damaged files are moved.
-pub const DAMAGED: &str = "damaged";
-
-/// A file of a folder, and what is known of it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FileHealth {
-    /// Its name within the folder.
-    pub name: String,
-    /// How it is.
-    pub health: Health,
-}
-
-/// How a file is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Health {
-    /// Its checksums are right.
-    Sound,
-    /// It can be read, but nothing says whether it is as it was written.
-    Unprotected,
-    /// It is not as it was written: why, in words.
-    Damaged(Vec<String>),
-}
-
-impl Health {
-    /// Whether something is wrong.
-    pub fn is_damaged(&self) -> bool {
-        matches!(self, Health::Damaged(_))
-    }
-
-    fn of(damage: Vec<String>, is_protected: bool) -> Health {
-        match (damage.is_empty(), is_protected) {
-            (false, _) => Health::Damaged(damage),
-            (true, true) => Health::Sound,
-            (true, false) => Health::Unprotected,
-        }
-    }
-}
+pub use super::file_names::DAMAGED;
+pub use super::health::{FileHealth, Health};
 
 /// Holds every file of a results folder against its checksums, and changes nothing.
 ///

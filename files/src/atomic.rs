@@ -378,6 +378,27 @@ pub fn clear_partial(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Removes the files of a folder whose names are ours, and the folder; what somebody else has put there stays.
+///
+/// # Errors
+/// Those of the file system.
+pub fn remove_own(folder: &Path, is_ours: fn(&str) -> bool) -> io::Result<()> {
+    let entries = match disk::list(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        listed => listed?,
+    };
+    for entry in entries {
+        let name = entry.file_name().unwrap_or_default();
+        if is_ours(&name.to_string_lossy()) {
+            disk::remove(&entry)?;
+        }
+    }
+    match disk::remove_folder(folder) {
+        Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => Ok(()),
+        removed => removed,
+    }
+}
+
 /// Moves a file into a folder of ours beside it, where it gets a name that is not taken; tells where it is.
 ///
 /// # Errors

@@ -4,12 +4,9 @@ use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::SyncSender;
 use std::thread::{self, JoinHandle};
 
 use stochc_compiler::Cancellation;
-
-use super::server::{Done, ServerEvent};
 
 /// Jobs that run at once, at most: each may hold a program of the size that [`stochc_compiler::Limits::EDITOR`] allows.
 const MOST: usize = 4;
@@ -33,9 +30,12 @@ pub enum JobTrigger {
     Background,
 }
 
-/// The jobs under way.
-pub struct Jobs {
-    events: SyncSender<ServerEvent>,
+/// What is done with the outcome of a job; of one that was cancelled or has failed there is none.
+type OnEnd<T> = dyn Fn(JobId, Option<T>) + Send + Sync;
+
+/// The jobs under way, each with a `T` as its outcome.
+pub struct Jobs<T> {
+    on_end: Arc<OnEnd<T>>,
     running: BTreeMap<JobId, Running>,
     next: u64,
 }
@@ -45,11 +45,11 @@ struct Running {
     thread: JoinHandle<()>,
 }
 
-impl Jobs {
-    /// None yet; their ends will be told as [`ServerEvent::Done`].
-    pub fn new(events: SyncSender<ServerEvent>) -> Jobs {
+impl<T: 'static> Jobs<T> {
+    /// None yet; `on_end` is called by the thread of each.
+    pub fn new(on_end: impl Fn(JobId, Option<T>) + Send + Sync + 'static) -> Jobs<T> {
         Jobs {
-            events,
+            on_end: Arc::new(on_end),
             running: BTreeMap::new(),
             next: 0,
         }
@@ -71,18 +71,17 @@ impl Jobs {
     /// If the system has no thread for it.
     pub fn start(
         &mut self,
-        work: impl FnOnce(Cancellation<'_>) -> Option<Done> + Send + 'static,
+        work: impl FnOnce(Cancellation<'_>) -> Option<T> + Send + 'static,
     ) -> io::Result<JobId> {
         let id = JobId(self.next);
         self.next += 1;
         let is_cancelled = Arc::new(AtomicBool::new(false));
-        let (asked, events) = (is_cancelled.clone(), self.events.clone());
+        let (asked, on_end) = (is_cancelled.clone(), self.on_end.clone());
         let thread = thread::Builder::new().stack_size(STACK).spawn(move || {
             let ask = || asked.load(Ordering::Relaxed);
             // A mistake of the server's costs an answer, not the conversation.
             let done = catch_unwind(AssertUnwindSafe(|| work(Cancellation::new(&ask))));
-            // Nobody listens after the end.
-            let _ = events.send(ServerEvent::Done(id, done.ok().flatten()));
+            on_end(id, done.ok().flatten());
         })?;
         self.running.insert(
             id,
@@ -93,8 +92,10 @@ impl Jobs {
         );
         Ok(id)
     }
+}
 
-    /// Lets a job end soon; its end is still told.
+impl<T> Jobs<T> {
+    /// Lets a job end soon; its end is still reported.
     pub fn cancel(&self, id: JobId) {
         if let Some(running) = self.running.get(&id) {
             running.is_cancelled.store(true, Ordering::Relaxed);
@@ -114,7 +115,7 @@ impl Jobs {
     }
 }
 
-impl Drop for Jobs {
+impl<T> Drop for Jobs<T> {
     /// No thread outlives the conversation.
     fn drop(&mut self) {
         self.cancel_all();

@@ -12,7 +12,6 @@ use super::diagnostics;
 use super::documents::Documents;
 use super::jobs::{JobId, JobTrigger, Jobs};
 use super::position::Encoding;
-use super::server::Done;
 
 /// Diagnostics by the path of their file.
 pub type DiagnosticsByFile = BTreeMap<String, Vec<LspDiagnostic>>;
@@ -76,7 +75,7 @@ impl Programs {
 
     /// Takes note that a text has been opened or changed; the programs of which something else is known now than
     /// was before.
-    pub fn changed(&mut self, path: &str, jobs: &Jobs) -> BTreeSet<String> {
+    pub fn changed<T>(&mut self, path: &str, jobs: &Jobs<T>) -> BTreeSet<String> {
         self.0.entry(path.to_owned()).or_default();
         self.outdate(jobs, |own, reads| {
             own == path || reads.has_missing || reads.paths.contains(path)
@@ -84,12 +83,12 @@ impl Programs {
     }
 
     /// Takes note that a file has been written: a program that was missing it may find it now.
-    pub fn saved(&mut self, jobs: &Jobs) -> BTreeSet<String> {
+    pub fn saved<T>(&mut self, jobs: &Jobs<T>) -> BTreeSet<String> {
         self.outdate(jobs, |_, reads| reads.has_missing)
     }
 
     /// Forgets a program that is closed, and takes note that its text is that of the disk again.
-    pub fn closed(&mut self, path: &str, jobs: &Jobs) -> BTreeSet<String> {
+    pub fn closed<T>(&mut self, path: &str, jobs: &Jobs<T>) -> BTreeSet<String> {
         let mut outdated = self.changed(path, jobs);
         self.0.remove(path);
         outdated.insert(path.to_owned());
@@ -97,9 +96,9 @@ impl Programs {
     }
 
     /// Forgets what is known of some programs, and lets their checks end.
-    fn outdate(
+    fn outdate<T>(
         &mut self,
-        jobs: &Jobs,
+        jobs: &Jobs<T>,
         is_outdated: impl Fn(&str, &Reads) -> bool,
     ) -> BTreeSet<String> {
         let mut outdated = BTreeSet::new();
@@ -149,14 +148,14 @@ impl Programs {
     }
 
     /// Starts the check of a program of which nothing is known, if there is room for it.
-    pub fn check(
+    pub fn check<T: From<CheckedProgram> + 'static>(
         &mut self,
         path: &str,
         wanted: JobTrigger,
         documents: &Documents,
         folders: &Arc<[PathBuf]>,
         encoding: Encoding,
-        jobs: &mut Jobs,
+        jobs: &mut Jobs<T>,
     ) {
         let Some(program) = self.0.get_mut(path) else {
             return;
@@ -168,7 +167,7 @@ impl Programs {
         let (path, documents, reads) = (path.to_owned(), documents.clone(), program.reads.clone());
         let folders = folders.clone();
         let job = jobs.start(move |cancellation| {
-            check(&path, &documents, &reads, &folders, encoding, cancellation).map(Done::Checked)
+            check(&path, &documents, &reads, &folders, encoding, cancellation).map(T::from)
         });
         program.state = job.map_or(AnalysisState::Failed, AnalysisState::UnderWay);
     }

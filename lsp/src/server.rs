@@ -38,6 +38,12 @@ pub enum Done {
     Answered(Result<Value, RequestFailure>),
 }
 
+impl From<CheckedProgram> for Done {
+    fn from(checked: CheckedProgram) -> Done {
+        Done::Checked(checked)
+    }
+}
+
 /// How far the conversation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SessionStage {
@@ -51,7 +57,7 @@ enum SessionStage {
 pub struct Server<W> {
     output: W,
     stage: SessionStage,
-    jobs: Jobs,
+    jobs: Jobs<Done>,
     documents: Documents,
     encoding: Encoding,
     programs: Programs,
@@ -101,7 +107,10 @@ impl<W: Write> Server<W> {
         Server {
             output,
             stage: SessionStage::Begun,
-            jobs: Jobs::new(events),
+            jobs: Jobs::new(move |job, done| {
+                // Nobody listens after the end.
+                let _ = events.send(ServerEvent::Done(job, done));
+            }),
             documents: Documents::default(),
             encoding: Encoding::default(),
             programs: Programs::default(),

@@ -4,7 +4,7 @@ use std::collections::BinaryHeap;
 
 use stochc_ir::Face;
 
-use crate::Hardware;
+use crate::hardware::Hardware;
 use crate::schedule::Schedule;
 use crate::sites::{NONE, Sites};
 use crate::waiting::Waiting;

@@ -3,7 +3,8 @@ use std::fmt::Write as _;
 
 use stochc_ir::Cell;
 
-use crate::plan::{Alternative, BuildPlan, Capture};
+use crate::capture::Capture;
+use crate::plan::{Alternative, BuildPlan};
 use crate::waiting::Why;
 
 /// Captures that decide the time, as told.

@@ -3,7 +3,7 @@
 //!
 //! [`Target`] is what is to be built, and says what is wrong with it. [`plan`] takes it apart (`disassembly`), which gives an
 //! order with a way in for every cell; looks for the ways that have to stay open, and lets the blocks that would close
-//! them wait (`corridor`); decides which face opens next (`schedule`); and tries other decisions on sampled times to
+//! them wait (`corridor`); decides which face opens next (`scheduling`); and tries other decisions on sampled times to
 //! completion (`search`). [`program`] writes it down.
 //!
 //! ```
@@ -18,6 +18,7 @@
 //! assert!(Target::new(floating.collect(), plate, None, 300).is_err());
 //! ```
 mod baseline;
+mod capture;
 mod corridor;
 mod crowding;
 mod disassembly;
@@ -25,10 +26,14 @@ mod emit;
 mod explanation;
 mod free_space;
 mod grid;
+mod hardware;
+mod limits;
 mod makespan;
 mod plan;
 mod scaffold;
+mod scaffold_search;
 mod schedule;
+mod scheduling;
 mod search;
 mod sites;
 mod support;
@@ -40,13 +45,16 @@ mod waiting;
 mod waits;
 
 pub use baseline::Baseline;
+pub use capture::Capture;
 pub use emit::{Naming, continuation, declaration, draft, program};
 pub use explanation::explanation;
+pub use hardware::Hardware;
+pub use limits::{FARTHEST, MOST_CELLS};
 pub use makespan::{Objective, PlanEstimate};
-pub use plan::{Alternative, BuildPlan, Capture, Hardware, Plans, baseline_plans, plan};
+pub use plan::{Alternative, BuildPlan, Plans, baseline_plans, plan};
 pub use scaffold::{Dismantling, HandOver, Mast};
 pub use search::{AdaptiveGap, PlanSearch, ScheduleGap, adaptive_gap, gap};
-pub use target::{ExistingBlock, FARTHEST, MOST_CELLS, Target};
+pub use target::{ExistingBlock, Target};
 pub use target_error::{LoosePart, TargetError};
 pub use voxels::{UnreadableVoxels, layers, magica_voxel};
 pub use waiting::Why;

@@ -1,45 +1,21 @@
 //! A target and what is known of the hardware to a plan.
 use serde::Serialize;
-use stochc_ir::scene::{BondKind, Scene};
-use stochc_ir::{Cell, Face};
+use stochc_ir::Cell;
 
 use crate::baseline::Baseline;
+use crate::capture::Capture;
 use crate::free_space::WayIn;
+use crate::hardware::Hardware;
 use crate::makespan::{PlanEstimate, Samples};
-use crate::scaffold::{Dismantling, Scaffolded, SitePart, SiteRoles, has_place, scaffolded};
+use crate::scaffold::{Dismantling, SitePart, SiteRoles};
+use crate::scaffold_search::{Scaffolded, has_place, scaffolded};
 use crate::schedule::Schedule;
-use crate::search::{PlanSearch, search};
+use crate::scheduling::SchedulingJob;
+use crate::search::{FoundSchedule, PlanSearch, search};
 use crate::sites::Sites;
-use crate::waiting::{Waiting, Why};
+use crate::waiting::Waiting;
 use crate::waits::RateLaw;
 use crate::{Target, TargetError};
-
-/// What blocks can do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Hardware {
-    /// Faces that one block can open at the same time.
-    pub faces: u8,
-    /// Whether every face attracts all the time, so that none can be kept closed.
-    pub attracts_always: bool,
-    /// Free blocks.
-    pub free: u32,
-}
-
-impl Hardware {
-    /// That of a scene.
-    pub fn of(scene: &Scene) -> Hardware {
-        let attracts_always = BondKind::of(scene).is_passive();
-        Hardware {
-            faces: if attracts_always {
-                6
-            } else {
-                scene.block.faces
-            },
-            attracts_always,
-            free: scene.free.count,
-        }
-    }
-}
 
 /// An order of captures that builds a target.
 #[derive(Clone, Debug, Serialize)]
@@ -71,40 +47,6 @@ pub struct Alternative {
     pub estimate: PlanEstimate,
     /// What the check finds in its program first, if anything.
     pub finding: Option<&'static str>,
-}
-
-/// One capture of a plan.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Capture {
-    /// Where the block comes to.
-    pub cell: Cell,
-    /// From its parent: the face that captures it.
-    pub way: Face,
-    /// The mean ticks that the face is open.
-    pub wait: f64,
-    /// The cells that have to be full before the face opens, and why; what follows from others is left out.
-    pub after: Vec<(Cell, Why)>,
-    /// Whether no way in two cells wide was found.
-    pub is_tight: bool,
-    /// Whether the block belongs to a scaffold.
-    pub is_temporary: bool,
-    /// The part of runs in which it is on the chain of captures that decides when the run ends.
-    pub decides: f32,
-}
-
-impl Capture {
-    /// One that waits for nothing and takes no time.
-    pub(crate) fn at_once(cell: Cell, way: Face) -> Capture {
-        Capture {
-            cell,
-            way,
-            wait: 0.0,
-            after: Vec::new(),
-            is_tight: false,
-            is_temporary: false,
-            decides: 0.0,
-        }
-    }
 }
 
 /// Runs on which an estimate rests: fewer for what is large.
@@ -142,12 +84,9 @@ pub fn plan(
     };
     let found = search(&sites, hardware, waits, plain)?;
     let job = found.job(&sites, hardware, waits);
-    let waiting = Waiting::of(&job, &found.schedule);
-    let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
     let plain = BuildPlan {
-        rounds: found.rounds,
         is_best: found.is_best,
-        ..BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed)
+        ..BuildPlan::of_found(&job, &found, how.seed)
     };
     let scaffolded = match has_place(target) {
         true => scaffolded(&sites, &found, hardware, waits, how),
@@ -192,15 +131,12 @@ impl BuildPlan {
         let sites = Sites::of(&union);
         let roles = SiteRoles::of(&sites, &scaffolding);
         let job = found.job(&sites, hardware, waits).with_roles(&roles);
-        let waiting = Waiting::of(&job, &found.schedule);
-        let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
-        let mut plan = BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed);
+        let mut plan = BuildPlan::of_found(&job, &found, how.seed);
         for capture in &mut plan.captures {
             capture.is_temporary = matches!(roles.part(sites.at(capture.cell)), SitePart::Mast(_));
         }
         let rest = plan.captures.split_off(found.schedule.first_phase);
         BuildPlan {
-            rounds: found.rounds,
             dismantling: Some(Dismantling::of(&scaffolding, rest, how.keeps_scaffolds)),
             ..plan
         }
@@ -221,6 +157,17 @@ impl BuildPlan {
             .collect();
         cells.sort_unstable();
         cells
+    }
+
+    /// The schedule that was found for a job.
+    fn of_found(job: &SchedulingJob<'_>, found: &FoundSchedule, seed: u64) -> BuildPlan {
+        let schedule = &found.schedule;
+        let waiting = job.waiting(schedule);
+        let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
+        BuildPlan {
+            rounds: found.rounds,
+            ..BuildPlan::of(job.sites, job.hardware, schedule, &waiting, ways, seed)
+        }
     }
 
     /// A schedule; of its ways in, what lies in that of each site, and how its block comes to it.

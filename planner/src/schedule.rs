@@ -1,52 +1,8 @@
-//! Which cell opens next: list scheduling on mean waits.
-//!
-//! The most urgent cell that may open does: its blocks to wait for are there, a neighbour of it stands and has a face to spare,
-//! and no face is open that [jams together with it](crate::crowding).
-mod adaptive;
-mod exact;
-mod phase;
-mod priorities;
-mod programs;
-mod serial;
+//! An order in which cells open, with their parents.
+use stochc_ir::Face;
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
-use stochc_grammar::{Cancellation, Cancelled};
-use stochc_ir::{Cell, Face};
-
-use crate::Hardware;
-use crate::corridor::Corridors;
-use crate::crowding::Crowding;
-use crate::disassembly::Disassembly;
-use crate::scaffold::{SitePart, SiteRoles};
+use crate::hardware::Hardware;
 use crate::sites::{NONE, Sites};
-use crate::waiting::Waiting;
-use crate::waits::{CellState, Moment, RateLaw};
-pub use adaptive::{ExactTimes, MOST_ADAPTIVE};
-pub use exact::{Branching, MOST_SITES, estimated, value};
-use phase::SchedulePhase;
-pub use priorities::Priorities;
-pub use programs::FixedProgram;
-
-/// Ticks of a wait of which nothing is known yet.
-pub const WAIT: f32 = 650.0;
-
-/// What stays the same from one schedule to the next.
-pub struct SchedulingJob<'a> {
-    /// The cells.
-    pub sites: &'a Sites<'a>,
-    /// What waits for what.
-    pub corridors: &'a Corridors,
-    /// What blocks can do.
-    pub hardware: Hardware,
-    /// How long faces wait.
-    pub waits: &'a RateLaw<'a>,
-    /// What the sites are for, where there are scaffolds.
-    pub roles: Option<&'a SiteRoles>,
-    /// Mean ticks from the opening of each site to the end, through all that surely comes after it.
-    tail: Vec<f32>,
-}
 
 /// An order with its parents.
 #[derive(Clone, Debug)]
@@ -82,7 +38,7 @@ impl Schedule {
     }
 
     /// Adds a site that opens after all others, at a time, and waits for so long \[ticks\].
-    fn add(&mut self, site: u32, way: Face, start: f32, mean: f32) {
+    pub(crate) fn add(&mut self, site: u32, way: Face, start: f32, mean: f32) {
         let here = site as usize;
         self.rank[here] = self.order.len() as u32;
         self.order.push(site);
@@ -90,386 +46,44 @@ impl Schedule {
         self.mean[here] = mean;
         self.end[here] = start + mean;
     }
-}
 
-impl<'a> SchedulingJob<'a> {
-    /// Prepares schedules.
-    pub fn new(
-        sites: &'a Sites<'a>,
-        disassembly: &'a Disassembly,
-        corridors: &'a Corridors,
-        hardware: Hardware,
-        waits: &'a RateLaw<'a>,
-    ) -> SchedulingJob<'a> {
-        let mut tail = vec![WAIT; sites.len()];
-        for &site in disassembly.order.iter().rev() {
-            let here = tail[site as usize];
-            for &other in &corridors.waiting[site as usize] {
-                tail[site as usize] = tail[site as usize].max(WAIT + tail[other as usize]);
-            }
-            // The neighbour that was built first holds it, as far as is known.
-            let held = sites
-                .adjacent(site)
-                .filter(|&next| !sites.is_inert(next))
-                .min_by_key(|&next| disassembly.rank[next as usize]);
-            let longest = here.max(tail[site as usize]);
-            if let Some(parent) = held
-                && !sites.is_on_seed(site)
-                && disassembly.rank[parent as usize] < disassembly.rank[site as usize]
-            {
-                let parent = &mut tail[parent as usize];
-                *parent = parent.max(WAIT + longest);
-            }
-        }
-        SchedulingJob {
-            sites,
-            corridors,
-            hardware,
-            waits,
-            roles: None,
-            tail,
-        }
+    /// The site that holds another one; [`NONE`]: a seed does.
+    pub fn parent(&self, sites: &Sites<'_>, site: u32) -> u32 {
+        sites.next(site, self.way[site as usize].opposite())
     }
 
-    /// The same with scaffolds: the longest way through a mast and its pieces is the most urgent.
-    pub fn with_roles(mut self, roles: &'a SiteRoles) -> SchedulingJob<'a> {
-        for piece in roles.pieces() {
-            // From the end of the piece to the mast, and down to the plate.
-            let mut rest = 0.0;
-            let mut site = piece.sites[0].0;
-            while site != NONE {
-                rest += WAIT;
-                let tail = &mut self.tail[site as usize];
-                *tail = match roles.part(site) {
-                    SitePart::Mast(_) => tail.max(rest),
-                    SitePart::Own | SitePart::Held(_) => rest,
-                };
-                site = roles
-                    .way(site)
-                    .map_or(NONE, |way| self.sites.next(site, way.opposite()));
-            }
-        }
-        self.roles = Some(roles);
-        self
-    }
-
-    /// Which faces are not open together.
-    pub fn crowding(&self) -> Crowding<'_> {
-        Crowding {
-            sites: self.sites,
-            attracts_always: self.hardware.attracts_always,
-            has_passable_corners: self.waits.has_passable_corners(),
-        }
-    }
-
-    /// The site that holds another one: across the face opposite to the way; [`NONE`]: a seed does.
-    pub fn parent(&self, site: u32, way: Face) -> u32 {
-        self.sites.next(site, way.opposite())
-    }
-
-    /// What ways into a site are compared by: a wait, and whether it goes on straight \[ticks\].
-    fn price(&self, schedule: &Schedule, site: u32, way: Face, wait: f32) -> f32 {
-        let parent = self.parent(site, way);
-        let is_straight = parent == NONE || schedule.way[parent as usize] == way;
-        if is_straight { 0.98 * wait } else { wait }
-    }
-
-    /// A schedule in which urgent cells open early.
-    ///
-    /// # Errors
-    /// [`Cancelled`] if nobody waits for it.
-    pub fn schedule(
-        &self,
-        priorities: &Priorities,
-        cancellation: Cancellation<'_>,
-    ) -> Result<Schedule, Cancelled> {
-        let serial = match priorities.is_serial && self.has_serial() {
-            true => self.serial(priorities, cancellation)?,
-            false => None,
-        };
-        let schedule = match serial {
-            Some(schedule) => Some(schedule),
-            None => self.within(priorities, f32::INFINITY, cancellation)?,
-        };
-        let mut schedule = schedule.expect("an order that builds it all is known");
-        if priorities.is_settled {
-            let waiting = Waiting::of(self, &schedule);
-            schedule.set_means(self.sites, self.hardware, self.waits, &waiting);
-        }
-        Ok(schedule)
-    }
-
-    /// One of these: with scaffolds there may be none.
-    ///
-    /// # Errors
-    /// [`Cancelled`] if nobody waits for it.
-    pub fn any(
-        &self,
-        priorities: &Priorities,
-        cancellation: Cancellation<'_>,
-    ) -> Result<Option<Schedule>, Cancelled> {
-        match self.roles {
-            Some(roles) => self.scaffolded(roles, priorities, cancellation),
-            None => self.schedule(priorities, cancellation).map(Some),
-        }
-    }
-
-    /// The same with scaffolds. What need not be there when blocks are handed over opens before only if half of its wait is over by then.
-    /// `None`: the ways in leave no such order.
-    fn scaffolded(
-        &self,
-        roles: &SiteRoles,
-        priorities: &Priorities,
-        cancellation: Cancellation<'_>,
-    ) -> Result<Option<Schedule>, Cancelled> {
-        let Some(first) = self.within(priorities, f32::INFINITY, cancellation)? else {
-            return Ok(None);
-        };
-        let needed = (0..self.sites.len() as u32).filter(|&site| roles.part(site) != SitePart::Own);
-        let ends = needed.map(|site| first.end[site as usize]);
-        let last = ends.fold(0.0, f32::max);
-        Ok(self.within(priorities, last, cancellation)?.or(Some(first)))
-    }
-
-    /// A schedule in which nothing opens that is not needed, half of whose wait would be over too late for the first phase.
-    fn within(
-        &self,
-        priorities: &Priorities,
-        limit: f32,
-        cancellation: Cancellation<'_>,
-    ) -> Result<Option<Schedule>, Cancelled> {
-        let count = self.sites.len();
-        let mut state = self.begin(priorities);
-        state.phase = self.roles.map(|roles| SchedulePhase::first(roles, limit));
-        for site in 0..count as u32 {
-            state.consider(site);
-        }
-        state.open_ready(0.0);
-        while let Some(Reverse((time, site))) = state.opened.pop() {
-            cancellation.check()?;
-            state.anchored(site);
-            state.open_ready(f32::from_bits(time));
-            if state.opened.is_empty() && state.may_hand_over() {
-                state.begin_second_phase();
-                state.open_ready(f32::from_bits(time));
-            }
-        }
-        Ok((state.schedule.order.len() == count).then_some(state.schedule))
-    }
-
-    /// How many others each site waits for, so that ways in stay open.
-    fn missing(&self) -> Vec<u32> {
-        let mut missing = vec![0; self.sites.len()];
-        for &site in self.corridors.waiting.iter().flatten() {
-            missing[site as usize] += 1;
-        }
-        missing
-    }
-
-    /// Nothing has been opened yet: there is what stands before.
-    fn begin<'b>(&'b self, priorities: &'b Priorities) -> ScheduleState<'b> {
-        let count = self.sites.len();
-        let mut state = vec![SiteState::Absent; count];
-        let mut schedule = Schedule::empty(count);
-        for (site, way) in self.sites.existing() {
-            state[site as usize] = SiteState::Anchored;
-            schedule.way[site as usize] = way;
-            schedule.rank[site as usize] = schedule.order.len() as u32;
-            schedule.order.push(site);
-        }
-        ScheduleState {
-            job: self,
-            priorities,
-            missing: self.missing(),
-            anchored: schedule.order.len() as u32,
-            state,
-            open_faces: vec![0; count],
-            ready: BinaryHeap::new(),
-            is_ready: vec![false; count],
-            opened: BinaryHeap::new(),
-            schedule,
-            phase: None,
-        }
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum SiteState {
-    Absent,
-    Open,
-    Anchored,
-    /// It was there, and has been taken away.
-    Gone,
-}
-
-#[derive(Clone)]
-struct ScheduleState<'a> {
-    job: &'a SchedulingJob<'a>,
-    priorities: &'a Priorities,
-    /// Of each site, those it still has to wait for.
-    missing: Vec<u32>,
-    state: Vec<SiteState>,
-    /// Faces that each site has open.
-    open_faces: Vec<u8>,
-    /// Sites that may open, by urgency.
-    ready: BinaryHeap<(u32, Reverse<u32>)>,
-    is_ready: Vec<bool>,
-    /// Open sites, by the time when their block comes.
-    opened: BinaryHeap<Reverse<(u32, u32)>>,
-    schedule: Schedule,
-    /// How many are anchored.
-    anchored: u32,
-    /// `None`: there are no scaffolds.
-    phase: Option<SchedulePhase<'a>>,
-}
-
-impl ScheduleState<'_> {
-    /// Remembers a site that may open, if it is one.
-    fn consider(&mut self, site: u32) {
+    /// The way to a site that opens before a place in the order, and when its block comes \[ticks\].
+    pub fn before(&self, site: u32, place: u32) -> Option<(Face, f32)> {
         let here = site as usize;
-        let is_next = self.state[here] == SiteState::Absent && self.missing[here] == 0;
-        if !is_next || self.is_ready[here] {
-            return;
-        }
-        let sites = self.job.sites;
-        let is_held = sites.is_on_seed(site)
-            || sites.adjacent(site).any(|next| {
-                self.state[next as usize] == SiteState::Anchored && !sites.is_inert(next)
-            });
-        if is_held {
-            self.is_ready[here] = true;
-            let urgency = self.priorities.urgency(site, self.job.tail[here]);
-            self.ready.push((urgency.to_bits(), Reverse(site)));
-        }
+        (self.rank[here] < place).then(|| (self.way[here], self.end[here]))
     }
 
-    fn open_ready(&mut self, now: f32) {
-        while let Some((_, Reverse(site))) = self.ready.pop() {
-            // What cannot open now is considered again when something near it is anchored.
-            self.is_ready[site as usize] = false;
-            if let Some((way, mean)) = self.best_way(site, now)
-                && self.is_its_phase(site, now + 0.5 * mean)
-            {
-                self.open(site, way, mean, now);
-            }
-        }
+    /// The place in the order of what has to be there in the same phase to hold a site; `None`: it is there before.
+    pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
+        let parent = self.parent(sites, site);
+        let same = |other: u32| (other != NONE && self.is_same_phase(site, other)).then_some(other);
+        let root = self.roots.get(parent as usize);
+        let holder = same(parent).or_else(|| same(*root?));
+        holder.map(|holder| self.rank[holder as usize])
     }
 
-    /// The way to a site whose face is open.
-    fn open_way(&self, site: u32) -> Option<Face> {
-        let here = site as usize;
-        (self.state[here] == SiteState::Open).then(|| self.schedule.way[here])
+    /// Whether two sites open in the same phase.
+    pub fn is_same_phase(&self, site: u32, other: u32) -> bool {
+        let is_first = |site: u32| (self.rank[site as usize] as usize) < self.first_phase;
+        is_first(site) == is_first(other)
     }
 
-    /// The way with the shortest wait from a parent that has a face to spare, or another one if priorities say so; the straight one of two
-    /// equal ones.
-    fn best_way(&self, site: u32, now: f32) -> Option<(Face, f32)> {
-        let ways = self.ways(site, now).map(|(way, mean)| {
-            let price = self.job.price(&self.schedule, site, way, mean);
-            ((way, mean), price)
-        });
-        self.priorities.chosen(site, ways)
+    /// The place in the order of the capture of the same parent that comes just before a site's, where only one face may be open.
+    pub fn turn(&self, sites: &Sites<'_>, hardware: Hardware, site: u32) -> Option<u32> {
+        if hardware.faces != 1 || hardware.attracts_always {
+            return None;
+        }
+        let parent = Some(self.parent(sites, site)).filter(|&parent| parent != NONE)?;
+        let siblings = sites
+            .adjacent(parent)
+            .filter(|&other| self.parent(sites, other) == parent)
+            .filter(|&other| self.is_same_phase(site, other));
+        let ranks = siblings.map(|other| self.rank[other as usize]);
+        ranks.filter(|&rank| rank < self.rank[site as usize]).max()
     }
-
-    /// The ways from parents that have a face to spare, each with its mean wait \[ticks\].
-    fn ways(&self, site: u32, now: f32) -> impl Iterator<Item = (Face, f32)> {
-        let job = self.job;
-        let cell = job.sites.cell(site);
-        let stands = |near: Cell| match job.sites.at(near) {
-            NONE => CellState::Empty,
-            near => match self.state[near as usize] {
-                SiteState::Absent | SiteState::Gone => CellState::Empty,
-                SiteState::Open => CellState::Awaited(self.schedule.way[near as usize]),
-                SiteState::Anchored => CellState::Full,
-            },
-        };
-        let bound = f64::from(self.anchored) / f64::from(job.hardware.free.max(1));
-        let moment = Moment {
-            free: 1.0 - bound,
-            // Where blocks stand, the gas has been moving.
-            is_first: now == 0.0 && job.sites.existing_count() == 0,
-        };
-        let only = job.roles.and_then(|roles| roles.way(site));
-        let along = job.corridors.along[site as usize];
-        let is_own = move |parent: u32| match &self.phase {
-            Some(phase) => only.is_some() || phase.is_own(parent),
-            None => true,
-        };
-        let holds = move |way: &Face| match job.parent(site, *way) {
-            _ if only.is_some_and(|only| only != *way) => false,
-            _ if along.is_some_and(|axis| *way != axis && *way != axis.opposite()) => false,
-            NONE => *way == Face::Up && job.sites.is_on_seed(site),
-            parent => {
-                self.state[parent as usize] == SiteState::Anchored
-                    && !job.sites.is_inert(parent)
-                    && is_own(parent)
-                    && self.open_faces[parent as usize] < job.hardware.faces
-            }
-        };
-        let crowding = job.crowding();
-        let may_open = move |way: &Face| crowding.may_open(site, *way, |near| self.open_way(near));
-        let ways = Face::ALL.into_iter().filter(holds).filter(may_open);
-        ways.map(move |way| (way, job.waits.mean(cell, way, moment, stands) as f32))
-    }
-
-    fn open(&mut self, site: u32, way: Face, mean: f32, now: f32) {
-        let here = site as usize;
-        self.state[here] = SiteState::Open;
-        let parent = self.job.parent(site, way);
-        if parent != NONE {
-            self.open_faces[parent as usize] += 1;
-        }
-        self.schedule.add(site, way, now, mean);
-        self.opened.push(Reverse(((now + mean).to_bits(), site)));
-    }
-
-    fn anchored(&mut self, site: u32) {
-        self.state[site as usize] = SiteState::Anchored;
-        self.anchored += 1;
-        let job = self.job;
-        if let Some(phase) = &mut self.phase {
-            phase.missing -= usize::from(phase.roles.part(site) != SitePart::Own);
-            if phase.is_second {
-                self.hand_over();
-            }
-        }
-        let parent = job.parent(site, self.schedule.way[site as usize]);
-        if parent != NONE {
-            self.open_faces[parent as usize] -= 1;
-            for next in job.sites.adjacent(parent) {
-                self.consider(next);
-            }
-        }
-        for &waiting in &job.corridors.waiting[site as usize] {
-            self.missing[waiting as usize] -= 1;
-            self.consider(waiting);
-        }
-        for near in job.sites.near(site) {
-            self.consider(near);
-        }
-    }
-}
-
-/// Looks at the job that a target makes of so many free blocks, with one face a block and typical rates.
-#[cfg(test)]
-fn with_job<T>(target: &crate::Target, free: u32, look: impl FnOnce(&SchedulingJob<'_>) -> T) -> T {
-    let sites = Sites::of(target);
-    let spaces = [2, 1].map(|side| crate::free_space::FreeSpace::of(&sites, side));
-    let keys = vec![0.5; sites.len()];
-    let disassembly = crate::disassembly::disassemble(&sites, spaces, &keys, Cancellation::NEVER);
-    let disassembly = disassembly.unwrap();
-    let corridors = Corridors::of(&sites, &disassembly, Cancellation::NEVER).unwrap();
-    let hardware = Hardware {
-        faces: 1,
-        attracts_always: false,
-        free,
-    };
-    let law = RateLaw::new(None);
-    look(&SchedulingJob::new(
-        &sites,
-        &disassembly,
-        &corridors,
-        hardware,
-        &law,
-    ))
 }

@@ -7,15 +7,16 @@ use stochc_grammar::Cancellation;
 use crate::corridor::Corridors;
 use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
+use crate::hardware::Hardware;
 use crate::makespan::{Objective, PlanEstimate, Samples};
-use crate::schedule::{
-    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Priorities, Schedule,
-    SchedulingJob, WAIT, estimated, value,
+use crate::schedule::Schedule;
+use crate::scheduling::{
+    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Priorities, SchedulingJob,
+    WAIT, estimated, value,
 };
 use crate::sites::Sites;
-use crate::waiting::Waiting;
 use crate::waits::RateLaw;
-use crate::{Hardware, Target, TargetError};
+use crate::{Target, TargetError};
 
 /// How to look for a plan.
 #[derive(Clone, Copy)]
@@ -85,6 +86,37 @@ impl FoundSchedule {
         waits: &'a RateLaw<'a>,
     ) -> SchedulingJob<'a> {
         SchedulingJob::new(sites, &self.disassembly, &self.corridors, hardware, waits)
+    }
+}
+
+/// Where cubes of two sides and of one come to before anything is built.
+struct Spaces<'a> {
+    sites: &'a Sites<'a>,
+    wide: FreeSpace,
+    narrow: FreeSpace,
+}
+
+impl<'a> Spaces<'a> {
+    fn of(sites: &'a Sites<'a>) -> Spaces<'a> {
+        Spaces {
+            sites,
+            wide: FreeSpace::of(sites, 2),
+            narrow: FreeSpace::of(sites, 1),
+        }
+    }
+
+    /// Ways in, by the keys of the order in which the target is taken apart, and what waits so that they stay open.
+    fn ways(
+        &self,
+        keys: &[f32],
+        has_gaps: bool,
+        wanted: Cancellation<'_>,
+    ) -> Result<(Disassembly, Corridors), TargetError> {
+        let wide = self.wide.clone().with_gaps(has_gaps);
+        let spaces = [wide, self.narrow.clone()];
+        let disassembly = disassemble(self.sites, spaces, keys, wanted)?;
+        let corridors = Corridors::of(self.sites, &disassembly, wanted)?;
+        Ok((disassembly, corridors))
     }
 }
 
@@ -183,18 +215,16 @@ fn heuristic(
 ) -> Result<FoundSchedule, TargetError> {
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
-    let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
+    let spaces = Spaces::of(sites);
     let candidate = |order: Vec<f32>,
                      priorities: Priorities,
                      has_gaps: bool,
                      wanted: Cancellation<'_>|
      -> Result<ScheduleCandidate, TargetError> {
-        let [wide, narrow] = spaces.clone();
-        let disassembly = disassemble(sites, [wide.with_gaps(has_gaps), narrow], &order, wanted)?;
-        let corridors = Corridors::of(sites, &disassembly, wanted)?;
+        let (disassembly, corridors) = spaces.ways(&order, has_gaps, wanted)?;
         let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);
         let schedule = job.schedule(&priorities, wanted)?;
-        let waiting = Waiting::of(&job, &schedule);
+        let waiting = job.waiting(&schedule);
         let scheduled = PrioritizedSchedule {
             estimate: estimated(&job, &samples, &schedule, &waiting),
             priorities,
@@ -413,16 +443,13 @@ fn branch_and_bound(
     let mut left = (search.rounds.saturating_mul(FACES_PER_ROUND)).min(MOST_FACES);
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let mut tried: Vec<Vec<Vec<u32>>> = Vec::new();
+    let spaces = Spaces::of(sites);
     for variant in 0..ALL_VARIANTS {
         let (disassembly, corridors) = match variant {
             0 => (found.disassembly.clone(), found.corridors.clone()),
             _ => {
-                let wide = FreeSpace::of(sites, 2).with_gaps(takes_gaps(waits, variant));
-                let spaces = [wide, FreeSpace::of(sites, 1)];
                 let keys: Vec<f32> = (0..sites.len()).map(|_| rng.random()).collect();
-                let disassembly = disassemble(sites, spaces, &keys, search.cancellation)?;
-                let corridors = Corridors::of(sites, &disassembly, search.cancellation)?;
-                (disassembly, corridors)
+                spaces.ways(&keys, takes_gaps(waits, variant), search.cancellation)?
             }
         };
         if disassembly.narrow_count() > found.disassembly.narrow_count()
@@ -473,7 +500,7 @@ pub fn improved(
     rng: &mut ChaCha8Rng,
 ) -> (PrioritizedSchedule, u64) {
     let value = |of: &PrioritizedSchedule| of.estimate.of(search.objective);
-    let waiting = Waiting::of(job, &best.schedule);
+    let waiting = job.waiting(&best.schedule);
     let mut critical = samples.criticality(&best.schedule, &waiting);
     let mut current = best.clone();
     let from = rounds;
@@ -488,7 +515,7 @@ pub fn improved(
             Ok(None) => continue,
             Err(_) => break,
         };
-        let waiting = Waiting::of(job, &schedule);
+        let waiting = job.waiting(&schedule);
         let other = PrioritizedSchedule {
             estimate: estimated(job, samples, &schedule, &waiting),
             priorities,

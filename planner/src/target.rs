@@ -5,13 +5,8 @@ use std::collections::VecDeque;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
+use crate::limits::{FARTHEST, MOST_CELLS};
 use crate::target_error::{LoosePart, TargetError};
-
-/// Cells of a target, at most: as many as a program may capture.
-pub const MOST_CELLS: usize = 10_000_000;
-
-/// Coordinates are no further from 0 than this.
-pub const FARTHEST: i32 = 1_000_000_000;
 
 /// A structure that can be built: every cell hangs together with a block of the plate that may capture, or with one that stands.
 #[derive(Clone, Debug)]

@@ -75,7 +75,7 @@ impl fmt::Display for TargetError {
             TargetError::TooFar(cell) => write!(
                 f,
                 "the cell {cell} is too far away: coordinates go to {}",
-                crate::target::FARTHEST
+                crate::limits::FARTHEST
             ),
             TargetError::BelowPlate(below) => write!(
                 f,

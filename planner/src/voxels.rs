@@ -2,7 +2,7 @@
 use stochc_ir::Cell;
 use thiserror::Error;
 
-use crate::target::MOST_CELLS;
+use crate::limits::MOST_CELLS;
 
 /// Why a file holds no target.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]

@@ -1,9 +1,8 @@
 //! What waits for what in a schedule, and which of that has to be said.
-use stochc_ir::Face;
 
-use crate::Hardware;
-use crate::schedule::{Schedule, SchedulingJob};
-use crate::sites::{NONE, Sites};
+use crate::hardware::Hardware;
+use crate::schedule::Schedule;
+use crate::sites::Sites;
 
 /// What each site waits for, by the place of sites in the order in which they open.
 #[derive(Clone, Debug)]
@@ -31,75 +30,7 @@ pub struct After {
     pub why: Why,
 }
 
-impl Schedule {
-    /// The site that holds another one; [`NONE`]: a seed does.
-    pub fn parent(&self, sites: &Sites<'_>, site: u32) -> u32 {
-        sites.next(site, self.way[site as usize].opposite())
-    }
-
-    /// The way to a site that opens before a place in the order, and when its block comes \[ticks\].
-    pub fn before(&self, site: u32, place: u32) -> Option<(Face, f32)> {
-        let here = site as usize;
-        (self.rank[here] < place).then(|| (self.way[here], self.end[here]))
-    }
-
-    /// The place in the order of what has to be there in the same phase to hold a site; `None`: it is there before.
-    pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
-        let parent = self.parent(sites, site);
-        let same = |other: u32| (other != NONE && self.is_same_phase(site, other)).then_some(other);
-        let root = self.roots.get(parent as usize);
-        let holder = same(parent).or_else(|| same(*root?));
-        holder.map(|holder| self.rank[holder as usize])
-    }
-
-    /// Whether two sites open in the same phase.
-    pub fn is_same_phase(&self, site: u32, other: u32) -> bool {
-        let is_first = |site: u32| (self.rank[site as usize] as usize) < self.first_phase;
-        is_first(site) == is_first(other)
-    }
-
-    /// The place in the order of the capture of the same parent that comes just before a site's, where only one face may be open.
-    pub fn turn(&self, sites: &Sites<'_>, hardware: Hardware, site: u32) -> Option<u32> {
-        if hardware.faces != 1 || hardware.attracts_always {
-            return None;
-        }
-        let parent = Some(self.parent(sites, site)).filter(|&parent| parent != NONE)?;
-        let siblings = sites
-            .adjacent(parent)
-            .filter(|&other| self.parent(sites, other) == parent)
-            .filter(|&other| self.is_same_phase(site, other));
-        let ranks = siblings.map(|other| self.rank[other as usize]);
-        ranks.filter(|&rank| rank < self.rank[site as usize]).max()
-    }
-}
-
 impl Waiting {
-    /// Everything that a schedule has in some order.
-    pub fn of(job: &SchedulingJob<'_>, schedule: &Schedule) -> Waiting {
-        let mut before: Vec<Vec<u32>> = vec![Vec::new(); schedule.order.len()];
-        let existing = job.sites.existing_count();
-        for (i, &site) in schedule.order.iter().enumerate().skip(existing) {
-            let rank = |site: u32| schedule.rank[site as usize];
-            before[i].extend(schedule.held(job.sites, site));
-            before[i].extend(schedule.turn(job.sites, job.hardware, site));
-            let crowding = job.crowding();
-            let way = schedule.way[site as usize];
-            let crowd = crowding.waits(site, way, |near| schedule.before(near, i as u32));
-            before[i].extend(crowd.into_iter().map(rank));
-            for &waiting in &job.corridors.waiting[site as usize] {
-                before[rank(waiting) as usize].push(i as u32);
-            }
-        }
-        let first = schedule.first_phase as u32;
-        for (before, i) in before.iter_mut().zip(0..) {
-            // A phase waits for all of the one before.
-            before.retain(|&other| (other < first) == (i < first) && other >= existing as u32);
-            before.sort_unstable();
-            before.dedup();
-        }
-        Waiting { before }
-    }
-
     /// Of each site, by its number, the waits that do not follow from others, from being held and from taking turns; `in_way`: of each site,
     /// those that lie in its way in, sorted.
     pub fn afters(

@@ -2,7 +2,7 @@
 //! Newton's, each with an exponential.
 use std::sync::LazyLock;
 
-use crate::wait::{docked, when_summed};
+use crate::docking_time::{docked, when_summed};
 
 /// Parts of each binade of values, by the leading bits of their mantissas.
 const PART_BITS: u32 = 5;

@@ -16,6 +16,7 @@
 //! let beside_a_wall = |cell: Cell| tower(cell) || cell.x == 1;
 //! assert!(wait(&beside_a_wall) < wait(&tower));
 //! ```
+mod docking_time;
 mod first_guess;
 mod gap;
 mod interaction;
@@ -29,17 +30,18 @@ mod surroundings;
 mod times;
 mod wait;
 
+pub use docking_time::STAGES;
 pub use first_guess::GUESS_ERROR;
 pub use gap::{beside_gap, gap_entrances};
 pub use interaction::Interaction;
 pub use law::{Parameter, Parameters, Surroundings};
-pub use neighbourhood::Neighbourhood;
+pub use neighbourhood::{Neighbourhood, SIGHT};
 pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, density_in, relative};
-pub use reach::{SIGHT, offsets, sees, unobstructed};
+pub use reach::{offsets, sees, unobstructed};
 pub use rivals::{Rivalry, Rivals, rivalry, rivals};
 pub use surroundings::{around, feature_cells};
 pub use times::{Times, quantile};
-pub use wait::{STAGES, Wait};
+pub use wait::Wait;
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

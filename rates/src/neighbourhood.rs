@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
-use crate::reach::SIGHT;
+/// How far a cell is from the open one along an axis, at most, if it blocks anything.
+pub const SIGHT: i32 = 2;
 
 /// Which cells that are no farther than [`SIGHT`] along each axis from a cell are blocked: by a block, or by the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

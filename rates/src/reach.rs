@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use crate::neighbourhood::{CELLS, Neighbourhood, all, place};
+use crate::neighbourhood::{CELLS, Neighbourhood, SIGHT, all, place};
 
 /// Points across the sphere around a face.
 const ACROSS: usize = 16;
@@ -24,9 +24,6 @@ pub(crate) const RADIUS: f64 = 1.35;
 
 /// How close to a block's surface a point counts as blocked \[side\].
 const CLEARANCE: f64 = 0.35;
-
-/// How far a cell is from the open one along an axis, at most, if it blocks anything.
-pub const SIGHT: i32 = 2;
 
 /// One bit for each point.
 type Points = [u64; WORDS];

@@ -6,7 +6,7 @@ use stochc_ir::table::{News, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{Body, Payload};
 
-use crate::view::in_structure;
+use crate::world::view::in_structure;
 use crate::world::{Arena, FreeBond};
 
 /// Looks on while a run goes. It cannot change anything.

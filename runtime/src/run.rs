@@ -8,7 +8,7 @@ use crate::control::Controller;
 use crate::observe::{Look, Lookout, Observer};
 use crate::run_error::RunError;
 use crate::settings::{Model, Settings};
-use crate::watch::{Watch, Watched, resume, show, tell};
+use crate::watch::{Watch, resume, show, tell};
 use crate::world::rapier::RapierWorld;
 use crate::world::rate::RateWorld;
 use crate::world::rigid::RigidWorld;
@@ -31,17 +31,6 @@ pub fn run(
     settings: &Settings,
     seed: u64,
     run: u64,
-    watch: &mut (impl Watch + ?Sized),
-) -> Result<RunRecord, RunError> {
-    run_watched(tables, scene, settings, (seed, run), &mut Watched(watch))
-}
-
-/// [`run()`] for any watch, so that it is compiled once, together with the worlds.
-fn run_watched(
-    tables: &Tables,
-    scene: &Scene,
-    settings: &Settings,
-    (seed, run): (u64, u64),
     watch: &mut dyn Watch,
 ) -> Result<RunRecord, RunError> {
     let messages = scene.messages.as_ref();

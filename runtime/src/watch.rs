@@ -48,35 +48,6 @@ impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
     }
 }
 
-/// A watch, however large.
-pub(crate) struct Watched<'a, W: ?Sized>(pub &'a mut W);
-
-impl<W: Watch + ?Sized> Watch for Watched<'_, W> {
-    fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
-        self.0.tick(tick, phase)
-    }
-
-    fn kept(&mut self) -> Option<Box<dyn Read>> {
-        self.0.kept()
-    }
-
-    fn wants_state(&mut self) -> bool {
-        self.0.wants_state()
-    }
-
-    fn keep(&mut self, save: &mut Save<'_>) {
-        self.0.keep(save);
-    }
-
-    fn wants_view(&mut self) -> bool {
-        self.0.wants_view()
-    }
-
-    fn view(&mut self, make: &dyn Fn() -> RunView) {
-        self.0.view(make);
-    }
-}
-
 /// Goes on from what was kept of a run, if there is anything; whether there is.
 pub(crate) fn resume(
     watch: &mut (impl Watch + ?Sized),

@@ -4,6 +4,8 @@ mod damaged;
 mod faults;
 mod figures;
 mod interrupted;
+#[path = "../pages/mod.rs"]
+mod pages;
 mod refused;
 mod shards;
 mod tables;

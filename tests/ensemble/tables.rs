@@ -367,17 +367,10 @@ fn every_table_says_what_it_is_and_of_what() {
 ///
 /// Written anew with `STOCHC_WRITE_DOCS=1 cargo test --test ensemble columns`.
 #[test]
-#[expect(
-    clippy::disallowed_methods,
-    reason = "the test reads and writes a page of the documents"
-)]
 fn all_columns_are_documented() {
     const PAGE: &str = "docs/results.md";
     const BEGIN: &str = "<!-- tables: written by tests/ensemble/tables.rs -->\n";
     const END: &str = "<!-- end of tables -->\n";
-    let page = std::fs::read_to_string(PAGE).unwrap();
-    let (before, rest) = page.split_once(BEGIN).unwrap();
-    let (_, after) = rest.split_once(END).unwrap();
     let mut text = String::new();
     for table in tables() {
         text += &format!(
@@ -396,10 +389,5 @@ fn all_columns_are_documented() {
         }
     }
     text.push('\n');
-    let expected = format!("{before}{BEGIN}{text}{END}{after}");
-    if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
-        crate::world::put(Path::new(PAGE), &expected);
-        return;
-    }
-    assert!(page == expected, "write it anew with STOCHC_WRITE_DOCS=1");
+    crate::pages::assert_part(PAGE, [BEGIN, END], &text);
 }

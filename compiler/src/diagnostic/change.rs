@@ -2,7 +2,7 @@
 use std::collections::BTreeMap;
 
 use super::{Edit, Fix};
-use crate::load::Reader;
+use crate::reader::Reader;
 use crate::{FileId, Sources};
 
 /// Fixes of one file that fit together.

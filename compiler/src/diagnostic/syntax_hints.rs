@@ -2,7 +2,7 @@
 use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::{Edit, Fix};
-use crate::scene::unit_meant;
+use crate::units::unit_meant;
 use crate::{SourceLocation, Span};
 
 /// A place where something else had to stand.

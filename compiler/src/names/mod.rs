@@ -14,7 +14,8 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::Tree;
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
-use crate::{Checked, FileId, SourceLocation};
+use crate::checked::Checked;
+use crate::{FileId, SourceLocation};
 
 /// Every name of a program's files.
 #[derive(Clone, Debug, Default)]

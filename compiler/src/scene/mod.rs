@@ -3,14 +3,13 @@ mod builtin;
 mod change;
 mod quantity;
 mod read;
-mod spelling;
 #[cfg(test)]
 mod tests;
 mod words;
 
+pub use crate::units::to_si;
 pub use builtin::{BUILT_IN, DEFAULT, built_in};
 pub(crate) use change::diagnostic;
-pub use quantity::{quantity, to_si};
+pub use quantity::quantity;
 pub(crate) use read::read;
-pub(crate) use spelling::unit_meant;
 pub use words::WordContext;

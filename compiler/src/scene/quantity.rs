@@ -1,16 +1,8 @@
 //! A value that stands alone, read as in a scene.
 use stochc_grammar::tree::{ItemKind, Quantity, Term};
 use stochc_grammar::{Symbols, parse};
-use stochc_ir::scene::units::{self, Dimension};
 
-use super::unit_meant;
-
-/// A value in SI units, with its dimension.
-pub fn to_si(quantity: &Quantity) -> (f64, Dimension) {
-    let factors = quantity.unit.iter();
-    let factors = factors.map(|factor| (factor.symbol.as_str(), factor.power));
-    units::to_si(quantity.value, factors)
-}
+use crate::units::unit_meant;
 
 /// Reads a number with its unit, such as `4.5 N`, by the rules of the language.
 ///
@@ -45,7 +37,10 @@ pub fn quantity(text: &str) -> Result<Quantity, String> {
 
 #[cfg(test)]
 mod tests {
+    use stochc_ir::scene::units::Dimension;
+
     use super::*;
+    use crate::units::to_si;
 
     #[test]
     fn values_are_those_of_the_language() {

@@ -9,19 +9,13 @@ use stochc_files::budget::SHARDS as SHARDS_BUDGET;
 use stochc_files::checksum::{self, LineIntegrity, Sum};
 use stochc_files::read_file;
 
-use super::ShardError;
+use super::{MOST_SHARDS, ShardError};
 use crate::build::other_build;
-use crate::folder::{JOURNAL, replace, survey, write_checksums};
+use crate::file_names::{JOURNAL, SHARDS, SHARDS_FILE};
+use crate::folder::{replace, survey, write_checksums};
 use crate::journal::{self, JournalHeader, PieceHeader};
+use crate::journal_line::line as journal_line;
 use crate::{Folder, FolderError, Manifest, Resume, this_build};
-
-/// Pieces of an ensemble, at most: each is a file.
-pub const MOST_SHARDS: u64 = 100_000;
-
-/// Its name.
-pub(crate) const SHARDS_FILE: &str = "shards.json";
-/// The folder for pieces.
-pub(crate) const SHARDS: &str = "shards";
 
 /// How an ensemble is cut; `shards.json` in its folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -146,7 +140,7 @@ impl Cut {
 
     /// Writes it into the folder of its ensemble, and the checksums of both.
     pub(crate) fn write(&self, path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
-        let text = journal::line(self);
+        let text = journal_line(self);
         replace(path, SHARDS_FILE, text.as_bytes())?;
         let sum = Sum::of(text.as_bytes());
         write_checksums(path, manifest, &[(SHARDS_FILE.to_owned(), sum)])
@@ -191,6 +185,12 @@ fn unreadable(path: &Path, reason: &str) -> ShardError {
         path: path.to_owned(),
         reason: reason.to_owned(),
     }
+}
+
+/// Whether the journal has all runs, so that the pieces are no longer wanted.
+pub(super) fn is_joined(path: &Path, manifest: &Manifest) -> Result<bool, ShardError> {
+    let stored = journal::read(&path.join(JOURNAL), manifest, &manifest.identity())?;
+    Ok(stored.finished.len() as u64 == manifest.total())
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 use stochc_files::shell::file as shell_file;
 
-use super::cut::MOST_SHARDS;
+use super::MOST_SHARDS;
 use crate::{EnsembleError, FolderError, JournalError};
 
 /// Why something was refused; whatever was there is as it was.

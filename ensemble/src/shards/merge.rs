@@ -2,16 +2,18 @@
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use stochc_files::atomic::{Draft, Replaces, sync_folder};
+use stochc_files::atomic::{Draft, Replaces, remove_own, sync_folder};
 use stochc_files::disk;
 
 use super::ShardError;
-use super::cut::{Cut, SHARDS, SHARDS_FILE, build, piece_file};
+use super::cut::{Cut, build, is_joined, piece_file};
 use super::piece::{PieceFile, in_folder, read};
 use crate::checkpoint;
-use crate::folder::{JOURNAL, lock};
-use crate::journal::{self, JournalHeader};
-use crate::{Folder, FolderError, Further, Manifest, Resume, slurm};
+use crate::file_names::{JOURNAL, SHARDS, SHARDS_FILE};
+use crate::folder::lock;
+use crate::journal::JournalHeader;
+use crate::journal_line::line as journal_line;
+use crate::{Folder, FolderError, Further, Manifest, Resume, slurm_folder};
 
 /// Puts the pieces of a folder together, and gives how many runs they have: it is then as if it had never been cut.
 ///
@@ -35,12 +37,6 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     Ok(manifest.total())
 }
 
-/// Whether the journal has all runs, so that the pieces are no longer wanted.
-pub(super) fn is_joined(path: &Path, manifest: &Manifest) -> Result<bool, ShardError> {
-    let stored = journal::read(&path.join(JOURNAL), manifest, &manifest.identity())?;
-    Ok(stored.finished.len() as u64 == manifest.total())
-}
-
 /// Writes the journal.
 fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
     let io = |source| FolderError::Io {
@@ -50,7 +46,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
     let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(io)?;
     let header = JournalHeader::of(&manifest.identity());
     draft
-        .write_all(journal::line(&header).as_bytes())
+        .write_all(journal_line(&header).as_bytes())
         .map_err(io)?;
     let (mut missing, mut foreign) = (Vec::new(), Vec::new());
     for number in 0..cut.shards {
@@ -92,27 +88,9 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
 /// Removes the pieces, and at last what says that there are any.
 fn clear(path: &Path) -> io::Result<()> {
     remove_own(&path.join(SHARDS), is_ours)?;
-    slurm::clear(path)?;
+    slurm_folder::clear(path)?;
     disk::remove(&path.join(SHARDS_FILE))?;
     sync_folder(path)
-}
-
-/// Removes the files of a folder whose names are ours, and the folder; what somebody else has put there stays.
-pub(crate) fn remove_own(folder: &Path, is_ours: fn(&str) -> bool) -> io::Result<()> {
-    let entries = match disk::list(folder) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-        listed => listed?,
-    };
-    for entry in entries {
-        let name = entry.file_name().unwrap_or_default();
-        if is_ours(&name.to_string_lossy()) {
-            disk::remove(&entry)?;
-        }
-    }
-    match disk::remove_folder(folder) {
-        Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => Ok(()),
-        removed => removed,
-    }
 }
 
 /// Whether a file is a piece, or what was left of making one.

@@ -16,12 +16,14 @@ mod merge;
 mod piece;
 mod status;
 
-pub use cut::{Cut, MOST_SHARDS, Prepared, prepare};
+pub use cut::{Cut, Prepared, prepare};
 pub use error::ShardError;
 pub use merge::merge;
 pub use piece::Piece;
 pub use status::{PieceState, Status, listed, status, thorough_status};
 
-pub(super) use cut::{SHARDS, SHARDS_FILE, same_build};
-pub(super) use merge::remove_own;
+pub(super) use cut::same_build;
 pub(super) use status::health;
+
+/// Pieces of an ensemble, at most: each is a file.
+pub const MOST_SHARDS: u64 = 100_000;

@@ -11,15 +11,17 @@ use stochc_files::disk;
 use stochc_ir::record::RunRecord;
 
 use super::ShardError;
-use super::cut::{Cut, SHARDS, piece_file, same_build};
-use super::merge::is_joined;
-use crate::journal::{self, Journal, JournalError, JournalHeader, Shortest};
-use crate::records::{LineLocation, Records};
-use crate::run::{Todo, check_again, job, journaled};
-use crate::verify::DAMAGED;
+use super::cut::{Cut, is_joined, piece_file, same_build};
+use crate::file_names::{DAMAGED, SHARDS};
+use crate::journal::{self, Journal, JournalHeader, Shortest};
+use crate::journal_line::line as journal_line;
+use crate::line_location::LineLocation;
+use crate::records::Records;
+use crate::run::{check_again, journaled};
+use crate::todo::{Todo, job};
 use crate::{
-    CHECKPOINTS, Checkpoints, EnsembleError, Finished, FolderError, Interval, Manifest, Progress,
-    RunCancelled, RunWatch, this_build,
+    CHECKPOINTS, Checkpoints, EnsembleError, Finished, FolderError, Interval, JournalError,
+    Manifest, Progress, RunCancelled, RunWatch, this_build,
 };
 
 /// A piece that this process makes.
@@ -202,13 +204,13 @@ impl Piece {
         let io = |source| in_folder(&self.path, source);
         let file = piece_file(&self.path, self.number);
         let mut draft = Draft::new(&file, Replaces::Same).map_err(io)?;
-        let header = journal::line(&self.header);
+        let header = journal_line(&self.header);
         draft.write_all(header.as_bytes()).map_err(io)?;
         let programs = self.manifest.programs.len() as u64;
         let jobs = self.jobs.clone().map(|number| job(number, programs));
         let keys = jobs.map(|job| (job.program, job.run));
         all.try_each_of(keys, |done| {
-            draft.write_all(journal::line(done).as_bytes())?;
+            draft.write_all(journal_line(done).as_bytes())?;
             Ok::<_, JournalError>(())
         })?;
         Ok(draft.keep().map_err(io)?)

@@ -9,12 +9,13 @@ use stochc_files as files;
 use stochc_files::disk;
 
 use super::ShardError;
-use super::cut::{Cut, SHARDS, build, piece_file};
-use super::merge::is_joined;
+use super::cut::{Cut, build, is_joined, piece_file};
+
 use super::piece::{PieceFile, identify, in_folder, read};
 use crate::Manifest;
+use crate::file_names::SHARDS;
+use crate::health::{FileHealth, Health};
 use crate::journal::JournalHeader;
-use crate::verify::{FileHealth, Health};
 
 /// All pieces of an ensemble.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -28,8 +28,3 @@ pub use queue::{FORMAT, Queue, SlurmJob};
 pub use script::{merge_script, pieces_script};
 pub use submission::{FoundPieces, Opened, SlurmEnsemble, Submission, Submitting};
 pub use workflow::{Stop, Workflow, WorkflowStep};
-
-pub(super) use submission::clear;
-
-/// The folder of all this.
-const SLURM: &str = "slurm";

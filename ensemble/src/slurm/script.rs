@@ -1,7 +1,7 @@
 //! What a job does: scripts for a POSIX shell.
 use stochc_files::shell::quoted;
 
-use super::SLURM;
+use crate::slurm_folder::SLURM;
 
 /// The script of a job array, whose task i makes the pieces from i times `per_task`, of so many; the pieces are those of the
 /// folder at `folder`, a whole path, and `stochc` is where the command is on every node.

@@ -10,14 +10,11 @@ use stochc_files::budget::JOBS;
 use stochc_files::checksum::{self, LineIntegrity, crc32};
 use stochc_files::disk::Lock;
 
-use super::{Queue, SLURM};
-use crate::shards::{Cut, PieceState, ShardError, remove_own, same_build, status, thorough_status};
-use crate::{FolderError, journal};
-
-const FILE: &str = "jobs.json";
-const LOCK: &str = ".lock";
-const PIECES_SCRIPT: &str = "pieces.sh";
-const MERGE_SCRIPT: &str = "merge.sh";
+use super::Queue;
+use crate::FolderError;
+use crate::journal_line::line as journal_line;
+use crate::shards::{Cut, PieceState, ShardError, same_build, status, thorough_status};
+use crate::slurm_folder::{self, JOBS_FILE, LOCK, MERGE_SCRIPT, PIECES_SCRIPT, SLURM};
 
 /// An ensemble in pieces, in a folder that all nodes see under the same name.
 #[derive(Clone, Debug)]
@@ -169,7 +166,7 @@ impl SlurmEnsemble {
     /// # Errors
     /// Those of the file system.
     pub fn clear(&self) -> Result<(), ShardError> {
-        Ok(clear(&self.path).map_err(self.io(""))?)
+        Ok(slurm_folder::clear(&self.path).map_err(self.io(""))?)
     }
 
     /// Writes the scripts, and tells where they are.
@@ -190,9 +187,9 @@ impl SlurmEnsemble {
     /// # Errors
     /// When the file cannot be used; jobs are found by their name also without it.
     pub fn submissions(&self) -> Result<Vec<Submission>, ShardError> {
-        let bytes = match files::read_file(&self.file(FILE), JOBS) {
+        let bytes = match files::read_file(&self.file(JOBS_FILE), JOBS) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-            bytes => bytes.map_err(self.io(FILE))?,
+            bytes => bytes.map_err(self.io(JOBS_FILE))?,
         };
         let line = bytes.strip_suffix(b"\n").unwrap_or_default();
         match (
@@ -204,7 +201,7 @@ impl SlurmEnsemble {
                 let damaged =
                     "it is damaged; remove it, jobs that are queued are found by their name";
                 let error = io::Error::new(io::ErrorKind::InvalidData, damaged);
-                Err(self.io(FILE)(error).into())
+                Err(self.io(JOBS_FILE)(error).into())
             }
         }
     }
@@ -220,9 +217,9 @@ impl SlurmEnsemble {
             Some(last) => *last = submission,
             None => submissions.push(submission),
         }
-        let text = journal::line(&SubmissionFile { submissions });
-        let file = self.file(FILE);
-        Ok(replace(&file, text.as_bytes(), Replaces::Ordinary).map_err(self.io(FILE))?)
+        let text = journal_line(&SubmissionFile { submissions });
+        let file = self.file(JOBS_FILE);
+        Ok(replace(&file, text.as_bytes(), Replaces::Ordinary).map_err(self.io(JOBS_FILE))?)
     }
 
     /// The log of a task.
@@ -246,11 +243,4 @@ impl SlurmEnsemble {
             source,
         }
     }
-}
-
-/// Removes what was submitted for the ensemble at `path`, if anything was.
-pub(crate) fn clear(path: &Path) -> io::Result<()> {
-    remove_own(&path.join(SLURM), |name| {
-        [FILE, LOCK, PIECES_SCRIPT, MERGE_SCRIPT].contains(&name) || name.ends_with(".log")
-    })
 }

@@ -12,8 +12,9 @@ use stochc_runtime::Settings;
 
 use super::plan::Job;
 use super::sample::Measured;
+use crate::JournalError;
 use crate::folder::lock;
-use crate::journal::{Journal, JournalError, JournalHeader, read_lines};
+use crate::journal::{Journal, JournalHeader, read_lines};
 use crate::{EnsembleProgram, FolderError, this_build};
 
 /// Its name in the folder of a trade.

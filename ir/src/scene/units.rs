@@ -4,6 +4,66 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dimension(pub(super) [i8; 6]);
 
+const TURN: f64 = std::f64::consts::TAU;
+
+/// The units that the grammar knows, each with its size in SI units and its dimension.
+pub const BASES: [(&str, f64, Dimension); 21] = [
+    ("m", 1.0, Dimension::LENGTH),
+    ("g", 1e-3, Dimension::MASS),
+    ("s", 1.0, Dimension::TIME),
+    ("min", 60.0, Dimension::TIME),
+    ("h", 3600.0, Dimension::TIME),
+    ("Hz", 1.0, Dimension::RATE),
+    ("N", 1.0, Dimension::FORCE),
+    ("Pa", 1.0, Dimension::PRESSURE),
+    ("J", 1.0, Dimension([1, 2, -2, 0, 0, 0])),
+    ("W", 1.0, Dimension::POWER),
+    ("L", 1e-3, Dimension([0, 3, 0, 0, 0, 0])),
+    ("K", 1.0, Dimension::TEMPERATURE),
+    ("A", 1.0, Dimension([0, 0, 0, 1, 0, 0])),
+    ("T", 1.0, Dimension([1, 0, -2, -1, 0, 0])),
+    ("V", 1.0, Dimension([1, 2, -3, -1, 0, 0])),
+    ("rev", TURN, Dimension::NUMBER),
+    ("rad", 1.0, Dimension::NUMBER),
+    ("deg", TURN / 360.0, Dimension::NUMBER),
+    ("ticks", 1.0, Dimension::TICKS),
+    ("tick", 1.0, Dimension::TICKS),
+    ("%", 1e-2, Dimension::NUMBER),
+];
+
+/// What may stand before a unit.
+#[derive(Clone, Copy, Debug)]
+pub struct Prefix {
+    /// How it is written.
+    pub sign: char,
+    /// What it stands for.
+    pub power: f64,
+    /// Whether it is in common use, so that units are suggested with it.
+    pub is_common: bool,
+}
+
+const fn prefix(sign: char, power: f64, is_common: bool) -> Prefix {
+    Prefix {
+        sign,
+        power,
+        is_common,
+    }
+}
+
+/// The prefixes that the grammar knows, the most frequent first.
+pub const PREFIXES: [Prefix; 10] = [
+    prefix('m', 1e-3, true),
+    prefix('k', 1e3, true),
+    prefix('c', 1e-2, true),
+    prefix('u', 1e-6, true),
+    prefix('n', 1e-9, true),
+    prefix('M', 1e6, true),
+    prefix('G', 1e9, true),
+    prefix('µ', 1e-6, false),
+    prefix('p', 1e-12, false),
+    prefix('f', 1e-15, false),
+];
+
 impl Dimension {
     fn times(self, other: Dimension, power: i8) -> Dimension {
         let mut powers = self.0;
@@ -47,45 +107,13 @@ fn factor(symbol: &str) -> (f64, Dimension) {
     if (prefix, symbol) == ('k', "kg") {
         return (1.0, dimension);
     }
-    let power = match prefix {
-        'f' => 1e-15,
-        'p' => 1e-12,
-        'n' => 1e-9,
-        'u' | 'µ' => 1e-6,
-        'm' => 1e-3,
-        'c' => 1e-2,
-        'k' => 1e3,
-        'M' => 1e6,
-        _ => 1e9,
-    };
-    (scale * power, dimension)
+    let power = PREFIXES.iter().find(|it| it.sign == prefix);
+    (scale * power.map_or(1.0, |it| it.power), dimension)
 }
 
 fn base(symbol: &str) -> Option<(f64, Dimension)> {
-    const TURN: f64 = std::f64::consts::TAU;
-    Some(match symbol {
-        "m" => (1.0, Dimension::LENGTH),
-        "g" => (1e-3, Dimension::MASS),
-        "s" => (1.0, Dimension::TIME),
-        "min" => (60.0, Dimension::TIME),
-        "h" => (3600.0, Dimension::TIME),
-        "Hz" => (1.0, Dimension::RATE),
-        "N" => (1.0, Dimension::FORCE),
-        "Pa" => (1.0, Dimension::PRESSURE),
-        "J" => (1.0, Dimension([1, 2, -2, 0, 0, 0])),
-        "W" => (1.0, Dimension::POWER),
-        "L" => (1e-3, Dimension([0, 3, 0, 0, 0, 0])),
-        "K" => (1.0, Dimension::TEMPERATURE),
-        "A" => (1.0, Dimension([0, 0, 0, 1, 0, 0])),
-        "T" => (1.0, Dimension([1, 0, -2, -1, 0, 0])),
-        "V" => (1.0, Dimension([1, 2, -3, -1, 0, 0])),
-        "rev" => (TURN, Dimension::NUMBER),
-        "rad" => (1.0, Dimension::NUMBER),
-        "deg" => (TURN / 360.0, Dimension::NUMBER),
-        "%" => (1e-2, Dimension::NUMBER),
-        "tick" | "ticks" => (1.0, Dimension::TICKS),
-        _ => return None,
-    })
+    let known = BASES.iter().find(|(base, ..)| *base == symbol);
+    known.map(|&(_, scale, dimension)| (scale, dimension))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use stochc_ir::{Cell, Face};
 
 use super::statement::{Called, NameWords};
-use crate::plan::Capture;
+use crate::capture::Capture;
 use crate::scaffold::{Dismantling, HandOver, Mast};
 
 /// Hand-overs in a row that are worth a loop.

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
 use super::statement::{Called, NameWords};
-use crate::plan::Capture;
+use crate::capture::Capture;
 use crate::target::{ExistingBlock, Target};
 
 /// The blocks that are attached by hand, each behind its parent.

@@ -12,7 +12,8 @@ use std::fmt::Write as _;
 use stochc_grammar::{FormatError as Unreadable, format};
 use stochc_ir::Cell;
 
-use crate::plan::{BuildPlan, Capture};
+use crate::capture::Capture;
+use crate::plan::BuildPlan;
 use crate::target::Target;
 use crate::text::counted;
 use crate::waiting::Why;

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
 use super::repetition::Indices;
-use crate::plan::Capture;
+use crate::capture::Capture;
 
 /// What blocks are called, with their cells as indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -4,7 +4,7 @@ use serde::Serialize;
 use stochc_ir::{Cell, Face};
 
 use super::{MastPiece, Scaffolding};
-use crate::plan::Capture;
+use crate::capture::Capture;
 
 /// The second phase of a plan with scaffolds.
 #[derive(Clone, Debug, Serialize)]

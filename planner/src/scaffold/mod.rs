@@ -3,20 +3,13 @@
 //! A mast is a column beside the target, on a block of the plate. A piece is a way through the target from the end that a mast
 //! holds towards the plate. A mast may also hold nothing, and guide blocks to what grows beside it. When all pieces are there they are handed over, block by block: each is let go and taken at once by the block
 //! that holds it in the end, and stays where it is. Then the mast goes, and the rest grows.
-mod balanced;
 mod dismantling;
-mod guides;
-mod leaf_peeling;
-mod places;
 mod roles;
-mod search;
 
 use stochc_ir::{Cell, Face};
 
 pub use dismantling::{Dismantling, HandOver, Mast};
-pub use places::has_place;
 pub use roles::{SitePart, SiteRoles};
-pub use search::{Scaffolded, scaffolded};
 
 /// Masts, and what grows from them.
 #[derive(Clone, Debug, Default, PartialEq)]

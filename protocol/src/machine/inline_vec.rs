@@ -29,22 +29,12 @@ impl<T> InlineVec<T> {
     pub fn insert(&mut self, at: usize, value: T) {
         match self {
             InlineVec::None => *self = InlineVec::One(value),
-            _ => self.insert_beside(at, value),
-        }
-    }
-
-    fn insert_beside(&mut self, at: usize, value: T) {
-        match std::mem::take(self) {
-            InlineVec::None => *self = InlineVec::One(value),
-            InlineVec::One(first) => {
-                let mut values = vec![first];
+            InlineVec::One(_) => {
+                let mut values: Vec<T> = self.remove(0).into_iter().collect();
                 values.insert(at, value);
                 *self = InlineVec::Many(Box::new(Several(values)));
             }
-            InlineVec::Many(mut values) => {
-                values.0.insert(at, value);
-                *self = InlineVec::Many(values);
-            }
+            InlineVec::Many(values) => values.0.insert(at, value),
         }
     }
 

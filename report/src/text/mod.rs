@@ -1,10 +1,12 @@
 //! Plain text: columns, paragraphs, curves and sentences.
+mod line;
 mod pairwise;
 mod paragraph;
 mod short;
 mod strip;
 mod table;
 
+pub use line::aligned;
 pub use pairwise::{method, probability, sentence};
 pub use paragraph::paragraph;
 pub(crate) use short::short;

@@ -1,11 +1,10 @@
 //! Aligned columns of plain text.
 use stochc_ensemble::text::visible;
 
+use super::line::{GAP, chars, line};
+
 /// A header cell is broken into lines of this many characters.
 const HEADER: usize = 22;
-
-/// Between two columns.
-const GAP: &str = "  ";
 
 /// Columns that are put side by side until a line is full, and then below.
 ///
@@ -109,28 +108,26 @@ impl TextTable {
     }
 
     fn block(&self, columns: &[Placed], label_width: usize, colour: bool) -> String {
-        let line = |label: &str, cells: &[&str]| {
-            let mut line = format!("{label:label_width$}");
-            for (cell, placed) in cells.iter().zip(columns) {
-                let width = placed.width;
-                line += &match placed.column.is_words {
-                    true => format!("{GAP}{cell:width$}"),
-                    false => format!("{GAP}{cell:>width$}"),
-                };
-            }
-            line.trim_end().to_owned()
+        let row = |label: &str, cells: &[&str]| {
+            let placed = cells.iter().zip(columns);
+            let cells = placed.map(|(cell, it)| (*cell, it.width, it.column.is_words));
+            line([(label, label_width, true)].into_iter().chain(cells))
         };
         let height = columns.iter().map(|c| c.header.len()).max().unwrap_or(0);
         let mut lines = Vec::new();
-        for row in 0..height {
+        for number in 0..height {
             // Short headers stand on the line above the rule.
-            let cell = |c: &Placed| (row + c.header.len()).checked_sub(height);
+            let cell = |c: &Placed| (number + c.header.len()).checked_sub(height);
             let cells: Vec<String> = columns
                 .iter()
                 .map(|c| cell(c).map_or(String::new(), |i| c.header[i].clone()))
                 .collect();
-            let label = if row + 1 == height { &*self.label } else { "" };
-            lines.push(line(
+            let label = if number + 1 == height {
+                &*self.label
+            } else {
+                ""
+            };
+            lines.push(row(
                 label,
                 &cells.iter().map(String::as_str).collect::<Vec<_>>(),
             ));
@@ -142,14 +139,14 @@ impl TextTable {
         };
         let rules: Vec<String> = columns.iter().map(rule).collect();
         let rules: Vec<&str> = rules.iter().map(String::as_str).collect();
-        lines.push(line(&"─".repeat(label_width), &rules));
+        lines.push(row(&"─".repeat(label_width), &rules));
         for (i, label) in self.labels.iter().enumerate() {
             let cells: Vec<&str> = columns.iter().map(|c| &*c.column.cells[i]).collect();
             // A row for others, which stand in another block.
             if cells.iter().all(|cell| cell.is_empty()) {
                 continue;
             }
-            let line = line(label, &cells);
+            let line = row(label, &cells);
             let is_red = colour && self.red.get(i) == Some(&true);
             lines.push(match is_red {
                 true => console::style(line).red().force_styling(true).to_string(),
@@ -176,8 +173,4 @@ fn broken(header: &str) -> Vec<String> {
     }
     lines.push(rest.iter().collect());
     lines
-}
-
-fn chars(text: &str) -> usize {
-    text.chars().count()
 }

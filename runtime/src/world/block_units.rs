@@ -2,6 +2,8 @@
 //!
 //! Single precision and contact settings then mean the same for a block of 10 um and of 20 cm.
 use stochc_ir::scene::groups::BlockUnits;
+use stochc_ir::scene::schema::SchemaNumber;
+use stochc_ir::scene::schema::numbers::*;
 use stochc_ir::scene::{
     Agitation, Anchor, BOLTZMANN, Bond, ContactLaw, Enclosure, Flow, Fluid, Reach, Scene,
 };
@@ -36,13 +38,16 @@ impl WorldParameters {
         let (mut kicks, mut thermal) = (None, None);
         match &scene.agitation {
             Some(Agitation::Kicks { speed: (low, high) }) => {
-                let speed = (units.speed("a kick", *low)?, units.speed("a kick", *high)?);
+                let speed = (
+                    units.number(&KICKS_LEAST, *low)?,
+                    units.number(&KICKS_MOST, *high)?,
+                );
                 kicks = Some(Kicks { speed });
             }
             Some(Agitation::Brownian { temperature }) => {
                 let energy = units.of.mass(BOLTZMANN * temperature);
                 let speed = units.of.speed(1.0);
-                thermal = Some(number("the temperature", energy * speed * speed)?);
+                thermal = Some(checked(&TEMPERATURE, energy * speed * speed)?);
             }
             _ => {}
         }
@@ -51,9 +56,7 @@ impl WorldParameters {
             local: takes_local_steps(scene),
             shell,
             kicks,
-            drag: made(&scene.drag, |drag| {
-                number("the drag", units.of.rate(drag.rate))
-            })?,
+            drag: made(&scene.drag, |drag| units.number(&DRAG_RATE, drag.rate))?,
             weight: made(&scene.gravity, weight)?,
             fluid: made(&scene.fluid, |fluid| units.resistance(fluid))?,
             flow: made(&scene.flow, |flow| units.stream(flow, shell))?,
@@ -81,28 +84,21 @@ fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> SceneResult<B>) -> Scen
 impl Units {
     fn of(scene: &Scene) -> SceneResult<Units> {
         let of = BlockUnits::of(scene);
-        positive("the side of a block", of.side)?;
-        positive("the mass of a block", of.mass)?;
-        positive("the tick", of.tick)?;
+        positive(&BLOCK_SIDE, of.side)?;
+        positive(&BLOCK_MASS, of.mass)?;
+        positive(&TICK, of.tick)?;
         Ok(Units { of })
     }
 
-    fn length(self, what: &'static str, value: f64) -> SceneResult<f64> {
-        number(what, self.of.length(value))
+    /// A number of the scene in block units.
+    fn number(self, number: &SchemaNumber, value: f64) -> SceneResult<f64> {
+        checked(number, (number.kind.in_block_units)(self.of, value))
     }
 
-    fn speed(self, what: &'static str, value: f64) -> SceneResult<f64> {
-        number(what, self.of.speed(value))
-    }
-
-    fn force(self, what: &'static str, value: f64) -> SceneResult<f64> {
-        number(what, self.of.force(value))
-    }
-
-    fn reach(self, what: &'static str, reach: &Reach) -> SceneResult<Pull> {
+    fn reach(self, [force, within]: [&SchemaNumber; 2], reach: &Reach) -> SceneResult<Pull> {
         Ok(Pull {
-            force: self.force(what, reach.force)?,
-            within: self.length(what, reach.within)?,
+            force: self.number(force, reach.force)?,
+            within: self.number(within, reach.within)?,
         })
     }
 
@@ -112,12 +108,12 @@ impl Units {
             Enclosure::Sphere { radius, wall } => (radius, wall, self.of.side / 2.0),
         };
         Ok(Shell {
-            radius: self.length("the radius of the enclosure", radius - inside)?,
-            height: self.length(
+            radius: self.number(&ENCLOSURE_RADIUS, radius - inside)?,
+            height: derived(
                 "the height of the enclosure",
-                enclosure.centre_height(plate, self.of.side),
+                self.of.length(enclosure.centre_height(plate, self.of.side)),
             )?,
-            stiffness: number("the wall", self.of.stiffness(wall))?,
+            stiffness: self.number(&ENCLOSURE_WALL, wall)?,
         })
     }
 
@@ -125,8 +121,8 @@ impl Units {
         let density = fluid.and_then(|fluid| fluid.density).unwrap_or(0.0);
         let borne = self.of.density(density);
         let down = self.of.acceleration(gravity);
-        number("gravity", down)?;
-        number("buoyancy", down * borne)?;
+        checked(&GRAVITY, down)?;
+        derived("buoyancy", down * borne)?;
         Ok(down * (1.0 - borne))
     }
 
@@ -138,28 +134,25 @@ impl Units {
         let inertia = self.of.mass * side * side / 6.0;
         Ok(Resistance {
             viscous: (
-                number(what, self.of.damping(Fluid::friction(viscosity, side)))?,
-                number(
+                derived(what, self.of.damping(Fluid::friction(viscosity, side)))?,
+                derived(
                     what,
                     Fluid::turning_friction(viscosity, side) * self.of.tick / inertia,
                 )?,
             ),
             wake: (
-                number(what, self.of.mass(Fluid::wake(density, side) * side))?,
-                number(what, Fluid::turning_wake(density, side) / inertia)?,
+                derived(what, self.of.mass(Fluid::wake(density, side) * side))?,
+                derived(what, Fluid::turning_wake(density, side) / inertia)?,
             ),
-            displaced: number("the density of the fluid", self.of.density(density))?,
+            displaced: self.number(&FLUID_DENSITY, density)?,
         })
     }
 
     fn stream(self, flow: &Flow, shell: Option<Shell>) -> SceneResult<MeanFlow> {
         Ok(match flow {
             Flow::Stir(stir) => MeanFlow::Vortex {
-                radius: self.length("the radius of the ring", stir.radius)?,
-                rate: number(
-                    "the rate of the ring",
-                    self.of.rate(stir.follow * stir.rate),
-                )?,
+                radius: self.number(&STIR_RADIUS, stir.radius)?,
+                rate: self.number(&STIR_RATE, stir.follow * stir.rate)?,
             },
             Flow::Jets(jets) => {
                 let Some(shell) = shell else {
@@ -169,8 +162,8 @@ impl Units {
                 let up = height - shell.height;
                 MeanFlow::Jets {
                     count: jets.count,
-                    speed: self.speed("the speed of a jet", jets.speed())?,
-                    diameter: self.length("the diameter of a tube", jets.nozzle)?,
+                    speed: derived("the speed of a jet", self.of.speed(jets.speed()))?,
+                    diameter: self.number(&JETS_NOZZLE, jets.nozzle)?,
                     distance: (shell.radius * shell.radius - up * up).sqrt() + 0.5,
                     height,
                 }
@@ -186,11 +179,11 @@ impl Units {
         if speed == 0.0 {
             return Ok(None);
         }
-        let length = self.length("the size of an eddy", turbulence.length)?;
+        let length = self.number(&EDDY_LENGTH, turbulence.length)?;
         Ok(Some(Eddies {
-            speed: self.speed("turbulence", speed)?,
-            vertical: number("the vertical part of turbulence", turbulence.vertical)?,
-            wavenumber: number("the size of an eddy", std::f64::consts::PI / length)?,
+            speed: derived("turbulence", self.of.speed(speed))?,
+            vertical: self.number(&EDDY_VERTICAL, turbulence.vertical)?,
+            wavenumber: checked(&EDDY_LENGTH, std::f64::consts::PI / length)?,
             left: libm::exp(-self.of.tick / turbulence.time(speed)),
         }))
     }
@@ -199,14 +192,14 @@ impl Units {
         Ok(ContactParameters {
             law: match contact.law {
                 ContactLaw::Rigid { restitution } => ContactLaw::Rigid {
-                    restitution: number("the restitution", restitution)?,
+                    restitution: self.number(&CONTACT_RESTITUTION, restitution)?,
                 },
                 ContactLaw::Compliant { stiffness, damping } => ContactLaw::Compliant {
-                    stiffness: number("the stiffness", self.of.stiffness(stiffness))?,
-                    damping: number("the damping", self.of.damping(damping))?,
+                    stiffness: self.number(&CONTACT_STIFFNESS, stiffness)?,
+                    damping: self.number(&CONTACT_DAMPING, damping)?,
                 },
             },
-            friction: number("the friction", contact.friction)?,
+            friction: self.number(&CONTACT_FRICTION, contact.friction)?,
         })
     }
 
@@ -218,58 +211,75 @@ impl Units {
         } = *bond.anchor();
         let law = match bond {
             Bond::Attract { pull, align, .. } => Attraction::Switched {
-                pull: self.reach("the pull", pull)?,
-                align: made(align, |align| self.reach("the aligning force", align))?,
+                pull: self.reach([&PULL, &PULL_WITHIN], pull)?,
+                align: made(align, |align| self.reach([&ALIGN, &ALIGN_WITHIN], align))?,
             },
             Bond::Reject {
                 magnets, impulse, ..
             } => Attraction::Passive(Passive {
-                hold: self.force("the hold of the magnets", magnets.hold)?,
-                depth: self.length("the depth of the magnets", magnets.depth)?,
-                within: self.length("the reach of the magnets", magnets.within)?,
-                impulse: self.speed("the impulse of a rejection", self.of.mass(*impulse))?,
+                hold: self.number(&HOLD, magnets.hold)?,
+                depth: self.number(&DEPTH, magnets.depth)?,
+                within: self.number(&REACH, magnets.within)?,
+                impulse: checked(&IMPULSE, self.of.speed(self.of.mass(*impulse)))?,
             }),
             Bond::Suction { pump, seal, .. } => {
                 let side = self.of.side;
                 // In block units a pressure is the acceleration of a block on one face of which it acts.
-                let resistance = |value: f64| {
-                    number(
-                        "a hydraulic resistance",
-                        value * side.powi(4) * self.of.tick / self.of.mass,
-                    )
+                let resistance = |number, value: f64| {
+                    checked(number, value * side.powi(4) * self.of.tick / self.of.mass)
                 };
                 Attraction::Suction(Suction {
-                    head: self.force("the head of the pump", pump.head * side * side)?,
-                    supply: resistance(pump.supply)?,
-                    valve: resistance(pump.valve)?,
-                    passage: resistance(pump.passage)?,
-                    seal: self.length("the seal", *seal)?,
+                    head: checked(&HEAD, self.of.force(pump.head * side * side))?,
+                    supply: resistance(&SUPPLY, pump.supply)?,
+                    valve: resistance(&VALVE, pump.valve)?,
+                    passage: resistance(&PASSAGE, pump.passage)?,
+                    seal: self.number(&SEAL, *seal)?,
                 })
             }
         };
         Ok(Magnet {
             law,
             measure,
-            within: self.length("the anchoring distance", within)?,
-            cos_tilt: libm::cos(number("the anchoring tilt", tilt)?),
+            within: self.number(&ANCHOR, within)?,
+            cos_tilt: libm::cos(self.number(&ANCHOR_TILT, tilt)?),
             square_of_step: 0.0,
         })
     }
 }
 
-/// A number that single precision can hold, and is not negative.
-fn number(what: &'static str, value: f64) -> SceneResult<f64> {
-    if value >= 0.0 && value <= f64::from(f32::MAX) {
-        Ok(value)
-    } else {
-        Err(SceneError::NotANumber { what, value })
+/// What a number of a scene comes to in block units, if it can be simulated.
+fn checked(number: &SchemaNumber, value: f64) -> SceneResult<f64> {
+    match is_possible(value) {
+        true => Ok(value),
+        false => Err(not_a_number(&quoted(number), value)),
     }
 }
 
-fn positive(what: &'static str, value: f64) -> SceneResult<()> {
-    if value > 0.0 && value.is_finite() {
-        Ok(())
-    } else {
-        Err(SceneError::NotANumber { what, value })
+/// What several of them come to together.
+fn derived(what: &str, value: f64) -> SceneResult<f64> {
+    match is_possible(value) {
+        true => Ok(value),
+        false => Err(not_a_number(what, value)),
     }
+}
+
+/// Whether single precision can hold a number, and it is not negative.
+fn is_possible(value: f64) -> bool {
+    value >= 0.0 && value <= f64::from(f32::MAX)
+}
+
+fn positive(number: &SchemaNumber, value: f64) -> SceneResult<()> {
+    match value > 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(not_a_number(&quoted(number), value)),
+    }
+}
+
+fn quoted(number: &SchemaNumber) -> String {
+    format!("`{}`", number.name())
+}
+
+fn not_a_number(what: &str, value: f64) -> SceneError {
+    let what = what.to_owned();
+    SceneError::NotANumber { what, value }
 }

@@ -44,8 +44,8 @@ macro_rules! delegate {
         }
 
         impl World for $world {
-            fn view(&self) -> Option<$crate::view::ArenaView> {
-                Some($crate::view::ArenaView::of(self))
+            fn view(&self) -> Option<$crate::world::view::ArenaView> {
+                Some($crate::world::view::ArenaView::of(self))
             }
 
             delegate!(@read $by

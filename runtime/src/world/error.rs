@@ -24,8 +24,8 @@ pub enum SceneError {
     },
     /// A quantity is negative, or too large or small for single precision, or not a number.
     NotANumber {
-        /// Which.
-        what: &'static str,
+        /// Which: the quoted name of a number of scenes, or words.
+        what: String,
         /// Its value; where it makes sense, in block units.
         value: f64,
     },

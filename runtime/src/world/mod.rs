@@ -22,10 +22,12 @@ pub mod rotation;
 pub mod shuffle;
 mod step_limit;
 mod stepper;
+pub(crate) mod view;
 
 pub use blocks::BodyState;
 pub use error::SceneError;
 pub use stochc_protocol::{BlockFace, Body, Docking};
+use view::ArenaView;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -37,7 +39,6 @@ use stochc_ir::{Cell, Face};
 use stochc_protocol::Orientation;
 
 use crate::settings::Settings;
-use crate::view::ArenaView;
 
 /// The physics broke down at one block.
 #[derive(Clone, Debug, PartialEq)]

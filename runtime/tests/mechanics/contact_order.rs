@@ -232,18 +232,7 @@ fn errors_go_down_as_the_page_says() {
             );
         }
     }
-    let page = std::fs::read_to_string(PAGE).expect("it is there");
-    let (before, rest) = page.split_once(BEGIN).expect("the table begins");
-    let (_, after) = rest.split_once(END).expect("the table ends");
-    let anew = format!("{before}{BEGIN}{table}{END}{after}");
-    if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
-        std::fs::write(PAGE, &anew).expect("it can be written");
-    } else {
-        assert!(
-            page == anew,
-            "write it anew with STOCHC_WRITE_DOCS=1: {table}"
-        );
-    }
+    crate::pages::assert_part(PAGE, [BEGIN, END], &table);
 }
 
 /// Where it is exact: all three are the damped oscillator of two blocks, which lasts pi - 2 a of its phase.

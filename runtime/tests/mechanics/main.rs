@@ -4,6 +4,8 @@
 #[macro_use]
 #[path = "../scenes/mod.rs"]
 mod scenes;
+#[path = "../../../tests/pages/mod.rs"]
+mod pages;
 
 mod arrivals;
 mod bonds;

@@ -9,6 +9,7 @@ use stochc_ir::scene::groups::{
 };
 use stochc_ir::scene::{ContactLaw, Scene};
 use stochc_ir::visible;
+use stochc_report::text::aligned;
 use stochc_runtime::{Settings, StepError, step_errors};
 
 use crate::operations::scene_warnings::{SceneWarning, scene_warnings, short};
@@ -109,9 +110,10 @@ impl InForce<'_> {
         self.list_terms(&mut out);
         if !self.absent.is_empty() {
             out.push_str("\n  absent, and not computed\n");
-            let width = width(self.absent.iter().map(|it| &it.clause));
-            for AbsentTerm { clause, meaning } in &self.absent {
-                let _ = writeln!(out, "    {clause:width$}  {meaning}");
+            let row = |it: &AbsentTerm| [it.clause.clone(), it.meaning.to_owned()];
+            let rows: Vec<_> = self.absent.iter().map(row).collect();
+            for line in aligned(&rows) {
+                let _ = writeln!(out, "    {line}");
             }
         }
         let _ = write!(
@@ -148,10 +150,17 @@ impl InForce<'_> {
     }
 
     fn list_terms(&self, out: &mut String) {
-        let values = || (self.terms.iter().flat_map(|term| &term.laws)).flat_map(|law| &law.values);
-        let symbol = width(values().map(|value| value.symbol));
-        let name = width(values().map(|value| value.name));
-        let si = width(values().map(si_of));
+        let laws = self.terms.iter().flat_map(|term| &term.laws);
+        let row = |value: &DescribedValue| {
+            [
+                value.symbol.to_owned(),
+                value.name.to_owned(),
+                in_unit(value.si, value.unit),
+                in_unit(value.block, value.block_unit),
+            ]
+        };
+        let rows: Vec<_> = laws.flat_map(|law| &law.values).map(row).collect();
+        let mut lines = aligned(&rows).into_iter();
         for term in &self.terms {
             let _ = writeln!(out, "    {}", term.text);
             for law in &term.laws {
@@ -159,40 +168,32 @@ impl InForce<'_> {
                 if let Some(equation) = law.equation {
                     let _ = writeln!(out, "      {equation}");
                 }
-                for value in &law.values {
-                    let line = format!(
-                        "        {:symbol$}  {:name$}  {:si$}  {}",
-                        value.symbol,
-                        value.name,
-                        si_of(value),
-                        in_unit(value.block, value.block_unit),
-                    );
-                    let _ = writeln!(out, "{}", line.trim_end());
+                for line in lines.by_ref().take(law.values.len()) {
+                    let _ = writeln!(out, "        {line}");
                 }
             }
         }
     }
 
     fn list_groups(&self, out: &mut String) {
-        let symbol = width(self.groups.iter().map(|group| group.symbol));
-        let meaning = width(self.groups.iter().map(|group| group.meaning));
-        let _ = writeln!(
-            out,
-            "\n  {:w$}  value      limit, about",
-            "groups",
-            w = symbol + meaning + 4
-        );
-        for group in &self.groups {
+        let named =
+            |group: &DimensionlessGroup| [group.symbol.to_owned(), group.meaning.to_owned()];
+        let names: Vec<_> = self.groups.iter().map(named).collect();
+        let head = ["groups", "value", "limit, about"].map(str::to_owned);
+        let mut rows = vec![head];
+        for (group, name) in self.groups.iter().zip(aligned(&names)) {
             let most = max_value(group).map(|most| format!("at most {}", short(most)));
             let least = min_value(group).map(|least| format!("at least {}", short(least)));
             let limit = most.or(least).unwrap_or_default();
-            let line = format!(
-                "    {:symbol$}  {:meaning$}  {:9}  {limit}",
-                group.symbol,
-                group.meaning,
-                short(group.value),
-            );
-            let _ = writeln!(out, "{}", line.trim_end());
+            rows.push([
+                format!("  {name}"),
+                format!("{:9}", short(group.value)),
+                limit,
+            ]);
+        }
+        out.push('\n');
+        for line in aligned(&rows) {
+            let _ = writeln!(out, "  {line}");
         }
     }
 
@@ -200,19 +201,21 @@ impl InForce<'_> {
         if self.step_errors.is_empty() {
             return;
         }
-        let width = width(self.step_errors.iter().map(|error| error.figure));
         out.push_str("\n  error of the steps, in experiments with the constants of this scene\n");
-        for error in &self.step_errors {
+        let row = |error: &StepError| {
             let of = |value| in_unit(value, error.unit);
-            let _ = writeln!(
-                out,
-                "    {:width$}  {} with {} steps a tick, {} if resolved: {:+.1} %",
-                error.figure,
+            let change = format!(
+                "{} with {} steps a tick, {} if resolved: {:+.1} %",
                 of(error.taken),
                 error.steps,
                 of(error.resolved),
                 error.relative() * 100.0,
             );
+            [error.figure.to_owned(), change]
+        };
+        let rows: Vec<_> = self.step_errors.iter().map(row).collect();
+        for line in aligned(&rows) {
+            let _ = writeln!(out, "    {line}");
         }
     }
 
@@ -273,18 +276,6 @@ fn max_value(group: &DimensionlessGroup) -> Option<f64> {
     }
 }
 
-fn si_of(value: &DescribedValue) -> String {
-    in_unit(value.si, value.unit)
-}
-
 fn in_unit(value: f64, unit: &str) -> String {
     format!("{} {unit}", short(value)).trim_end().to_owned()
-}
-
-/// The characters of the longest.
-fn width<T: AsRef<str>>(texts: impl Iterator<Item = T>) -> usize {
-    texts
-        .map(|text| text.as_ref().chars().count())
-        .max()
-        .unwrap_or(0)
 }

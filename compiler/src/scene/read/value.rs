@@ -4,9 +4,9 @@ use stochc_grammar::tree::{Quantity, Term};
 use stochc_ir::scene::schema::{self, SchemaNumber};
 use stochc_ir::scene::units::Dimension;
 
-use super::super::{to_si, unit_meant};
 use super::{ClauseContent, SceneReader, span};
 use crate::diagnostic::{Code, Diagnostic, report};
+use crate::units::{to_si, unit_meant};
 
 impl<'a> SceneReader<'a, '_> {
     /// A value for a number.

@@ -5,7 +5,7 @@
 mod clauses;
 mod equations;
 mod number;
-mod numbers;
+pub mod numbers;
 mod reference;
 mod requirements;
 

@@ -105,31 +105,41 @@ impl<'r> RateWorld<'r> {
         self.draws.block(self.drawn - 1, 0)
     }
 
-    /// Takes in what happened to faces, of which those that closed are open to one cell, and to that cell, which is full now or empty.
-    fn note(
-        &mut self,
-        changes: impl IntoIterator<Item = FaceChange>,
-        filled: Option<(Cell, bool)>,
-    ) {
+    /// Takes in what happened to a face, while every block stays where it is.
+    fn note_face(&mut self, change: FaceChange) {
         let mut changed = std::mem::take(&mut self.changed);
-        let mut closed = None;
+        match change {
+            FaceChange::Opened(face) => self.open(face, &mut changed),
+            FaceChange::Closed(face) => {
+                if let Some((cell, way)) = self.close(face) {
+                    self.hazards.drop_rivals(cell, bit(way), &mut changed);
+                }
+            }
+        }
+        self.estimate_all(changed);
+    }
+
+    /// Takes in that a cell is full now, or empty, and what that did to faces.
+    fn note_cell(&mut self, cell: Cell, is_full: bool, changes: Changes) {
+        let mut changed = std::mem::take(&mut self.changed);
+        let mut ways = 0;
         for change in changes {
             match change {
                 FaceChange::Opened(face) => self.open(face, &mut changed),
                 FaceChange::Closed(face) => {
-                    if let Some((cell, way)) = self.close(face) {
-                        let (_, ways) = closed.unwrap_or((cell, 0));
-                        closed = Some((cell, ways | bit(way)));
+                    if let Some((towards, way)) = self.close(face) {
+                        debug_assert_eq!(towards, cell);
+                        ways |= bit(way);
                     }
                 }
             }
         }
-        let ways = closed.map_or(0, |(_, ways)| ways);
-        match (filled, closed) {
-            (Some((cell, is_full)), _) => self.hazards.fill(cell, is_full, ways, &mut changed),
-            (None, Some((cell, _))) => self.hazards.drop_rivals(cell, ways, &mut changed),
-            (None, None) => {}
-        }
+        self.hazards.fill(cell, is_full, ways, &mut changed);
+        self.estimate_all(changed);
+    }
+
+    /// Estimates the faces of which something has `changed`.
+    fn estimate_all(&mut self, mut changed: Vec<Slot>) {
         self.hazards.sort(&mut changed);
         for slot in changed.drain(..) {
             self.estimate(slot);
@@ -303,7 +313,7 @@ impl<'r> RateWorld<'r> {
         let mut changes = Changes::new();
         let tell = |change| changes.push(change);
         self.lattice.dock(seat, face, cell, docking, tell);
-        self.note(changes, Some((cell, true)));
+        self.note_cell(cell, true, changes);
         self.follow_free_blocks();
         true
     }
@@ -335,8 +345,10 @@ impl World for RateWorld<'_> {
 
     fn magnetize(&mut self, site: BlockFace) {
         if let Some(seat) = self.lattice.seat(site.body) {
-            let changes = self.lattice.magnetize(seat, site.face);
-            self.note(changes, None);
+            let change = self.lattice.magnetize(seat, site.face);
+            if let Some(change) = change {
+                self.note_face(change);
+            }
         }
     }
 
@@ -346,8 +358,9 @@ impl World for RateWorld<'_> {
         };
         let mut going = vec![(seat, site.face)];
         while let Some((seat, face)) = going.pop() {
-            let closed = self.lattice.close(seat, face);
-            self.note(closed, None);
+            if let Some(closed) = self.lattice.close(seat, face) {
+                self.note_face(closed);
+            }
             let mut changes = Changes::new();
             let tell = |change| changes.push(change);
             let Some(child) = self.lattice.let_go(seat, face, tell) else {
@@ -355,7 +368,7 @@ impl World for RateWorld<'_> {
             };
             going.extend(Face::ALL.map(|face| (child, face)));
             let from = self.lattice.seats[child].cell;
-            self.note(changes, Some((from, false)));
+            self.note_cell(from, false, changes);
             let block = (child - self.lattice.seeds.len()) as u32;
             for slot in self.hazards.near(from) {
                 self.head_start(slot, from, block, 1.0);

@@ -132,12 +132,10 @@ impl<R: Lane> Bodies<R> {
     ) -> ([Vector3<R>; 3], UnitQuaternion<R>) {
         let rotation = self.rotation(id);
         self.attitudes[id as usize].spin = spin;
+        self.shift(id, way);
         let (group, lane) = place(id);
         let group = &mut self.groups[group];
         for axis in 0..3 {
-            let (place, rounded) = (group.position[axis][lane], group.rounded[axis][lane]);
-            let (place, rounded) = add(place, way[axis], rounded);
-            (group.position[axis][lane], group.rounded[axis][lane]) = (place, rounded);
             group.velocity[axis][lane] += faster[axis];
         }
         let position = gather(&group.position, lane);

@@ -83,6 +83,15 @@ impl Tag {
     }
 }
 
+/// Turns counts into how many there are up to each.
+fn sum_up(counts: &mut [u32]) {
+    let mut sum = 0;
+    for count in counts {
+        sum += *count;
+        *count = sum;
+    }
+}
+
 impl<R: Lane> CellList<R> {
     /// For blocks that mostly stay within `span` of the origin, and between two heights, and of which
     /// those closer than `near` are looked for \[side\].
@@ -129,22 +138,14 @@ impl<R: Lane> CellList<R> {
         for &cell in cells {
             self.start[cell as usize + 2] += 1;
         }
-        let mut sum = 0;
-        for start in &mut self.start {
-            sum += *start;
-            *start = sum;
-        }
+        sum_up(&mut self.start);
         self.anchored.clear();
         if 2 * bodies.count_anchored() > cells.len() {
             self.anchored.resize(self.start.len(), 0);
             for (i, &cell) in (0..).zip(cells) {
                 self.anchored[cell as usize + 1] += u32::from(!bodies.is_free(i));
             }
-            let mut sum = 0;
-            for anchored in &mut self.anchored {
-                sum += *anchored;
-                *anchored = sum;
-            }
+            sum_up(&mut self.anchored);
         }
         let sorted = &mut self.sorted[..cells.len()];
         let [to_x, to_y, to_z] = self
@@ -285,11 +286,7 @@ impl<R: Lane> CellList<R> {
         for &(i, _) in found {
             ends[i as usize + 1] += 1;
         }
-        let mut sum = 0;
-        for end in &mut *ends {
-            sum += *end;
-            *end = sum;
-        }
+        sum_up(ends);
         pairs.clear();
         pairs.resize(found.len(), (0, 0));
         for &(i, j) in found {

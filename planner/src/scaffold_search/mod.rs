@@ -1,21 +1,27 @@
 //! Scaffolds that pay: balanced ones, of which pieces are exchanged as long as the estimate gets shorter.
+mod balanced;
+mod guides;
+mod leaf_peeling;
+mod places;
+
 use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::leaf_peeling::peel_leaves;
-use super::places::GrowthSchedule;
-use super::{Scaffolding, SiteRoles};
 use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
 use crate::free_space::FreeSpace;
 use crate::makespan::{CellSamples, PlanEstimate, Samples};
-use crate::schedule::{Priorities, Schedule, SchedulingJob, estimated};
+use crate::scaffold::{Scaffolding, SiteRoles};
+use crate::schedule::Schedule;
+use crate::scheduling::{Priorities, SchedulingJob, estimated};
 use crate::search::{FoundSchedule, PlanSearch, PrioritizedSchedule, improved};
 use crate::sites::Sites;
-use crate::waiting::Waiting;
 use crate::waits::RateLaw;
 use crate::{Hardware, Target};
+use leaf_peeling::peel_leaves;
+use places::GrowthSchedule;
+pub use places::has_place;
 
 /// A target with scaffolds that pay, and how it is built.
 pub struct Scaffolded {
@@ -136,7 +142,7 @@ impl Study<'_> {
         samples: &Samples,
         schedule: &Schedule,
     ) -> PlanEstimate {
-        estimated(job, samples, schedule, &Waiting::of(job, schedule))
+        estimated(job, samples, schedule, &job.waiting(schedule))
     }
 
     /// The part of its tries that is left.

@@ -1,14 +1,7 @@
 //! Units as people write them.
+use stochc_grammar::tree::Quantity;
+use stochc_ir::scene::units::{self, Dimension};
 use stochc_ir::suggest::{Suggestion, nearest};
-
-/// What a unit may be made of, for suggestions.
-const BASES: [&str; 19] = [
-    "m", "g", "s", "min", "h", "Hz", "N", "Pa", "J", "W", "L", "K", "A", "T", "V", "rev", "rad",
-    "deg", "ticks",
-];
-
-/// Prefixes in use, the most frequent first.
-const PREFIXES: [&str; 7] = ["m", "k", "c", "u", "n", "M", "G"];
 
 /// Names of units and the symbols for them.
 const NAMES: [(&str, &[&str]); 13] = [
@@ -33,6 +26,13 @@ const NAMES: [(&str, &[&str]); 13] = [
     ("deg", &["degree", "degrees"]),
 ];
 
+/// A value in SI units, with its dimension.
+pub fn to_si(quantity: &Quantity) -> (f64, Dimension) {
+    let factors = quantity.unit.iter();
+    let factors = factors.map(|factor| (factor.symbol.as_str(), factor.power));
+    units::to_si(quantity.value, factors)
+}
+
 /// The unit that a word is probably meant to be.
 pub fn unit_meant(word: &str) -> Option<Suggestion> {
     let named = NAMES
@@ -44,10 +44,14 @@ pub fn unit_meant(word: &str) -> Option<Suggestion> {
             clear: true,
         });
     }
-    let plain = BASES.iter().map(|base| (*base).to_owned());
-    let prefixed = PREFIXES.iter().flat_map(|prefix| {
-        let bases = BASES.iter().filter(|base| base.len() <= 2);
-        bases.map(move |base| format!("{prefix}{base}"))
+    // A percent sign is no word, and of ticks the plural will do.
+    let bases = units::BASES.iter().map(|(base, ..)| *base);
+    let bases: Vec<&str> = bases.filter(|base| !["%", "tick"].contains(base)).collect();
+    let plain = bases.iter().map(|base| (*base).to_owned());
+    let common = units::PREFIXES.iter().filter(|prefix| prefix.is_common);
+    let prefixed = common.flat_map(|prefix| {
+        let bases = bases.iter().filter(|base| base.len() <= 2);
+        bases.map(|base| format!("{}{base}", prefix.sign))
     });
     let units: Vec<String> = plain.chain(prefixed).collect();
     // `KG` and `khz` are meant to be `kg` and `kHz`; `MS` could be two units.
@@ -63,7 +67,15 @@ pub fn unit_meant(word: &str) -> Option<Suggestion> {
 
 #[cfg(test)]
 mod tests {
-    use super::unit_meant;
+    use super::*;
+
+    #[test]
+    fn what_a_name_stands_for_is_a_unit() {
+        for (unit, _) in NAMES {
+            let (size, dimension) = units::to_si(1.0, [(unit, 1)]);
+            assert!((size, dimension) != (1.0, Dimension::NUMBER), "{unit}");
+        }
+    }
 
     #[test]
     fn units_are_suggested() {

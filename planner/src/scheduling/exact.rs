@@ -8,8 +8,9 @@ use std::cmp::Reverse;
 use stochc_grammar::Cancellation;
 use stochc_ir::Face;
 
-use super::{Priorities, Schedule, ScheduleState, SchedulingJob, SiteState};
+use super::{Priorities, ScheduleState, SchedulingJob, SiteState};
 use crate::makespan::{Objective, PlanEstimate, Samples};
+use crate::schedule::Schedule;
 use crate::sites::NONE;
 use crate::waiting::Waiting;
 use crate::waits::{CellState, Moment};
@@ -165,7 +166,7 @@ pub fn value(
     schedule: &Schedule,
     objective: Objective,
 ) -> f64 {
-    let waiting = Waiting::of(job, schedule);
+    let waiting = job.waiting(schedule);
     estimated(job, samples, schedule, &waiting).of(objective)
 }
 

@@ -2,9 +2,10 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use super::{MastPiece, Scaffolding, SiteRoles};
 use crate::Target;
-use crate::schedule::{Schedule, WAIT};
+use crate::scaffold::{MastPiece, Scaffolding, SiteRoles};
+use crate::schedule::Schedule;
+use crate::scheduling::WAIT;
 use crate::sites::{NONE, Sites};
 
 /// What holds each cell of a target in the end, and when it comes to its cell.

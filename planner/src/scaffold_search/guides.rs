@@ -4,9 +4,9 @@ use rand::seq::IndexedRandom as _;
 use rand_chacha::ChaCha8Rng;
 use stochc_ir::{Cell, Face};
 
-use super::Scaffolding;
 use super::places::supports;
 use crate::Target;
+use crate::scaffold::Scaffolding;
 
 /// The places beside a cell to which a mast can reach.
 pub fn places_beside(target: &Target, cell: Cell) -> impl Iterator<Item = Cell> {

@@ -7,8 +7,8 @@ use stochc_ir::{Cell, Face};
 
 use super::guides::places_beside;
 use super::places::{GrowthSchedule, supports};
-use super::{MastPiece, Scaffolding};
 use crate::Target;
+use crate::scaffold::{MastPiece, Scaffolding};
 
 /// What it costs to choose a place for a mast, in captures: that there is none yet, and each that stands across a corner, because
 /// they take turns.

@@ -7,8 +7,9 @@ use std::collections::BinaryHeap;
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
 
-use super::{Priorities, Schedule, SchedulingJob};
+use super::{Priorities, SchedulingJob};
 use crate::crowding::Crowding;
+use crate::schedule::Schedule;
 use crate::sites::NONE;
 use crate::waits::{CellState, Moment};
 
@@ -87,19 +88,8 @@ impl SchedulingJob<'_> {
 impl SerialState<'_> {
     /// The ways into a site from what has been placed.
     fn ways(&self, site: u32) -> impl Iterator<Item = Face> {
-        let job = self.job;
-        let along = job.corridors.along[site as usize];
-        Face::ALL.into_iter().filter(move |&way| {
-            if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
-                return false;
-            }
-            match job.parent(site, way) {
-                NONE => way == Face::Up && job.sites.is_on_seed(site),
-                parent => {
-                    self.schedule.rank[parent as usize] != NONE && !job.sites.is_inert(parent)
-                }
-            }
-        })
+        let holds = |parent: u32| self.schedule.rank[parent as usize] != NONE;
+        (Face::ALL.into_iter()).filter(move |&way| self.job.is_way(site, way, holds))
     }
 
     fn may_be_placed(&self, site: u32) -> bool {
@@ -198,7 +188,6 @@ mod tests {
     use super::super::with_job;
     use super::*;
     use crate::target::held;
-    use crate::waiting::Waiting;
 
     proptest! {
         #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
@@ -225,7 +214,7 @@ mod tests {
                     order.sort_unstable();
                     prop_assert!(order.into_iter().eq(0..job.sites.len() as u32));
                     let start = |site: u32| schedule.end[site as usize] - schedule.mean[site as usize];
-                    for (&site, before) in schedule.order.iter().zip(&Waiting::of(job, &schedule).before) {
+                    for (&site, before) in schedule.order.iter().zip(&job.waiting(&schedule).before) {
                         let parent = schedule.parent(job.sites, site);
                         prop_assert!(parent == NONE || schedule.end[parent as usize] <= start(site) + 0.1);
                         for &other in before {

@@ -7,10 +7,9 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use stochc_ir::Face;
 
-use super::Schedule;
 use super::adaptive::{ExactTimes, OpenState};
+use crate::schedule::Schedule;
 use crate::sites::NONE;
-use crate::waiting::Waiting;
 
 /// What a program says of each site.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +30,7 @@ const TOLERANCE: f64 = 0.03;
 impl FixedProgram {
     /// That of a schedule.
     pub fn of(times: &ExactTimes<'_>, schedule: &Schedule) -> FixedProgram {
-        let waiting = Waiting::of(times.job(), schedule);
+        let waiting = times.job().waiting(schedule);
         let mut before = vec![0; schedule.order.len()];
         for (&site, places) in schedule.order.iter().zip(&waiting.before) {
             let sites = places.iter().map(|&place| schedule.order[place as usize]);
@@ -143,7 +142,7 @@ mod tests {
     use super::super::with_job;
     use super::*;
     use crate::Target;
-    use crate::schedule::Priorities;
+    use crate::scheduling::Priorities;
 
     /// What is found of the job of these cells and its listed schedule.
     fn of_job<R>(

@@ -1,0 +1,36 @@
+//! How the files of a results folder are.
+
+/// A file of a folder, and what is known of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileHealth {
+    /// Its name within the folder.
+    pub name: String,
+    /// How it is.
+    pub health: Health,
+}
+
+/// How a file is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Health {
+    /// Its checksums are right.
+    Sound,
+    /// It can be read, but nothing says whether it is as it was written.
+    Unprotected,
+    /// It is not as it was written: why, in words.
+    Damaged(Vec<String>),
+}
+
+impl Health {
+    /// Whether something is wrong.
+    pub fn is_damaged(&self) -> bool {
+        matches!(self, Health::Damaged(_))
+    }
+
+    pub(super) fn of(damage: Vec<String>, is_protected: bool) -> Health {
+        match (damage.is_empty(), is_protected) {
+            (false, _) => Health::Damaged(damage),
+            (true, true) => Health::Sound,
+            (true, false) => Health::Unprotected,
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! How long a block takes to dock, once it has come: the distribution of the time, its integral, and the inverse of that.
+
+/// Stages of a docking: its time has the Erlang distribution of this shape.
+pub const STAGES: i32 = 2;
+
+/// The distribution function of a docking time, in units of its mean.
+pub(crate) fn docked(time: f64) -> f64 {
+    let x = f64::from(STAGES) * time;
+    docked_with(x, || libm::exp(-x))
+}
+
+/// The integral of [`docked`].
+pub(crate) fn summed(time: f64) -> f64 {
+    let x = f64::from(STAGES) * time;
+    summed_with(x, || libm::exp(-x))
+}
+
+/// The same after x stages, by e^-x.
+fn docked_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
+    // 1 - e^-x (1 + x), without the loss of digits where x is small.
+    match x < 1e-3 {
+        true => x * x * (0.5 - x / 3.0),
+        false => 1.0 - decay() * (1.0 + x),
+    }
+}
+
+fn summed_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
+    let integral = match x < 1e-2 {
+        true => x * x * x * (1.0 / 6.0 - x / 12.0 + x * x / 40.0),
+        false => x - 2.0 + decay() * (x + 2.0),
+    };
+    integral / f64::from(STAGES)
+}
+
+/// The inverse of [`summed`]: Newton's steps from the side on which they cannot pass it.
+pub(crate) fn when_summed(value: f64) -> f64 {
+    if value <= 0.0 {
+        return 0.0;
+    }
+    if value == f64::INFINITY {
+        return value;
+    }
+    // summed(t) >= t - 1; and where t is small, with two stages, 2 t^3 / 3 (1 - t).
+    let small = libm::cbrt(1.5 * value);
+    let mut time = (value + 1.0).min(small + small * small);
+    for _ in 0..60 {
+        let x = f64::from(STAGES) * time;
+        let decay = libm::exp(-x);
+        let next = time - (summed_with(x, || decay) - value) / docked_with(x, || decay);
+        if next >= time || time - next <= 1e-13 * time {
+            return next.max(0.0);
+        }
+        time = next;
+    }
+    time
+}

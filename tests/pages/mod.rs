@@ -1,0 +1,47 @@
+//! Pages of the documentation, or parts of them, that are made from the code.
+#![allow(dead_code, reason = "no test has all kinds of them")]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "pages are compared with what they should be, or written"
+)]
+
+/// The variable that lets a test write its page instead of comparing it.
+const SWITCH: &str = "STOCHC_WRITE_DOCS";
+
+/// Holds a page against what it should be, or writes it.
+#[track_caller]
+pub fn assert_page(path: &str, expected: &str) {
+    if std::env::var_os(SWITCH).is_some() {
+        std::fs::write(path, expected).expect("the page can be written");
+        return;
+    }
+    let page = std::fs::read_to_string(path).unwrap_or_default();
+    for (number, (here, expected)) in page.lines().zip(expected.lines()).enumerate() {
+        let line = number + 1;
+        assert_eq!(here, expected, "{path}:{line}; {SWITCH}=1 writes it anew");
+    }
+    assert!(
+        page == expected,
+        "{path} has another end; {SWITCH}=1 writes it anew"
+    );
+}
+
+/// The same for what stands between two marks.
+#[track_caller]
+pub fn assert_part(path: &str, [begin, end]: [&str; 2], expected: &str) {
+    let page = std::fs::read_to_string(path).expect("the page is there");
+    let (before, rest) = page.split_once(begin).expect("the part begins");
+    let (_, after) = rest.split_once(end).expect("the part ends");
+    assert_page(path, &format!("{before}{begin}{expected}{end}{after}"));
+}
+
+/// The same for the table with the same head.
+#[track_caller]
+pub fn assert_table(path: &str, table: &str) {
+    let page = std::fs::read_to_string(path).expect("the page is there");
+    let head = table.lines().next().expect("a head");
+    let start = page.find(head).expect("a table with this head");
+    let end = page[start..].find("\n\n").expect("an end of the table");
+    let end = start + end + 1;
+    assert_page(path, &[&page[..start], table, &page[end..]].concat());
+}
