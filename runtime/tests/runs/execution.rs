@@ -316,7 +316,7 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
     let mut scene = paper();
     scene.block.mass = 0.0;
     let message = error(&scene).to_string();
-    assert!(message.starts_with("the mass of a block is 0"), "{message}");
+    assert!(message.starts_with("`block.mass` is 0"), "{message}");
     let mut scene = paper();
     scene.contact = compliant(25.0, 5.0, 0.2);
     assert_eq!(
