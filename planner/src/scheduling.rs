@@ -394,9 +394,8 @@ impl ScheduleState<'_> {
                 && is_own(parent)
                 && self.open_faces[parent as usize] < job.hardware.faces
         };
-        let is_way = move |way: &Face| {
-            only.is_none_or(|only| only == *way) && job.is_way(site, *way, &holds)
-        };
+        let is_way =
+            move |way: &Face| only.is_none_or(|only| only == *way) && job.is_way(site, *way, holds);
         let crowding = job.crowding();
         let may_open = move |way: &Face| crowding.may_open(site, *way, |near| self.open_way(near));
         let ways = Face::ALL.into_iter().filter(is_way).filter(may_open);
