@@ -52,7 +52,7 @@ pub fn of_trade(
 /// How long an ensemble will take, and what is under way.
 fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
     /// More than this is no longer read.
-    const TOLD: usize = 3;
+    const SHOWN: usize = 3;
     let mut text = String::new();
     if let Some(left) = time_left(snapshot, elapsed) {
         text += &format!("; about {} left", words(left));
@@ -72,8 +72,8 @@ fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
             }
         })
         .collect();
-    if places.len() > TOLD {
-        places.truncate(TOLD);
+    if places.len() > SHOWN {
+        places.truncate(SHOWN);
         places.push("...".to_owned());
     }
     if !places.is_empty() {

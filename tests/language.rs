@@ -8,6 +8,7 @@ use stochc::ir::scene::scalars;
 use stochc::ir::scene::schema::CLAUSES;
 
 const REFERENCE: &str = include_str!("../docs/language.md");
+const MODEL: &str = include_str!("../docs/model.md");
 const README: &str = include_str!("../README.md");
 
 #[test]
@@ -60,6 +61,29 @@ fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
         table += &format!("| `{name}` | {short} | {range} | {} |\n", number.meaning);
     }
     pages::assert_table("docs/sweep.md", &table);
+}
+
+/// A clause of the schema that no row of the model has would be physics without an equation.
+#[test]
+fn the_model_has_an_equation_for_every_number_of_a_scene() {
+    let table = MODEL.split_once("| clause | equation").expect("the table");
+    let table = table.1.split_once("\n\n").expect("its end").0;
+    let clauses: Vec<Vec<&str>> = (table.lines())
+        .filter_map(|line| line.split(" | ").next())
+        .map(|clause| clause.split(|sign: char| !sign.is_alphanumeric()).collect())
+        .collect();
+    // The clock; a limit of the hardware; only told of; the other end of a range.
+    let others = ["tick", "block.faces", "flow.force", "agitation.speed.low"];
+    let missing: Vec<_> = scalars::all()
+        .map(|number| number.names[0])
+        .filter(|name| {
+            // A clause of a bond may have a row of its own.
+            let words = name.split_once('.').map_or(*name, |(_, rest)| rest);
+            let has_all = |clause: &Vec<&str>| words.split('.').all(|word| clause.contains(&word));
+            !clauses.iter().any(has_all)
+        })
+        .collect();
+    assert_eq!(missing, others, "numbers without a row in docs/model.md");
 }
 
 #[test]

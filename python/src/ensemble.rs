@@ -13,7 +13,7 @@ use stochc::ensemble::{
 use stochc::exit::{Exit, Failure};
 use stochc::host::Host;
 use stochc::operations::chosen_run::{ChosenRun, choose};
-use stochc::operations::ensemble::{Making, can_record, make, warn_of_doubts};
+use stochc::operations::ensemble::{EnsembleOptions, can_record, make, warn_of_doubts};
 use stochc::operations::results::{ensemble_results, read};
 use stochc::operations::runs::{made_again, try_out_all};
 use stochc::operations::{export, replay, report as pages, shard as pieces, sweep};
@@ -106,7 +106,7 @@ pub fn simulate(
             .map(|runs| parsed::<Selection>("record", runs))
             .transpose()?;
         let manifest = detached.manifest(record.as_ref(), host)?;
-        let how = Making {
+        let how = EnsembleOptions {
             out: kept.out.as_deref(),
             resume: match (kept.resume, kept.mixed_builds) {
                 (_, true) => Resume::MixedBuilds,

@@ -45,8 +45,8 @@ fn document(status: &Status) -> Value {
 }
 
 fn text(status: &Status, folder: &str) -> String {
-    /// Pieces that are told of one by one.
-    const TOLD: usize = 20;
+    /// Pieces that are listed one by one.
+    const SHOWN: usize = 20;
     let missing: Vec<u64> = status.missing().collect();
     let there = status.pieces.len() - missing.len();
     let mut text = format!(
@@ -55,7 +55,7 @@ fn text(status: &Status, folder: &str) -> String {
     );
     let plain = |number: &&u64| status.pieces[**number as usize] == PieceState::Missing;
     let others = missing.iter().filter(|number| !plain(number));
-    for &number in others.clone().take(TOLD) {
+    for &number in others.clone().take(SHOWN) {
         text += &match &status.pieces[number as usize] {
             PieceState::Begun { runs } => format!("piece {number} is begun: {runs} runs\n"),
             PieceState::Damaged { reason } | PieceState::Foreign { reason } => {
@@ -64,7 +64,7 @@ fn text(status: &Status, folder: &str) -> String {
             PieceState::Whole | PieceState::Missing => String::new(),
         };
     }
-    let more = others.count().saturating_sub(TOLD);
+    let more = others.count().saturating_sub(SHOWN);
     if more > 0 {
         text += &format!("{more} more are begun, damaged, or of something else\n");
     }

@@ -24,7 +24,7 @@ use crate::viewer::{Viewer, attended};
 
 /// How the runs of a manifest are made, and where they are kept.
 #[derive(Clone, Copy, Debug)]
-pub struct Making<'a> {
+pub struct EnsembleOptions<'a> {
     /// The folder for them; `None`: they are kept nowhere.
     pub out: Option<&'a Path>,
     /// Whether to go on with what the folder holds.
@@ -49,7 +49,7 @@ pub struct Making<'a> {
 
 /// The runs, and why some of them are not recorded that should be.
 #[derive(Debug)]
-pub struct Made {
+pub struct MadeEnsemble {
     /// All that there are.
     pub results: Results,
     /// `None`: every recording is there.
@@ -118,7 +118,11 @@ pub fn warn_of_doubts(manifest: &Manifest, host: &dyn Host) {
 ///
 /// # Errors
 /// If its folder cannot be used; runs that are finished stay.
-pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Made, Failure> {
+pub fn make(
+    manifest: &Manifest,
+    how: &EnsembleOptions<'_>,
+    host: &dyn Host,
+) -> Result<MadeEnsemble, Failure> {
     let stop = host.stop();
     // Before there is a folder that nothing comes of.
     let kept = match how.viewer {
@@ -183,7 +187,7 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
     };
     let results = results.map_err(Failure::usage)?;
     warn_of_checkpoints(checkpoints.as_deref(), host);
-    Ok(Made {
+    Ok(MadeEnsemble {
         unrecorded: recordings.comment(&results.finished, host),
         results,
     })

@@ -30,15 +30,15 @@ pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failu
 /// Says what is wrong with the files of a results folder.
 pub fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
     /// More than these say the same.
-    const TOLD: usize = 5;
+    const SHOWN: usize = 5;
     if damage.is_empty() {
         return;
     }
     let mut text = String::new();
-    for told in damage.iter().take(TOLD) {
+    for told in damage.iter().take(SHOWN) {
         text += &format!("warning: {told}\n");
     }
-    let rest = damage.len().saturating_sub(TOLD);
+    let rest = damage.len().saturating_sub(SHOWN);
     if rest > 0 {
         text += &format!("warning: so are {rest} more\n");
     }

@@ -18,7 +18,9 @@ use super::results::{ResultsFormat, ResultsView, show};
 use super::terminal::{Terminal, output_width, print};
 use super::watch::Watching;
 use crate::exit::{Exit, Failure};
-use crate::operations::ensemble::{Made, Making, can_record, make, warn_of_doubts};
+use crate::operations::ensemble::{
+    EnsembleOptions, MadeEnsemble, can_record, make, warn_of_doubts,
+};
 use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::replan::{Replan, replan};
 use crate::operations::runs::try_out_all;
@@ -129,7 +131,7 @@ fn cut(options: &Options, manifest: &Manifest, shards: u64, out: &Path) -> Resul
 
 fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<Exit, Failure> {
     let watching = options.watch.map(Watching::at).transpose()?;
-    let how = Making {
+    let how = EnsembleOptions {
         out: options.out.as_deref(),
         resume: match (options.resume, options.mixed_builds) {
             (_, true) => Resume::MixedBuilds,
@@ -145,7 +147,7 @@ fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<E
         figures: &options.figures.figures(),
         viewer: watching.as_ref().map(|it| it as &dyn Viewer),
     };
-    let Made {
+    let MadeEnsemble {
         results,
         unrecorded,
     } = make(manifest, &how, host)?;

@@ -361,8 +361,8 @@ impl Follower<'_> {
 
     /// How tasks of the last array have ended that should have made pieces, and their last lines.
     fn said(&self, pieces: &[u64]) -> String {
-        /// Tasks that are told of.
-        const TOLD: usize = 3;
+        /// Tasks whose end is shown.
+        const SHOWN: usize = 3;
         let ensemble = self.jobs.ensemble;
         let submissions = ensemble.submissions().unwrap_or_default();
         let last = submissions
@@ -374,7 +374,7 @@ impl Follower<'_> {
         };
         let tasks = JobArray::of(pieces, per_task).tasks;
         let mut text = String::new();
-        for &task in tasks.iter().take(TOLD) {
+        for &task in tasks.iter().take(SHOWN) {
             let made = JobArray::pieces(task, per_task, ensemble.pieces);
             let made: Vec<u64> = pieces
                 .iter()

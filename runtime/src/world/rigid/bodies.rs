@@ -190,7 +190,7 @@ impl<R: Lane> Bodies<R> {
     pub fn fastest(&self) -> R {
         let mut most = R::Wide::splat(R::zero());
         for group in &self.groups {
-            most = square(group.velocity.each_ref().map(R::Wide::load)).most(most);
+            most = square(group.velocity.each_ref().map(R::Wide::load)).maximum(most);
         }
         let squares = most.store().into_iter();
         squares.fold(R::zero(), R::max).sqrt()

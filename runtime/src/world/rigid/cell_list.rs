@@ -181,7 +181,7 @@ impl<R: Lane> CellList<R> {
                 let cell = (R::Wide::load(x) - low[axis]) * scale[axis];
                 // What is not a number is in the first cell.
                 let cell = cell.above(zero).choose(cell, zero);
-                cell.least(last[axis]) + large - large
+                cell.minimum(last[axis]) + large - large
             };
             let [x, y, z] = [0, 1, 2].map(|axis| along(axis, &group.position[axis]));
             let all = (x * slab + z * row + y + first).store();

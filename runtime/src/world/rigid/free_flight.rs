@@ -188,10 +188,10 @@ impl<R: Lane> ShellForce<R> {
     fn factor(&self, x: &[R::Wide; 3]) -> R::Wide {
         let distance = square(*x).sqrt();
         let zero = R::Wide::splat(R::zero());
-        let depth = (distance - R::Wide::splat(self.radius)).most(zero);
+        let depth = (distance - R::Wide::splat(self.radius)).maximum(zero);
         // In the middle the distance is 0, and so is the depth.
         let tiny = R::Wide::splat(R::of(1e-30));
-        R::Wide::splat(self.pull) * depth / distance.most(tiny)
+        R::Wide::splat(self.pull) * depth / distance.maximum(tiny)
     }
 }
 

@@ -130,8 +130,8 @@ impl<R: Lane> NeighbourList<R> {
         for (group, then) in bodies.groups().iter().zip(&self.places) {
             let way = [0, 1, 2].map(|axis| load(&group.position[axis]) - load(&then[axis]));
             let way = square(way);
-            second = second.most(way.least(farthest));
-            farthest = way.most(farthest);
+            second = second.maximum(way.minimum(farthest));
+            farthest = way.maximum(farthest);
         }
         let mut two = [R::zero(); 2];
         for way in farthest.store().into_iter().chain(second.store()) {

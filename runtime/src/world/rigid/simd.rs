@@ -44,9 +44,9 @@ pub(crate) trait Wide<R, const N: usize>:
     /// Square roots.
     fn sqrt(self) -> Self;
     /// The greater ones, where both are numbers.
-    fn most(self, other: Self) -> Self;
+    fn maximum(self, other: Self) -> Self;
     /// The lesser ones, where both are numbers.
-    fn least(self, other: Self) -> Self;
+    fn minimum(self, other: Self) -> Self;
     /// Without their signs.
     fn abs(self) -> Self;
     /// Where it is greater than the other, as a mask; what is not a number is not.
@@ -131,8 +131,8 @@ macro_rules! wide {
             fn bits(self) -> u32 {
                 self.to_bitmask()
             }
-            wide!(@same $wide; sqrt() = sqrt, abs() = abs, most(other) = fast_max,
-                least(other) = fast_min, above(other) = simd_gt, choose(yes, no) = select);
+            wide!(@same $wide; sqrt() = sqrt, abs() = abs, maximum(other) = fast_max,
+                minimum(other) = fast_min, above(other) = simd_gt, choose(yes, no) = select);
         }
     };
     // What only has another name there.

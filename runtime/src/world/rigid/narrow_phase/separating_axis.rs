@@ -119,7 +119,7 @@ impl<R: Lane> SeparatingAxisSearch<R> {
         let zero = R::Quad::splat(R::zero());
         let overlap = parallel.choose(
             R::Quad::splat(R::of(f64::from(f32::MAX))),
-            overlap / square.most(zero).sqrt(),
+            overlap / square.maximum(zero).sqrt(),
         );
         self.meet = self.meet & overlap.above(zero);
         let least = self.depth.above(overlap) & face.above(overlap);

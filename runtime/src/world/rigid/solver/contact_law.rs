@@ -93,9 +93,9 @@ impl<W: Copy> Spring<W> {
     {
         let of = |value: f64| W::splat(R::of(value));
         let (k, c) = (W::splat(stiffness), W::splat(damping));
-        let late = of(1.0) - of(1.0) / (h * h * k * yields).most(of(1.0));
+        let late = of(1.0) - of(1.0) / (h * h * k * yields).maximum(of(1.0));
         let curved = (of(1.0) - late) * of(1.0 / 12.0);
-        let stopped = (of(1.0) - of(1.0) / (h * c * yields)).most(of(0.5));
+        let stopped = (of(1.0) - of(1.0) / (h * c * yields)).maximum(of(0.5));
         let firmness = h * h * k * (late + curved) + h * c * stopped;
         let softness = of(1.0) / firmness;
         let push = h * (k * (depth - late * h * parting) - c * parting);

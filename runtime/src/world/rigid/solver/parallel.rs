@@ -190,12 +190,12 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             let approach = velocity(&self.frame[0], &spot.torques[0], &self.bodies);
             let yields =
                 |one: usize, two: usize| yields(&self.frame, &spot.torques, &self.bodies, one, two);
-            fastest = fastest.most(spot.real.choose(approach.abs(), all::<R>(0.0)));
+            fastest = fastest.maximum(spot.real.choose(approach.abs(), all::<R>(0.0)));
             match law.kind {
                 LawKind::Rigid { restitution } => {
                     spot.target = R::Quad::splat(-restitution) * approach;
-                    let excess = (spot.depth - all::<R>(SLOP)).most(all::<R>(0.0));
-                    spot.recovery = (excess * all::<R>(RECOVERY) / span).least(all::<R>(FASTEST));
+                    let excess = (spot.depth - all::<R>(SLOP)).maximum(all::<R>(0.0));
+                    spot.recovery = (excess * all::<R>(RECOVERY) / span).minimum(all::<R>(FASTEST));
                 }
                 LawKind::Compliant { stiffness, damping } => {
                     let along = yields(0, 0);
@@ -246,10 +246,10 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             let missing = spot.target
                 - velocity(along, &spot.torques[0], bodies)
                 - self.softness * spot.impulses[0];
-            let wanted = (spot.impulses[0] + missing * spot.masses[0]).most(all::<R>(0.0));
+            let wanted = (spot.impulses[0] + missing * spot.masses[0]).maximum(all::<R>(0.0));
             let change = spot.press(0, wanted, active);
             push(change, along, &spot.torques[0], bodies);
-            greatest = greatest.most((change / spot.masses[0]).abs());
+            greatest = greatest.maximum((change / spot.masses[0]).abs());
             if friction > R::zero() {
                 // Coulomb's cone, of the impulse that presses now.
                 let most = R::Quad::splat(friction) * spot.impulses[0];
@@ -262,7 +262,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
                 for (row, wanted) in [one * by, two * by].into_iter().enumerate() {
                     let change = spot.press(row + 1, wanted, active);
                     push(change, &across[row], &spot.torques[row + 1], bodies);
-                    greatest = greatest.most((change / spot.masses[1]).abs());
+                    greatest = greatest.maximum((change / spot.masses[1]).abs());
                 }
             }
         }
@@ -288,11 +288,11 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         for spot in &mut self.spots {
             let relative = velocity(along, &spot.torques[0], &shifts);
             let wanted = spot.shift + (spot.recovery - relative) * spot.masses[0];
-            let wanted = (active & spot.real).choose(wanted.most(all::<R>(0.0)), spot.shift);
+            let wanted = (active & spot.real).choose(wanted.maximum(all::<R>(0.0)), spot.shift);
             let change = wanted - spot.shift;
             spot.shift = wanted;
             push(change, along, &spot.torques[0], &mut shifts);
-            greatest = greatest.most((change / spot.masses[0]).abs());
+            greatest = greatest.maximum((change / spot.masses[0]).abs());
         }
         self.shifts = shifts;
         greatest
@@ -312,7 +312,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             square += energy(&faster, &livelier);
         }
         let too_much = (work + work + square).above(all::<R>(0.0));
-        let part = ((all::<R>(0.0) - (work + work)) / square).most(all::<R>(0.0));
+        let part = ((all::<R>(0.0) - (work + work)) / square).maximum(all::<R>(0.0));
         for (now, before) in self.bodies.iter_mut().zip(before) {
             let (faster, livelier) = now.less(before);
             for axis in 0..3 {
