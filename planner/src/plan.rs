@@ -84,10 +84,7 @@ pub fn plan(
     };
     let found = search(&sites, hardware, waits, plain)?;
     let job = found.job(&sites, hardware, waits);
-    let plain = BuildPlan {
-        is_best: found.is_best,
-        ..BuildPlan::of_found(&job, &found, how.seed)
-    };
+    let plain = BuildPlan::of_found(&job, &found, how.seed);
     let scaffolded = match has_place(target) {
         true => scaffolded(&sites, &found, hardware, waits, how),
         false => None,
@@ -166,6 +163,7 @@ impl BuildPlan {
         let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
         BuildPlan {
             rounds: found.rounds,
+            is_best: found.is_best,
             ..BuildPlan::of(job.sites, job.hardware, schedule, &waiting, ways, seed)
         }
     }

@@ -164,7 +164,11 @@ fn shapes_plates_and_scenes_are_chosen() {
         &["3 x 3 at (2, 1)", "--offset", "2, 1", &target],
     );
     assert_eq!(said.status, 0, "{}", said.err);
-    for part in ["P[2, 1] at (2, 1)", "shape two at (2, 1)", "B[2, 1, 1]"] {
+    for part in [
+        "P[2, 1] at (2, 1)",
+        "shape two at (2, 1)",
+        "P[2, 1].up ->> B[2, 1, 1..2]",
+    ] {
         assert!(said.out.contains(part), "{part}: {}", said.out);
     }
     let said = stochc_with("plan --quiet --shape two --offset -1,0", &[&target]);

@@ -10,7 +10,6 @@ use stochc_files::disk;
 
 use super::ShardError;
 use super::cut::{Cut, build, is_joined, piece_file};
-
 use super::piece::{PieceFile, identify, in_folder, read};
 use crate::Manifest;
 use crate::file_names::SHARDS;

@@ -1,6 +1,7 @@
 //! From a shape to a program that builds it.
 mod budget;
 mod offset;
+mod pair;
 mod rest;
 mod seed_plate;
 mod target;
@@ -38,7 +39,7 @@ pub struct PlanOptions<'a> {
     pub shape: Option<&'a str>,
     /// The plate to build on; `None`: that of the target.
     pub seed_plate: Option<&'a SeedPlate>,
-    /// How far the shape is moved from where the target has it.
+    /// How far a whole shape is moved from where the target has it.
     pub offset: Option<Offset>,
     /// The scene to build in; `None`: that of the target.
     pub scene: Option<&'a str>,
@@ -61,7 +62,12 @@ pub struct PlanOptions<'a> {
 /// # Errors
 /// If the target cannot be read, or is none.
 fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    let goal = placed(target::read(options, host)?, options)?;
+    let mut goal = target::read(options, host)?;
+    if let Some(Offset { east, north }) = options.offset {
+        goal = (goal.moved(east, north))
+            .ok_or_else(|| Failure::usage("--offset: the shape would be too far from the plate"))?;
+    }
+    let goal = placed(goal, options);
     match options.scene.filter(|scene| !goal.knows_scene(scene)) {
         None => Ok(goal),
         Some(scene) => Err(Failure::usage(format!(
@@ -71,15 +77,8 @@ fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     }
 }
 
-/// The same at the place, on the plate and in the scene that are chosen.
-///
-/// # Errors
-/// If a cell would have no place.
-fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
-    if let Some(Offset { east, north }) = options.offset {
-        goal = (goal.moved(east, north))
-            .ok_or_else(|| Failure::usage("--offset: the shape would be too far from the plate"))?;
-    }
+/// The same on the plate and in the scene that are chosen.
+fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Goal {
     if let Some(plate) = options.seed_plate {
         goal.plate = Some(plate.plate.clone());
         goal.seeds = plate.seeds.clone();
@@ -87,7 +86,7 @@ fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
     if let Some(scene) = options.scene {
         goal.scene = Some(scene.to_owned());
     }
-    Ok(goal)
+    goal
 }
 
 #[expect(

@@ -1,6 +1,8 @@
 //! `--offset`.
 use stochc_ir::table::Plate;
 
+use super::pair::pair;
+
 /// How far a shape is moved on the plate, in cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offset {
@@ -17,24 +19,16 @@ impl Offset {
         let inside = text
             .strip_prefix('(')
             .and_then(|text| text.strip_suffix(')'));
-        let (east, north) = inside
-            .unwrap_or(text)
-            .split_once(',')
-            .ok_or_else(|| "give the cells to the east and to the north: `2, 1`".to_owned())?;
-        let along = |text: &str| {
-            let cells: Option<i32> = text.trim().parse().ok();
-            let is_on_plate = |cells: &i32| cells.unsigned_abs() < Plate::LONGEST;
-            cells.filter(is_on_plate).ok_or_else(|| {
+        let is_on_plate = |cells: i32| cells.unsigned_abs() < Plate::LONGEST;
+        pair(inside.unwrap_or(text))
+            .filter(|&(east, north)| is_on_plate(east) && is_on_plate(north))
+            .map(|(east, north)| Offset { east, north })
+            .ok_or_else(|| {
                 format!(
-                    "a shape is moved by a whole number of cells, fewer than {}: `2, 1`",
+                    "give the cells to the east and to the north, whole numbers below {}: `2, 1`",
                     Plate::LONGEST
                 )
             })
-        };
-        Ok(Offset {
-            east: along(east)?,
-            north: along(north)?,
-        })
     }
 }
 

@@ -95,12 +95,10 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         ));
     }
     let goal = Goal::of_end(&checked, program, options.shape);
-    let goal = goal.and_then(|mut goal| {
+    goal.and_then(|mut goal| {
         goal.stand_on(&structure, &dead)?;
         Ok(goal)
-    });
-    placed(
-        goal.map_err(|reason| refused(options.target, &reason))?,
-        options,
-    )
+    })
+    .map(|goal| placed(goal, options))
+    .map_err(|reason| refused(options.target, &reason))
 }

@@ -1,6 +1,8 @@
 //! `--seed-plate`.
 use stochc_ir::table::Plate;
 
+use super::pair::pair;
+
 /// A plate, and those of its blocks that may capture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SeedPlate {
@@ -37,13 +39,8 @@ impl SeedPlate {
             depth: edge(depth)?,
         };
         let place = |text: &str| {
-            let inside = text
-                .trim()
-                .trim_start_matches(',')
-                .trim()
-                .strip_prefix('(')?;
-            let (x, y) = inside.split_once(',')?;
-            Some((x.trim().parse().ok()?, y.trim().parse().ok()?))
+            let place = text.trim().trim_start_matches(',').trim();
+            pair(place.strip_prefix('(')?)
         };
         let places = |text: &str| {
             let text = text.trim().strip_suffix(')').ok_or_else(malformed)?;
