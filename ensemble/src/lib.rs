@@ -81,7 +81,7 @@ pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, c
 pub use checkpoint::{Checkpoints, Interval};
 pub use comparison::{Comparison, ComparisonTally, Pair, PhaseTime, ProgramSummary, Time};
 pub use executor::RunCancelled;
-pub use file_names::{CHECKPOINTS, RECORDINGS};
+pub use file_names::CHECKPOINTS;
 pub use finished::Finished;
 pub use folder::{Contents, Folder, FolderState, Further, FurtherFiles, Resume};
 pub use folder_error::FolderError;

@@ -13,7 +13,8 @@ mod selection;
 mod write;
 
 pub use events::TimedEvent;
-pub use format::{RecordingError, RecordingHeader, VERSION, is_file};
+pub(crate) use format::VERSION;
+pub use format::{RecordingError, RecordingHeader, is_file};
 pub use frame::RunFrame;
 pub use read::{Frame, Outline, Places, Recording, each_places};
 pub use selection::Selection;
@@ -26,6 +27,6 @@ pub const EVERY: u32 = 4;
 /// counted from 0.
 pub fn path(folder: &std::path::Path, program: usize, run: u64) -> std::path::PathBuf {
     folder
-        .join(crate::RECORDINGS)
+        .join(crate::file_names::RECORDINGS)
         .join(format!("{program}-{run}.rec"))
 }

@@ -16,11 +16,13 @@ mod merge;
 mod piece;
 mod status;
 
-pub use cut::{Cut, Prepared, prepare};
+pub(crate) use cut::Cut;
+pub use cut::{Prepared, prepare};
 pub use error::ShardError;
 pub use merge::merge;
 pub use piece::Piece;
-pub use status::{PieceState, Status, listed, status, thorough_status};
+pub(crate) use status::thorough_status;
+pub use status::{PieceState, Status, listed, status};
 
 pub(super) use cut::same_build;
 pub(super) use status::health;

@@ -17,15 +17,16 @@ mod share;
 mod summary;
 mod survival;
 
-pub use difference::{Difference, Longer, Test, compare, correct};
-pub use holm::holm;
-pub use kolmogorov::{Distance, distance};
+pub(crate) use difference::correct;
+pub use difference::{Difference, Longer, Test, compare};
+use holm::holm;
+pub(crate) use kolmogorov::{Distance, distance};
 pub use mean::Mean;
 pub use quantile::quantile;
 pub use ratio::{Relative, relative};
 pub use runs::Runs;
 pub use sample::TimeSample;
-pub use share::share_interval;
+pub(crate) use share::share_interval;
 pub use summary::{Summary, median};
 pub use survival::{KaplanMeier, RestrictedMean, SurvivalPoint};
 

@@ -17,13 +17,13 @@ mod selection;
 mod thread_time;
 
 pub use assessment::Conditions;
-pub use candidates::{FINEST, base, candidates};
-pub use convergence::{CLOSE, Convergence, Doubling, convergence};
+pub use candidates::{FINEST, base};
+pub use convergence::{CLOSE, Convergence, Doubling};
 pub use estimate::EstimatedSamples;
 pub use measure::{MeasurementProgress, Setup, measure};
 pub use memory::{MEMORY, Memory};
-pub use plan::{CandidateOutcome, Extent, Job, NextJob, PILOT, Plan};
-pub use ranking::{Ranked, Verdict, rank};
+pub use plan::{CandidateOutcome, Extent};
+pub use ranking::{Ranked, Verdict};
 pub use result::{
     CandidateResult, FORMAT, MeasuredProgram, ProgramResult, Reference, Trade, known,
 };

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use smallvec::{SmallVec, smallvec};
 use stochc_ir::Face;
 use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
 
@@ -424,7 +425,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         environment: &mut impl Environment<Mark = M>,
     ) -> Vec<Message> {
         let mut left = Vec::new();
-        let mut going = vec![(by, gone)];
+        let mut going: SmallVec<[_; 4]> = smallvec![(by, gone)];
         while let Some((by, slot)) = going.pop() {
             let Some(block) = self.slots.remove(slot) else {
                 continue;

@@ -271,6 +271,15 @@ impl LatticeStructure {
         Some(FaceChange::Closed(number(seat, face)))
     }
 
+    /// The faces of a block that are on or hold another one: what goes when the block does.
+    pub fn active_faces(&self, seat: usize) -> impl Iterator<Item = (usize, Face)> + use<> {
+        let AnchoredBlock { on, holding, .. } = self.seats[seat];
+        let active = Face::ALL
+            .into_iter()
+            .filter(move |face| (on | holding) & bit(*face) != 0);
+        active.map(move |face| (seat, face))
+    }
+
     /// Takes the block that a face holds out of its cell: its seat. Tells what happens to faces.
     pub fn let_go(
         &mut self,

@@ -366,7 +366,7 @@ impl World for RateWorld<'_> {
             let Some(child) = self.lattice.let_go(seat, face, tell) else {
                 continue;
             };
-            going.extend(Face::ALL.map(|face| (child, face)));
+            going.extend(self.lattice.active_faces(child));
             let from = self.lattice.seats[child].cell;
             self.note_cell(from, false, changes);
             let block = (child - self.lattice.seeds.len()) as u32;

@@ -223,7 +223,7 @@ impl World for ShuffleWorld {
                 emit(closed);
             }
             if let Some(child) = self.lattice.let_go(seat, face, emit) {
-                going.extend(Face::ALL.map(|face| (child, face)));
+                going.extend(self.lattice.active_faces(child));
                 self.expose(self.lattice.seats[child].cell);
             }
             self.expose(self.lattice.seats[seat].cell);
@@ -245,9 +245,10 @@ impl World for ShuffleWorld {
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
         self.gather();
         self.stray(dockings);
-        let [which, who, how, _] = self.draws.block(self.tick, 0);
+        let tick = self.tick;
         self.tick += 1;
         if self.open.len() > 0 {
+            let [which, who, how, _] = self.draws.block(tick, 0);
             let (seat, face) = site(self.open.select(below(which, self.open.len())));
             self.dock_one(seat, face, [who, how], dockings);
         }
