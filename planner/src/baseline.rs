@@ -195,8 +195,8 @@ mod tests {
             attracts_always: false,
             free: 100,
         };
-        for naive in Baseline::ALL {
-            let (schedule, waiting) = naive.schedule(&sites, hardware, &RateLaw::new(None));
+        for baseline in Baseline::ALL {
+            let (schedule, waiting) = baseline.schedule(&sites, hardware, &RateLaw::new(None));
             assert_eq!(schedule.order.len(), 27);
             let mut height = 0;
             for (i, (&site, before)) in schedule.order.iter().zip(&waiting.before).enumerate() {
@@ -205,9 +205,9 @@ mod tests {
                 let held = schedule.held(&sites, site);
                 assert!(held.map_or(sites.is_on_seed(site), |held| before.contains(&held)));
                 assert!(schedule.mean[site as usize] > 0.0);
-                let is_serial = matches!(naive, Baseline::Chain | Baseline::Nearest);
+                let is_serial = matches!(baseline, Baseline::Chain | Baseline::Nearest);
                 assert!(!is_serial || i == 0 || before.contains(&(i - 1)));
-                if naive == Baseline::Layers {
+                if baseline == Baseline::Layers {
                     assert!(sites.cell(site).z >= height);
                     height = sites.cell(site).z;
                 }

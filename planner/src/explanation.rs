@@ -70,8 +70,8 @@ pub fn explanation(plan: &BuildPlan) -> String {
             dismantling.hand_overs.len()
         );
     }
-    if let Some(naive) = plan.naive {
-        let _ = writeln!(out, "needs no thought: {}", naive.words());
+    if let Some(baseline) = plan.baseline {
+        let _ = writeln!(out, "needs no thought: {}", baseline.words());
     }
     out += &picture(captures);
     let mut critical: Vec<&Capture> = captures.iter().collect();
@@ -91,7 +91,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
         out += "alternatives that need no thought, as they would be if no block jammed\n";
     }
     for Alternative {
-        naive,
+        baseline,
         estimate,
         finding,
     } in &plan.alternatives
@@ -100,7 +100,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
         let _ = writeln!(
             out,
             "  {}: {:.0} ticks{finding}",
-            naive.words(),
+            baseline.words(),
             estimate.mean
         );
     }

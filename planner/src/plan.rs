@@ -33,7 +33,7 @@ pub struct BuildPlan {
     /// Whether all schedules in one phase, with the ways in that were found, have been looked at, and none is better.
     pub is_best: bool,
     /// The plan that needs no thought which it is; `None`: one that was looked for.
-    pub naive: Option<Baseline>,
+    pub baseline: Option<Baseline>,
     /// What plans that need no thought would take; none where nobody has looked.
     pub alternatives: Vec<Alternative>,
 }
@@ -42,7 +42,7 @@ pub struct BuildPlan {
 #[derive(Clone, Debug, Serialize)]
 pub struct Alternative {
     /// Which.
-    pub naive: Baseline,
+    pub baseline: Baseline,
     /// How long it takes, if no block jams \[ticks\].
     pub estimate: PlanEstimate,
     /// What the check finds in its program first, if anything.
@@ -103,10 +103,10 @@ pub fn baseline_plans(
     seed: u64,
 ) -> Vec<(Baseline, BuildPlan)> {
     let sites = Sites::of(target);
-    let plans = Baseline::ALL.into_iter().map(|naive| {
-        let (schedule, waiting) = naive.schedule(&sites, hardware, waits);
+    let plans = Baseline::ALL.into_iter().map(|baseline| {
+        let (schedule, waiting) = baseline.schedule(&sites, hardware, waits);
         (
-            naive,
+            baseline,
             BuildPlan::of(&sites, hardware, &schedule, &waiting, (&[], &[]), seed),
         )
     });
@@ -205,7 +205,7 @@ impl BuildPlan {
             widest: widest(waiting, schedule),
             rounds: 0,
             is_best: false,
-            naive: None,
+            baseline: None,
             alternatives: Vec::new(),
         }
     }

@@ -324,19 +324,19 @@ impl Goal {
         let mut alternatives = Vec::new();
         if self.cells.len() <= MOST_COMPARED && self.repair == Repair::default() {
             let objective = search.objective;
-            for (naive, mut plan) in baseline_plans(&target, hardware, &law, search.seed) {
+            for (baseline, mut plan) in baseline_plans(&target, hardware, &law, search.seed) {
                 let checked = self.check(&target, &plan, &[]);
                 let estimate = estimated(&checked, &law).unwrap_or(plan.estimate);
                 let mut findings = checked.diagnostics.iter();
                 let finding = findings.next().map(|it| it.code.name());
                 let is_better = estimate.of(objective) < best.plan.estimate.of(objective);
                 if finding.is_none() && is_better {
-                    (plan.estimate, plan.naive) = (estimate, Some(naive));
+                    (plan.estimate, plan.baseline) = (estimate, Some(baseline));
                     let text = self.text(&target, &plan, &[]);
                     best = Planned { plan, text };
                 }
                 alternatives.push(Alternative {
-                    naive,
+                    baseline,
                     estimate,
                     finding,
                 });

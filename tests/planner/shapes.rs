@@ -106,7 +106,7 @@ fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding
                 plan.estimate.mean <= other.estimate.mean,
                 "{}: {:?}",
                 goal.name,
-                other.naive
+                other.baseline
             );
         }
         let crowded = plan
@@ -136,7 +136,7 @@ fn the_same_seed_gives_the_same_plan() {
     let more = tried(&goal, 400).unwrap();
     assert!(more.plan.estimate.mean < 1.03 * first.plan.estimate.mean);
     for other in &more.plan.alternatives {
-        let serial = matches!(other.naive, Baseline::Chain | Baseline::Nearest);
+        let serial = matches!(other.baseline, Baseline::Chain | Baseline::Nearest);
         assert!(!serial || more.plan.estimate.mean < other.estimate.mean);
     }
     assert_eq!(more.plan.alternatives.len(), Baseline::ALL.len());
