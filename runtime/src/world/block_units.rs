@@ -249,23 +249,15 @@ impl Units {
 
 /// What a number of a scene comes to in block units, if it can be simulated.
 fn checked(number: &SchemaNumber, value: f64) -> SceneResult<f64> {
-    match is_possible(value) {
-        true => Ok(value),
-        false => Err(not_a_number(&quoted(number), value)),
-    }
+    derived(&quoted(number), value)
 }
 
-/// What several of them come to together.
+/// What several of them come to together: single precision has to hold it, and it is not negative.
 fn derived(what: &str, value: f64) -> SceneResult<f64> {
-    match is_possible(value) {
+    match value >= 0.0 && value <= f64::from(f32::MAX) {
         true => Ok(value),
         false => Err(not_a_number(what, value)),
     }
-}
-
-/// Whether single precision can hold a number, and it is not negative.
-fn is_possible(value: f64) -> bool {
-    value >= 0.0 && value <= f64::from(f32::MAX)
 }
 
 fn positive(number: &SchemaNumber, value: f64) -> SceneResult<()> {
