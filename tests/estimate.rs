@@ -67,6 +67,36 @@ fn blocks_that_are_let_go_have_their_head_start() {
     );
 }
 
+/// A face that takes the block takes it from all others.
+#[test]
+fn a_block_that_is_let_go_docks_once() {
+    let text = "assembly turn { seed plate 3 x 1 { S at (1, 0) }
+        phase hold { S.up -> A.north -> B.west -> C }
+        phase on { release C B.north -> F.west -> E.south -> C } }";
+    let checked = stochc::check_text("turn.sa", text);
+    assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
+    let program = &checked.programs[0];
+    let rates = Rates::built_in(program.scene.as_ref().unwrap());
+    let cost = cost::estimate(program, rates).unwrap();
+    let expected = cost.phases[1].times.unwrap().p10;
+    let executable = stochc::compile(checked).unwrap().remove(0);
+    let settings = Settings::of(Model::Rate, 1);
+    let mut ticks: Vec<u64> = (0..4000)
+        .map(|run| {
+            let record = stochc::simulate(&executable, &settings, 5, run).unwrap();
+            record.phase_ticks[1]
+        })
+        .collect();
+    ticks.sort_unstable();
+    // Each to some 3 %, by chance.
+    let off = expected / ticks[400] as f64 - 1.0;
+    assert!(
+        off.abs() < 0.12,
+        "{expected:.0} and {}: {off:.3}",
+        ticks[400]
+    );
+}
+
 #[test]
 fn faces_beside_each_other_are_half_known() {
     agree(

@@ -44,13 +44,43 @@ fn what_decides_most_of_the_time_comes_first() {
 #[test]
 fn a_chain_takes_the_sum_of_its_waits() {
     let (_, cost, _) = program(include_str!("../../examples/line.sa"));
-    let sum: f64 = cost
-        .captures
-        .iter()
-        .map(|capture| capture.wait.mean())
-        .sum();
+    let sum: f64 = cost.captures.iter().map(|capture| capture.wait).sum();
     let mean = cost.total.unwrap().mean;
     assert!((mean / sum - 1.0).abs() < 1e-3, "{mean} {sum}");
+}
+
+#[test]
+fn lines_have_no_order_and_a_block_let_go_counts_wherever_that_is_written() {
+    let [first, last] = ["release B A.west -> C", "A.west -> C release B"].map(|lines| {
+        mean(&format!(
+            "assembly one {{ seed plate 3 x 1 {{ S at (1, 0) }}
+                phase hold {{ S.up -> A.north -> B }}
+                phase turn {{ {lines} }} }}"
+        ))
+    });
+    assert_eq!(first, last);
+}
+
+#[test]
+fn the_wait_of_a_capture_includes_blocks_that_are_let_go_near_it() {
+    let (_, cost, order) = program(
+        "assembly chain { seed plate 3 x 1 { S at (1, 0) }
+            phase hold { S.up -> A.east -> B }
+            phase on { release B A.up -> C.east -> D.down -> B }
+            allow tight-approach \"the last cell\" }",
+    );
+    let sum: f64 = cost.captures.iter().map(|capture| capture.wait).sum();
+    let total = cost.total.unwrap();
+    assert!(
+        (sum - total.mean).abs() < 2.0 * total.half_width,
+        "{sum} {total:?}"
+    );
+    let near = order.iter().position(|it| it == "A.up -> C").unwrap();
+    assert!(
+        cost.captures[near].wait < 350.0,
+        "{:?}",
+        cost.captures[near]
+    );
 }
 
 /// Sums that are worked out, beside times that are drawn of the same waits: chains, trees, phases one after the other.

@@ -126,7 +126,7 @@ fn block(
         let wait = costs.find(|it| it.event == capture);
         let wait = wait.map_or_else(String::new, |it| {
             let by = by(program);
-            format!(", waits {:.0} ticks on average, by {by}", it.wait.mean())
+            format!(", waits {:.0} ticks on average, by {by}", it.wait)
         });
         let _ = writeln!(text, "- {how}{cell}{depth}{wait}");
     }

@@ -48,4 +48,11 @@ impl Replanning {
             difference: compare(&plain, &replanned),
         }
     }
+
+    /// Whether so many runs completed, as they are and with plans.
+    pub fn are_complete(&self, runs: u64) -> bool {
+        let completed = |time: &Option<Time>| time.as_ref().map_or(0, |time| time.completed);
+        let both = [&self.plain, &self.replanned].map(completed);
+        both.iter().all(|completed| *completed as u64 == runs)
+    }
 }

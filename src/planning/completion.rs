@@ -259,12 +259,21 @@ pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, Ro
         }
         there.extend(captured);
     }
+    // What hung on a block that goes later would be adrift.
+    let later = plan.phases[last + 1..].iter().flat_map(|phase| {
+        let events = phase.events.clone();
+        events.map(|number| &plan.events[number as usize])
+    });
+    let released_later: BTreeSet<RoleId> = later
+        .filter(|event| event.kind == EventKind::Release)
+        .map(|event| event.role)
+        .collect();
     let layout = &program.layout;
     let blocks = there.into_iter().filter_map(|(role, event)| {
         let block = ExistingBlock {
             cell: layout.cells[event]?,
             way: layout.parents[event]?.face,
-            can_capture: true,
+            can_capture: !released_later.contains(&role),
         };
         Some((block, role))
     });

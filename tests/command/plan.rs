@@ -373,6 +373,9 @@ fn planning_the_rest_anew_is_compared_with_runs_as_they_are() {
     assert_eq!(it["plain"]["completed"], 6);
     assert_eq!(it["replanned"]["completed"], 6);
     assert_ne!(it["plain"]["mean"], it["replanned"]["mean"]);
+    // As they are, or with plans: a run that does not complete is one.
+    let cut_short = stochc(&format!("{compare} 800 --max-ticks 900"));
+    assert_eq!(cut_short.status, 3, "{}", cut_short.out);
     // Nobody waits so long: both are the same.
     let said = stochc(&format!("{compare} 500000 --format json")).json();
     assert_eq!(said[0]["plans"], 0);

@@ -4,6 +4,7 @@
 //! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph. That is less than a
 //! run by rates knows: cells beside an open face fill while it waits, and messages take their time.
 mod convolution;
+mod head_starts;
 mod occupancy;
 mod phase_events;
 mod sampling;
@@ -13,10 +14,11 @@ mod waits;
 
 pub use sampling::Draw;
 
-use stochc_rates::{Interaction, Rates, Times, Wait};
+use stochc_rates::{Interaction, Rates, Times};
 
 use crate::Program;
 use crate::plan::{EventId, EventKind};
+use waits::CaptureWait;
 
 /// What is known of a program without running it.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,8 +56,8 @@ pub struct PhaseCost {
 pub struct CaptureCost {
     /// Which.
     pub event: EventId,
-    /// How long its face waits, where no block was let go near it.
-    pub wait: Wait,
+    /// How long its face waits on average, blocks included that are let go near it \[tick\].
+    pub wait: f64,
     /// The part of all time in which nothing but it is waited for.
     pub share: f64,
 }
@@ -100,11 +102,16 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         cost.is_exact = true;
     }
     cost.interaction = interaction(program, &waits, sampled.has_race);
-    let captures = waits.iter().zip(sampled.shares).enumerate();
-    cost.captures = captures
-        .filter_map(|(i, (wait, share))| {
-            let event = EventId(i as u32);
-            let wait = wait.as_ref()?.wait;
+    let captures = waits.iter().zip(sampled.shares).zip(sampled.waits);
+    cost.captures = (0..)
+        .map(EventId)
+        .zip(captures)
+        .filter_map(|(event, ((wait, share), drawn))| {
+            let CaptureWait {
+                wait, head_starts, ..
+            } = wait.as_ref()?;
+            let drawn = drawn.filter(|_| !head_starts.is_empty());
+            let wait = drawn.unwrap_or_else(|| wait.mean());
             Some(CaptureCost { event, wait, share })
         })
         .collect();
@@ -112,11 +119,7 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     Some(cost)
 }
 
-fn interaction(
-    program: &Program,
-    waits: &[Option<waits::CaptureWait>],
-    has_race: bool,
-) -> Interaction {
+fn interaction(program: &Program, waits: &[Option<CaptureWait>], has_race: bool) -> Interaction {
     let is_release = |event: &crate::plan::PlanEvent| event.kind == EventKind::Release;
     match has_race || waits.iter().flatten().any(|wait| wait.is_one_of_many) {
         true => Interaction::Racing,

@@ -4,9 +4,9 @@ use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::Cell;
+use stochc_rates::Times;
 
-use stochc_rates::{FORGOTTEN, Times};
-
+use super::head_starts::TimedPhase;
 use super::steps::Step;
 use super::waits::{CaptureWait, within};
 use crate::Program;
@@ -43,6 +43,54 @@ pub struct Sampled {
     pub has_race: bool,
     /// For every event, the part of all time in which nothing else is waited for.
     pub shares: Vec<f64>,
+    /// For every event that happened, the mean time from when it could begin \[tick\].
+    pub waits: Vec<Option<f64>>,
+}
+
+/// When the events of a program happen, in one drawing.
+pub struct DrawnTimes {
+    /// When each could begin.
+    starts: Vec<f64>,
+    /// When each happened; infinite: it has not.
+    pub ends: Vec<f64>,
+    /// The one of its phase that each waited for last.
+    last: Vec<u32>,
+    /// Of each release, whether a face nearby has taken its block.
+    pub is_taken: Vec<bool>,
+}
+
+impl DrawnTimes {
+    fn new(events: usize) -> DrawnTimes {
+        DrawnTimes {
+            starts: vec![0.0; events],
+            ends: vec![f64::INFINITY; events],
+            last: vec![NOBODY; events],
+            is_taken: vec![false; events],
+        }
+    }
+
+    /// Forgets all that has happened.
+    fn clear(&mut self) {
+        self.ends.fill(f64::INFINITY);
+        self.is_taken.fill(false);
+    }
+
+    /// Whether an event has happened.
+    pub fn has_happened(&self, event: u32) -> bool {
+        self.ends[event as usize].is_finite()
+    }
+
+    /// When a step can begin, of a phase that began at a time, as all that it waits for has happened.
+    pub fn begin(&mut self, Step { event, before }: &Step, began: f64) -> f64 {
+        let mut start = (began, NOBODY);
+        for &event in before {
+            if self.ends[event as usize] >= start.0 {
+                start = (self.ends[event as usize], event);
+            }
+        }
+        (self.starts[*event as usize], self.last[*event as usize]) = start;
+        start.0
+    }
 }
 
 /// Goes through the steps of a program many times.
@@ -56,32 +104,31 @@ pub fn sample(
     let times = (DRAWN / count).clamp(LEAST, MOST);
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let neighbours = neighbours(program, waits);
-    let mut starts = vec![0.0_f64; waits.len()];
-    let mut ends = vec![0.0_f64; waits.len()];
-    let mut last = vec![NOBODY; waits.len()];
+    let timed: Vec<Option<TimedPhase<'_>>> =
+        (steps.iter().map(|steps| TimedPhase::of(steps, waits))).collect();
+    let mut drawn = DrawnTimes::new(waits.len());
     let mut durations = vec![Vec::with_capacity(times); program.plan.phases.len()];
     let mut draws = Vec::with_capacity(times);
     let mut decided = vec![0.0; waits.len()];
+    let mut waited = vec![(0.0, 0_u32); waits.len()];
     let mut has_race = false;
     for number in 0..times {
         let mut total = 0.0;
         let mut is_complete = true;
-        ends.fill(f64::INFINITY);
-        for ((steps, durations), timeout) in steps.iter().zip(&mut durations).zip(timeouts) {
+        drawn.clear();
+        let phases = steps.iter().zip(&timed).zip(&mut durations).zip(timeouts);
+        for (((steps, timed), durations), timeout) in phases {
+            match timed {
+                Some(timed) => timed.draw(total, &mut drawn, &mut rng),
+                None => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
+            }
             let mut latest = (total, NOBODY);
-            for Step { event, before } in steps {
-                let mut start = (total, NOBODY);
-                for &event in before {
-                    if ends[event as usize] >= start.0 {
-                        start = (ends[event as usize], event);
-                    }
-                }
-                let wait = waits[*event as usize].as_ref();
-                let end = wait.map_or(start.0, |wait| draw(wait, start.0, &ends, &mut rng));
-                starts[*event as usize] = start.0;
-                (ends[*event as usize], last[*event as usize]) = (end, start.1);
+            for &Step { event, .. } in steps {
+                let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);
+                let (sum, count) = &mut waited[event as usize];
+                (*sum, *count) = (*sum + (end - start), *count + 1);
                 if end >= latest.0 {
-                    latest = (end, *event);
+                    latest = (end, event);
                 }
             }
             if latest.0 - total > *timeout {
@@ -91,18 +138,19 @@ pub fn sample(
             }
             let mut at = latest.1;
             while at != NOBODY {
-                let before = last[at as usize];
+                let before = drawn.last[at as usize];
                 let since = if before == NOBODY {
                     total
                 } else {
-                    ends[before as usize]
+                    drawn.ends[before as usize]
                 };
-                decided[at as usize] += ends[at as usize] - since;
+                decided[at as usize] += drawn.ends[at as usize] - since;
                 at = before;
             }
             durations.push(latest.0 - total);
             total = latest.0;
         }
+        let DrawnTimes { starts, ends, .. } = &drawn;
         has_race |= number < LEAST
             && neighbours.iter().any(|&(one, other)| {
                 starts[one] < ends[other]
@@ -119,11 +167,31 @@ pub fn sample(
         .iter_mut()
         .for_each(|ticks| *ticks /= all.max(f64::MIN_POSITIVE));
     let phases = durations.into_iter();
+    let waited = waited.into_iter();
     Sampled {
         phases: phases.map(|them| Times::of_most(them, times)).collect(),
         draws,
         has_race,
         shares: decided,
+        waits: waited
+            .map(|(sum, count)| (count > 0).then(|| sum / f64::from(count)))
+            .collect(),
+    }
+}
+
+/// Draws when the events of a phase happen in which no released block has a head start.
+fn draw_in_order(
+    steps: &[Step],
+    waits: &[Option<CaptureWait>],
+    began: f64,
+    times: &mut DrawnTimes,
+    rng: &mut ChaCha8Rng,
+) {
+    for step in steps {
+        let start = times.begin(step, began);
+        let wait = waits[step.event as usize].as_ref();
+        let end = wait.map_or(start, |wait| start + wait.wait.time_of(exponential(rng)));
+        times.ends[step.event as usize] = end;
     }
 }
 
@@ -143,16 +211,12 @@ fn neighbours(program: &Program, waits: &[Option<CaptureWait>]) -> Vec<(usize, u
     pairs
 }
 
-/// When a capture happens whose face opens at a time; `ends`: when other events happened, if they have \[tick\].
-fn draw(of: &CaptureWait, opens: f64, ends: &[f64], rng: &mut ChaCha8Rng) -> f64 {
-    let exponential = |rng: &mut ChaCha8Rng| -libm::log1p(-rng.random::<f64>());
-    let mut end = opens + of.wait.time_of(exponential(rng));
-    for &(release, start) in &of.head_starts {
-        let released = ends[release.0 as usize];
-        let left = 1.0 - (opens - released).max(0.0) / FORGOTTEN as f64;
-        if released < end && rng.random::<f64>() < start.probability * left {
-            end = end.min(opens.max(released) + start.ticks * exponential(rng));
-        }
-    }
-    end
+/// A draw from the exponential distribution of mean 1.
+pub fn exponential(rng: &mut ChaCha8Rng) -> f64 {
+    -libm::log1p(-rng.random::<f64>())
+}
+
+/// Whether what has a probability happens; what has one below 0 does not.
+pub fn is_likely(probability: f64, rng: &mut ChaCha8Rng) -> bool {
+    rng.random::<f64>() < probability
 }

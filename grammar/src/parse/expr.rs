@@ -27,7 +27,7 @@ impl Parser<'_, '_> {
 
     fn expr_at(&mut self, pair: Pair<'_, Rule>, base: usize, depth: usize) -> Expr {
         let span = span_of(&pair, base);
-        if depth == MAX_DEPTH {
+        if depth > MAX_DEPTH {
             self.error(SyntaxErrorKind::TooDeep, span);
             return Expr {
                 kind: ExprKind::Int(0),

@@ -17,8 +17,49 @@ pub(super) struct Index {
     starting: Vec<(PhaseId, u32)>,
     /// The blocks of the plate, by cell.
     seeds: FxHashMap<Cell, BlockSlot>,
-    /// Who captures whom: child, phase and captor, sorted. Made when it is asked for first.
-    captors: OnceLock<Vec<(RoleId, PhaseId, RoleId)>>,
+    /// Who captures whom. Made when it is asked for first.
+    captors: OnceLock<Captors>,
+}
+
+/// Who captures each role: few roles are captured in more than one phase.
+#[derive(Debug)]
+struct Captors {
+    /// Of each role where its captors begin; and the end of the last.
+    starts: Vec<u32>,
+    /// By role and phase.
+    of_roles: Vec<(PhaseId, RoleId)>,
+}
+
+impl Captors {
+    fn of(tables: &Tables) -> Captors {
+        let mut captures = Vec::new();
+        for duty in tables.duties() {
+            let given = duty.rules().filter_map(|rule| match rule.then {
+                Action::Magnetize { child, .. } => Some(child),
+                _ => None,
+            });
+            captures.extend(given.map(|child| (child, duty.phase, duty.role)));
+        }
+        captures.sort_unstable();
+        let mut starts = vec![0; tables.roles.len() + 1];
+        for (child, ..) in &captures {
+            starts[child.0 as usize + 1] += 1;
+        }
+        for role in 0..tables.roles.len() {
+            starts[role + 1] += starts[role];
+        }
+        let of_roles = captures.into_iter().map(|(_, when, captor)| (when, captor));
+        Captors {
+            starts,
+            of_roles: of_roles.collect(),
+        }
+    }
+
+    /// Those of a role, by phase.
+    fn of_role(&self, role: RoleId) -> &[(PhaseId, RoleId)] {
+        let [start, end] = [0, 1].map(|next| self.starts[role.0 as usize + next] as usize);
+        &self.of_roles[start..end]
+    }
 }
 
 /// The first duty of a role, which most often is the only one.
@@ -117,10 +158,11 @@ impl Index {
 
     /// The first role that captures `child` in a phase.
     pub fn captor(&self, tables: &Tables, phase: PhaseId, child: RoleId) -> Option<RoleId> {
-        let captors = self.captors.get_or_init(|| captors(tables));
-        let first = captors.partition_point(|&(given, when, _)| (given, when) < (child, phase));
-        let &(given, when, captor) = captors.get(first)?;
-        ((given, when) == (child, phase)).then_some(captor)
+        let captors = self.captors.get_or_init(|| Captors::of(tables));
+        let of_role = captors.of_role(child);
+        let first = of_role.partition_point(|&(when, _)| when < phase);
+        let &(when, captor) = of_role.get(first)?;
+        (when == phase).then_some(captor)
     }
 }
 
@@ -140,17 +182,4 @@ fn later_beginning(
         }
     }
     Beginning::default()
-}
-
-fn captors(tables: &Tables) -> Vec<(RoleId, PhaseId, RoleId)> {
-    let mut captors = Vec::new();
-    for duty in tables.duties() {
-        let given = duty.rules().filter_map(|rule| match rule.then {
-            Action::Magnetize { child, .. } => Some(child),
-            _ => None,
-        });
-        captors.extend(given.map(|child| (child, duty.phase, duty.role)));
-    }
-    captors.sort_unstable();
-    captors
 }

@@ -127,10 +127,7 @@ fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) ->
     let shown = &cost.captures[..cost.captures.len().min(most)];
     let label = |event| program.plan.describe(event, symbols);
     let shares = shown.iter().map(|it| percent(it.share)).collect();
-    let waits = shown
-        .iter()
-        .map(|it| format!("{:.0}", it.wait.mean()))
-        .collect();
+    let waits = shown.iter().map(|it| format!("{:.0}", it.wait)).collect();
     TextTable {
         label: "capture".to_owned(),
         labels: shown.iter().map(|it| label(it.event)).collect(),

@@ -97,6 +97,7 @@ fn replanned(
         after,
         threads: options.work.threads,
     };
+    let runs = manifest.runs;
     let results = replan(manifest, how, &options.rates, host)?;
     match options.format {
         ResultsFormat::Text => print(&replanning_to_text(&results, output_width()))?,
@@ -105,7 +106,10 @@ fn replanned(
             print(&(text + "\n"))?;
         }
     }
-    Ok(Exit::Success)
+    Ok(match results.iter().all(|it| it.are_complete(runs)) {
+        true => Exit::Success,
+        false => Exit::UnsuccessfulRun,
+    })
 }
 
 /// Prepares the pieces of an ensemble.
