@@ -80,8 +80,14 @@ fn braces_and_parentheses_too_deep() {
     let braces = "for i in 1..1 {".repeat(200);
     let program = format!("assembly a {{ phase p {{ {braces}");
     assert!(codes(&text(&program)).contains(&Code::TooDeep));
-    let sum = format!("{}1{}", "(".repeat(120), ")".repeat(120));
-    assert_eq!(codes(&text(&format!("let n = {sum}"))), [Code::TooDeep]);
+    let nested = |depth: usize| {
+        let sum = format!("{}1{}", "(".repeat(depth), ")".repeat(depth));
+        codes(&text(&format!("let n = {sum}")))
+    };
+    assert!(!nested(100).contains(&Code::TooDeep));
+    for depth in [101, 120] {
+        assert_eq!(nested(depth), [Code::TooDeep]);
+    }
 }
 
 #[test]

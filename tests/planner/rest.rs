@@ -107,6 +107,22 @@ fn the_claim_that_is_not_true_is_completed() {
     }
 }
 
+/// What hung on a block that goes would go with it.
+#[test]
+fn nothing_hangs_on_a_block_that_a_later_phase_releases() {
+    let text = "shape bar { layer 1 { # # } layer 2 { # # } }
+assembly a {
+    seed plate 2 x 1 { A at (0, 0) }
+    phase one { A.up -> C.up -> D }
+    phase rest { yields bar }
+    phase late { release D }
+}
+";
+    let planned = completed(text).unwrap();
+    let checked = check_text("whole.sa", &planned.text);
+    assert!(!checked.has_errors(), "{}", planned.text);
+}
+
 #[test]
 fn what_cannot_be_completed_is_refused_with_a_reason() {
     let whole = completed(PART).unwrap().text;
