@@ -62,6 +62,8 @@ fn blocks_that_are_let_go_have_their_head_start() {
         &[
             "examples/five_tower_reconfigured.sa",
             "benches/rates/hand_over.sa",
+            "benches/rates/releases/turned.sa",
+            "benches/rates/releases/written_last.sa",
         ],
         Interaction::Releases,
     );
@@ -70,10 +72,7 @@ fn blocks_that_are_let_go_have_their_head_start() {
 /// A face that takes the block takes it from all others.
 #[test]
 fn a_block_that_is_let_go_docks_once() {
-    let text = "assembly turn { seed plate 3 x 1 { S at (1, 0) }
-        phase hold { S.up -> A.north -> B.west -> C }
-        phase on { release C B.north -> F.west -> E.south -> C } }";
-    let checked = stochc::check_text("turn.sa", text);
+    let checked = stochc::check("benches/rates/releases/turned.sa");
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     let program = &checked.programs[0];
     let rates = Rates::built_in(program.scene.as_ref().unwrap());

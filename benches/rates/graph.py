@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How far `stochc estimate` without runs is off runs by the same rates, by what a program leaves to chance.
 
-`graph.py STOCHC [RUNS]` estimates the programs of this folder, of races/ and of examples/ both ways, RUNS runs (6000) each, with a seed of its own,, and writes the table of
+`graph.py STOCHC [RUNS]` estimates the programs of this folder, of races/, releases/ and examples/ both ways, RUNS runs (6000) each, with a seed of its own, and writes the table of
 docs/rates.md.
 """
 import json
@@ -19,10 +19,10 @@ def estimate(stochc, program, *options):
 
 
 def main(stochc, runs=6000):
-    races = sorted((HERE / "races").glob("*.sa"))
+    others = [program for folder in ("races", "releases") for program in sorted((HERE / folder).glob("*.sa"))]
     examples = [HERE.parent.parent / "examples" / f"{name}.sa" for name in EXAMPLES]
     rows = {}
-    for seed, program in enumerate(sorted(HERE.glob("*.sa")) + races + examples, 77):
+    for seed, program in enumerate(sorted(HERE.glob("*.sa")) + others + examples, 77):
         drawn, run = estimate(stochc, program), estimate(stochc, program, "--runs", runs, "--seed", seed)
         off = {name: drawn["total"][name] / run["total"][name] - 1 for name in ("mean", "p10", "median", "p90")}
         chance = (drawn["total"]["half_width"] ** 2 + run["total"]["half_width"] ** 2) ** 0.5 / run["total"]["mean"]
