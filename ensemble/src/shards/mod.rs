@@ -2,7 +2,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `shards.json` | into how many pieces it is cut ([`Cut`]) |
+//! | `shards.json` | into how many pieces it is cut |
 //! | `shards/7.jsonl` | piece 7, whole: a line that says what it is, and one for each of its runs, in the order of the cut |
 //! | `shards/7.part-*` | runs of piece 7 that a process has made which is under way, or was killed |
 //! | `shards/7.draft-*` | piece 7 while it is written |

@@ -26,7 +26,7 @@ pub struct Difference {
     pub half_width: f64,
     /// Probability of a difference at least this large if there were none.
     pub p: f64,
-    /// `p`, corrected for the number of differences that are told together ([`correct`]).
+    /// `p`, corrected for the number of differences that are told together (S. Holm, 1979).
     pub p_holm: f64,
     /// Which sample has the longer times.
     pub longer: Longer,

@@ -1,6 +1,6 @@
 //! What accuracy costs: programs at many settings, each held against a converged reference.
 //!
-//! [`Plan`] says which run comes next, [`Trade`] what came of them. Neither knows a clock or a
+//! `plan.rs` says which run comes next, [`Trade`] what came of them. Neither knows a clock or a
 //! thread; [`measure()`] brings them.
 mod advice;
 mod assessment;
