@@ -22,6 +22,14 @@ pub enum Exit {
 }
 
 impl Exit {
+    /// How a command ends whose runs, or what stands for them, were all successful, or were not.
+    pub const fn of_runs(are_successful: bool) -> Exit {
+        match are_successful {
+            true => Exit::Success,
+            false => Exit::UnsuccessfulRun,
+        }
+    }
+
     /// The number that the shell sees.
     pub const fn status(self) -> u8 {
         match self {

@@ -83,8 +83,5 @@ pub(super) fn print_estimates(
         }
     }
     let is_known = |estimate: &CompletionEstimate| estimate.total.is_some();
-    Ok(match estimates.iter().all(is_known) {
-        true => Exit::Success,
-        false => Exit::UnsuccessfulRun,
-    })
+    Ok(Exit::of_runs(estimates.iter().all(is_known)))
 }

@@ -68,10 +68,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
 pub fn show(manifest: &Manifest, finished: &Records, shown: &ResultsView) -> Result<Exit, Failure> {
     let told = ensemble_results(manifest, finished, shown.bonds)?;
-    let exit = match told.are_all_successful() {
-        true => Exit::Success,
-        false => Exit::UnsuccessfulRun,
-    };
+    let exit = Exit::of_runs(told.are_all_successful());
     print(&match shown.form {
         ResultsFormat::Text => told.text(output_width()),
         ResultsFormat::Json => told.json(),

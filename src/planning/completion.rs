@@ -260,11 +260,10 @@ pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, Ro
         there.extend(captured);
     }
     // What hung on a block that goes later would be adrift.
-    let later = plan.phases[last + 1..].iter().flat_map(|phase| {
-        let events = phase.events.clone();
-        events.map(|number| &plan.events[number as usize])
-    });
+    let later = plan.phases[last + 1..].iter();
     let released_later: BTreeSet<RoleId> = later
+        .flat_map(|phase| plan.events_of(phase))
+        .map(|id| plan.event(id))
         .filter(|event| event.kind == EventKind::Release)
         .map(|event| event.role)
         .collect();

@@ -3,11 +3,12 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use stochc_rates::{FORGOTTEN, HeadStart};
 
-use super::sampling::{DrawnTimes, exponential, is_likely};
+use super::drawn_times::{DrawnTimes, exponential};
 use super::steps::Step;
 use super::waits::CaptureWait;
 
@@ -137,7 +138,7 @@ impl PhaseDraw<'_, '_> {
     fn head_start(&mut self, step: u32, release: u32, start: &HeadStart, time: f64) {
         let since = time - self.times.ends[release as usize];
         let left = 1.0 - since / FORGOTTEN as f64;
-        if is_likely(start.probability * left, self.rng) {
+        if self.rng.random::<f64>() < start.probability * left {
             let end = time + start.ticks * exponential(self.rng);
             self.schedule(end, step, Some(release));
         }

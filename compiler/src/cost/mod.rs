@@ -4,6 +4,7 @@
 //! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph. That is less than a
 //! run by rates knows: cells beside an open face fill while it waits, and messages take their time.
 mod convolution;
+mod drawn_times;
 mod head_starts;
 mod occupancy;
 mod phase_events;

@@ -1,11 +1,12 @@
 //! When a program is complete whose captures wait for each other: waits are drawn many times, and summed up along the graph.
-use rand::{RngExt as _, SeedableRng as _};
+use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::Cell;
 use stochc_rates::Times;
 
+use super::drawn_times::{DrawnTimes, NOBODY, exponential};
 use super::head_starts::TimedPhase;
 use super::steps::Step;
 use super::waits::{CaptureWait, within};
@@ -20,9 +21,6 @@ const MOST: usize = 4000;
 
 /// The numbers are the same whenever a program is asked for.
 const SEED: u64 = 0;
-
-/// Nobody is before this event in its phase.
-const NOBODY: u32 = u32::MAX;
 
 /// One time that a program was gone through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,52 +43,6 @@ pub struct Sampled {
     pub shares: Vec<f64>,
     /// For every event that happened, the mean time from when it could begin \[tick\].
     pub waits: Vec<Option<f64>>,
-}
-
-/// When the events of a program happen, in one drawing.
-pub struct DrawnTimes {
-    /// When each could begin.
-    starts: Vec<f64>,
-    /// When each happened; infinite: it has not.
-    pub ends: Vec<f64>,
-    /// The one of its phase that each waited for last.
-    last: Vec<u32>,
-    /// Of each release, whether a face nearby has taken its block.
-    pub is_taken: Vec<bool>,
-}
-
-impl DrawnTimes {
-    fn new(events: usize) -> DrawnTimes {
-        DrawnTimes {
-            starts: vec![0.0; events],
-            ends: vec![f64::INFINITY; events],
-            last: vec![NOBODY; events],
-            is_taken: vec![false; events],
-        }
-    }
-
-    /// Forgets all that has happened.
-    fn clear(&mut self) {
-        self.ends.fill(f64::INFINITY);
-        self.is_taken.fill(false);
-    }
-
-    /// Whether an event has happened.
-    pub fn has_happened(&self, event: u32) -> bool {
-        self.ends[event as usize].is_finite()
-    }
-
-    /// When a step can begin, of a phase that began at a time, as all that it waits for has happened.
-    pub fn begin(&mut self, Step { event, before }: &Step, began: f64) -> f64 {
-        let mut start = (began, NOBODY);
-        for &event in before {
-            if self.ends[event as usize] >= start.0 {
-                start = (self.ends[event as usize], event);
-            }
-        }
-        (self.starts[*event as usize], self.last[*event as usize]) = start;
-        start.0
-    }
 }
 
 /// Goes through the steps of a program many times.
@@ -209,14 +161,4 @@ fn neighbours(program: &Program, waits: &[Option<CaptureWait>]) -> Vec<(usize, u
         }
     }
     pairs
-}
-
-/// A draw from the exponential distribution of mean 1.
-pub fn exponential(rng: &mut ChaCha8Rng) -> f64 {
-    -libm::log1p(-rng.random::<f64>())
-}
-
-/// Whether what has a probability happens; what has one below 0 does not.
-pub fn is_likely(probability: f64, rng: &mut ChaCha8Rng) -> bool {
-    rng.random::<f64>() < probability
 }

@@ -106,10 +106,9 @@ fn replanned(
             print(&(text + "\n"))?;
         }
     }
-    Ok(match results.iter().all(|it| it.are_complete(runs)) {
-        true => Exit::Success,
-        false => Exit::UnsuccessfulRun,
-    })
+    Ok(Exit::of_runs(
+        results.iter().all(|it| it.are_complete(runs)),
+    ))
 }
 
 /// Prepares the pieces of an ensemble.

@@ -1,0 +1,60 @@
+//! One drawing of a program: when its events happen, and the chance in that.
+use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
+
+use super::steps::Step;
+
+/// Nobody is before this event in its phase.
+pub const NOBODY: u32 = u32::MAX;
+
+/// When the events of a program happen, in one drawing.
+pub struct DrawnTimes {
+    /// When each could begin.
+    pub starts: Vec<f64>,
+    /// When each happened; infinite: it has not.
+    pub ends: Vec<f64>,
+    /// The one of its phase that each waited for last.
+    pub last: Vec<u32>,
+    /// Of each release, whether a face nearby has taken its block.
+    pub is_taken: Vec<bool>,
+}
+
+impl DrawnTimes {
+    /// Of a program with so many events, of which none has happened.
+    pub fn new(events: usize) -> DrawnTimes {
+        DrawnTimes {
+            starts: vec![0.0; events],
+            ends: vec![f64::INFINITY; events],
+            last: vec![NOBODY; events],
+            is_taken: vec![false; events],
+        }
+    }
+
+    /// Forgets all that has happened.
+    pub fn clear(&mut self) {
+        self.ends.fill(f64::INFINITY);
+        self.is_taken.fill(false);
+    }
+
+    /// Whether an event has happened.
+    pub fn has_happened(&self, event: u32) -> bool {
+        self.ends[event as usize].is_finite()
+    }
+
+    /// When a step can begin, of a phase that began at a time, as all that it waits for has happened.
+    pub fn begin(&mut self, Step { event, before }: &Step, began: f64) -> f64 {
+        let mut start = (began, NOBODY);
+        for &event in before {
+            if self.ends[event as usize] >= start.0 {
+                start = (self.ends[event as usize], event);
+            }
+        }
+        (self.starts[*event as usize], self.last[*event as usize]) = start;
+        start.0
+    }
+}
+
+/// A draw from the exponential distribution of mean 1.
+pub fn exponential(rng: &mut ChaCha8Rng) -> f64 {
+    -libm::log1p(-rng.random::<f64>())
+}
