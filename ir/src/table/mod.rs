@@ -318,6 +318,12 @@ impl Tables {
         self.captured_cells().count()
     }
 
+    /// How many releases there are in all phases.
+    pub fn releases(&self) -> usize {
+        let is_release = |rule: &&RuleRow| matches!(rule.then, Action::SwitchOff { .. });
+        self.rules.iter().filter(is_release).count()
+    }
+
     /// The cell of each capture, in the order of the rules.
     pub fn captured_cells(&self) -> impl Iterator<Item = Cell> {
         self.rules.iter().filter_map(|rule| match rule.then {

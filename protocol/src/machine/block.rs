@@ -10,6 +10,9 @@ use super::slots::BlockSlot;
 use crate::body::Body;
 use crate::orientation::Orientation;
 
+/// A list with fewer conditions is faster gone through than searched.
+const SHORT: usize = 8;
+
 /// An anchored block: its name, how it sits, its neighbours in the tree, and its progress.
 ///
 /// Its lists are sorted: what a block knows does not depend on the order in which it came to know.
@@ -239,10 +242,16 @@ impl<M: Copy> StructureBlock<M> {
 
     #[inline]
     fn mark_fired(&mut self, place: usize) {
-        self.next = place as u32 + 1;
         match place / 64 {
-            0 => self.fired |= 1 << place,
-            word => self.mark_fired_later(word - 1, place % 64),
+            0 => {
+                self.fired |= 1 << place;
+                // Those that have fired right after it are not asked again.
+                self.next = place as u32 + (self.fired >> place).trailing_ones();
+            }
+            word => {
+                self.next = place as u32 + 1;
+                self.mark_fired_later(word - 1, place % 64);
+            }
         }
     }
 
@@ -252,21 +261,31 @@ impl<M: Copy> StructureBlock<M> {
         fired[word] |= 1 << bit;
     }
 
+    #[inline(always)]
+    fn has_seen(&self, what: Condition) -> bool {
+        let seen = self.seen();
+        match seen.len() {
+            0..SHORT => seen.contains(&what),
+            _ => seen.binary_search(&what).is_ok(),
+        }
+    }
+
     /// The first rule from the next one on that is ready; without one there will be none until the block sees something.
     fn next_ready(&mut self, tables: &Tables) -> Option<(usize, Action)> {
         let count = self.rules.count();
-        let has = |when| self.seen().binary_search(&when).is_ok();
-        let is_true = |place, when: &Condition| tables.is_true(self.rules, place, *when, has);
-        let ready = (self.next as usize..count as usize).find_map(|place| {
+        let has = |when| self.has_seen(when);
+        for place in self.next as usize..count as usize {
+            if self.has_fired(place) {
+                continue;
+            }
             let rule = tables.rule(self.rules, place);
-            let is_ready =
-                !self.has_fired(place) && rule.when.iter().all(|when| is_true(place, when));
-            is_ready.then_some((place, rule.then))
-        });
-        if ready.is_none() {
-            self.next = count;
+            let is_true = |when: &Condition| tables.is_true(self.rules, place, *when, has);
+            if rule.when.iter().all(is_true) {
+                return Some((place, rule.then));
+            }
         }
-        ready
+        self.next = count;
+        None
     }
 }
 

@@ -13,21 +13,54 @@ use super::slots::BlockSlot;
 pub(super) struct Index {
     /// Of each role, its first duty.
     first_duty: Vec<FirstDuty>,
-    /// The duties that begin with a phase: phase and number, sorted.
-    starting: Vec<(PhaseId, u32)>,
+    /// The numbers of the duties that begin with a phase, by phase and in rising order.
+    starting: Groups<u32>,
     /// The blocks of the plate, by cell.
     seeds: FxHashMap<Cell, BlockSlot>,
     /// Who captures whom. Made when it is asked for first.
     captors: OnceLock<Captors>,
 }
 
-/// Who captures each role: few roles are captured in more than one phase.
+/// Who captures each role, by role and phase: few roles are captured in more than one.
 #[derive(Debug)]
-struct Captors {
-    /// Of each role where its captors begin; and the end of the last.
+struct Captors(Groups<(PhaseId, RoleId)>);
+
+/// Values by the number of their group, sorted by counting.
+#[derive(Debug)]
+struct Groups<T> {
+    /// Where the values of each group begin; and the end of the last.
     starts: Vec<u32>,
-    /// By role and phase.
-    of_roles: Vec<(PhaseId, RoleId)>,
+    values: Vec<T>,
+}
+
+impl<T: Copy> Groups<T> {
+    /// Those of a group stay in their order. There are `groups` of them.
+    fn of(groups: usize, values: &[(u32, T)]) -> Groups<T> {
+        let mut starts = vec![0; groups + 1];
+        for (group, _) in values {
+            starts[*group as usize + 1] += 1;
+        }
+        for group in 0..groups {
+            starts[group + 1] += starts[group];
+        }
+        let mut sorted: Vec<T> = values.iter().map(|(_, value)| *value).collect();
+        let mut next = starts.clone();
+        for (group, value) in values {
+            let at = &mut next[*group as usize];
+            sorted[*at as usize] = *value;
+            *at += 1;
+        }
+        Groups {
+            starts,
+            values: sorted,
+        }
+    }
+
+    /// Those of one group.
+    fn get(&self, group: u32) -> &[T] {
+        let [start, end] = [0, 1].map(|next| self.starts[group as usize + next] as usize);
+        &self.values[start..end]
+    }
 }
 
 impl Captors {
@@ -38,27 +71,15 @@ impl Captors {
                 Action::Magnetize { child, .. } => Some(child),
                 _ => None,
             });
-            captures.extend(given.map(|child| (child, duty.phase, duty.role)));
+            captures.extend(given.map(|child| (child.0, (duty.phase, duty.role))));
         }
-        captures.sort_unstable();
-        let mut starts = vec![0; tables.roles.len() + 1];
-        for (child, ..) in &captures {
-            starts[child.0 as usize + 1] += 1;
-        }
-        for role in 0..tables.roles.len() {
-            starts[role + 1] += starts[role];
-        }
-        let of_roles = captures.into_iter().map(|(_, when, captor)| (when, captor));
-        Captors {
-            starts,
-            of_roles: of_roles.collect(),
-        }
+        captures.sort_unstable_by_key(|&(_, captor)| captor);
+        Captors(Groups::of(tables.roles.len(), &captures))
     }
 
     /// Those of a role, by phase.
     fn of_role(&self, role: RoleId) -> &[(PhaseId, RoleId)] {
-        let [start, end] = [0, 1].map(|next| self.starts[role.0 as usize + next] as usize);
-        &self.of_roles[start..end]
+        self.0.get(role.0)
     }
 }
 
@@ -112,14 +133,13 @@ impl Index {
             }
             first.numbers.1 = number + 1;
             if duty.trigger == Trigger::Start {
-                starting.push((duty.phase, number));
+                starting.push((duty.phase.0, number));
             }
         }
-        starting.sort_unstable();
         let seeds = (0..).map(BlockSlot).zip(seeds);
         Index {
             first_duty,
-            starting,
+            starting: Groups::of(tables.phases.len(), &starting),
             seeds: seeds.map(|(slot, cell)| (*cell, slot)).collect(),
             captors: OnceLock::new(),
         }
@@ -148,12 +168,8 @@ impl Index {
     }
 
     /// The duties that begin with a phase.
-    pub fn starting(&self, phase: PhaseId) -> impl Iterator<Item = u32> {
-        let first = self.starting.partition_point(|(its, _)| *its < phase);
-        let of_phase = self.starting[first..]
-            .iter()
-            .take_while(move |(its, _)| *its == phase);
-        of_phase.map(|(_, number)| *number)
+    pub fn starting(&self, phase: PhaseId) -> &[u32] {
+        self.starting.get(phase.0)
     }
 
     /// The first role that captures `child` in a phase.

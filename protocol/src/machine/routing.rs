@@ -4,6 +4,7 @@
 //! body, so that crossing it is no hop. News for a role that nobody holds yet waits at the block
 //! that will capture it: every block has the program, and knows which one that is. A block that is
 //! let go leaves what it has heard to the next one in its role.
+use smallvec::SmallVec;
 use stochc_ir::table::RoleId;
 
 use super::block::Path;
@@ -39,6 +40,9 @@ impl<M: Copy> Structure<'_, M> {
         let Some(goal) = goal else { return };
         if goal == at {
             return self.hand_over(at, message, environment);
+        }
+        if goal == parent {
+            return self.send_up(at, message, environment);
         }
         match self.ancestor(goal, depth + 1) {
             Some(child)
@@ -96,7 +100,7 @@ impl<M: Copy> Structure<'_, M> {
 
     /// Makes the ways known of a block and of those between it and the plate.
     fn find_path(&mut self, slot: BlockSlot) {
-        let mut unknown = Vec::new();
+        let mut unknown: SmallVec<[_; 16]> = SmallVec::new();
         let mut at = slot;
         while let Some(block) = self.slots.get(at).filter(|block| !block.path.is_known()) {
             unknown.push((at, block.parent));

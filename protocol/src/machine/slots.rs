@@ -14,6 +14,9 @@ impl BlockSlot {
     pub const NONE: BlockSlot = BlockSlot(u32::MAX);
 }
 
+/// Fewer than one of so many bodies are sorted by comparing them.
+const FEW: usize = 16;
+
 /// The anchored blocks: first those of the plate in the order of their cells, which stay.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Slots<M> {
@@ -54,11 +57,27 @@ impl<M> Slots<M> {
         }
     }
 
-    /// The place of a body in their order.
-    pub fn rank(&self, body: Body, slot: BlockSlot) -> u64 {
-        match body {
-            Body::Seed(_) => u64::from(slot.0),
-            Body::Free(id) => self.seeds as u64 + u64::from(id),
+    /// Sorts different slots by the order of their bodies.
+    pub fn sort(&self, slots: &mut Vec<BlockSlot>) {
+        let count = self.seeds + self.of_free.len();
+        if slots.len() < count / FEW {
+            slots.sort_unstable_by_key(|slot| self.rank(*slot));
+            return;
+        }
+        // Each has a place of its own, which takes no comparison.
+        let mut places = vec![BlockSlot::NONE; count];
+        for slot in &*slots {
+            places[self.rank(*slot)] = *slot;
+        }
+        slots.clear();
+        slots.extend(places.iter().filter(|slot| **slot != BlockSlot::NONE));
+    }
+
+    /// The place of a block in the order of all bodies.
+    fn rank(&self, slot: BlockSlot) -> usize {
+        match self.get(slot).map(|block| block.body) {
+            Some(Body::Free(id)) => self.seeds + id as usize,
+            _ => slot.0 as usize,
         }
     }
 
@@ -86,13 +105,16 @@ impl<M> Slots<M> {
     }
 
     /// Takes out a block that was free once.
-    pub fn remove(&mut self, slot: BlockSlot) -> Option<StructureBlock<M>> {
-        let block = self.blocks.get_mut(slot.0 as usize)?.take()?;
+    pub fn remove(&mut self, slot: BlockSlot) {
+        let Some(place) = self.blocks.get_mut(slot.0 as usize) else {
+            return;
+        };
+        let Some(block) = place else { return };
         if let Body::Free(id) = block.body {
             self.of_free[id as usize] = BlockSlot::NONE;
         }
+        *place = None;
         self.vacant.push(slot);
-        Some(block)
     }
 
     #[inline]

@@ -150,20 +150,20 @@ impl<'t, M: Copy> Structure<'t, M> {
                 block.reset();
             }
         }
+        let Some(phase) = self.phase() else { return };
         let mut starting = Vec::new();
-        for duty in self.index.starting(PhaseId(self.phase)) {
-            let duty = self.tables.duty_at(duty as usize);
+        for duty in self.index.starting(phase) {
+            let duty = self.tables.duty_at(*duty as usize);
             let slot = self.holders[duty.role.0 as usize];
             if let Some(block) = self.slots.get_mut(slot) {
                 block.begin(Trigger::Start, duty.range());
                 block.is_changed = true;
-                let body = block.body;
-                starting.push((self.slots.rank(body, slot), slot));
+                starting.push(slot);
             }
         }
-        starting.sort_unstable_by_key(|(rank, _)| *rank);
-        self.changed.extend(starting.iter().map(|(_, slot)| *slot));
-        for (_, slot) in starting {
+        self.slots.sort(&mut starting);
+        self.changed.extend_from_slice(&starting);
+        for slot in starting {
             self.fire(slot, environment);
         }
     }
@@ -427,7 +427,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         let mut left = Vec::new();
         let mut going: SmallVec<[_; 4]> = smallvec![(by, gone)];
         while let Some((by, slot)) = going.pop() {
-            let Some(block) = self.slots.remove(slot) else {
+            let Some(block) = self.slots.get(slot) else {
                 continue;
             };
             let holder = &mut self.holders[block.role.0 as usize];
@@ -452,6 +452,7 @@ impl<'t, M: Copy> Structure<'t, M> {
                     .rev()
                     .map(|(_, child)| (block.role, *child)),
             );
+            self.slots.remove(slot);
         }
         left
     }

@@ -62,7 +62,7 @@ impl<'t> Controller<'t> {
         Controller {
             tables,
             structure: Structure::new(tables),
-            recorder: RunRecorder::new(Network::new(messages, seed, run), tables.captures()),
+            recorder: RunRecorder::new(Network::new(messages, seed, run), tables),
             phase_began: 0,
             phase_ends: None,
             phase_ticks: Vec::new(),

@@ -1,8 +1,8 @@
 //! What a run keeps besides the structure and the world: the clock, the messages, and what happened when.
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 use stochc_ir::Face;
 use stochc_ir::record::{BondRecord, Origin, ReleaseRecord, UnplannedRecord};
-use stochc_ir::table::{PhaseId, RoleId};
+use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_protocol::{
     BlockFace, Body, Docking, Environment, Message, PlannedCapture, Recalled, Reporter,
 };
@@ -38,22 +38,24 @@ stochc_ir::state! {
 }
 
 impl RunRecorder {
-    /// Nothing yet, with room for so many captures.
-    pub fn new(network: Network, captures: usize) -> RunRecorder {
+    /// Nothing yet, with room for what these tables say.
+    pub fn new(network: Network, tables: &Tables) -> RunRecorder {
+        let releases = tables.releases();
         RunRecorder {
             tick: 0,
             phase: PhaseId(0),
             network,
             has_more: false,
-            released: FxHashMap::default(),
-            bonds: Vec::with_capacity(captures),
-            releases: Vec::new(),
+            released: FxHashMap::with_capacity_and_hasher(releases, FxBuildHasher),
+            bonds: Vec::with_capacity(tables.captures()),
+            releases: Vec::with_capacity(releases),
             unplanned: Vec::new(),
             log: Log::default(),
         }
     }
 
     /// Takes the next message that has arrived, with its last hop: from whom, and where it is.
+    #[inline]
     pub fn due(&mut self) -> Option<(Body, Body, Message)> {
         self.network.due(self.tick, &mut self.log)
     }

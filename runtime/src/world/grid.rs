@@ -275,6 +275,16 @@ impl<T: Copy> ChunkedGrid<T> {
     /// The chunk in a place, which is there from now on.
     #[inline]
     fn chunk(&mut self, key: ChunkKey) -> &mut CellChunk {
+        match self.window.number(key) {
+            Some(number) if self.window.chunks[number].start != ABSENT => {
+                &mut self.window.chunks[number]
+            }
+            _ => self.chunk_to_add(key),
+        }
+    }
+
+    #[cold]
+    fn chunk_to_add(&mut self, key: ChunkKey) -> &mut CellChunk {
         if self.find(key).start == ABSENT {
             self.add(key);
         }

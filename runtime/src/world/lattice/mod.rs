@@ -87,6 +87,17 @@ pub(super) fn bit(face: Face) -> u8 {
     1 << face as u8
 }
 
+/// The faces of a set of bits.
+#[inline]
+pub(super) fn faces(mut bits: u8) -> impl Iterator<Item = Face> {
+    bits &= !WORKED;
+    std::iter::from_fn(move || {
+        let face = *Face::ALL.get(bits.trailing_zeros() as usize)?;
+        bits &= bits - 1;
+        Some(face)
+    })
+}
+
 impl AnchoredBlock {
     /// Where a block would sit that docks on a face; `None`: on the plate's level or below nobody can.
     pub fn across(&self, face: Face) -> Option<Cell> {
@@ -169,10 +180,7 @@ impl LatticeStructure {
     /// The neighbours of a cell that have a face on that points to it, with that face.
     pub fn aimed(&self, cell: Cell) -> impl Iterator<Item = (usize, Face)> {
         let aimed = self.grid.get(cell).aimed;
-        let ways = Face::ALL
-            .into_iter()
-            .filter(move |way| aimed & bit(*way) != 0);
-        ways.filter_map(move |way| {
+        faces(aimed).filter_map(move |way| {
             let seat = self.block(cell.across(way.opposite())?)?;
             Some((seat, self.seats[seat].orientation.to_own(way)))
         })
@@ -274,10 +282,7 @@ impl LatticeStructure {
     /// The faces of a block that are on or hold another one: what goes when the block does.
     pub fn active_faces(&self, seat: usize) -> impl Iterator<Item = (usize, Face)> + use<> {
         let AnchoredBlock { on, holding, .. } = self.seats[seat];
-        let active = Face::ALL
-            .into_iter()
-            .filter(move |face| (on | holding) & bit(*face) != 0);
-        active.map(move |face| (seat, face))
+        faces(on | holding).map(move |face| (seat, face))
     }
 
     /// Takes the block that a face holds out of its cell: its seat. Tells what happens to faces.
@@ -293,11 +298,14 @@ impl LatticeStructure {
         }
         of.holding &= !bit(face);
         let cell = of.across(face)?;
-        let child = self.block(cell)?;
-        self.grid.mark(cell, false).block = NOBODY;
+        let content = self.grid.mark(cell, false);
+        let child = std::mem::replace(&mut content.block, NOBODY) as usize;
+        let is_aimed_at = content.aimed != 0;
         self.free.insert(child - self.seeds.len());
-        for (seat, face) in self.aimed(cell) {
-            emit(FaceChange::Opened(number(seat, face)));
+        if is_aimed_at {
+            for (seat, face) in self.aimed(cell) {
+                emit(FaceChange::Opened(number(seat, face)));
+            }
         }
         Some(child)
     }

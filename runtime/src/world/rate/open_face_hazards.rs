@@ -6,6 +6,7 @@ use stochc_ir::{Cell, Face};
 use stochc_rates::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells, rivalry};
 
 use crate::world::grid::ChunkedGrid;
+use crate::world::lattice::faces;
 
 /// Where an open face is kept. Another one may be there later.
 pub(super) type Slot = u32;
@@ -97,10 +98,7 @@ impl OpenFace {
     /// Faces that were open to a cell are rivals no more: whether one was.
     fn drop_rivals(&mut self, cell: Cell, ways: u8) -> bool {
         let mut has_fewer = false;
-        let mut left = ways;
-        while left != 0 {
-            let way = Face::ALL[left.trailing_zeros() as usize];
-            left &= left - 1;
+        for way in faces(ways) {
             if let Some(rivalry) = rivalry((self.cell, self.way), (cell, way)) {
                 self.rivals.remove(rivalry);
                 has_fewer = true;

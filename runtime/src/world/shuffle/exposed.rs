@@ -2,6 +2,8 @@
 use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, Face};
 
+use crate::world::lattice::faces;
+
 /// Blocks in a run of them, at most.
 const MOST: usize = 256;
 
@@ -72,16 +74,8 @@ impl ExposedFaces {
             is_here
         })?;
         let mut faces = run.iter().flat_map(|exposed| {
-            let faces = Face::ALL
-                .into_iter()
-                .filter(|face| exposed.faces & bit(*face) != 0);
-            faces.map(|face| (exposed.body, face))
+            faces(exposed.faces).map(|face| (exposed.body, face))
         });
         faces.nth(rank as usize)
     }
-}
-
-/// The bit of a face in a set of them.
-pub(super) fn bit(face: Face) -> u8 {
-    1 << face as u8
 }
