@@ -227,7 +227,7 @@ fn rounds(
                 emulator,
             })
             .collect();
-        let found = Posterior::of(numbers, &known, seed);
+        let found = Posterior::of(&ends, &known, seed);
         ends = found.surroundings();
         let predictions = known.iter().map(|it| found.predict(it)).collect();
         posterior = Some((found, predictions));

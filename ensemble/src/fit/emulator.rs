@@ -13,9 +13,14 @@ pub struct Simulated {
 impl Simulated {
     /// Whether the point is in a box, given by its lower and upper ends.
     pub fn is_within(&self, ends: &[(f64, f64)]) -> bool {
-        let mut sides = self.at.iter().zip(ends);
-        sides.all(|(at, (low, high))| (*low..=*high).contains(at))
+        is_within(&self.at, ends)
     }
+}
+
+/// Whether a point is in a box, given by its lower and upper ends.
+pub(super) fn is_within(at: &[f64], ends: &[(f64, f64)]) -> bool {
+    let mut sides = at.iter().zip(ends);
+    sides.all(|(at, (low, high))| (*low..=*high).contains(at))
 }
 
 /// The logarithms of mean and standard deviation of a sample, and how well they are known.
@@ -43,6 +48,8 @@ pub struct Emulator {
     coefficients: [DVector<f64>; 2],
     /// (XᵀX)⁻¹ of the least squares.
     inverse: DMatrix<f64>,
+    /// That of the points on average.
+    mean_leverage: f64,
     /// Variance of the residuals.
     residual: [f64; 2],
     /// What of it the polynomials miss, and no number of runs would mend.
@@ -98,6 +105,7 @@ impl Emulator {
         let covariances = known.iter().map(|(_, it)| it.unit_covariance);
         Some(Emulator {
             scale,
+            mean_leverage: terms as f64 / known.len() as f64,
             residual: [mean.1, spread.1],
             lack_of_fit: [mean.2, spread.2],
             coefficients: [mean.0, spread.0],
@@ -111,18 +119,25 @@ impl Emulator {
         let features = DVector::from_vec(features(at, &self.scale));
         let leverage = features.dot(&(&self.inverse * &features));
         let of = |which: usize| self.coefficients[which].dot(&features);
-        let variance = |which: usize| self.residual[which] * leverage + self.lack_of_fit[which];
         EmulatorPrediction {
             of: [of(0), of(1)],
-            variance: [variance(0), variance(1)],
+            variance: self.variance(leverage),
         }
     }
 
+    /// Variances of the errors where the polynomials have this leverage.
+    fn variance(&self, leverage: f64) -> [f64; 2] {
+        [0, 1].map(|which| self.residual[which] * leverage + self.lack_of_fit[which])
+    }
+
     /// The logarithm of the likelihood of a mean and a standard deviation of n runs at a point, up to a constant.
+    ///
+    /// The variance of the polynomials is that of a design's point on average. With that of each place, data that nothing explains
+    /// would be likeliest where least is known.
     pub fn log_likelihood(&self, at: &[f64], n: usize, mean: f64, sd: f64) -> f64 {
         let estimate = self.estimate(at);
         let covariance = self.unit_covariance / n as f64
-            + Matrix2::from_diagonal(&Vector2::from(estimate.variance));
+            + Matrix2::from_diagonal(&Vector2::from(self.variance(self.mean_leverage)));
         let off = Vector2::new(mean.ln(), sd.ln()) - Vector2::from(estimate.of);
         match covariance.try_inverse() {
             Some(inverse) => {

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::Prior;
+use super::emulator::is_within;
 use crate::statistics::quantile;
 
 /// Draws that the posterior is known by.
@@ -12,6 +13,10 @@ const DRAWS: usize = 4_000;
 
 /// Steps that each draw makes at every temperature.
 const MOVES: usize = 12;
+
+/// No box is narrower than this part of a prior, so that a polynomial has something to go by. Where in it a number is, is not
+/// always known.
+const LEAST: f64 = 0.1;
 
 /// Draws from a posterior: each is a share of the prior for every number.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,14 +43,23 @@ pub struct Marginal {
 }
 
 impl Posterior {
-    /// Samples a posterior of so many numbers, whose prior is even in the unit cube; the same for the same seed.
+    /// Samples a posterior whose prior is even in a box, given by its lower and upper ends; the same for the same seed.
     ///
     /// The likelihood is taken in by degrees, so that half of the draws stay of use at each.
-    pub fn sample(numbers: usize, log_likelihood: impl Fn(&[f64]) -> f64, seed: u64) -> Posterior {
+    pub fn sample(
+        ends: &[(f64, f64)],
+        log_likelihood: impl Fn(&[f64]) -> f64,
+        seed: u64,
+    ) -> Posterior {
+        let numbers = ends.len();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut draws: Vec<Vec<f64>> = (0..DRAWS)
-            .map(|_| (0..numbers).map(|_| random.random()).collect())
-            .collect();
+        let mut draw = || {
+            let within = ends
+                .iter()
+                .map(|(low, high)| low + (high - low) * random.random::<f64>());
+            within.collect::<Vec<f64>>()
+        };
+        let mut draws: Vec<Vec<f64>> = (0..DRAWS).map(|_| draw()).collect();
         let mut known: Vec<f64> = draws.iter().map(|draw| log_likelihood(draw)).collect();
         let mut heat = 0.0;
         while heat < 1.0 {
@@ -63,7 +77,7 @@ impl Posterior {
                     let moved: Vec<f64> =
                         draw.iter().zip(kick.iter()).map(|(x, by)| x + by).collect();
                     let chance: f64 = random.random();
-                    if moved.iter().any(|x| !(0.0..=1.0).contains(x)) {
+                    if !is_within(&moved, ends) {
                         continue;
                     }
                     let there = log_likelihood(&moved);
@@ -84,11 +98,11 @@ impl Posterior {
         let near = |end: f64| {
             shares
                 .iter()
-                .filter(|share| (*share - end).abs() < 0.05)
+                .filter(|share| (*share - end).abs() < LEAST)
                 .count()
         };
-        // Evenly distributed, a twentieth would be there; twice the density of the rest is a push.
-        let is_crowded = |end| near(end) as f64 > 0.15 * shares.len() as f64;
+        // Evenly distributed, a tenth would be there; three times as many are a push.
+        let is_crowded = |end| near(end) as f64 > 3.0 * LEAST * shares.len() as f64;
         Marginal {
             of: prior.of.clone(),
             unit: prior.unit.clone(),
@@ -101,8 +115,6 @@ impl Posterior {
 
     /// A box that holds nearly all of it with some room, for the next design.
     pub fn surroundings(&self) -> Vec<(f64, f64)> {
-        /// No narrower than this, so that a polynomial has something to go by.
-        const LEAST: f64 = 0.1;
         let numbers = self.draws.first().map_or(0, Vec::len);
         let ends = |i: usize| {
             let shares: Vec<f64> = self.draws.iter().map(|draw| draw[i]).collect();
@@ -206,8 +218,11 @@ mod tests {
             let off = (0..3).map(|i| ((x[i] - at[i]) / sd[i]).powi(2));
             -0.5 * off.sum::<f64>()
         };
-        let posterior = Posterior::sample(3, likelihood, 1);
-        assert_eq!(posterior, Posterior::sample(3, likelihood, 1));
+        let posterior = Posterior::sample(&[(0.0, 1.0); 3], likelihood, 1);
+        assert_eq!(
+            posterior,
+            Posterior::sample(&[(0.0, 1.0); 3], likelihood, 1)
+        );
         for i in 0..3 {
             let found = posterior.marginal(i, &prior("x"));
             let half = (found.interval.1 - found.interval.0) / 2.0;
@@ -219,7 +234,8 @@ mod tests {
 
     #[test]
     fn what_the_data_say_nothing_of_stays_as_wide_as_before() {
-        let posterior = Posterior::sample(2, |x: &[f64]| -0.5 * ((x[0] + 0.2) / 0.1).powi(2), 1);
+        let likelihood = |x: &[f64]| -0.5 * ((x[0] + 0.2) / 0.1).powi(2);
+        let posterior = Posterior::sample(&[(0.0, 1.0); 2], likelihood, 1);
         let [first, second] = [0, 1].map(|i| posterior.marginal(i, &prior("x")));
         assert!(first.is_at_edge && first.width < 0.2, "{first:?}");
         assert!(

@@ -68,8 +68,9 @@ pub struct MeasuredProgram<'a> {
 }
 
 impl Posterior {
-    /// The posterior of numbers by the programs that are fitted.
-    pub fn of(numbers: usize, programs: &[MeasuredProgram], seed: u64) -> Posterior {
+    /// The posterior of numbers by the programs that are fitted, within the box that their emulators are of: beyond it these know
+    /// so little that anything might be there.
+    pub fn of(ends: &[(f64, f64)], programs: &[MeasuredProgram], seed: u64) -> Posterior {
         let fitted = || programs.iter().filter(|program| program.is_fitted);
         let likelihood = |at: &[f64]| {
             let of = |program: &MeasuredProgram| {
@@ -78,7 +79,7 @@ impl Posterior {
             };
             fitted().map(of).sum()
         };
-        Posterior::sample(numbers, likelihood, seed)
+        Posterior::sample(ends, likelihood, seed)
     }
 
     /// What it predicts for a measurement like the one of a program.
@@ -160,6 +161,44 @@ mod tests {
         (0..n).map(|_| (0..4).map(|_| wait(random)).sum()).collect()
     }
 
+    /// Two rounds of a fit of the first number of the law to what was measured there.
+    fn fitted(
+        random: &mut ChaCha8Rng,
+        truth: &[f64],
+        seed: u64,
+    ) -> (super::super::Marginal, Prediction) {
+        let measured = Summary::of(&times(random, truth, 100)).unwrap();
+        let observed = Observed {
+            program: "sums".to_owned(),
+            n: measured.n,
+            mean: measured.mean,
+            sd: measured.sd.unwrap(),
+        };
+        let mut ends = vec![(0.0, 1.0); 2];
+        let mut points: Vec<Simulated> = Vec::new();
+        let mut found = None;
+        for round in 0..2 {
+            let design = Design::latin_hypercube(&ends, 18, seed + 1000 * round);
+            points.extend(design.points.into_iter().map(|at| Simulated {
+                times: times(random, &at, 12),
+                at,
+            }));
+            let near = points.iter().filter(|point| point.is_within(&ends));
+            let near: Vec<Simulated> = near.cloned().collect();
+            let emulator = Emulator::of(&near).unwrap();
+            let measured = MeasuredProgram {
+                observed: &observed,
+                is_fitted: true,
+                emulator: &emulator,
+            };
+            let posterior = Posterior::of(&ends, std::slice::from_ref(&measured), seed);
+            ends = posterior.surroundings();
+            let prior = Prior::parse("x=0..1").unwrap();
+            found = Some((posterior.marginal(0, &prior), posterior.predict(&measured)));
+        }
+        found.unwrap()
+    }
+
     /// An interval of 95 % holds the truth about so often.
     #[test]
     fn intervals_hold_what_they_promise() {
@@ -168,36 +207,7 @@ mod tests {
         for trial in 0..TRIALS {
             let mut random = ChaCha8Rng::seed_from_u64(trial);
             let truth = [0.2 + 0.6 * random.random::<f64>(), 0.5];
-            let measured = Summary::of(&times(&mut random, &truth, 100)).unwrap();
-            let observed = Observed {
-                program: "sums".to_owned(),
-                n: measured.n,
-                mean: measured.mean,
-                sd: measured.sd.unwrap(),
-            };
-            let mut ends = vec![(0.0, 1.0); 2];
-            let mut points: Vec<Simulated> = Vec::new();
-            let mut found = None;
-            for round in 0..2 {
-                let design = Design::latin_hypercube(&ends, 18, trial + 1000 * round);
-                points.extend(design.points.into_iter().map(|at| Simulated {
-                    times: times(&mut random, &at, 12),
-                    at,
-                }));
-                let near = points.iter().filter(|point| point.is_within(&ends));
-                let near: Vec<Simulated> = near.cloned().collect();
-                let emulator = Emulator::of(&near).unwrap();
-                let measured = MeasuredProgram {
-                    observed: &observed,
-                    is_fitted: true,
-                    emulator: &emulator,
-                };
-                let posterior = Posterior::of(2, &[measured], trial);
-                ends = posterior.surroundings();
-                let prior = Prior::parse("x=0..1").unwrap();
-                found = Some(posterior.marginal(0, &prior));
-            }
-            let (low, high) = found.unwrap().interval;
+            let (low, high) = fitted(&mut random, &truth, trial).0.interval;
             held += u64::from((low..=high).contains(&truth[0]));
             widths += high - low;
         }
@@ -205,5 +215,21 @@ mod tests {
         // Binomial: 52 or fewer of 60 have a probability of 1 %.
         assert!(held >= 52, "{held} of {TRIALS}");
         assert!(widths / (TRIALS as f64) < 0.5, "the data say something");
+    }
+
+    /// What nothing in the range explains is missed, and most often found at the end that is nearest.
+    #[test]
+    fn a_truth_beyond_the_range_is_told() {
+        let mut at_end = 0;
+        for trial in 0..20 {
+            let beyond = [2.5, -1.5][trial as usize % 2];
+            let mut random = ChaCha8Rng::seed_from_u64(100 + trial);
+            let (found, predicted) = fitted(&mut random, &[beyond, 0.5], trial);
+            assert!(!predicted.has_mean(), "{trial}: {predicted:?}");
+            let end = f64::from(beyond > 0.0);
+            at_end += u32::from(found.is_at_edge && (found.median - end).abs() < 0.1);
+        }
+        println!("{at_end} of 20");
+        assert!(at_end >= 15, "{at_end} of 20");
     }
 }
