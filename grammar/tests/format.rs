@@ -122,8 +122,6 @@ fn scrawl(canonical: &str, dice: &mut Dice<'_>) -> String {
             Within::Statements if !code.is_empty() && dice.pick(&["a", "b"]) == "a" => {
                 out.push(' ')
             }
-            // A blank would make the next word a unit of this value.
-            Within::Scene if dice.pick(&["a", "b"]) == "a" => out.push('\t'),
             _ => out.push_str(&dice.line_end()),
         }
     }
@@ -452,12 +450,30 @@ fn scenes_keep_their_lines_and_wide_gaps() {
 #[test]
 fn a_word_does_not_become_the_unit_of_the_value_before_it() {
     becomes(
-        "scene z {\n tick 20\ts 3\n}",
+        "scene z {\n tick 20\rs 3\n}",
         "scene z {\n    tick 20\n    s 3\n}\n",
     );
     becomes(
-        "scene z { b { tick 20\ts 3 } }",
+        "scene z { b { tick 20\rs 3 } }",
         "scene z {\n    b {\n        tick 20\n        s 3\n    }\n}\n",
+    );
+}
+
+#[test]
+fn a_tab_stands_before_a_unit_and_within_one_as_a_blank_does() {
+    becomes(
+        "scene z {\n\ttick\t20\tms\n\twall 25 \tN\t/\tm\n\tof\t3\tmPa\ts ..\t4 mPa  s\n}\n\
+         assembly a in z {\n\tphase p\ttimeout\t3\tmin {}\n}",
+        "scene z {
+    tick 20 ms
+    wall 25 N / m
+    of 3 mPa s .. 4 mPa s
+}
+
+assembly a in z {
+    phase p timeout 3 min {}
+}
+",
     );
 }
 

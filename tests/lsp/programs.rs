@@ -289,6 +289,21 @@ fn the_outline_has_what_is_declared() {
     assert_eq!(names, expected);
 }
 
+/// What is declared ends with its last word, not before the next declaration.
+#[test]
+fn a_declaration_ends_where_its_words_do() {
+    let text = "let n = 2 *\n    (3 + 1)\n\n// about the program\n\nassembly a {\n    let k = 1\n\n    // of the plate\n    \
+                seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
+    let mut client = Client::new(&[]);
+    client.open(URI, text);
+    let params = json!({ "textDocument": { "uri": URI } });
+    let answer = client.ask("textDocument/documentSymbol", params);
+    let found = &answer["result"];
+    let all = [&found[0], &found[1], &found[1]["children"][0]];
+    let ranges = json!(all.map(|it| json!({ "range": it["range"] })));
+    assert_eq!(places(&ranges), ["0:0-1:11", "5:0-11:1", "6:4-6:13"]);
+}
+
 #[test]
 fn formatting_touches_the_lines_that_change() {
     let mut client = client();

@@ -58,8 +58,8 @@ impl<'t> Word<'t> {
     /// As it is written; a value and its unit are set apart by one blank at most.
     pub fn text(&self) -> Cow<'t, str> {
         match self.rule {
-            Some(Rule::quantity | Rule::unit) if self.text.contains("  ") => {
-                let parts = self.text.split(' ').filter(|part| !part.is_empty());
+            Some(Rule::quantity | Rule::unit) if self.text.contains(['\t', ' ']) => {
+                let parts = self.text.split_ascii_whitespace();
                 parts.collect::<Vec<_>>().join(" ").into()
             }
             Some(Rule::doc) => self.text.trim_end().into(),

@@ -5,7 +5,7 @@ use stochc_ir::Face;
 
 use super::expr::two;
 use super::frame::{Mode, OpenBlockContent};
-use super::{Parser, Rule, span_of};
+use super::{Parser, Rule, end_of, span_of};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
@@ -21,10 +21,7 @@ impl Parser<'_, '_> {
             return self.scene_or_shape_piece(pair, base);
         }
         let mut span = span_of(&pair, base);
-        // Blanks before an `after` that is not there are no part of the statement.
-        if let Some(last) = pair.clone().into_inner().next_back() {
-            span.end = span_of(&last, base).end;
-        }
+        span.end = end_of(&pair, base);
         let rule = pair.as_rule();
         let kind = match rule {
             Rule::chain => ItemKind::Chain(self.chain(pair, base)),

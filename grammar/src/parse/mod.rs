@@ -257,6 +257,15 @@ impl Parser<'_, '_> {
     }
 }
 
+/// Where its last word ends: blanks and comments before what may follow and does not are no part of it.
+fn end_of(pair: &Pair<'_, Rule>, base: usize) -> u32 {
+    let mut last = pair.clone();
+    while let Some(inner) = last.clone().into_inner().next_back() {
+        last = inner;
+    }
+    span_of(&last, base).end
+}
+
 fn span_of(pair: &Pair<'_, Rule>, base: usize) -> Span {
     let span = pair.as_span();
     Span::new((base + span.start()) as u32, (base + span.end()) as u32)

@@ -7,6 +7,9 @@ use super::{Parser, Rule, SaParser, span_of};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{ItemKind, Layer, LayerRow, Quantity, Term, UnitFactor};
 
+/// In the place of a number that cannot be read: which one was meant is of no concern to the rest of the scene.
+const SOME_NUMBER: f64 = 1.0;
+
 impl Parser<'_, '_> {
     /// A piece of the inside of a scene or shape.
     pub fn scene_or_shape_piece(&mut self, pair: Pair<'_, Rule>, base: usize) {
@@ -90,7 +93,7 @@ impl Parser<'_, '_> {
         let start = word.span.start as usize;
         let is_sign = self.text[at..].starts_with(['/', '^', '*']);
         let between = &self.text[word.span.end as usize..at];
-        if !is_sign || !between.chars().all(|c| c == ' ') {
+        if !is_sign || !between.chars().all(|c| matches!(c, ' ' | '\t')) {
             return false;
         }
         let rest = super::trivia::end_of_line(self.text.as_bytes(), at);
@@ -102,10 +105,9 @@ impl Parser<'_, '_> {
             return false;
         };
         let span = span_of(&pair, start);
-        // Some number was meant, and which one is of no concern to the rest of the scene.
         terms.pop();
         terms.push(Term::Quantity(Quantity {
-            value: 1.0,
+            value: SOME_NUMBER,
             unit: unit(pair),
             span,
         }));
@@ -173,7 +175,7 @@ impl Parser<'_, '_> {
         let value: f64 = pair.as_str().parse().unwrap_or(f64::INFINITY);
         if !value.is_finite() {
             self.error(SyntaxErrorKind::NumberTooLarge, span_of(pair, base));
-            return 0.0;
+            return SOME_NUMBER;
         }
         value
     }
