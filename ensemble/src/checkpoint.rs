@@ -453,7 +453,7 @@ pub(super) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Resu
 ///
 /// # Errors
 /// Those of the file system.
-pub(super) fn health(path: &Path) -> io::Result<Vec<FileHealth>> {
+pub(super) fn health(path: &Path) -> Vec<FileHealth> {
     let health = |((program, run), file): (RunKey, PathBuf)| {
         let name = format!("{CHECKPOINTS}/{program}-{run}{SUFFIX}");
         let found = opened(&file).and_then(|file| read(&file));
@@ -467,7 +467,13 @@ pub(super) fn health(path: &Path) -> io::Result<Vec<FileHealth>> {
         });
         FileHealth { name, health }
     };
-    Ok(list(path)?.into_iter().map(health).collect())
+    match list(path) {
+        Ok(files) => files.into_iter().map(health).collect(),
+        Err(error) => vec![FileHealth {
+            name: CHECKPOINTS.to_owned(),
+            health: Health::Damaged(vec![format!("`{CHECKPOINTS}`: {error}")]),
+        }],
+    }
 }
 
 /// Reads the first line of a file and holds all of it against its checksum; or what is wrong with it.

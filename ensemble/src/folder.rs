@@ -139,17 +139,14 @@ impl Folder {
         manifest: &Manifest,
         resume: Resume,
     ) -> Result<Folder, FolderError> {
-        let io = |source| FolderError::Io {
-            path: path.to_owned(),
-            source,
-        };
+        let io = FolderError::of(path);
         // Before anything is created: the folder may be somebody else's.
         survey(path)?;
-        atomic::make_folder(path).map_err(io)?;
+        atomic::make_folder(path).map_err(&io)?;
         let lock = lock(path)?;
         // Again, now that nobody else can change the answer.
         let Some(stored) = survey(path)? else {
-            atomic::clear_partial(path).map_err(io)?;
+            atomic::clear_partial(path).map_err(&io)?;
             write_manifest(path, manifest)?;
             return Ok(Folder {
                 path: path.to_owned(),
@@ -198,10 +195,10 @@ impl Folder {
                 reason: other_build(&stored.builds).unwrap_or_default(),
             });
         }
-        atomic::clear_partial(path).map_err(io)?;
+        atomic::clear_partial(path).map_err(&io)?;
         let recordings = path.join(RECORDINGS);
         if recordings.is_dir() {
-            atomic::clear_partial(&recordings).map_err(io)?;
+            atomic::clear_partial(&recordings).map_err(FolderError::of(&recordings))?;
         }
         let mut manifest = manifest.clone();
         manifest.builds = match done == total {
@@ -289,10 +286,7 @@ impl Folder {
     }
 
     fn in_checkpoints(&self, source: io::Error) -> FolderError {
-        FolderError::Io {
-            path: self.path.join(CHECKPOINTS),
-            source,
-        }
+        FolderError::of(self.path.join(CHECKPOINTS))(source)
     }
 
     /// The states of its runs, if they are kept.
@@ -371,10 +365,7 @@ impl Folder {
     /// # Errors
     /// Those of the file system.
     pub(super) fn write_tables(&self, finished: &Records) -> Result<(), FolderError> {
-        let io = |source| FolderError::Io {
-            path: self.path.clone(),
-            source,
-        };
+        let io = FolderError::of(&self.path);
         // Tables that are being written are not those that are known.
         write_checksums(&self.path, &self.manifest, &[])?;
         let mut sums = Vec::new();
@@ -382,10 +373,10 @@ impl Folder {
             let draft = Draft::new(&self.path.join(name), Replaces::Ordinary)?;
             Ok(Summed::new(draft))
         };
-        let tables = parquet::write(&self.manifest, finished, begin, io)?;
+        let tables = parquet::write(&self.manifest, finished, begin, &io)?;
         for (name, table) in tables {
             let (draft, sum) = table.finish();
-            draft.keep().map_err(io)?;
+            draft.keep().map_err(FolderError::of(self.path.join(&name)))?;
             sums.push((name, sum));
         }
         for (name, content) in (self.further.0)(&self.manifest, finished)? {
@@ -410,14 +401,11 @@ pub(super) fn write_checksums(
     manifest: &Manifest,
     files: &[(String, Sum)],
 ) -> Result<(), FolderError> {
-    let io = |source| FolderError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let io = FolderError::of(path.join(JOURNAL));
     let mut checksums = FolderChecksums::default();
     checksums.note(MANIFEST, Sum::of(manifest.to_json().as_bytes()));
     match files::open(&path.join(JOURNAL)) {
-        Ok(journal) => checksums.note(JOURNAL, of_file(journal, u64::MAX).map_err(io)?),
+        Ok(journal) => checksums.note(JOURNAL, of_file(journal, u64::MAX).map_err(&io)?),
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => return Err(io(error)),
     }
@@ -458,20 +446,15 @@ fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
 /// Removes a file of ours, if it is there.
 fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
     match disk::remove(&path.join(name)) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(FolderError::Io {
-            path: path.join(name),
-            source: error,
-        }),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(FolderError::of(path.join(name))(error))
+        }
         _ => Ok(()),
     }
 }
 
 /// Reads the manifest of a folder; `None`: there is no folder, or nothing of anybody's in it.
 pub(super) fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
-    let io = |source| FolderError::Io {
-        path: path.to_owned(),
-        source,
-    };
     let unreadable = |reason| FolderError::Unreadable {
         path: path.to_owned(),
         reason,
@@ -482,13 +465,14 @@ pub(super) fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         Err(error) if error.kind() == io::ErrorKind::NotADirectory => {
             return Err(FolderError::NotAFolder(path.to_owned()));
         }
-        Err(error) => return Err(io(error)),
+        Err(error) => return Err(FolderError::of(path)(error)),
     };
     let mut foreign = false;
     for entry in entries {
         let name = entry.file_name().unwrap_or_default();
         if name == MANIFEST {
-            let bytes = files::read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(io)?;
+            let file = path.join(MANIFEST);
+            let bytes = files::read_file(&file, budget::MANIFEST).map_err(FolderError::of(file))?;
             if let (Some(checksums), _) = FolderChecksums::read(path)
                 && checksums.damage(path, MANIFEST, false).is_some()
             {
@@ -522,14 +506,12 @@ pub(super) fn without_manifest(
 }
 
 pub(super) fn lock(path: &Path) -> Result<File, FolderError> {
-    let io = |source| FolderError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let lock = path.join(LOCK);
+    let io = FolderError::of(&lock);
     let mut options = OpenOptions::new();
     let options = options.create(true).truncate(false).write(true);
-    let file = files::open_own(&path.join(LOCK), options).map_err(io)?;
-    match file.try_lock().map_err(io)? {
+    let file = files::open_own(&lock, options).map_err(&io)?;
+    match file.try_lock().map_err(&io)? {
         // Where there are no locks, two who write at the same time are not told from one.
         Lock::Ours | Lock::Unknown => Ok(file),
         Lock::Others => Err(FolderError::Locked(path.to_owned())),
@@ -539,8 +521,7 @@ pub(super) fn lock(path: &Path) -> Result<File, FolderError> {
 /// Writes a file of a folder of results, in the place of an earlier one.
 pub(super) fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), FolderError> {
     let path = path.join(name);
-    atomic::replace(&path, content, Replaces::Ordinary)
-        .map_err(|source| FolderError::Io { path, source })
+    atomic::replace(&path, content, Replaces::Ordinary).map_err(FolderError::of(path))
 }
 
 /// The builds of a folder, after one more has made runs.

@@ -135,9 +135,20 @@ pub enum FolderError {
     /// The file system refused.
     #[error("cannot use `{path}`: {source}")]
     Io {
-        /// The folder.
+        /// The file or folder.
         path: PathBuf,
         /// What the system says.
         source: io::Error,
     },
+}
+
+impl FolderError {
+    /// What the system says of a file or a folder.
+    pub(super) fn of(path: impl Into<PathBuf>) -> impl Fn(io::Error) -> FolderError {
+        let path = path.into();
+        move |source| FolderError::Io {
+            path: path.clone(),
+            source,
+        }
+    }
 }

@@ -25,10 +25,7 @@ pub use super::health::{FileHealth, Health};
 /// # Errors
 /// When there are no results, or they cannot be looked at.
 pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
-    let io = |source| FolderError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let in_manifest = FolderError::of(path.join(MANIFEST));
     let mut files = Vec::new();
     let mut report = |name: &str, health| {
         let name = name.to_owned();
@@ -37,7 +34,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
     if !path.join(MANIFEST).exists() {
         return Err(without_manifest(path, FolderError::Absent));
     }
-    let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(io)?;
+    let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(&in_manifest)?;
     let format = std::str::from_utf8(&bytes).map_err(|error| error.to_string());
     if matches!(format.and_then(Manifest::format), Ok(1..OLDEST)) {
         let path = path.to_owned();
@@ -62,7 +59,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
     // What the other files belong to is what it has been.
     let manifest = match damage.is_empty() {
         true => read,
-        false => saved(path).map_err(io)?,
+        false => saved(path).map_err(in_manifest)?,
     };
     report(MANIFEST, Health::of(damage, checksums.knows(MANIFEST)));
     let Ok(manifest) = manifest else {
@@ -105,7 +102,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
             report(&name, Health::Unprotected);
         }
     }
-    files.extend(checkpoint::health(path).map_err(io)?);
+    files.extend(checkpoint::health(path));
     let mut report = |name: &str, health| {
         let name = name.to_owned();
         files.push(FileHealth { name, health });
@@ -124,21 +121,18 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
 /// # Errors
 /// When the manifest cannot be saved, another process writes to the folder, or the file system refuses.
 pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
-    let io = |source| FolderError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let of = |name: &str| FolderError::of(path.join(name));
     let health = verify(path)?;
     let is_damaged =
         |name: &str| (health.iter()).any(|file| file.name == name && file.health.is_damaged());
     let aside = |name: &str| {
         let moved = move_aside(&path.join(name), &path.join(DAMAGED));
-        moved.map(|_| ()).map_err(io)
+        moved.map(|_| ()).map_err(of(DAMAGED))
     };
     let lock = lock(path)?;
     let manifest = match is_damaged(MANIFEST) {
-        false => manifest(path).map_err(io)?,
-        true => saved(path).map_err(io)?,
+        false => manifest(path).map_err(of(MANIFEST))?,
+        true => saved(path).map_err(of(MANIFEST))?,
     };
     let manifest = manifest.map_err(|reason| FolderError::Unreadable {
         path: path.to_owned(),
@@ -149,7 +143,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         write_manifest(path, &manifest)?;
     }
     if is_damaged(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
-        let bytes = read_file(&path.join(SHARDS_FILE), budget::SHARDS).map_err(io)?;
+        let bytes = read_file(&path.join(SHARDS_FILE), budget::SHARDS).map_err(of(SHARDS_FILE))?;
         let (checksums, _) = FolderChecksums::read(path);
         let mended = checksums.and_then(|checksums| checksums.mended(SHARDS_FILE, &bytes));
         if mended.is_none() && path.join(SHARDS).exists() {
@@ -158,14 +152,19 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         }
         aside(SHARDS_FILE)?;
         if let Some(mended) = mended {
-            replace(&path.join(SHARDS_FILE), &mended, Replaces::Nothing).map_err(io)?;
+            replace(&path.join(SHARDS_FILE), &mended, Replaces::Nothing)
+                .map_err(of(SHARDS_FILE))?;
         }
     }
-    if is_damaged(JOURNAL) && path.join(JOURNAL).exists() {
-        let text = salvaged(&path.join(JOURNAL), &manifest, &manifest.identity()).map_err(io)?;
+    let journal = path.join(JOURNAL);
+    if is_damaged(JOURNAL) && journal.exists() && !journal.is_file() {
+        aside(JOURNAL)?;
+    } else if is_damaged(JOURNAL) && journal.exists() {
+        let text = salvaged(&journal, &manifest, &manifest.identity())
+            .map_err(of(JOURNAL))?;
         let text = text.ok_or(FolderError::Journal(JournalError::Foreign))?;
         aside(JOURNAL)?;
-        replace(&path.join(JOURNAL), &text, Replaces::Nothing).map_err(io)?;
+        replace(&journal, &text, Replaces::Nothing).map_err(of(JOURNAL))?;
     }
     for file in &health {
         let is_done = [MANIFEST, JOURNAL, SHARDS_FILE].contains(&&*file.name);

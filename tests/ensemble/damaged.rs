@@ -90,6 +90,34 @@ fn what_is_sound_is_saved_and_what_is_not_is_moved_aside() {
     }
 }
 
+/// What has the name of a file and is none is told by that name, and moved aside as other damage is.
+#[test]
+fn what_is_no_file_is_moved_aside_or_named() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(4), 1);
+    let tables = bytes(folder.path());
+    let in_folder = |name: &str| folder.path().join(name);
+    fs::write(in_folder("checkpoints"), "").unwrap();
+    fs::remove_file(in_folder("journal.jsonl")).unwrap();
+    fs::create_dir(in_folder("journal.jsonl")).unwrap();
+    assert_eq!(damaged(folder.path()), ["journal.jsonl", "checkpoints"]);
+    repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
+    assert!(damaged(folder.path()).is_empty());
+    assert!(in_folder("damaged/journal.jsonl").is_dir());
+    complete(folder.path(), &manifest(4), 2);
+    assert!(bytes(folder.path()) == tables);
+
+    fs::remove_file(in_folder("manifest.json")).unwrap();
+    fs::create_dir(in_folder("manifest.json")).unwrap();
+    for error in [
+        Folder::read(folder.path()).map(drop).unwrap_err(),
+        verify(folder.path()).map(drop).unwrap_err(),
+    ] {
+        let told = error.to_string();
+        assert!(told.ends_with("manifest.json`: it is a folder"), "{told}");
+    }
+}
+
 #[test]
 fn a_manifest_that_is_lost_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();

@@ -78,10 +78,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     }
     folder.write_manifest()?;
     let pieces = path.join(SHARDS);
-    make_own_folder(&pieces).map_err(|source| FolderError::Io {
-        path: pieces,
-        source,
-    })?;
+    make_own_folder(&pieces).map_err(FolderError::of(pieces))?;
     cut.write(path, manifest)?;
     Ok(Prepared::New)
 }

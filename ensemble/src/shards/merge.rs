@@ -39,15 +39,12 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
 
 /// Writes the journal.
 fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
-    let io = |source| FolderError::Io {
-        path: path.join(JOURNAL),
-        source,
-    };
-    let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(io)?;
+    let io = FolderError::of(path.join(JOURNAL));
+    let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(&io)?;
     let header = JournalHeader::of(&manifest.identity());
     draft
         .write_all(journal_line(&header).as_bytes())
-        .map_err(io)?;
+        .map_err(&io)?;
     let (mut missing, mut foreign) = (Vec::new(), Vec::new());
     for number in 0..cut.shards {
         let file = piece_file(path, number);

@@ -110,10 +110,7 @@ impl Piece {
             is_of_it && !self.is_made && !self.kept.contains(program, run)
         };
         let opened = Checkpoints::open(&self.path, &self.manifest, every, wants);
-        let io = |source| FolderError::Io {
-            path: self.path.join(CHECKPOINTS),
-            source,
-        };
+        let io = FolderError::of(self.path.join(CHECKPOINTS));
         self.checkpoints = Some(opened.map_err(io)?);
         Ok(self)
     }
@@ -183,10 +180,14 @@ impl Piece {
         make_own_folder(&folder).map_err(io)?;
         let part = new_own(&folder, &format!("{}.part-", self.number)).map_err(io)?;
         sync_folder(&folder).map_err(io)?;
-        let journal = Journal::open(&part, &self.header, 0)?;
+        let of_part = |error| match error {
+            JournalError::Io(source) => FolderError::of(&part)(source),
+            error => FolderError::Journal(error),
+        };
+        let journal = Journal::open(&part, &self.header, 0).map_err(of_part)?;
         let file = self.kept.files();
         let on = (progress, self.checkpoints());
-        let places = journaled(todo, (journal, file), on, stop, simulate)?;
+        let places = journaled(todo, (journal, file), on, stop, simulate).map_err(of_part)?;
         let opened = files::open(&part).map_err(io)?;
         let most = journal::most_line(&self.manifest);
         let all = self.kept.and(&places, opened, most).map_err(io)?;
@@ -366,8 +367,5 @@ pub(super) fn parts_of(path: &Path, number: u64) -> io::Result<Vec<PathBuf>> {
 }
 
 pub(super) fn in_folder(path: &Path, source: io::Error) -> FolderError {
-    FolderError::Io {
-        path: path.join(SHARDS),
-        source,
-    }
+    FolderError::of(path.join(SHARDS))(source)
 }

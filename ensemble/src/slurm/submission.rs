@@ -237,10 +237,6 @@ impl SlurmEnsemble {
     }
 
     fn io(&self, name: &str) -> impl Fn(io::Error) -> FolderError {
-        let path = self.file(name);
-        move |source| FolderError::Io {
-            path: path.clone(),
-            source,
-        }
+        FolderError::of(self.file(name))
     }
 }
