@@ -29,8 +29,8 @@ pub struct Options {
     /// Show so many of the captures that decide the time
     #[arg(long, value_name = "N", default_value_t = SHOWN)]
     captures: usize,
-    /// Stop a run by rates after this many ticks
-    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    /// Stop each of these runs after this many ticks
+    #[arg(long, requires = "runs", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     #[command(flatten)]
     measuring: MeasuringOptions,

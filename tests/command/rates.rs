@@ -138,6 +138,8 @@ fn estimates_say_when_and_why() {
         let half_width = value[number]["total"]["half_width"].as_f64().unwrap();
         assert_eq!(half_width == 0.0, is_exact);
     }
+    let (status, told) = crate::plan::wrong("estimate --max-ticks 10 examples/line.sa", &[]);
+    assert_eq!((status, told.contains("--runs")), (2, true), "{told}");
     let text = stochc("estimate --captures 2 --quiet examples/line.sa");
     assert!(
         text.out.contains("waited for") && text.out.contains("docs/rates.md"),

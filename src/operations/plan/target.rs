@@ -46,7 +46,7 @@ fn voxels(
     let bytes = read_file(Path::new(target), VOXELS)
         .map_err(|error| Failure::usage(format!("cannot read `{target}`: {error}")))?;
     let cells = cells(&bytes)
-        .map_err(|error| Failure::invalid_program(format!("`{target}` is no target: {error}")))?;
+        .map_err(|error| Failure::usage(format!("`{target}` is no target: {error}")))?;
     Ok(Goal::of_cells(&name(target), cells))
 }
 
