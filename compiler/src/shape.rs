@@ -1,6 +1,6 @@
 //! Claimed shapes against built ones.
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::tree::{Expr, ExprKind, Operator, Shape, Subscript};
+use stochc_grammar::tree::{Expr, ExprKind, Shape, Subscript};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::Cell;
 use stochc_ir::suggest::nearest;
@@ -155,14 +155,7 @@ fn constant(expr: &Expr) -> Option<i64> {
         ExprKind::Name(_) => None,
         ExprKind::Negate(inner) => constant(inner)?.checked_neg(),
         ExprKind::Binary(operator, sides) => {
-            let (left, right) = (constant(&sides.0)?, constant(&sides.1)?);
-            match operator {
-                Operator::Add => left.checked_add(right),
-                Operator::Subtract => left.checked_sub(right),
-                Operator::Multiply => left.checked_mul(right),
-                Operator::Divide => left.checked_div(right),
-                Operator::Remainder => left.checked_rem(right),
-            }
+            operator.of(constant(&sides.0)?, constant(&sides.1)?)
         }
     }
 }

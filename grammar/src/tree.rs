@@ -393,6 +393,20 @@ pub enum Operator {
     Remainder,
 }
 
+impl Operator {
+    /// Its value; `None`: it has no 64 bits, or there is none.
+    pub fn of(self, left: i64, right: i64) -> Option<i64> {
+        match self {
+            Operator::Add => left.checked_add(right),
+            Operator::Subtract => left.checked_sub(right),
+            Operator::Multiply => left.checked_mul(right),
+            Operator::Divide => left.checked_div(right),
+            // That of the least number by -1 is 0, though the quotient has no 64 bits.
+            Operator::Remainder => (right != 0).then(|| left.wrapping_rem(right)),
+        }
+    }
+}
+
 impl LintDirectiveKind {
     /// Its word in the language.
     pub const fn word(self) -> &'static str {

@@ -32,22 +32,15 @@ impl Expander<'_, '_> {
                 let left = self.evaluate(&sides.0);
                 let right = self.evaluate(&sides.1);
                 let (left, right) = (left?, right?);
-                let value = match operator {
-                    Operator::Add => left.checked_add(right),
-                    Operator::Subtract => left.checked_sub(right),
-                    Operator::Multiply => left.checked_mul(right),
-                    Operator::Divide | Operator::Remainder if right == 0 => {
-                        let diagnostic = Diagnostic::new(Code::Arithmetic, "a division by zero")
-                            .label(self.location(sides.1.span), "this is 0")
-                            .label(self.location(sides.0.span), "divided by it")
-                            .help("begin the range of its counter at 1, or add to it");
-                        self.diagnostics.push(diagnostic);
-                        return None;
-                    }
-                    Operator::Divide => left.checked_div(right),
-                    Operator::Remainder => left.checked_rem(right),
-                };
-                self.in_range(value, expr)
+                if matches!(operator, Operator::Divide | Operator::Remainder) && right == 0 {
+                    let diagnostic = Diagnostic::new(Code::Arithmetic, "a division by zero")
+                        .label(self.location(sides.1.span), "this is 0")
+                        .label(self.location(sides.0.span), "divided by it")
+                        .help("begin the range of its counter at 1, or add to it");
+                    self.diagnostics.push(diagnostic);
+                    return None;
+                }
+                self.in_range(operator.of(left, right), expr)
             }
         }
     }
