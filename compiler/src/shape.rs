@@ -154,9 +154,7 @@ fn constant(expr: &Expr) -> Option<i64> {
         ExprKind::Int(value) => Some(*value),
         ExprKind::Name(_) => None,
         ExprKind::Negate(inner) => constant(inner)?.checked_neg(),
-        ExprKind::Binary(operator, sides) => {
-            operator.of(constant(&sides.0)?, constant(&sides.1)?)
-        }
+        ExprKind::Binary(operator, sides) => operator.of(constant(&sides.0)?, constant(&sides.1)?),
     }
 }
 

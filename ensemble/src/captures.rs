@@ -10,7 +10,7 @@ use stochc_ir::record::{BondRecord, Origin, Outcome, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
 use super::{EnsembleProgram, Time};
-use crate::statistics::{Mean, Observation, TimeSample, quantile};
+use crate::statistics::{KaplanMeier, Mean, Observation, TimeSample, quantile};
 
 /// Which capture of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -60,7 +60,7 @@ impl Repetitions {
 pub struct Waits {
     /// From the magnetizing of the face to the docking \[ticks\], or, censored, to the end of the run.
     pub time: Time,
-    /// The tenth and the ninetieth percentile of the waits that ended \[ticks\].
+    /// The tenth and the ninetieth percentile \[ticks\], of a Kaplan-Meier curve if waits are censored; `None`: too few ended.
     pub spread: Option<(f64, f64)>,
     /// Entries of blocks into the reach of the pull for each capture, on average; `None`: none was made, or nothing moved.
     pub entries: Option<f64>,
@@ -111,12 +111,18 @@ impl CaptureTally {
     fn sum_up(self) -> Option<Waits> {
         let ended = self.times.iter().filter(|time| time.completed);
         let ended: Vec<f64> = ended.map(|time| time.time).collect();
-        let spread = quantile(&ended, 0.1).zip(quantile(&ended, 0.9));
+        let all = self.times.to_vec();
+        let spread = match ended.len() == all.len() {
+            true => quantile(&ended, 0.1).zip(quantile(&ended, 0.9)),
+            false => {
+                KaplanMeier::of(&all).and_then(|curve| curve.quantile(0.1).zip(curve.quantile(0.9)))
+            }
+        };
         let is_known = self.entries.value().is_some() || ended.is_empty();
         drop(ended);
         let total: f64 = self.times.iter().map(|time| time.time).sum();
         Some(Waits {
-            time: Time::of(&self.times.to_vec())?,
+            time: Time::of(&all)?,
             spread,
             entries: self.entries.value(),
             docking: self.docking.value(),

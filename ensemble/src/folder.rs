@@ -376,7 +376,9 @@ impl Folder {
         let tables = parquet::write(&self.manifest, finished, begin, &io)?;
         for (name, table) in tables {
             let (draft, sum) = table.finish();
-            draft.keep().map_err(FolderError::of(self.path.join(&name)))?;
+            draft
+                .keep()
+                .map_err(FolderError::of(self.path.join(&name)))?;
             sums.push((name, sum));
         }
         for (name, content) in (self.further.0)(&self.manifest, finished)? {

@@ -160,8 +160,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     if is_damaged(JOURNAL) && journal.exists() && !journal.is_file() {
         aside(JOURNAL)?;
     } else if is_damaged(JOURNAL) && journal.exists() {
-        let text = salvaged(&journal, &manifest, &manifest.identity())
-            .map_err(of(JOURNAL))?;
+        let text = salvaged(&journal, &manifest, &manifest.identity()).map_err(of(JOURNAL))?;
         let text = text.ok_or(FolderError::Journal(JournalError::Foreign))?;
         aside(JOURNAL)?;
         replace(&journal, &text, Replaces::Nothing).map_err(of(JOURNAL))?;

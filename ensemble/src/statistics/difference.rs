@@ -201,6 +201,24 @@ mod tests {
         assert_eq!(found.test, Test::Paired { pairs: 2 });
     }
 
+    /// The last of the first completes, and still it is not known how long the one would have taken that was cut short.
+    #[test]
+    fn a_sample_with_a_censored_time_is_known_up_to_its_last() {
+        let first = [
+            Observation::completed(2.0),
+            Observation::censored(3.0),
+            Observation::completed(6.0),
+        ];
+        let second = [4.0, 5.0, 20.0].map(Observation::completed);
+        let found = compare(&runs(1, first), &runs(1, second)).unwrap();
+        assert_eq!(found.horizon, Some(6.0));
+        // By hand: 2 + 2/3 x 4, and (4 + 5 + 6) / 3.
+        assert!(
+            (found.difference - (2.0 + 8.0 / 3.0 - 5.0)).abs() < 1e-12,
+            "{found:?}"
+        );
+    }
+
     #[test]
     fn runs_without_a_partner_are_left_out() {
         let first = completed(1, &[10.0, 20.0, 30.0, 900.0]);

@@ -13,6 +13,8 @@ use super::distribution::normal_quantile;
 pub struct KaplanMeier {
     steps: Vec<SurvivalStep>,
     last: f64,
+    /// Whether any observation is censored.
+    is_censored: bool,
 }
 
 /// A time at which runs completed.
@@ -83,7 +85,11 @@ impl KaplanMeier {
             }
             at_risk -= same_time.len();
         }
-        Some(KaplanMeier { steps, last })
+        Some(KaplanMeier {
+            steps,
+            last,
+            is_censored: observations.iter().any(|o| !o.completed),
+        })
     }
 
     /// The last time seen, of a completed run or a censored one: a horizon for the mean.
@@ -124,20 +130,26 @@ impl KaplanMeier {
         self.steps.iter().map(point).collect()
     }
 
-    /// The time at which half of the runs have completed; `None`: the estimate stays above half.
-    ///
-    /// Where the share is exactly half from one completion to the next, the middle of the two, so
-    /// that it is the plain median when nothing is censored.
+    /// The time at which half of the runs have completed; see [`quantile`](Self::quantile).
     pub fn median(&self) -> Option<f64> {
-        // A product of fractions that should be one half may miss it by some rounding errors.
+        self.quantile(0.5)
+    }
+
+    /// The time at which a share of the runs has completed; `None`: the estimate stays below it.
+    ///
+    /// Where it is exactly that share from one completion to the next, the middle of the two, so
+    /// that half is the plain median when nothing is censored.
+    pub fn quantile(&self, share: f64) -> Option<f64> {
+        // A product of fractions that should be the rest may miss it by some rounding errors.
         const ROUNDING: f64 = 1e-12;
+        let rest = 1.0 - share;
         let i = self
             .steps
             .iter()
-            .position(|step| step.after <= 0.5 + ROUNDING)?;
+            .position(|step| step.after <= rest + ROUNDING)?;
         let step = self.steps[i];
         match self.steps.get(i + 1) {
-            Some(next) if (step.after - 0.5).abs() <= ROUNDING => {
+            Some(next) if (step.after - rest).abs() <= ROUNDING => {
                 Some(0.5 * (step.time + next.time))
             }
             _ => Some(step.time),
@@ -211,11 +223,12 @@ impl KaplanMeier {
         observations.iter().map(contribution).collect()
     }
 
-    /// How far the curve is known \[time\]: without an end, if the last run completed.
+    /// How far the curve is known \[time\]: without an end, if all runs completed. If the last one did and others were cut short, the
+    /// curve ends at 0, and what those would have taken is not known.
     pub fn reach(&self) -> f64 {
-        match self.incomplete(self.last) {
-            0.0 => f64::INFINITY,
-            _ => self.last,
+        match self.is_censored {
+            false => f64::INFINITY,
+            true => self.last,
         }
     }
 }
@@ -296,6 +309,20 @@ mod tests {
         assert_eq!(curve.median(), None);
         let mean = curve.restricted_mean(f64::INFINITY);
         assert_eq!((mean.mean, mean.error, mean.horizon), (40.0, 0.0, 40.0));
+    }
+
+    /// Nine completions one after the other; of those that are censored later, nothing is known but that they take longer.
+    #[test]
+    fn quantiles_count_what_is_censored() {
+        let of = |censored: &[f64]| {
+            let completed = (1..=9).map(|i| Observation::completed(f64::from(i)));
+            let censored = censored.iter().copied().map(Observation::censored);
+            let curve = KaplanMeier::of(&completed.chain(censored).collect::<Vec<_>>()).unwrap();
+            [0.1, 0.5, 0.9].map(|share| curve.quantile(share))
+        };
+        assert_eq!(of(&[]), [Some(1.0), Some(5.0), Some(9.0)]);
+        assert_eq!(of(&[20.0]), [Some(1.5), Some(5.5), Some(9.0)]);
+        assert_eq!(of(&[20.0; 2]), [Some(2.0), Some(6.0), None]);
     }
 
     proptest! {

@@ -77,14 +77,17 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
 
 /// A sentence for each pair of programs that are compared.
 pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
+    // The p of a difference is corrected for those that could be tested.
+    let tested = comparison
+        .pairs
+        .iter()
+        .filter(|pair| pair.difference.is_some())
+        .count();
     let told = |pair: &Pair| {
         let verdict = pair.difference.clone();
         let verdict = verdict.map_or(PairwiseResult::Unknown, PairwiseResult::Known);
         let names = [&*pair.first, &*pair.second];
-        paragraph(
-            &sentence(names, &verdict, comparison.unit, comparison.pairs.len()),
-            width,
-        )
+        paragraph(&sentence(names, &verdict, comparison.unit, tested), width)
     };
     comparison.pairs.iter().map(told).collect()
 }

@@ -5,7 +5,7 @@ use stochc_ensemble::text::number;
 
 /// The sentence on two programs; `names` as they are to stand in it.
 ///
-/// `pairs` is how many differences are told together.
+/// `pairs` is how many differences were tested together.
 pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: usize) -> String {
     let [first, second] = names;
     let found = match verdict {

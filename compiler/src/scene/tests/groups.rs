@@ -84,6 +84,23 @@ fn a_compliant_contact_has_groups_of_its_own() {
     assert_eq!(speed(&undamped).from, SpeedFrom::Nothing);
 }
 
+/// A terminal speed lacks half of what drag takes in a step.
+#[test]
+fn strong_drag_needs_short_steps() {
+    let needed = |rate: f64| {
+        let scene = Scene {
+            drag: Some(Drag { rate }),
+            ..hemisphere()
+        };
+        let all = groups(&scene).into_iter();
+        let mut of_drag = all.filter(|group| group.symbol == "γ τ");
+        of_drag.next().unwrap().limit.unwrap().substeps
+    };
+    let tick = hemisphere().tick;
+    let needed = [0.026, 0.2, 0.3, 20.0].map(|taken| needed(taken / tick));
+    assert_eq!(needed, [Some(1), Some(1), Some(2), Some(100)]);
+}
+
 #[test]
 fn with_drag_alone_the_speed_is_that_of_the_stationary_variance() {
     let mut scene = Scene {

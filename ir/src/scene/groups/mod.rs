@@ -134,12 +134,14 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
         }
     }
     if let Some(drag) = &scene.drag {
-        let meaning = "what drag takes from a speed in a tick";
-        out.push(DimensionlessGroup::new(
-            "γ τ",
-            meaning,
-            units.rate(drag.rate),
-        ));
+        let rate = units.rate(drag.rate);
+        out.push(
+            DimensionlessGroup::new("γ τ", "what drag takes from a speed in a tick", rate).limited(
+                |_| DRAG,
+                |steps| rate / steps,
+                "blocks that a steady force moves fall short of their terminal speed",
+            ),
+        );
     }
     fluid(scene, v, &mut out);
     if let Some(Bond::Reject {
@@ -283,6 +285,9 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
         ));
     }
 }
+
+/// What drag may take in a step. A force acts before it, so that a terminal speed lacks half of that.
+const DRAG: f64 = 0.2;
 
 /// A spring is resolved when its angle in a step, √(k/m) τ, is less than half a radian; or, where drag
 /// rules, when a step does not go beyond its end, so that the group is less than 1.

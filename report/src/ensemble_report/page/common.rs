@@ -1,6 +1,6 @@
 //! What several parts of the page say alike.
 use stochc_ensemble::text::{Tick, escaped, number};
-use stochc_ensemble::{PairwiseTest, Time, TimeUnit};
+use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 
 use super::Parts;
 use crate::ensemble_report::address;
@@ -56,12 +56,9 @@ pub(super) fn show(
 pub(super) fn sentence(parts: &Parts, contrast: &PairwiseTest) -> String {
     // Two signs that no sentence has, in place of names that bring their own HTML.
     const NAMES: [&str; 2] = ["\u{e000}", "\u{e001}"];
-    let told = in_words(
-        NAMES,
-        &contrast.verdict,
-        parts.clock.unit(),
-        parts.pairwise_tests.len(),
-    );
+    let is_tested = |it: &&PairwiseTest| matches!(it.verdict, PairwiseResult::Known(_));
+    let tested = parts.pairwise_tests.iter().filter(is_tested).count();
+    let told = in_words(NAMES, &contrast.verdict, parts.clock.unit(), tested);
     let mut told = escaped(&told.replace('~', "\u{a0}"));
     for (sign, i) in NAMES.into_iter().zip([contrast.first, contrast.second]) {
         told = told.replace(sign, &name(&parts.subjects[i].label));

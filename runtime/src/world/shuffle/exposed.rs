@@ -73,9 +73,9 @@ impl ExposedFaces {
             rank -= if is_here { 0 } else { *faces };
             is_here
         })?;
-        let mut faces = run.iter().flat_map(|exposed| {
-            faces(exposed.faces).map(|face| (exposed.body, face))
-        });
+        let mut faces = run
+            .iter()
+            .flat_map(|exposed| faces(exposed.faces).map(|face| (exposed.body, face)));
         faces.nth(rank as usize)
     }
 }
