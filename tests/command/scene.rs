@@ -86,7 +86,7 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
         )
     };
     let text = [
-        "scene calm from hemisphere { agitation kicks { speed 0 .. 5 mm/s }\n drag { rate 20 Hz }\n \
+        "scene calm from hemisphere { agitation kicks { speed 0 .. 5 mm/s }\n drag { rate 5 Hz }\n \
          bond attract { pull 1 N within 20 cm  anchor gap 1 cm } }\n"
             .to_owned(),
         assembly("a", ""),

@@ -23,7 +23,7 @@ pub(crate) fn waits(
     /// Where names of captures begin, beside the hooks.
     const NAMES: f64 = 30.0;
     const SHARES: &str = "part of the runs' time it decided [%]";
-    const SHOWS: &str = "mean, 95\u{a0}% interval, middle 80\u{a0}% of the runs";
+    const SHOWS: &str = "mean, 95\u{a0}% interval, middle 80\u{a0}% of the waits";
     let shown = shown(waits);
     let times = shown.iter().filter_map(|wait| wait.time());
     let ends = times.map(|time| time.mean + time.half_width.unwrap_or(0.0));

@@ -37,7 +37,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     );
     let figure = |medium| picture::waits(medium, n, subject, waits);
     let caption = "From the magnetizing of a face to the docking of a block. Dots are means, thick \
-                   lines their 95 % intervals, thin lines hold the middle 80 % of the runs; ≥ where \
+                   lines their 95 % intervals, thin lines hold the middle 80 % of the waits; ≥ where \
                    a run was stopped while it waited. Captures stand in the order of the dependency \
                    graph, a hook where one needs the one above. The bars are what counts: a wait \
                    beside a longer one costs nothing.";
