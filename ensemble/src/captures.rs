@@ -109,21 +109,12 @@ impl CaptureTally {
     }
 
     fn sum_up(self) -> Option<Waits> {
-        let ended = self.times.iter().filter(|time| time.completed);
-        let ended: Vec<f64> = ended.map(|time| time.time).collect();
         let all = self.times.to_vec();
-        let spread = match ended.len() == all.len() {
-            true => quantile(&ended, 0.1).zip(quantile(&ended, 0.9)),
-            false => {
-                KaplanMeier::of(&all).and_then(|curve| curve.quantile(0.1).zip(curve.quantile(0.9)))
-            }
-        };
-        let is_known = self.entries.value().is_some() || ended.is_empty();
-        drop(ended);
-        let total: f64 = self.times.iter().map(|time| time.time).sum();
+        let is_known = self.entries.value().is_some() || !all.iter().any(|time| time.completed);
+        let total: f64 = all.iter().map(|time| time.time).sum();
         Some(Waits {
             time: Time::of(&all)?,
-            spread,
+            spread: spread(&all),
             entries: self.entries.value(),
             docking: self.docking.value(),
             entry_rate: (total > 0.0 && is_known).then(|| self.all_entries / total),
@@ -131,6 +122,16 @@ impl CaptureTally {
             released: self.released.into_iter().collect(),
         })
     }
+}
+
+/// The tenth and the ninetieth percentile of waits, some of which may be censored.
+fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
+    if waits.iter().all(|wait| wait.completed) {
+        let ended: Vec<f64> = waits.iter().map(|wait| wait.time).collect();
+        return quantile(&ended, 0.1).zip(quantile(&ended, 0.9));
+    }
+    let curve = KaplanMeier::of(waits)?;
+    curve.quantile(0.1).zip(curve.quantile(0.9))
 }
 
 /// The waits for each capture while runs of one program are told, of which failed ones count nothing.

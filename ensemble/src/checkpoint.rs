@@ -450,9 +450,6 @@ pub(super) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Resu
 }
 
 /// How the checkpoints of a folder are.
-///
-/// # Errors
-/// Those of the file system.
 pub(super) fn health(path: &Path) -> Vec<FileHealth> {
     let health = |((program, run), file): (RunKey, PathBuf)| {
         let name = format!("{CHECKPOINTS}/{program}-{run}{SUFFIX}");

@@ -157,13 +157,20 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         }
     }
     let journal = path.join(JOURNAL);
-    if is_damaged(JOURNAL) && journal.exists() && !journal.is_file() {
+    if is_damaged(JOURNAL) && journal.exists() {
+        // Nothing is sound of what is no file.
+        let text = match journal.is_file() {
+            true => {
+                let text = salvaged(&journal, &manifest, &manifest.identity());
+                let text = text.map_err(of(JOURNAL))?;
+                Some(text.ok_or(FolderError::Journal(JournalError::Foreign))?)
+            }
+            false => None,
+        };
         aside(JOURNAL)?;
-    } else if is_damaged(JOURNAL) && journal.exists() {
-        let text = salvaged(&journal, &manifest, &manifest.identity()).map_err(of(JOURNAL))?;
-        let text = text.ok_or(FolderError::Journal(JournalError::Foreign))?;
-        aside(JOURNAL)?;
-        replace(&journal, &text, Replaces::Nothing).map_err(of(JOURNAL))?;
+        if let Some(text) = text {
+            replace(&journal, &text, Replaces::Nothing).map_err(of(JOURNAL))?;
+        }
     }
     for file in &health {
         let is_done = [MANIFEST, JOURNAL, SHARDS_FILE].contains(&&*file.name);

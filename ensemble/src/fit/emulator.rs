@@ -48,7 +48,7 @@ pub struct Emulator {
     coefficients: [DVector<f64>; 2],
     /// (XᵀX)⁻¹ of the least squares.
     inverse: DMatrix<f64>,
-    /// That of the points on average.
+    /// The leverage of the points on average.
     mean_leverage: f64,
     /// Variance of the residuals.
     residual: [f64; 2],
@@ -118,11 +118,15 @@ impl Emulator {
     pub fn estimate(&self, at: &[f64]) -> EmulatorPrediction {
         let features = DVector::from_vec(features(at, &self.scale));
         let leverage = features.dot(&(&self.inverse * &features));
-        let of = |which: usize| self.coefficients[which].dot(&features);
         EmulatorPrediction {
-            of: [of(0), of(1)],
+            of: self.logarithms(&features),
             variance: self.variance(leverage),
         }
+    }
+
+    /// The values of the polynomials.
+    fn logarithms(&self, features: &DVector<f64>) -> [f64; 2] {
+        [0, 1].map(|which| self.coefficients[which].dot(features))
     }
 
     /// Variances of the errors where the polynomials have this leverage.
@@ -135,10 +139,10 @@ impl Emulator {
     /// The variance of the polynomials is that of a design's point on average. With that of each place, data that nothing explains
     /// would be likeliest where least is known.
     pub fn log_likelihood(&self, at: &[f64], n: usize, mean: f64, sd: f64) -> f64 {
-        let estimate = self.estimate(at);
+        let features = DVector::from_vec(features(at, &self.scale));
         let covariance = self.unit_covariance / n as f64
             + Matrix2::from_diagonal(&Vector2::from(self.variance(self.mean_leverage)));
-        let off = Vector2::new(mean.ln(), sd.ln()) - Vector2::from(estimate.of);
+        let off = Vector2::new(mean.ln(), sd.ln()) - Vector2::from(self.logarithms(&features));
         match covariance.try_inverse() {
             Some(inverse) => {
                 let squares = (off.transpose() * inverse * off)[(0, 0)];

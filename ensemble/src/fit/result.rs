@@ -162,11 +162,7 @@ mod tests {
     }
 
     /// Two rounds of a fit of the first number of the law to what was measured there.
-    fn fitted(
-        random: &mut ChaCha8Rng,
-        truth: &[f64],
-        seed: u64,
-    ) -> (super::super::Marginal, Prediction) {
+    fn fitted(random: &mut ChaCha8Rng, truth: &[f64], seed: u64) -> (Marginal, Prediction) {
         let measured = Summary::of(&times(random, truth, 100)).unwrap();
         let observed = Observed {
             program: "sums".to_owned(),

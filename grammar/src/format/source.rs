@@ -58,7 +58,9 @@ impl<'t> Word<'t> {
     /// As it is written; a value and its unit are set apart by one blank at most.
     pub fn text(&self) -> Cow<'t, str> {
         match self.rule {
-            Some(Rule::quantity | Rule::unit) if self.text.contains(['\t', ' ']) => {
+            Some(Rule::quantity | Rule::unit)
+                if self.text.contains("  ") || self.text.contains('\t') =>
+            {
                 let parts = self.text.split_ascii_whitespace();
                 parts.collect::<Vec<_>>().join(" ").into()
             }

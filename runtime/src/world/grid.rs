@@ -283,6 +283,7 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
+    /// The same, where it is not there yet or outside of the window.
     #[cold]
     fn chunk_to_add(&mut self, key: ChunkKey) -> &mut CellChunk {
         if self.find(key).start == ABSENT {

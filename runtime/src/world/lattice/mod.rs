@@ -177,10 +177,10 @@ impl LatticeStructure {
         self.block(cell).is_none().then_some(cell)
     }
 
-    /// The neighbours of a cell that have a face on that points to it, with that face.
-    pub fn aimed(&self, cell: Cell) -> impl Iterator<Item = (usize, Face)> {
-        let aimed = self.grid.get(cell).aimed;
-        faces(aimed).filter_map(move |way| {
+    /// The neighbours of a cell whose faces point to it along these ways, with those faces.
+    #[inline]
+    fn aimed(&self, cell: Cell, ways: u8) -> impl Iterator<Item = (usize, Face)> {
+        faces(ways).filter_map(move |way| {
             let seat = self.block(cell.across(way.opposite())?)?;
             Some((seat, self.seats[seat].orientation.to_own(way)))
         })
@@ -257,12 +257,10 @@ impl LatticeStructure {
         let content = self.grid.mark(cell, true);
         content.block = child as u32;
         content.aimed &= !bit(way);
-        let is_aimed_at = content.aimed != 0;
+        let aimed = content.aimed;
         emit(FaceChange::Closed(on));
-        if is_aimed_at {
-            for (seat, face) in self.aimed(cell) {
-                emit(FaceChange::Closed(number(seat, face)));
-            }
+        for (seat, face) in self.aimed(cell, aimed) {
+            emit(FaceChange::Closed(number(seat, face)));
         }
     }
 
@@ -300,12 +298,10 @@ impl LatticeStructure {
         let cell = of.across(face)?;
         let content = self.grid.mark(cell, false);
         let child = std::mem::replace(&mut content.block, NOBODY) as usize;
-        let is_aimed_at = content.aimed != 0;
+        let aimed = content.aimed;
         self.free.insert(child - self.seeds.len());
-        if is_aimed_at {
-            for (seat, face) in self.aimed(cell) {
-                emit(FaceChange::Opened(number(seat, face)));
-            }
+        for (seat, face) in self.aimed(cell, aimed) {
+            emit(FaceChange::Opened(number(seat, face)));
         }
         Some(child)
     }
