@@ -7,12 +7,13 @@ use stochc_ir::scene::Scene;
 use stochc_report::tables::rates_to_text;
 use stochc_runtime::{Settings, Substeps};
 
+use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::measuring::WorkOptions;
 use super::new_file::NewFile;
-use super::terminal::{Terminal, output_width, print};
+use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
 use crate::operations::rates::{Effort, MAX_TICKS, RUNS, SEED, measure};

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::terminal::Terminal;
+use super::host::Terminal;
 use crate::exit::Failure;
 use crate::operations::chosen_run::{self, ChosenRun};
 use crate::operations::results::read;

@@ -4,12 +4,13 @@ use stochc_ensemble::MOST_RUNS;
 use stochc_report::estimate::CompletionEstimate;
 use stochc_report::tables::estimates_to_text;
 
+use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::measuring::{MeasuringOptions, RatesOption};
 use super::results::ResultsFormat;
-use super::terminal::{Terminal, output_width, print};
+use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::programs::programs;

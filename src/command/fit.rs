@@ -14,12 +14,13 @@ use stochc_report::tables::fit_to_text;
 use stochc_runtime::{Settings, Substeps};
 
 use super::figures::FigureOptions;
+use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::measuring::MeasuringOptions;
 use super::results::ResultsFormat;
-use super::terminal::{Terminal, output_width, print, warn};
+use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::in_memory::all_runs;
 use crate::operations::programs::programs;

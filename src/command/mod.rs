@@ -10,6 +10,7 @@ pub mod export;
 mod figures;
 pub mod fit;
 pub mod fmt;
+mod host;
 mod imports;
 pub(crate) mod interrupt;
 pub mod levels;

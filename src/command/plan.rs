@@ -6,12 +6,13 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 use stochc_planner::{Objective, explanation};
 
+use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::measuring::RatesOption;
 use super::new_file::NewFile;
 use super::results::ResultsFormat;
-use super::terminal::{Terminal, print, warn};
+use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::plan::{
     Budget, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, plan, read,

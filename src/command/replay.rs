@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::chosen_run::{RunSelection, choose};
-use super::terminal::{Terminal, print};
+use super::host::Terminal;
+use super::terminal::print;
 use crate::command::interrupt::stop_on_interrupt;
 use crate::exit::{Exit, Failure};
 use crate::operations::replay::{View, write};

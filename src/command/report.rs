@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::figures::FigureOptions;
+use super::host::Terminal;
 use super::memory::MemoryOption;
-use super::terminal::{Terminal, print};
+use super::terminal::print;
 use crate::exit::{Exit, Failure};
 use crate::operations::report::write;
 

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use stochc_ensemble::{Manifest, Records};
 
+use super::host::Terminal;
 use super::memory::MemoryOption;
-use super::terminal::{Terminal, output_width, print, warn};
+use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::results::{ensemble_results, read};
 

@@ -5,10 +5,11 @@ use clap::Args;
 use stochc_ensemble::Interval;
 use stochc_ensemble::text::visible;
 
+use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
 use super::measuring::WorkOptions;
 use super::memory::MemoryOption;
-use super::terminal::{Terminal, print, warn};
+use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::shard::shard;
 

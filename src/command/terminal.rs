@@ -1,60 +1,10 @@
 //! Writing to the terminal, or to whatever stands in its place.
 use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
-use std::sync::atomic::AtomicBool;
-use std::sync::mpsc::Receiver;
-use std::time::Duration;
 
 use console::Term;
-use stochc_compiler::Checked;
 use stochc_ir::visible_lines;
 
-use super::interrupt::STOP;
-use super::progress::Display;
-use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
-use crate::host::Host;
-use crate::progress::WorkProgress;
-
-/// The terminal of a command, or whatever stands in its place.
-#[derive(Clone, Copy, Debug)]
-pub struct Terminal {
-    display: Display,
-}
-
-impl Terminal {
-    /// Standard error, which is shown no progress if it is to be `quiet`.
-    pub fn new(quiet: bool) -> Terminal {
-        let display = Display::on_standard_error(quiet);
-        Terminal { display }
-    }
-}
-
-impl Host for Terminal {
-    fn warn(&self, text: &str) {
-        warn(text);
-    }
-
-    fn report_failure(&self, message: &str) {
-        warn_drawn(message);
-    }
-
-    fn report_findings(&self, checked: &Checked) {
-        warn_drawn(&self.draw(checked));
-    }
-
-    fn draw(&self, checked: &Checked) -> String {
-        drawn(checked, has_colour(), message_width())
-    }
-
-    /// Set by an interrupt, once somebody [listens](super::interrupt::stop_on_interrupt).
-    fn stop(&self) -> &AtomicBool {
-        &STOP
-    }
-
-    fn show(&self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
-        self.display.show(state, ended);
-    }
-}
 
 /// Prints: a terminal is shown what is invisible, and anything else gets the text as it is. A reader that has gone
 /// away, such as `head`, changes nothing, and any other reason why nothing can be written, such as a full disk, ends

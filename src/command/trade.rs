@@ -9,12 +9,13 @@ use stochc_report::tables::trade_to_text;
 use stochc_runtime::Settings;
 
 use super::figures::FigureOptions;
+use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::measuring::MeasuringOptions;
 use super::results::ResultsFormat;
-use super::terminal::{Terminal, output_has_colour, output_width, print, print_drawn};
+use super::terminal::{output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
 use crate::operations::runs::threads;

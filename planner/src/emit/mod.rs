@@ -1,6 +1,7 @@
 //! The program of a plan, as text.
 mod dismantling;
 mod existing;
+mod loop_nest;
 mod repetition;
 mod shape;
 mod statement;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use super::repetition::Indices;
+use super::loop_nest::Indices;
 use crate::capture::Capture;
 
 /// What blocks are called, with their cells as indices.

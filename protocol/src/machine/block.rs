@@ -4,9 +4,9 @@ use smallvec::SmallVec;
 use stochc_ir::table::{Action, Condition, RoleId, RuleRange, Tables, Trigger};
 use stochc_ir::{Cell, Face};
 
+use super::block_slot::BlockSlot;
 use super::inline_vec::InlineVec;
 use super::message::Message;
-use super::slots::BlockSlot;
 use crate::body::Body;
 use crate::orientation::Orientation;
 

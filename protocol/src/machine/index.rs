@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 use stochc_ir::table::{Action, Duty, PhaseId, RoleId, RuleRange, Tables, Trigger};
 
-use super::slots::BlockSlot;
+use super::block_slot::BlockSlot;
 
 /// Duties by role and by phase, blocks of the plate by cell.
 #[derive(Debug)]

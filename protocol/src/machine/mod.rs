@@ -1,5 +1,6 @@
 //! The machine of all blocks together.
 mod block;
+mod block_slot;
 mod environment;
 mod index;
 mod inline_vec;

@@ -8,9 +8,9 @@ use smallvec::SmallVec;
 use stochc_ir::table::RoleId;
 
 use super::block::Path;
+use super::block_slot::BlockSlot;
 use super::environment::Environment;
 use super::message::{Message, Recipient};
-use super::slots::BlockSlot;
 use super::structure::Structure;
 
 impl<M: Copy> Structure<'_, M> {

@@ -2,17 +2,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::block::StructureBlock;
+use super::block_slot::BlockSlot;
 use super::index::Index;
 use crate::body::Body;
-
-/// Where an anchored block is kept, as long as it is anchored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(crate) struct BlockSlot(pub u32);
-
-impl BlockSlot {
-    /// That of nobody.
-    pub const NONE: BlockSlot = BlockSlot(u32::MAX);
-}
 
 /// Fewer than one of so many bodies are sorted by comparing them.
 const FEW: usize = 16;

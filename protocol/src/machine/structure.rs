@@ -11,10 +11,11 @@ use stochc_ir::Face;
 use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
 
 use super::block::{ActiveFace, Path, StructureBlock};
+use super::block_slot::BlockSlot;
 use super::environment::{Environment, PlannedCapture};
 use super::index::Index;
 use super::message::{Message, Payload, Recipient, Reporter};
-use super::slots::{BlockSlot, Slots};
+use super::slots::Slots;
 use crate::body::{BlockFace, Body, Docking};
 use crate::orientation::Orientation;
 

@@ -1,14 +1,11 @@
 //! Axes: a line, marks with their values, and a name with a unit.
 use stochc_ensemble::text::number;
 
-use super::drawing::Drawing;
+use super::drawing::{Drawing, LINE};
 use super::letters::{self, widest, wrapped};
 use super::scale::Scale;
 use super::shape::Form;
 use super::style::Style;
-
-/// Between the lines of a text, in units.
-pub(crate) const LINE: f64 = 15.0;
 
 /// What an axis is of.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,11 +1,13 @@
 //! A picture with a name, a title, and words for those who cannot see it.
 use stochc_ir::palette::Rgb;
 
-use super::axis::LINE;
 use super::letters::{self, fitted, wrapped};
 use super::medium::Medium;
 use super::shape::{DrawnShape, Form, Marker, Point, TextAnchor};
 use super::style::{Paint, Style};
+
+/// Between the lines of a text, in units.
+pub(crate) const LINE: f64 = 15.0;
 
 /// A picture that grows; lengths are in units of which type is 12 high.
 #[derive(Clone, Debug)]

@@ -16,8 +16,8 @@ mod style;
 pub use drawing::Drawing;
 pub use medium::Medium;
 
-pub(crate) use axis::{Axis, LINE};
-pub(crate) use drawing::{LegendEntry, LegendSymbol};
+pub(crate) use axis::Axis;
+pub(crate) use drawing::{LINE, LegendEntry, LegendSymbol};
 pub(crate) use medium::plot_height;
 pub(crate) use scale::Scale;
 pub(crate) use shape::Marker;

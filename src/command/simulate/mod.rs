@@ -13,9 +13,10 @@ use stochc_ir::visible;
 pub use options::Options;
 
 use super::estimate::{SHOWN, print_estimates};
+use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
 use super::results::{ResultsFormat, ResultsView, show};
-use super::terminal::{Terminal, output_width, print};
+use super::terminal::{output_width, print};
 use super::watch::Watching;
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{

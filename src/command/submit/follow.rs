@@ -16,8 +16,9 @@ use stochc_ir::visible_lines;
 
 use super::SubmittedJobs;
 use super::slurm::{self, Unanswered};
+use crate::command::host::Terminal;
 use crate::command::merge::is_whole;
-use crate::command::terminal::{Terminal, print, warn};
+use crate::command::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::host::during;
 use crate::progress::WorkProgress;

@@ -1,0 +1,168 @@
+//! Loops inside each other, how they are written, and what makes one of things that stand apart.
+use std::fmt::Write as _;
+
+use rustc_hash::FxHashMap;
+use stochc_ir::Cell;
+
+/// Loops inside each other, around something that begins at a cell.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct LoopNest {
+    pub(super) base: Cell,
+    /// Along x, y and z.
+    loops: [Option<Loop>; 3],
+}
+
+/// Places along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Loop {
+    /// From one to the next.
+    step: i32,
+    /// How many there are.
+    count: i32,
+}
+
+/// Places that are worth a loop.
+const LEAST: usize = 3;
+
+const COUNTERS: [&str; 3] = ["x", "y", "z"];
+
+impl LoopNest {
+    pub(super) fn of(base: Cell) -> LoopNest {
+        LoopNest {
+            base,
+            loops: [None; 3],
+        }
+    }
+
+    /// Whether there is more than one.
+    pub fn is_loop(&self) -> bool {
+        self.loops.iter().any(Option::is_some)
+    }
+
+    fn coordinate(&self, axis: usize) -> i32 {
+        <[i32; 3]>::from(self.base)[axis]
+    }
+
+    /// Writes the loops around what is written with the indices of one round.
+    pub fn write(&self, out: &mut String, inner: impl FnOnce(&mut String, &Indices<'_>)) {
+        let loops = || (0..3).filter_map(|axis| Some((axis, self.loops[axis]?)));
+        for (axis, it) in loops() {
+            let low = self.coordinate(axis);
+            let (first, last) = match it.step {
+                1 => (low, low + it.count - 1),
+                _ => (0, it.count - 1),
+            };
+            // Writing to a string cannot fail.
+            let _ = writeln!(out, "for {} in {first}..{last} {{", COUNTERS[axis]);
+        }
+        inner(out, &Indices { nest: self });
+        out.push('\n');
+        out.extend(loops().map(|_| "}\n"));
+    }
+}
+
+/// The indices of a cell in a round of loops.
+pub struct Indices<'a> {
+    nest: &'a LoopNest,
+}
+
+impl Indices<'_> {
+    /// So many cells east of the base.
+    pub fn x(&self, steps: i32) -> String {
+        self.along(0, steps)
+    }
+
+    /// So many cells north of the base.
+    pub fn y(&self, steps: i32) -> String {
+        self.along(1, steps)
+    }
+
+    /// So many cells above the base.
+    pub fn z(&self, steps: i32) -> String {
+        self.along(2, steps)
+    }
+
+    fn along(&self, axis: usize, steps: i32) -> String {
+        let base = self.nest.coordinate(axis);
+        let counter = COUNTERS[axis];
+        let (product, rest) = match self.nest.loops[axis] {
+            None => return (base + steps).to_string(),
+            Some(Loop { step: 1, .. }) => (counter.to_owned(), steps),
+            Some(Loop { step, .. }) => (format!("{step} * {counter}"), base + steps),
+        };
+        match rest {
+            0 => product,
+            1.. => format!("{product} + {rest}"),
+            _ => format!("{product} - {}", -rest),
+        }
+    }
+
+    /// The indices of a block, or of a row of them from the first to the last.
+    pub fn block(&self, first: Cell, last: Cell) -> String {
+        let (first, last) = (<[i32; 3]>::from(first), <[i32; 3]>::from(last));
+        let index = |axis: usize| match first[axis] == last[axis] {
+            true => self.along(axis, first[axis]),
+            false => {
+                format!(
+                    "{}..{}",
+                    self.along(axis, first[axis]),
+                    self.along(axis, last[axis])
+                )
+            }
+        };
+        format!("[{}, {}, {}]", index(0), index(1), index(2))
+    }
+}
+
+/// Nests of equal kinds, equally far apart along an axis, often enough for a loop: their places, from the lowest.
+pub(super) fn runs<'a>(
+    axis: usize,
+    nests: impl Iterator<Item = (usize, &'a LoopNest)>,
+) -> Vec<Vec<usize>> {
+    let mut groups: FxHashMap<(usize, LoopNest), usize> = FxHashMap::default();
+    let mut members: Vec<Vec<(i32, usize)>> = Vec::new();
+    for (i, (kind, nest)) in nests.enumerate() {
+        let mut base = <[i32; 3]>::from(nest.base);
+        let place = std::mem::take(&mut base[axis]);
+        let elsewhere = LoopNest {
+            base: base.into(),
+            ..nest.clone()
+        };
+        let group = *groups.entry((kind, elsewhere)).or_insert(members.len());
+        if group == members.len() {
+            members.push(Vec::new());
+        }
+        members[group].push((place, i));
+    }
+    let mut runs = Vec::new();
+    for mut places in members {
+        places.sort_unstable();
+        let mut from = 0;
+        while from + 1 < places.len() {
+            let step = |i: usize| places[i + 1].0 - places[i].0;
+            let further = (from + 1..places.len() - 1).take_while(|&i| step(i) == step(from));
+            let end = from + 2 + further.count();
+            if end - from >= LEAST {
+                runs.push(places[from..end].iter().map(|&(_, i)| i).collect());
+                from = end;
+            } else {
+                from += 1;
+            }
+        }
+    }
+    runs
+}
+
+/// One nest for all of a run.
+pub(super) fn joined<'a>(
+    axis: usize,
+    run: &[usize],
+    nest: impl Fn(usize) -> &'a LoopNest,
+) -> LoopNest {
+    let mut joined = nest(run[0]).clone();
+    joined.loops[axis] = Some(Loop {
+        step: nest(run[1]).coordinate(axis) - joined.coordinate(axis),
+        count: run.len() as i32,
+    });
+    joined
+}
