@@ -5,6 +5,7 @@ use stochc_ir::is_invisible;
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::no_memory::exit_without_memory;
 pub use crate::command::no_memory::print_backtraces_ourselves;
+use crate::command::terminal::{output_has_colour, print_drawn};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
     plan, replay, report, results, shard, simulate, status, submit, trade, verify,
@@ -73,11 +74,19 @@ pub enum Command {
     Man(man::Options),
 }
 
-/// Reports what is wrong with a command line, in which a name may hold anything.
+/// Reports what is wrong with a command line, in which a name may hold anything, or prints the help or the version that it asks for.
 pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
+    if !error.use_stderr() {
+        let help = error.render();
+        match output_has_colour() {
+            true => print_drawn(&help.ansi().to_string())?,
+            false => print_drawn(&help.to_string())?,
+        }
+        return Ok(Exit::Success);
+    }
     let mut arguments = std::env::args_os().map(|it| it.to_string_lossy().into_owned());
     let strange = arguments.find(|it| it.contains(is_invisible));
-    match strange.filter(|_| error.use_stderr()) {
+    match strange {
         Some(argument) => Err(Failure::usage(format!(
             "{}; look at `{argument}`, and at `--help`",
             error.kind()

@@ -30,7 +30,7 @@ pub mod shard;
 pub mod simulate;
 pub mod status;
 pub mod submit;
-mod terminal;
+pub(crate) mod terminal;
 pub mod trade;
 pub mod verify;
 mod watch;

@@ -109,6 +109,9 @@ fn a_reader_that_leaves_is_no_trouble() {
 #[cfg(target_os = "linux")]
 fn a_full_disk_is_told_of() {
     for line in [
+        "--help",
+        "simulate --help",
+        "--version",
         "explain",
         "check tests/fixtures/tower.sa",
         "compile tests/fixtures/tower.sa",
