@@ -158,15 +158,12 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     }
     let journal = path.join(JOURNAL);
     if is_damaged(JOURNAL) && journal.exists() {
-        // Nothing is sound of what is no file.
-        let text = match journal.is_file() {
-            true => {
-                let text = salvaged(&journal, &manifest, &manifest.identity());
-                let text = text.map_err(of(JOURNAL))?;
-                Some(text.ok_or(FolderError::Journal(JournalError::Foreign))?)
-            }
-            false => None,
+        let salvage = || {
+            let text = salvaged(&journal, &manifest, &manifest.identity()).map_err(of(JOURNAL))?;
+            text.ok_or(FolderError::Journal(JournalError::Foreign))
         };
+        // Nothing is sound of what is no file.
+        let text = journal.is_file().then(salvage).transpose()?;
         aside(JOURNAL)?;
         if let Some(text) = text {
             replace(&journal, &text, Replaces::Nothing).map_err(of(JOURNAL))?;

@@ -116,7 +116,7 @@ impl Emulator {
 
     /// What is to be expected at a point.
     pub fn estimate(&self, at: &[f64]) -> EmulatorPrediction {
-        let features = DVector::from_vec(features(at, &self.scale));
+        let features = self.features(at);
         let leverage = features.dot(&(&self.inverse * &features));
         EmulatorPrediction {
             of: self.logarithms(&features),
@@ -124,7 +124,12 @@ impl Emulator {
         }
     }
 
-    /// The values of the polynomials.
+    /// The terms of the polynomials at a place.
+    fn features(&self, at: &[f64]) -> DVector<f64> {
+        DVector::from_vec(features(at, &self.scale))
+    }
+
+    /// The values of the polynomials, of these terms.
     fn logarithms(&self, features: &DVector<f64>) -> [f64; 2] {
         [0, 1].map(|which| self.coefficients[which].dot(features))
     }
@@ -139,7 +144,7 @@ impl Emulator {
     /// The variance of the polynomials is that of a design's point on average. With that of each place, data that nothing explains
     /// would be likeliest where least is known.
     pub fn log_likelihood(&self, at: &[f64], n: usize, mean: f64, sd: f64) -> f64 {
-        let features = DVector::from_vec(features(at, &self.scale));
+        let features = self.features(at);
         let covariance = self.unit_covariance / n as f64
             + Matrix2::from_diagonal(&Vector2::from(self.variance(self.mean_leverage)));
         let off = Vector2::new(mean.ln(), sd.ln()) - Vector2::from(self.logarithms(&features));
