@@ -92,13 +92,13 @@ mod tests {
         let path = folder.path().join("a.sa");
         let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } }";
         std::fs::write(&path, text).unwrap();
-        let mended = fix(path.to_str().unwrap(), &LintLevels::default(), &[]).unwrap();
-        assert_eq!(mended.changes, 1);
+        let repaired = fix(path.to_str().unwrap(), &LintLevels::default(), &[]).unwrap();
+        assert_eq!(repaired.changes, 1);
         std::fs::write(&path, "// mine\n").unwrap();
-        assert!(!mended.write().unwrap());
+        assert!(!repaired.write().unwrap());
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "// mine\n");
         std::fs::write(&path, text).unwrap();
-        assert!(mended.write().unwrap());
+        assert!(repaired.write().unwrap());
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             text.replace("phaze", "phase")

@@ -7,9 +7,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::face_turns;
 use crate::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::{EventId, EventKind, ProgramPlan};
-use crate::turns;
 
 /// An order in which everything can happen, and how much of it one after the other.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -55,10 +55,10 @@ pub fn sort(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Option<Order>, Cancelled> {
     let mut unneeded = FxHashSet::default();
-    if turns::has_choice(graph) {
+    if face_turns::has_choice(graph) {
         // In captures, one after the other.
         let length = |i: usize| f64::from(is_capture(plan, EventId(i as u32)));
-        unneeded = turns::unneeded(graph, &turns::earliest(graph, length));
+        unneeded = face_turns::unneeded(graph, &face_turns::earliest(graph, length));
     }
     let edges = |node, way| needed(graph, &unneeded, node, way);
     // Kahn's algorithm, so that events without a reason to wait keep their source order.

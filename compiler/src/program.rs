@@ -18,8 +18,8 @@ use crate::plan::ProgramPlan;
 use crate::reader::Reader;
 use crate::scenes::Scenes;
 use crate::{
-    FileId, SourceLocation, Sources, capacity, graph, layout, liveness, lower, order, reach, scene,
-    shape, trial, turns, unplanned_bonds, unused,
+    FileId, SourceLocation, Sources, capacity, face_turns, graph, layout, liveness, lower, order,
+    reach, scene, shape, trial, unplanned_bonds, unused,
 };
 
 /// A step of the pipeline, in the order of work.
@@ -500,7 +500,7 @@ impl<'a> AssemblyInput<'a> {
         let is_whole = is_sound && self.readable && plan.events.iter().all(|event| event.sound);
         if let (Some(order), true) = (&order, is_whole) {
             let has_choice = !order.unneeded.is_empty();
-            let certain = has_choice.then(|| turns::certain(&graph, &order.events));
+            let certain = has_choice.then(|| face_turns::certain(&graph, &order.events));
             let subject = reach::SoundProgram {
                 plan: &plan,
                 liveness: &liveness,

@@ -7,7 +7,7 @@ use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
 use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, TextChange};
 use stochc_compiler::plan::{EventId, EventKind, PlanEvent};
-use stochc_compiler::turns::is_ready;
+use stochc_compiler::face_turns::is_ready;
 use stochc_compiler::{Checked, FileId, Limits, Program, check};
 use stochc_ir::{Cell, Face};
 
@@ -913,7 +913,7 @@ fn many_random_programs_with_choices_have_cavities() {
     for _ in 0..400 {
         let choices: Vec<u32> = (0..100).map(|_| next()).collect();
         let checked = checked(&with_faces(&program(&choices, SMALL, false), 2));
-        if !stochc_compiler::turns::has_choice(&checked.programs[0].graph) {
+        if !stochc_compiler::face_turns::has_choice(&checked.programs[0].graph) {
             continue;
         }
         for diagnostic in sealed(&checked) {

@@ -23,8 +23,8 @@ use stochc_ir::state::StateWriter;
 use stochc_runtime::Save;
 
 use super::clock;
+use super::file_integrity::{FileIntegrity, Integrity};
 use super::file_names::{CHECKPOINTS, DAMAGED};
-use super::health::{FileHealth, Health};
 use super::text::{duration, visible};
 use super::{Manifest, this_build};
 
@@ -450,7 +450,7 @@ pub(super) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Resu
 }
 
 /// How the checkpoints of a folder are.
-pub(super) fn health(path: &Path) -> Vec<FileHealth> {
+pub(super) fn health(path: &Path) -> Vec<FileIntegrity> {
     let health = |((program, run), file): (RunKey, PathBuf)| {
         let name = format!("{CHECKPOINTS}/{program}-{run}{SUFFIX}");
         let found = opened(&file).and_then(|file| read(&file));
@@ -459,16 +459,16 @@ pub(super) fn health(path: &Path) -> Vec<FileHealth> {
             Ok(Err(why)) => Some(why.to_owned()),
             Err(error) => Some(error.to_string()),
         };
-        let health = why.map_or(Health::Sound, |why| {
-            Health::Damaged(vec![format!("`{name}` {why}")])
+        let health = why.map_or(Integrity::Sound, |why| {
+            Integrity::Damaged(vec![format!("`{name}` {why}")])
         });
-        FileHealth { name, health }
+        FileIntegrity { name, health }
     };
     match list(path) {
         Ok(files) => files.into_iter().map(health).collect(),
-        Err(error) => vec![FileHealth {
+        Err(error) => vec![FileIntegrity {
             name: CHECKPOINTS.to_owned(),
-            health: Health::Damaged(vec![format!("`{CHECKPOINTS}`: {error}")]),
+            health: Integrity::Damaged(vec![format!("`{CHECKPOINTS}`: {error}")]),
         }],
     }
 }

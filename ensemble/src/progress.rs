@@ -12,9 +12,9 @@ use stochc_runtime::view::RunView;
 
 use super::checkpoint::RunCheckpoints;
 use super::executor::is_panic;
+use super::pending_runs::PendingRun;
 use super::statistics::TimeSample;
 use super::times::completion_time;
-use super::todo::PendingRun;
 use super::views::{ViewedRun, Views};
 use super::{Checkpoints, Finished, JournalError, Manifest, Records};
 
@@ -171,7 +171,7 @@ impl Progress {
         Progress::of_jobs(manifest, &(0..manifest.total()), threads)
     }
 
-    /// The same for a part of the [jobs](super::todo::job).
+    /// The same for a part of the [jobs](super::pending_runs::job).
     pub(crate) fn of_jobs(
         manifest: &Manifest,
         jobs: &Range<u64>,

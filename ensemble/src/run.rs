@@ -9,8 +9,8 @@ use stochc_ir::record::RunRecord;
 use super::executor::{RunCancelled, attempt, execute};
 use super::journal::Journal;
 use super::line_location::LineLocation;
+use super::pending_runs::{PendingRun, PendingRuns};
 use super::progress::{Progress, RunWatch};
-use super::todo::{PendingRun, Todo};
 use super::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, Records};
 
 /// Where the runs of an ensemble go.
@@ -121,21 +121,21 @@ pub fn run(
                     .push(done);
                 Ok::<(), Infallible>(())
             };
-            let todo = Todo::all(manifest, 0..manifest.total(), None);
-            let Ok(()) = new_runs(todo, (progress, None), stop, simulate, keep);
+            let pending = PendingRuns::all(manifest, 0..manifest.total(), None);
+            let Ok(()) = new_runs(pending, (progress, None), stop, simulate, keep);
             let all = all.into_inner().expect("every thread has ended well");
             Ok(Results::of(manifest, all.into()))
         }
         Destination::Folder(folder) => {
             progress.keep(folder.kept())?;
             let (manifest, kept) = (folder.manifest(), folder.kept());
-            let todo = Todo::all(manifest, 0..manifest.total(), Some(kept));
-            let finished = match todo.left {
+            let pending = PendingRuns::all(manifest, 0..manifest.total(), Some(kept));
+            let finished = match pending.left {
                 0 => None,
                 _ => {
                     let journal = folder.journal()?;
                     let on = (progress, folder.checkpoints().map(Arc::as_ref));
-                    let places = journaled(todo, (journal, 0), on, stop, simulate)?;
+                    let places = journaled(pending, (journal, 0), on, stop, simulate)?;
                     Some(folder.records([kept.places(), &places].concat())?)
                 }
             };
@@ -159,7 +159,7 @@ impl Results {
 
 /// Makes runs, and has each in a journal at once, which is file number `file` of their places.
 pub(super) fn journaled(
-    todo: Todo,
+    pending: PendingRuns,
     (journal, file): (Journal, u32),
     (progress, checkpoints): (&Progress, Option<&Checkpoints>),
     stop: &AtomicBool,
@@ -176,7 +176,7 @@ pub(super) fn journaled(
         Ok(())
     };
     let on = (progress, checkpoints);
-    let done: Result<(), JournalError> = new_runs(todo, on, stop, simulate, keep);
+    let done: Result<(), JournalError> = new_runs(pending, on, stop, simulate, keep);
     // The writer knows better what went wrong than those whom it left alone.
     journal.close()?;
     done?;
@@ -185,14 +185,14 @@ pub(super) fn journaled(
 
 /// Makes runs, and has each kept at once; the first error of that stops the others.
 fn new_runs<E: Send>(
-    todo: Todo,
+    pending: PendingRuns,
     (progress, checkpoints): (&Progress, Option<&Checkpoints>),
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
     keep: impl Fn(Finished) -> Result<(), E> + Sync,
 ) -> Result<(), E> {
-    let left = todo.left;
-    let jobs = Mutex::new(todo.iter());
+    let left = pending.left;
+    let jobs = Mutex::new(pending.iter());
     let next = || jobs.lock().expect("nobody panics while it is held").next();
     let threads = usize::try_from(left).map_or(progress.threads(), |it| progress.threads().min(it));
     let broken = AtomicBool::new(false);

@@ -17,19 +17,19 @@ use super::shards::{self, Cut};
 use super::text::visible;
 use super::{Folder, FolderError, Further, Manifest, Records, Resume};
 
+pub use super::file_integrity::{FileIntegrity, Integrity};
 pub use super::file_names::DAMAGED;
-pub use super::health::{FileHealth, Health};
 
 /// Holds every file of a results folder against its checksums, and changes nothing.
 ///
 /// # Errors
 /// When there are no results, or they cannot be looked at.
-pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
+pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     let in_manifest = FolderError::of(path.join(MANIFEST));
     let mut files = Vec::new();
     let mut report = |name: &str, health| {
         let name = name.to_owned();
-        files.push(FileHealth { name, health });
+        files.push(FileIntegrity { name, health });
     };
     if !path.join(MANIFEST).exists() {
         return Err(without_manifest(path, FolderError::Absent));
@@ -44,7 +44,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
     if checksums.is_some() || damage.is_some() {
         report(
             CHECKSUMS_FILE,
-            Health::of(damage.into_iter().collect(), true),
+            Integrity::of(damage.into_iter().collect(), true),
         );
     }
     let checksums = checksums.unwrap_or_default();
@@ -61,7 +61,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         true => read,
         false => saved(path).map_err(in_manifest)?,
     };
-    report(MANIFEST, Health::of(damage, checksums.knows(MANIFEST)));
+    report(MANIFEST, Integrity::of(damage, checksums.knows(MANIFEST)));
     let Ok(manifest) = manifest else {
         return Ok(files);
     };
@@ -75,9 +75,9 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
                     damage.extend(checksums.damage(path, JOURNAL, true));
                 }
                 finished = stored.finished;
-                Health::of(damage, stored.is_sealed)
+                Integrity::of(damage, stored.is_sealed)
             }
-            Err(error) => Health::Damaged(vec![error.to_string()]),
+            Err(error) => Integrity::Damaged(vec![error.to_string()]),
         };
         report(JOURNAL, health);
     }
@@ -86,7 +86,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         .filter(|it| ![MANIFEST, JOURNAL].contains(it))
     {
         let damage = checksums.damage(path, name, false).into_iter().collect();
-        report(name, Health::of(damage, true));
+        report(name, Integrity::of(damage, true));
     }
     let cut = Cut::read(path).ok().flatten();
     if let Some(cut) = &cut {
@@ -94,18 +94,18 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
     }
     let mut report = |name: &str, health| {
         let name = name.to_owned();
-        files.push(FileHealth { name, health });
+        files.push(FileIntegrity { name, health });
     };
     for table in super::tables() {
         let name = format!("{}.parquet", table.name);
         if !checksums.knows(&name) && path.join(&name).exists() {
-            report(&name, Health::Unprotected);
+            report(&name, Integrity::Unprotected);
         }
     }
     files.extend(checkpoint::health(path));
     let mut report = |name: &str, health| {
         let name = name.to_owned();
-        files.push(FileHealth { name, health });
+        files.push(FileIntegrity { name, health });
     };
     for (program, run) in recordings(&manifest, path) {
         let health = recording(path, &manifest, &finished, (program, run));
@@ -145,14 +145,14 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     if is_damaged(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
         let bytes = read_file(&path.join(SHARDS_FILE), budget::SHARDS).map_err(of(SHARDS_FILE))?;
         let (checksums, _) = FolderChecksums::read(path);
-        let mended = checksums.and_then(|checksums| checksums.mended(SHARDS_FILE, &bytes));
-        if mended.is_none() && path.join(SHARDS).exists() {
+        let repaired = checksums.and_then(|checksums| checksums.repaired(SHARDS_FILE, &bytes));
+        if repaired.is_none() && path.join(SHARDS).exists() {
             // Without it they would be taken for nothing.
             return Err(FolderError::LostCut(path.to_owned()));
         }
         aside(SHARDS_FILE)?;
-        if let Some(mended) = mended {
-            replace(&path.join(SHARDS_FILE), &mended, Replaces::Nothing)
+        if let Some(repaired) = repaired {
+            replace(&path.join(SHARDS_FILE), &repaired, Replaces::Nothing)
                 .map_err(of(SHARDS_FILE))?;
         }
     }
@@ -202,8 +202,8 @@ fn parsed(bytes: &[u8]) -> Result<Manifest, String> {
 fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST)?;
     let (checksums, _) = FolderChecksums::read(path);
-    if let Some(mended) = checksums.and_then(|checksums| checksums.mended(MANIFEST, &bytes)) {
-        return Ok(parsed(&mended));
+    if let Some(repaired) = checksums.and_then(|checksums| checksums.repaired(MANIFEST, &bytes)) {
+        return Ok(parsed(&repaired));
     }
     // What its journal belongs to is what decides the runs.
     let belongs = |manifest: &Manifest| {
@@ -242,10 +242,10 @@ fn recording(
     manifest: &Manifest,
     finished: &Records,
     (program, run): (usize, u64),
-) -> Health {
+) -> Integrity {
     let name = visible(&format!("{RECORDINGS}/{program}-{run}.rec"));
     let damaged =
-        |reason: &dyn std::fmt::Display| Health::Damaged(vec![format!("`{name}`: {reason}")]);
+        |reason: &dyn std::fmt::Display| Integrity::Damaged(vec![format!("`{name}`: {reason}")]);
     let opened = open(&recording_path(path, program, run)).and_then(|file| {
         budget::RECORDING.admits(file.metadata()?.len())?;
         Ok(file)
@@ -264,6 +264,6 @@ fn recording(
     };
     match recording.is_of(manifest, known.as_ref(), program, run) {
         false => damaged(&"it is the recording of another run"),
-        true => Health::of(Vec::new(), recording.version() == VERSION),
+        true => Integrity::of(Vec::new(), recording.version() == VERSION),
     }
 }

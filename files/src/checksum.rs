@@ -104,7 +104,7 @@ pub enum LineIntegrity {
 }
 
 /// Bytes of which one bit has been flipped, as they were when this was their checksum; `None`: it is not one bit.
-pub fn mended(bytes: &[u8], crc: u32) -> Option<Vec<u8>> {
+pub fn repaired(bytes: &[u8], crc: u32) -> Option<Vec<u8>> {
     /// Of CRC-32, its lowest bit first.
     const POLYNOMIAL: u32 = 0xedb8_8320;
     let one_more_bit = |sum: u32| (sum >> 1) ^ (POLYNOMIAL * (sum & 1));
@@ -114,9 +114,9 @@ pub fn mended(bytes: &[u8], crc: u32) -> Option<Vec<u8>> {
     for at in (0..bytes.len()).rev() {
         for bit in (0..8).rev() {
             if effect == wrong {
-                let mut mended = bytes.to_vec();
-                mended[at] ^= 1 << bit;
-                return Some(mended);
+                let mut repaired = bytes.to_vec();
+                repaired[at] ^= 1 << bit;
+                return Some(repaired);
             }
             effect = one_more_bit(effect);
         }
@@ -182,11 +182,15 @@ mod tests {
         for bit in 0..8 * bytes.len() {
             let mut damaged = bytes.to_vec();
             damaged[bit / 8] ^= 1 << (bit % 8);
-            assert_eq!(mended(&damaged, crc).unwrap(), bytes, "{bit}");
+            assert_eq!(repaired(&damaged, crc).unwrap(), bytes, "{bit}");
             damaged[3] ^= 0x55;
-            assert_ne!(mended(&damaged, crc).as_deref(), Some(&bytes[..]), "{bit}");
+            assert_ne!(
+                repaired(&damaged, crc).as_deref(),
+                Some(&bytes[..]),
+                "{bit}"
+            );
         }
-        assert_eq!(mended(bytes, crc), None);
+        assert_eq!(repaired(bytes, crc), None);
     }
 
     #[test]

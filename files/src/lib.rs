@@ -1,4 +1,5 @@
 //! Reading ordinary files, and writing whole ones.
+pub mod address;
 pub mod atomic;
 pub mod bound;
 pub mod budget;

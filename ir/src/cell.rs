@@ -28,13 +28,24 @@ impl Cell {
     /// The cell across `face`; `None` where a coordinate would overflow.
     #[inline]
     pub fn across(self, face: Face) -> Option<Cell> {
-        let [dx, dy, dz] = face.normal();
+        self.offset(face.normal())
+    }
+
+    /// The cell so many steps away; `None` where a coordinate would overflow.
+    #[inline]
+    pub fn offset(self, [dx, dy, dz]: [i32; 3]) -> Option<Cell> {
         Some(Cell {
             x: self.x.checked_add(dx)?,
             y: self.y.checked_add(dy)?,
             z: self.z.checked_add(dz)?,
         })
     }
+}
+
+/// The offsets of all cells of the cube that reaches so far to each side of a cell, that of the cell itself included.
+pub fn offsets_within(reach: i32) -> impl Iterator<Item = [i32; 3]> {
+    let along = move || -reach..=reach;
+    along().flat_map(move |x| along().flat_map(move |y| along().map(move |z| [x, y, z])))
 }
 
 impl From<[i32; 3]> for Cell {

@@ -3,6 +3,7 @@
 //! The compiler makes [event tables](table) and reads [scenes](scene); the runtime runs the one in the other and leaves
 //! [records](record). All three are here, so that neither needs to know the other.
 mod cell;
+mod counted;
 pub mod emit;
 mod executable;
 mod face;
@@ -18,7 +19,8 @@ pub mod structure;
 pub mod suggest;
 pub mod table;
 
-pub use cell::Cell;
+pub use cell::{Cell, offsets_within};
+pub use counted::counted;
 pub use executable::{Executable, ExecutableError, FORMAT, sha256};
 pub use face::Face;
 pub use invisible::{is_invisible, visible, visible_lines};

@@ -94,11 +94,19 @@ fn imported(analysis: &Analysis, at: usize) -> Option<SourceLocation> {
 pub type FileRange = (String, u32, u32);
 
 /// Every place, in any of the programs, where the thing at a place is named.
-pub fn everywhere(analyses: &[&Analysis], from: FileRange) -> BTreeSet<FileRange> {
+///
+/// # Errors
+/// If somebody cancels it.
+pub fn everywhere(
+    analyses: &[&Analysis],
+    from: FileRange,
+    cancellation: Cancellation<'_>,
+) -> Result<BTreeSet<FileRange>, Cancelled> {
     let mut places = BTreeSet::from([from.clone()]);
     let mut waiting = vec![from];
     let mut done = BTreeSet::new();
     while let Some(place) = waiting.pop() {
+        cancellation.check()?;
         for (number, analysis) in analyses.iter().enumerate() {
             let Some(name) = named_at(analysis, &place) else {
                 continue;
@@ -117,7 +125,7 @@ pub fn everywhere(analyses: &[&Analysis], from: FileRange) -> BTreeSet<FileRange
             }
         }
     }
-    places
+    Ok(places)
 }
 
 /// The name at a place, if it is part of a program.

@@ -2,10 +2,11 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use gen_lsp_types::TextDocumentContentChangeEvent as Change;
+use gen_lsp_types::{Position, TextDocumentContentChangeEvent as Change};
+use ropey::Rope;
 use stochc_files as files;
 
-use super::position::{Encoding, LineIndex};
+use super::position::Encoding;
 use super::uri;
 
 /// Open texts, by the paths of their files; all copies are the same ones, which only one thread changes.
@@ -17,8 +18,8 @@ pub struct Documents(Arc<Mutex<BTreeMap<String, Document>>>);
 pub struct Document {
     /// Its address, as the client writes it.
     pub uri: String,
-    /// As it is now.
-    pub text: Arc<String>,
+    /// As it is now: a rope, so that a change takes no longer in a long text, and a copy nothing.
+    pub text: Rope,
     /// The client's number of it.
     pub version: i32,
 }
@@ -31,7 +32,7 @@ impl Documents {
     /// Opens a text; the path of its file.
     pub fn open(&self, uri: String, text: String, version: i32) -> String {
         let path = uri::path(&uri);
-        let text = Arc::new(text);
+        let text = Rope::from(text);
         let document = Document { uri, text, version };
         self.all().insert(path.clone(), document);
         path
@@ -52,16 +53,14 @@ impl Documents {
         for change in changes {
             match change {
                 Change::TextDocumentContentChangePartial(change) => {
-                    let lines = LineIndex::of(&document.text, encoding);
-                    let (a, b) = (
-                        lines.offset(change.range.start),
-                        lines.offset(change.range.end),
-                    );
-                    let text = Arc::make_mut(&mut document.text);
-                    text.replace_range(a.min(b)..a.max(b), &change.text);
+                    let text = &mut document.text;
+                    let [a, b] = [change.range.start, change.range.end]
+                        .map(|position| offset(text, position, encoding));
+                    text.remove(a.min(b)..a.max(b));
+                    text.insert(a.min(b), &change.text);
                 }
                 Change::TextDocumentContentChangeWholeDocument(change) => {
-                    document.text = Arc::new(change.text);
+                    document.text = Rope::from(change.text);
                 }
             }
         }
@@ -93,8 +92,88 @@ impl Documents {
     /// Those of [`files::read`].
     pub fn read(&self, path: &str) -> Result<Vec<u8>, String> {
         if let Some(document) = self.get(path) {
-            return Ok(document.text.as_bytes().to_vec());
+            return Ok(document.text.to_string().into_bytes());
         }
         files::read(path)
+    }
+}
+
+/// The character of a position, as [`LineIndex::offset`](super::position::LineIndex::offset) has its byte.
+fn offset(text: &Rope, position: Position, encoding: Encoding) -> usize {
+    let line = position.line as usize;
+    if line >= text.len_lines() {
+        return text.len_chars();
+    }
+    let content = text.line(line);
+    let within = position.character as usize;
+    let breaks = content.chars_at(content.len_chars()).reversed();
+    let end = content.len_chars() - breaks.take_while(|c| matches!(c, '\n' | '\r')).count();
+    let within = match encoding {
+        Encoding::Utf8 => content.byte_to_char(within.min(content.len_bytes())),
+        Encoding::Utf16 => content.utf16_cu_to_char(within.min(content.len_utf16_cu())),
+    };
+    text.line_to_char(line) + within.min(end)
+}
+
+#[cfg(test)]
+mod tests {
+    use gen_lsp_types::{
+        Range, TextDocumentContentChangePartial, TextDocumentContentChangeWholeDocument,
+    };
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::position::LineIndex;
+
+    fn partial(range: Range, text: &str) -> Change {
+        Change::TextDocumentContentChangePartial(TextDocumentContentChangePartial {
+            range,
+            text: text.to_owned(),
+            ..Default::default()
+        })
+    }
+
+    proptest! {
+        /// A text of a plain string does the same.
+        #[test]
+        fn changes_are_those_of_a_plain_text(
+            start in "[ab\u{b5}\u{1f600}\u{2028}\n\r]{0,30}",
+            changes in prop::collection::vec(
+                (any::<[(u8, u8); 2]>(), "[ab\u{b5}\u{1f600}\n\r]{0,5}"),
+                0..8,
+            ),
+            is_wide: bool,
+        ) {
+            let encoding = if is_wide { Encoding::Utf16 } else { Encoding::Utf8 };
+            let documents = Documents::default();
+            let uri = "file:///x/a.sa";
+            let path = documents.open(uri.to_owned(), start.clone(), 0);
+            let mut plain = start;
+            let mut all = Vec::new();
+            for (ends, text) in &changes {
+                let [start, end] = ends.map(|(line, character)| Position {
+                    line: u32::from(line % 6),
+                    character: u32::from(character % 10),
+                });
+                all.push(partial(Range { start, end }, text));
+                let lines = LineIndex::of(&plain, encoding);
+                let (a, b) = (lines.offset(start), lines.offset(end));
+                plain.replace_range(a.min(b)..a.max(b), text);
+            }
+            documents.change(uri, 1, all, encoding);
+            prop_assert_eq!(documents.get(&path).unwrap().text.to_string(), plain);
+        }
+    }
+
+    #[test]
+    fn a_whole_text_takes_the_place_of_what_was_there() {
+        let documents = Documents::default();
+        let path = documents.open("file:///x/a.sa".to_owned(), "old".to_owned(), 0);
+        let whole = TextDocumentContentChangeWholeDocument {
+            text: "new".to_owned(),
+        };
+        let whole = Change::TextDocumentContentChangeWholeDocument(whole);
+        documents.change("file:///x/a.sa", 1, vec![whole], Encoding::Utf16);
+        assert_eq!(documents.read(&path).unwrap(), b"new");
     }
 }

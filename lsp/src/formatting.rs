@@ -1,4 +1,6 @@
 //! The layout of a text, as changes to it.
+use std::time::Duration;
+
 use gen_lsp_types::TextEdit;
 use similar::{DiffOp, TextDiff};
 use stochc_compiler::Span;
@@ -6,6 +8,9 @@ use stochc_grammar::{FormatError, format};
 
 use super::position::LineIndex;
 use super::wire::RequestFailure;
+
+/// After this, texts are compared coarsely: more lines are changed than need be, to the same end.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// The changes that lay a text out: of the lines that change only, so that the rest keeps its marks.
 ///
@@ -19,7 +24,9 @@ pub fn edits(text: &str, lines: &LineIndex<'_>) -> Result<Vec<TextEdit>, Request
             FormatError::Unfaithful => "the layout would change the program: please report this",
         })
     })?;
-    let diff = TextDiff::from_lines(text, &laid_out);
+    let diff = TextDiff::configure()
+        .timeout(PATIENCE)
+        .diff_lines(text, &laid_out);
     let starts = |text: &str| {
         let mut starts = vec![0];
         starts.extend(text.split_inclusive('\n').scan(0, |at, line| {

@@ -9,6 +9,7 @@ use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
 use stochc_compiler::source_map::{Ancestry, Located, blocks_at};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, SourceLocation};
 use stochc_grammar::tree::{Item, Tree};
+use stochc_ir::counted;
 use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
 use stochc_rates::{GUESS_ERROR, Rates};
@@ -259,10 +260,9 @@ fn measure(program: &Program, number: usize, phase: &PlanPhase) -> String {
         |id: &EventId| matches!(program.plan.event(*id).kind, EventKind::Capture { .. });
     let all = phase.events.len();
     let captures = events.filter(is_capture).count();
-    let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
-    let mut text = count(captures, "capture");
+    let mut text = counted(captures, "capture");
     if all > captures {
-        let _ = write!(text, ", {}", count(all - captures, "release"));
+        let _ = write!(text, ", {}", counted(all - captures, "release"));
     }
     if let Some(chain) = program
         .order
@@ -280,7 +280,7 @@ fn measure(program: &Program, number: usize, phase: &PlanPhase) -> String {
         let _ = write!(
             text,
             ", ends after {}",
-            count(phase.reports as usize, "report")
+            counted(phase.reports as usize, "report")
         );
     }
     text

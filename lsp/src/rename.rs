@@ -54,7 +54,8 @@ pub fn rename(
     let location = renameable(analysis, at)?;
     check_name(new_name)?;
     let path = analysis.path(location.file).to_owned();
-    let places = everywhere(all, (path, location.span.start, location.span.end));
+    let from = (path, location.span.start, location.span.end);
+    let places = everywhere(all, from, cancellation)?;
     let mut by_file: BTreeMap<&str, Vec<&FileRange>> = BTreeMap::new();
     for place in &places {
         by_file.entry(&place.0).or_default().push(place);

@@ -267,8 +267,9 @@ impl Query {
                 let it: DocumentFormattingParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Text, |context| {
                     let document = context.documents.get(&context.path).ok_or_else(not_open)?;
-                    let lines = LineIndex::of(&document.text, context.encoding);
-                    value(formatting::edits(&document.text, &lines)?)
+                    let text = document.text.to_string();
+                    let lines = LineIndex::of(&text, context.encoding);
+                    value(formatting::edits(&text, &lines)?)
                 })
             }
             "textDocument/codeAction" => {
@@ -307,7 +308,7 @@ fn references(
         span.start,
         span.end,
     );
-    let places = definition::everywhere(&all, from);
+    let places = definition::everywhere(&all, from, context.cancellation)?;
     let found = places.iter().filter_map(|place| {
         let (analysis, name) =
             (all.iter()).find_map(|analysis| Some((analysis, named_at(analysis, place)?)))?;

@@ -1,13 +1,6 @@
 //! Paths of files as addresses, and back.
-use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
-
-/// What stands in the path of an address as it is.
-const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
-    .remove(b'/')
-    .remove(b'-')
-    .remove(b'_')
-    .remove(b'.')
-    .remove(b'~');
+use percent_encoding::percent_decode_str;
+use stochc_files::address::address;
 
 /// The path of a file by its address, with `/` between folders; what is no file keeps its address.
 pub fn path(uri: &str) -> String {
@@ -30,7 +23,7 @@ pub fn uri(path: &str) -> String {
         return path.to_owned();
     }
     let slash = if path.starts_with('/') { "" } else { "/" };
-    format!("file://{slash}{}", utf8_percent_encode(path, PLAIN))
+    format!("file://{slash}{}", address(path))
 }
 
 #[cfg(test)]
@@ -39,13 +32,13 @@ mod tests {
 
     #[test]
     fn paths_and_addresses() {
-        for (address, file) in [
+        for (at, file) in [
             ("file:///a/b%20c/%C2%B5.sa", "/a/b c/\u{b5}.sa"),
             ("file:///c%3A/x.sa", "c:/x.sa"),
             ("untitled:Untitled-1", "untitled:Untitled-1"),
         ] {
-            assert_eq!(path(address), file);
-            assert_eq!(uri(file), address);
+            assert_eq!(path(at), file);
+            assert_eq!(uri(file), at);
         }
         assert_eq!(path("file://localhost/a%zz"), "/a%zz");
         assert_eq!(path("file:///%ff"), "/\u{fffd}");

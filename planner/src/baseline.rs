@@ -5,10 +5,10 @@ use std::collections::BinaryHeap;
 use stochc_ir::Face;
 
 use crate::hardware::Hardware;
+use crate::precedence::Waiting;
+use crate::rate_law::{CellState, Moment, RateLaw};
 use crate::schedule::Schedule;
 use crate::sites::{NONE, Sites};
-use crate::waiting::Waiting;
-use crate::waits::{CellState, Moment, RateLaw};
 
 /// A plan that needs no thought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

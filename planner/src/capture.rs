@@ -2,7 +2,7 @@
 use serde::Serialize;
 use stochc_ir::{Cell, Face};
 
-use crate::waiting::Why;
+use crate::precedence::Why;
 
 /// One capture of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -5,7 +5,7 @@ use stochc_ir::Cell;
 
 use crate::capture::Capture;
 use crate::plan::{Alternative, BuildPlan};
-use crate::waiting::Why;
+use crate::precedence::Why;
 
 /// Captures that decide the time, as told.
 const MOST_TOLD: usize = 6;

@@ -1,6 +1,6 @@
 //! Values by cell, around the cells of a structure.
 use rustc_hash::FxHashMap;
-use stochc_ir::Cell;
+use stochc_ir::{Cell, offsets_within};
 
 /// A value for each cell that is no more than a margin away from a structure, in every coordinate.
 #[derive(Clone, Debug)]
@@ -86,12 +86,8 @@ impl<T: Copy + Default> Grid<T> {
 fn dilated<T: Default>(cells: &[Cell], margin: i32) -> FxHashMap<Cell, T> {
     let mut values = FxHashMap::default();
     for &cell in cells {
-        for dz in -margin..=margin {
-            for dy in -margin..=margin {
-                for dx in -margin..=margin {
-                    values.entry(shifted(cell, dx, dy, dz)).or_default();
-                }
-            }
+        for near in offsets_within(margin).filter_map(|offset| cell.offset(offset)) {
+            values.entry(near).or_default();
         }
     }
     values

@@ -7,9 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
+use crate::precedence::Waiting;
 use crate::schedule::Schedule;
 use crate::sites::Sites;
-use crate::waiting::Waiting;
 
 /// What a plan should make small.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

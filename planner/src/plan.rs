@@ -7,14 +7,14 @@ use crate::capture::Capture;
 use crate::free_space::WayIn;
 use crate::hardware::Hardware;
 use crate::makespan::{PlanEstimate, Samples};
+use crate::precedence::Waiting;
+use crate::rate_law::RateLaw;
 use crate::scaffold::{Dismantling, SitePart, SiteRoles};
 use crate::scaffold_search::{Scaffolded, has_place, scaffolded};
 use crate::schedule::Schedule;
 use crate::scheduling::SchedulingJob;
 use crate::search::{FoundSchedule, PlanSearch, search};
 use crate::sites::Sites;
-use crate::waiting::Waiting;
-use crate::waits::RateLaw;
 use crate::{Target, TargetError};
 
 /// An order of captures that builds a target.

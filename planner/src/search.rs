@@ -9,13 +9,13 @@ use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
 use crate::hardware::Hardware;
 use crate::makespan::{Objective, PlanEstimate, Samples};
+use crate::rate_law::RateLaw;
 use crate::schedule::Schedule;
 use crate::scheduling::{
     Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Priorities, SchedulingJob,
     WAIT, estimated, value,
 };
 use crate::sites::Sites;
-use crate::waits::RateLaw;
 use crate::{Target, TargetError};
 
 /// How to look for a plan.

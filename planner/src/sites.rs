@@ -1,6 +1,6 @@
 //! The cells of a target by number, with their neighbours.
 use rustc_hash::FxHashMap;
-use stochc_ir::{Cell, Face};
+use stochc_ir::{Cell, Face, offsets_within};
 
 use crate::Target;
 use crate::grid::{Grid, shifted};
@@ -80,13 +80,9 @@ impl<'a> Sites<'a> {
         }
         let window = |&cell: &Cell| {
             let mut window = [NONE; 27];
-            for dz in -1..=1 {
-                for dy in -1..=1 {
-                    for dx in -1..=1 {
-                        let near = number.get(shifted(cell, dx, dy, dz));
-                        window[place(dx, dy, dz)] = near.map_or(NONE, |near| near.0);
-                    }
-                }
+            for [dx, dy, dz] in offsets_within(1) {
+                let near = number.get(shifted(cell, dx, dy, dz));
+                window[place(dx, dy, dz)] = near.map_or(NONE, |near| near.0);
             }
             window
         };

@@ -2,9 +2,7 @@
 use std::fmt;
 
 use stochc_grammar::Cancelled;
-use stochc_ir::Cell;
-
-use crate::text::counted;
+use stochc_ir::{Cell, counted};
 
 /// Why there is no plan.
 #[derive(Clone, Debug, PartialEq, Eq)]

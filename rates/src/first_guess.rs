@@ -5,9 +5,9 @@ use std::ops::RangeInclusive;
 use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
 use stochc_ir::scene::{Bond, Scene};
 
+use crate::accessibility::RADIUS;
 use crate::law::Parameters;
 use crate::rates::Rates;
-use crate::reach::RADIUS;
 
 /// What first guesses of mean waits were off by, beside rates that were measured (docs/rates.md): a factor, as a root mean square of
 /// its logarithm, and that of the worst; both rounded up.

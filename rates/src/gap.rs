@@ -4,7 +4,6 @@
 //! measured ([`Rates::passes_gaps`](crate::Rates::passes_gaps)).
 use stochc_ir::{Cell, Face};
 
-use crate::neighbourhood::shifted;
 use crate::surroundings::aside;
 
 /// The cells above the ground beside the open one to which `way` leads, at right angles to it. In a gap they are empty: blocks that stand
@@ -31,7 +30,7 @@ pub fn gap_entrances(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
 fn entrance(cell: Cell, out: Face, edge: Face, along: Face) -> Option<Cell> {
     let [first, edge, along] = [out, edge, along].map(Face::normal);
     let low = |axis: usize| first[axis] + (first[axis] + edge[axis] + along[axis]).min(0);
-    shifted(cell, [0, 1, 2].map(low))
+    cell.offset([0, 1, 2].map(low))
 }
 
 #[cfg(test)]
@@ -50,7 +49,7 @@ mod tests {
                 let steps = || 0..2;
                 let cube: BTreeSet<Cell> = steps()
                     .flat_map(|x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])))
-                    .map(|by| shifted(low, by).expect("no number overflows"))
+                    .map(|by| low.offset(by).expect("no number overflows"))
                     .collect();
                 assert!(!cube.contains(&cell), "{way:?}");
                 let held = beside.iter().filter(|cell| cube.contains(cell));

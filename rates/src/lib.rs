@@ -16,6 +16,7 @@
 //! let beside_a_wall = |cell: Cell| tower(cell) || cell.x == 1;
 //! assert!(wait(&beside_a_wall) < wait(&tower));
 //! ```
+mod accessibility;
 mod docking_time;
 mod first_guess;
 mod gap;
@@ -24,12 +25,12 @@ mod inverse;
 mod law;
 mod neighbourhood;
 mod rates;
-mod reach;
 mod rivals;
 mod surroundings;
 mod times;
 mod wait;
 
+pub use accessibility::{offsets, sees, unobstructed};
 pub use docking_time::STAGES;
 pub use first_guess::GUESS_ERROR;
 pub use gap::{beside_gap, gap_entrances};
@@ -37,7 +38,6 @@ pub use interaction::Interaction;
 pub use law::{Parameter, Parameters, Surroundings};
 pub use neighbourhood::{Neighbourhood, SIGHT};
 pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, density_in, relative};
-pub use reach::{offsets, sees, unobstructed};
 pub use rivals::{Rivalry, Rivals, rivalry, rivals};
 pub use surroundings::{around, feature_cells};
 pub use times::{Times, quantile};

@@ -2,7 +2,7 @@
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
-use stochc_ir::Cell;
+use stochc_ir::{Cell, offsets_within};
 
 /// How far a cell is from the open one along an axis, at most, if it blocks anything.
 pub const SIGHT: i32 = 2;
@@ -34,7 +34,7 @@ impl Neighbourhood {
     pub fn of(cell: Cell, is_full: impl Fn(Cell) -> bool) -> Neighbourhood {
         let mut found = Neighbourhood::on_ground(cell);
         for offset in all() {
-            if !found.is_blocked(offset) && shifted(cell, offset).is_some_and(&is_full) {
+            if !found.is_blocked(offset) && cell.offset(offset).is_some_and(&is_full) {
                 found.block(offset);
             }
         }
@@ -103,17 +103,7 @@ impl Neighbourhood {
 
 /// The offsets of all cells of a neighbourhood.
 pub(crate) fn all() -> impl Iterator<Item = [i32; 3]> {
-    let range = || -SIGHT..=SIGHT;
-    range().flat_map(move |x| range().flat_map(move |y| range().map(move |z| [x, y, z])))
-}
-
-/// A cell so many steps away from another.
-pub(crate) fn shifted(cell: Cell, [x, y, z]: [i32; 3]) -> Option<Cell> {
-    Some(Cell::new(
-        cell.x.checked_add(x)?,
-        cell.y.checked_add(y)?,
-        cell.z.checked_add(z)?,
-    ))
+    offsets_within(SIGHT)
 }
 
 fn bit(offset: [i32; 3]) -> u128 {

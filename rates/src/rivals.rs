@@ -1,8 +1,6 @@
 //! Which open faces pull at the same blocks.
 use serde::{Deserialize, Serialize};
-use stochc_ir::{Cell, Face};
-
-use crate::neighbourhood::shifted;
+use stochc_ir::{Cell, Face, offsets_within};
 
 /// How many faces wait near an open one that pull at the same blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -80,7 +78,7 @@ pub fn rivalry((cell, way): (Cell, Face), other: (Cell, Face)) -> Option<Rivalry
 pub fn rivals(cell: Cell, way: Face, open: impl Fn(Cell) -> Option<Face>) -> Rivals {
     let mut rivals = Rivals::default();
     for offset in touching() {
-        let Some(near) = shifted(cell, offset) else {
+        let Some(near) = cell.offset(offset) else {
             continue;
         };
         let rivalry = open(near).and_then(|other| rivalry((cell, way), (near, other)));
@@ -93,9 +91,7 @@ pub fn rivals(cell: Cell, way: Face, open: impl Fn(Cell) -> Option<Face>) -> Riv
 
 /// The cells that touch one.
 fn touching() -> impl Iterator<Item = [i32; 3]> {
-    let steps = || -1..=1;
-    let all = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
-    all.filter(|offset| *offset != [0; 3])
+    offsets_within(1).filter(|offset| *offset != [0; 3])
 }
 
 #[cfg(test)]
@@ -106,7 +102,7 @@ mod tests {
 
     fn found(way: Face, open: &[([i32; 3], Face)]) -> Rivals {
         let open: Vec<_> = (open.iter())
-            .filter_map(|(offset, way)| Some((shifted(CELL, *offset)?, *way)))
+            .filter_map(|(offset, way)| Some((CELL.offset(*offset)?, *way)))
             .collect();
         rivals(CELL, way, |cell| {
             let mut faces = open.iter();

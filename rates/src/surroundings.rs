@@ -3,9 +3,9 @@ use std::sync::LazyLock;
 
 use stochc_ir::{Cell, Face};
 
+use crate::accessibility::{in_reach, unobstructed};
 use crate::law::Surroundings;
 use crate::neighbourhood::Neighbourhood;
-use crate::reach::{in_reach, unobstructed};
 use crate::rivals::{Rivals, rivals};
 
 /// What is around the face that is open towards `cell` in the direction `way`: blocked cells, and cells that other faces are open to, in

@@ -1,6 +1,7 @@
 //! When a program will be complete, by rates.
 use serde::Serialize;
-use stochc_ensemble::{EnsembleProgram, completion_time};
+use stochc_ensemble::statistics::Observation;
+use stochc_ensemble::{EnsembleProgram, completion_time, phase_time};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::rates::{Interaction, Times};
 
@@ -75,8 +76,7 @@ impl CompletionEstimate {
     ) -> CompletionEstimate {
         let times: Vec<f64> = (records.iter())
             .filter_map(|record| completion_time(record))
-            .filter(|time| time.completed)
-            .map(|time| time.time)
+            .filter_map(completed_time)
             .collect();
         let completed = times.len() as u64;
         let of_most = |times: Vec<f64>| Times::of_most(times, records.len());
@@ -86,13 +86,12 @@ impl CompletionEstimate {
             .enumerate()
             .filter(|(_, phase)| !phase.planted);
         let phases = phases.map(|(number, phase)| {
-            let ticks = records
-                .iter()
-                .filter_map(|record| record.phase_ticks.get(number));
-            let ticks: Vec<f64> = ticks.map(|ticks| *ticks as f64).collect();
+            let times = (records.iter())
+                .filter_map(|record| phase_time(record, number))
+                .filter_map(completed_time);
             PhaseEstimate {
                 name: phase.name.clone(),
-                times: of_most(ticks),
+                times: of_most(times.collect()),
             }
         });
         CompletionEstimate {
@@ -105,6 +104,11 @@ impl CompletionEstimate {
             shares: shares(program, records),
         }
     }
+}
+
+/// The time of what was not stopped.
+fn completed_time(time: Observation) -> Option<f64> {
+    time.completed.then_some(time.time)
 }
 
 /// Who was waited for along the critical paths.

@@ -2,7 +2,7 @@
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, Tables};
 
-use crate::observe::{Look, ObservedEvent};
+use crate::observe::{ObservedEvent, StepObserver};
 use crate::run_error::RunError;
 use crate::watch::{Watch, resume, show, tell};
 use crate::world::World;
@@ -27,7 +27,7 @@ stochc_ir::state! {
     same: events
 }
 
-/// Steps a world until its largest group has the size that the tables say; `look` is shown every
+/// Steps a world until its largest group has the size that the tables say; `step_observer` is shown every
 /// tick, with the phases that begin there.
 ///
 /// Phase i takes from the end of the one before to the first tick with a group of i + 2 blocks, 0 ticks if
@@ -41,7 +41,7 @@ pub(crate) fn gather<W: World>(
     max_ticks: Option<u64>,
     run: u64,
     watch: &mut (impl Watch + ?Sized),
-    mut look: impl Look<W>,
+    mut step_observer: impl StepObserver<W>,
 ) -> Result<RunRecord, RunError> {
     let mut dockings = Vec::new();
     let mut growth = Growth {
@@ -50,14 +50,14 @@ pub(crate) fn gather<W: World>(
         largest: 1,
         events: vec![ObservedEvent::Phase(PhaseId(0))],
     };
-    let mut is_told = resume(watch, &mut [&mut growth, world, &mut look])?;
+    let mut is_told = resume(watch, &mut [&mut growth, world, &mut step_observer])?;
     let outcome = loop {
         let tick = world.tick();
         growth.take_in(world.largest_group(), tick, tables.phases.len());
         // Of a tick at which the state was kept it has been told before.
         let events = std::mem::take(&mut growth.events);
         if !std::mem::take(&mut is_told) {
-            look.look(world, events);
+            step_observer.observe(world, events);
         }
         let phase = PhaseId(growth.phase_ticks.len() as u32);
         let Some(running) = tables.phases.get(growth.phase_ticks.len()) else {
@@ -69,7 +69,7 @@ pub(crate) fn gather<W: World>(
         if let Some(by) = Limit::reached(is_late, tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        tell(watch, (tick, phase), &[&growth, world, &look])?;
+        tell(watch, (tick, phase), &[&growth, world, &step_observer])?;
         show(watch, (tick, phase), Vec::new, world);
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {

@@ -192,18 +192,18 @@ impl Log {
 }
 
 /// Is shown a run, tick by tick.
-pub(crate) trait Look<W>: State {
+pub(crate) trait StepObserver<W>: State {
     /// `log` is what the structure has done since the last time.
-    fn look(&mut self, world: &W, log: Vec<ObservedEvent>);
+    fn observe(&mut self, world: &W, log: Vec<ObservedEvent>);
 }
 
 /// Nobody looks on.
-impl<W> Look<W> for () {
-    fn look(&mut self, _world: &W, _log: Vec<ObservedEvent>) {}
+impl<W> StepObserver<W> for () {
+    fn observe(&mut self, _world: &W, _log: Vec<ObservedEvent>) {}
 }
 
 /// Shows an [`Observer`] a run, and keeps in mind who is in the reach of which face, and who is bonded to whom.
-pub(crate) struct Lookout<'o, O> {
+pub(crate) struct EventObservation<'o, O> {
     observer: &'o mut O,
     /// The block, the face's owner, the face, and the tick of the entry; sorted.
     inside: Vec<(u32, Body, Face, u64)>,
@@ -211,9 +211,9 @@ pub(crate) struct Lookout<'o, O> {
     bonds: Vec<FreeBond>,
 }
 
-impl<'o, O: Observer> Lookout<'o, O> {
-    pub fn new(observer: &'o mut O) -> Lookout<'o, O> {
-        Lookout {
+impl<'o, O: Observer> EventObservation<'o, O> {
+    pub fn new(observer: &'o mut O) -> EventObservation<'o, O> {
+        EventObservation {
             observer,
             inside: Vec::new(),
             bonds: Vec::new(),
@@ -221,7 +221,7 @@ impl<'o, O: Observer> Lookout<'o, O> {
     }
 }
 
-impl<O: Observer> State for Lookout<'_, O> {
+impl<O: Observer> State for EventObservation<'_, O> {
     fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
         to.put(&self.inside)?;
         to.put(&self.bonds)?;
@@ -235,8 +235,8 @@ impl<O: Observer> State for Lookout<'_, O> {
     }
 }
 
-impl<A: Arena, O: Observer> Look<A> for Lookout<'_, O> {
-    fn look(&mut self, arena: &A, log: Vec<ObservedEvent>) {
+impl<A: Arena, O: Observer> StepObserver<A> for EventObservation<'_, O> {
+    fn observe(&mut self, arena: &A, log: Vec<ObservedEvent>) {
         let mut inside: Vec<_> = (arena.in_reach().into_iter())
             .filter_map(|(site, body, entered)| {
                 let (of, face) = in_structure(arena, site)?;

@@ -5,7 +5,7 @@ use stochc_ir::table::Tables;
 
 use crate::aggregate::gather;
 use crate::control::Controller;
-use crate::observe::{Look, Lookout, Observer};
+use crate::observe::{EventObservation, Observer, StepObserver};
 use crate::run_error::RunError;
 use crate::settings::{Model, Settings};
 use crate::watch::{Watch, resume, show, tell};
@@ -83,17 +83,17 @@ pub fn observe(
     match settings.model {
         Model::Rapier => {
             let world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
-            look(tables, scene, world, settings, key, watch, observer)
+            observed(tables, scene, world, settings, key, watch, observer)
         }
         Model::Rigid => {
             let world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
-            look(tables, scene, world, settings, key, watch, observer)
+            observed(tables, scene, world, settings, key, watch, observer)
         }
         Model::Rate | Model::Shuffle => Err(RunError::Nowhere(settings.model)),
     }
 }
 
-fn look(
+fn observed(
     tables: &Tables,
     scene: &Scene,
     mut world: impl Arena,
@@ -102,14 +102,14 @@ fn look(
     watch: &mut (impl Watch + ?Sized),
     observer: &mut impl Observer,
 ) -> Result<RunRecord, RunError> {
-    let lookout = Lookout::new(observer);
+    let observation = EventObservation::new(observer);
     let limit = settings.max_ticks;
     if tables.aggregate.is_some() {
-        return gather(tables, &mut world, limit, run, watch, lookout);
+        return gather(tables, &mut world, limit, run, watch, observation);
     }
     let mut controller = Controller::new(tables, scene.messages.as_ref(), seed, run);
     controller.keep_log();
-    follow(controller, &mut world, limit, run, watch, lookout)
+    follow(controller, &mut world, limit, run, watch, observation)
 }
 
 /// Runs tables in a world of one's own, which has to be at its beginning.
@@ -137,19 +137,19 @@ pub fn drive(
     follow(controller, world, max_ticks, run, watch, ())
 }
 
-/// Drives a world by a controller to the end of the run; `look` is shown every tick.
+/// Drives a world by a controller to the end of the run; `step_observer` is shown every tick.
 fn follow<W: World>(
     mut controller: Controller<'_>,
     world: &mut W,
     max_ticks: Option<u64>,
     run: u64,
     watch: &mut (impl Watch + ?Sized),
-    mut look: impl Look<W>,
+    mut step_observer: impl StepObserver<W>,
 ) -> Result<RunRecord, RunError> {
     let mut dockings = Vec::new();
-    if !resume(watch, &mut [&mut controller, world, &mut look])? {
+    if !resume(watch, &mut [&mut controller, world, &mut step_observer])? {
         controller.start(world);
-        look.look(world, controller.take_log());
+        step_observer.observe(world, controller.take_log());
     }
     let outcome = loop {
         let Some(phase) = controller.phase() else {
@@ -163,7 +163,7 @@ fn follow<W: World>(
         if let Some(by) = Limit::reached(controller.timed_out(), tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        tell(watch, (tick, phase), &[&controller, world, &look])?;
+        tell(watch, (tick, phase), &[&controller, world, &step_observer])?;
         show(watch, (tick, phase), || controller.held(), world);
         // The next step makes one of these ticks.
         if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
@@ -175,7 +175,7 @@ fn follow<W: World>(
             break Outcome::Failed { phase, reason };
         }
         controller.advance(&dockings, world);
-        look.look(world, controller.take_log());
+        step_observer.observe(world, controller.take_log());
     };
     Ok(controller.into_record(run, outcome, world))
 }

@@ -9,9 +9,9 @@ use stochc_planner::{Objective, explanation};
 use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
-use super::measuring::RatesOption;
 use super::new_file::NewFile;
 use super::results::ResultsFormat;
+use super::run_options::RatesOption;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::plan::{

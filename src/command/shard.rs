@@ -7,8 +7,8 @@ use stochc_ensemble::text::visible;
 
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
-use super::measuring::WorkOptions;
 use super::memory::MemoryOption;
+use super::run_options::WorkOptions;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::shard::shard;

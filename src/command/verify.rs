@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use stochc_ensemble::text::visible;
-use stochc_ensemble::verify::{DAMAGED, FileHealth, Health, repair, verify};
+use stochc_ensemble::verify::{DAMAGED, FileIntegrity, Integrity, repair, verify};
 use stochc_ensemble::{Folder, FolderError};
 use stochc_files::shell::file as shell_file;
 
@@ -31,7 +31,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     options.memory.apply()?;
     let path = &options.folder;
     let health = verify(path).map_err(Failure::usage)?;
-    let is_damaged = |files: &[FileHealth]| files.iter().any(|file| file.health.is_damaged());
+    let is_damaged = |files: &[FileIntegrity]| files.iter().any(|file| file.health.is_damaged());
     print(&table(&health))?;
     if !is_damaged(&health) {
         return Ok(Exit::Success);
@@ -65,14 +65,16 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// A line for each file, and for all that is wrong with it.
-fn table(files: &[FileHealth]) -> String {
+fn table(files: &[FileIntegrity]) -> String {
     let mut text = String::new();
-    for FileHealth { name, health } in files {
+    for FileIntegrity { name, health } in files {
         let name = visible(name);
         match health {
-            Health::Sound => text += &format!("{name}: sound\n"),
-            Health::Unprotected => text += &format!("{name}: has no checksum, and can be read\n"),
-            Health::Damaged(reasons) => {
+            Integrity::Sound => text += &format!("{name}: sound\n"),
+            Integrity::Unprotected => {
+                text += &format!("{name}: has no checksum, and can be read\n")
+            }
+            Integrity::Damaged(reasons) => {
                 let lines = reasons.iter();
                 text.extend(lines.map(|reason| format!("{name}: damaged: {reason}\n")));
             }

@@ -1,6 +1,7 @@
 //! Findings drawn over the text.
 use stochc_compiler::diagnostic::{Edit, Renderer, Severity};
 use stochc_compiler::{Checked, FileId};
+use stochc_ir::counted;
 
 /// Findings that are drawn at most; the rest are counted.
 const MOST_DRAWN: usize = 50;
@@ -14,7 +15,7 @@ pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
     }
     let rest = checked.diagnostics.len().saturating_sub(MOST_DRAWN);
     if rest > 0 {
-        let diagnostics = count(rest, "more finding");
+        let diagnostics = counted(rest, "more finding");
         let file = stochc_ir::visible(&checked.sources.file(FileId(0)).name);
         out.push_str(&format!(
             "{diagnostics} in {file}; `--format short` shows all of them\n\n"
@@ -53,7 +54,7 @@ impl FindingCounts {
         let parts = [(self.errors, "error"), (self.warnings, "warning")];
         let told: Vec<String> = (parts.into_iter())
             .filter(|&(number, _)| number > 0)
-            .map(|(number, noun)| count(number, noun))
+            .map(|(number, noun)| counted(number, noun))
             .collect();
         let all = self.errors + self.warnings;
         let fixable = match self.fixable {
@@ -67,10 +68,4 @@ impl FindingCounts {
             false => format!("{}{fixable}\n", told.join(", ")),
         }
     }
-}
-
-/// `1 error`, `2 errors`.
-pub fn count(number: usize, noun: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {noun}{plural}")
 }

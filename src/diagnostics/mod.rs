@@ -6,7 +6,7 @@ mod short;
 
 use stochc_compiler::{Checked, SourceLocation, Sources};
 
-pub use graphical::{FindingCounts, count};
+pub use graphical::FindingCounts;
 pub use json::values;
 pub use sarif::SarifLog;
 

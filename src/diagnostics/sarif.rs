@@ -4,10 +4,10 @@
 //! of sections below are its.
 use std::path::Path;
 
-use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::{Map, Value, json};
 use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, Label, Severity};
 use stochc_compiler::{Allowed, Checked, SourceLocation, Sources};
+use stochc_files::address::address;
 
 use super::position;
 
@@ -161,7 +161,7 @@ impl SarifLog {
 
     /// 3.4
     fn artifact(&self, name: &str) -> Value {
-        json!({ "uri": address(name, self.folder.as_deref()) })
+        json!({ "uri": file_address(name, self.folder.as_deref()) })
     }
 }
 
@@ -201,14 +201,7 @@ fn level(severity: Severity) -> &'static str {
 }
 
 /// The address of a file: relative to `folder` if it is below it or its name is relative already.
-fn address(name: &str, folder: Option<&str>) -> String {
-    /// What stands in a path as it is (RFC 3986, 3.3); a colon could be taken for a scheme's.
-    const ESCAPED: &AsciiSet = &NON_ALPHANUMERIC
-        .remove(b'-')
-        .remove(b'.')
-        .remove(b'_')
-        .remove(b'~')
-        .remove(b'/');
+fn file_address(name: &str, folder: Option<&str>) -> String {
     let name = slashes(name);
     let path = folder
         .and_then(|folder| name.strip_prefix(folder))
@@ -224,11 +217,11 @@ fn address(name: &str, folder: Option<&str>) -> String {
         }
     }
     let path = parts.join("/");
-    let encoded = utf8_percent_encode(&path, ESCAPED);
+    let encoded = address(&path);
     match path.starts_with('/') {
         true => format!("file://{encoded}"),
         false if Path::new(&path).is_absolute() => format!("file:///{encoded}"),
-        false => encoded.to_string(),
+        false => encoded,
     }
 }
 
@@ -242,7 +235,7 @@ fn slashes(path: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::address;
+    use super::file_address;
 
     #[test]
     fn addresses_are_relative_and_escaped() {
@@ -258,7 +251,7 @@ mod tests {
             ("/home/a b/c.sa", "c.sa"),
             ("/home/a bc/d.sa", "file:///home/a%20bc/d.sa"),
         ] {
-            assert_eq!(address(name, folder), uri, "{name}");
+            assert_eq!(file_address(name, folder), uri, "{name}");
         }
     }
 }

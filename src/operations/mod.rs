@@ -6,6 +6,7 @@ pub mod codes;
 pub mod ensemble;
 pub mod estimate;
 pub mod export;
+pub mod fit;
 pub mod in_memory;
 pub mod memory;
 pub mod plan;

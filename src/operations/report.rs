@@ -3,11 +3,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use stochc_ensemble::{Manifest, recording};
+use stochc_files::address::address;
 use stochc_files::atomic::{self, Draft, Replaces, begins_with};
 use stochc_files::{budget, open, read_file};
 use stochc_ir::visible;
 use stochc_report::ensemble_report::{
-    CHAINS, Figures, Input, MARK, Report, ReportError, ReportLocation, address, report,
+    CHAINS, Figures, Input, MARK, Report, ReportError, ReportLocation, report,
 };
 
 use super::results::read as read_folder;

@@ -3,7 +3,8 @@ use std::path::Path;
 
 use stochc_compiler::cost::estimate;
 use stochc_ensemble::trade::{
-    EstimatedSamples, MEMORY, MeasurementProgress, Memory, Setup, Trade, measure,
+    EstimatedSamples, MEASUREMENT_JOURNAL, MeasurementJournal, MeasurementProgress, Setup, Trade,
+    measure,
 };
 use stochc_ensemble::{EnsembleProgram, FolderError, JournalError};
 use stochc_files::atomic::{self, Replaces};
@@ -64,10 +65,10 @@ pub fn memory(
     resume: bool,
     programs: &[EnsembleProgram],
     seed: u64,
-) -> Result<Option<Memory>, Failure> {
+) -> Result<Option<MeasurementJournal>, Failure> {
     let Some(out) = out else { return Ok(None) };
     claim(out, resume).map_err(Failure::usage)?;
-    let memory = Memory::open(out, programs, seed);
+    let memory = MeasurementJournal::open(out, programs, seed);
     memory.map(Some).map_err(|error| cannot_go_on(out, &error))
 }
 
@@ -75,7 +76,12 @@ pub fn memory(
 ///
 /// # Errors
 /// Those of the file system.
-pub fn keep(out: &Path, memory: Memory, trade: &Trade, figures: &Figures) -> Result<(), Failure> {
+pub fn keep(
+    out: &Path,
+    memory: MeasurementJournal,
+    trade: &Trade,
+    figures: &Figures,
+) -> Result<(), Failure> {
     let cannot = |error: &dyn std::fmt::Display| {
         Failure::usage(format!("cannot write to `{}`: {error}", out.display()))
     };
@@ -107,7 +113,7 @@ pub fn claim(out: &Path, resume: bool) -> Result<(), String> {
         ));
     }
     atomic::make_folder(out).map_err(io)?;
-    let is_ours = out.join(MEMORY).is_file();
+    let is_ours = out.join(MEASUREMENT_JOURNAL).is_file();
     let mut entries = std::fs::read_dir(out).map_err(io)?;
     match entries.next() {
         None => Ok(()),

@@ -105,7 +105,7 @@ fn a_damaged_checkpoint_is_moved_aside_and_its_run_begins_anew() {
             stopped(folder.path(), &manifest);
             put(&checkpoint(folder.path()), damaged);
             let health = verify(folder.path()).unwrap();
-            let is_told = |file: &stochc::ensemble::verify::FileHealth| {
+            let is_told = |file: &stochc::ensemble::verify::FileIntegrity| {
                 file.name.ends_with(".state") && file.health.is_damaged()
             };
             assert!(health.iter().any(is_told), "{at}");

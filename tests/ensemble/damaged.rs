@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use stochc::ensemble::Folder;
-use stochc::ensemble::verify::{Health, repair, verify};
+use stochc::ensemble::verify::{Integrity, repair, verify};
 
 use crate::world::{bytes, complete, manifest, put};
 
@@ -158,7 +158,11 @@ fn an_older_folder_is_read_and_goes_on() {
     let contents = Folder::read(folder.path()).unwrap();
     assert_eq!((contents.finished.len(), contents.damage.len()), (8, 0));
     let health = verify(folder.path()).unwrap();
-    assert!(health.iter().all(|file| file.health == Health::Unprotected));
+    assert!(
+        health
+            .iter()
+            .all(|file| file.health == Integrity::Unprotected)
+    );
     complete(folder.path(), &manifest(5), 1);
     let contents = Folder::read(folder.path()).unwrap();
     assert_eq!((contents.finished.len(), contents.damage.len()), (10, 0));

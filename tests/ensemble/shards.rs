@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use stochc::ensemble::shards::{
     MOST_SHARDS, Piece, PieceState, Prepared, ShardError, merge, prepare, status,
 };
-use stochc::ensemble::verify::{Health, repair, verify};
+use stochc::ensemble::verify::{Integrity, repair, verify};
 use stochc::ensemble::{Destination, Folder, FolderError, Manifest, this_build};
 use stochc_files::checksum::sealed;
 use stochc_ir::record::RunRecord;
@@ -448,7 +448,7 @@ fn damaged_pieces_are_found_and_made_again() {
         verify(path)
             .unwrap()
             .iter()
-            .all(|file| file.health == Health::Sound)
+            .all(|file| file.health == Integrity::Sound)
     );
     let piece = path.join("shards/1.jsonl");
     let sound = fs::read(&piece).unwrap();
@@ -505,7 +505,7 @@ fn damaged_pieces_are_found_and_made_again() {
         verify(path)
             .unwrap()
             .iter()
-            .all(|file| file.health == Health::Sound)
+            .all(|file| file.health == Integrity::Sound)
     );
     assert!(make(path, 1, 1));
     fs::remove_dir_all(path.join("damaged")).unwrap();

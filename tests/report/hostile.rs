@@ -1,9 +1,9 @@
 //! Names that would be more than names.
 use std::sync::Arc;
 
+use stochc::files::address::address;
 use stochc::ir::record::{Limit, Outcome};
 use stochc::ir::table::{PhaseId, RoleId};
-use stochc::report::ensemble_report::address;
 
 use crate::sample::{five, parsed, report_of};
 

@@ -1,7 +1,7 @@
 //! How long each capture waits, by the rates of a scene.
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
-use stochc_ir::{Cell, Face};
+use stochc_ir::{Cell, Face, offsets_within};
 use stochc_rates::{HeadStart, Neighbourhood, Rates, Surroundings, Wait};
 
 use super::occupancy::Occupancy;
@@ -86,16 +86,7 @@ fn releases(events: &[PhaseEvent]) -> Released {
 
 /// The cells of the cube around one that reaches so far to each side, itself included.
 pub(super) fn within(cell: Cell, reach: i32) -> impl Iterator<Item = Cell> {
-    let along = move || -reach..=reach;
-    let offsets =
-        along().flat_map(move |x| along().flat_map(move |y| along().map(move |z| [x, y, z])));
-    offsets.map(move |[x, y, z]| {
-        Cell::new(
-            cell.x.saturating_add(x),
-            cell.y.saturating_add(y),
-            cell.z.saturating_add(z),
-        )
-    })
+    offsets_within(reach).filter_map(move |offset| cell.offset(offset))
 }
 
 /// How far a released block may be to have a head start \[side\].

@@ -3,7 +3,7 @@ use stochc_grammar::{
     MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError, SyntaxErrorKind as K,
 };
 
-use super::syntax_hints::SyntaxHint;
+use super::syntax_hints::{SyntaxHint, spelt};
 use super::{Code, Diagnostic, Edit, Fix};
 use crate::{FileId, SourceLocation, Span};
 
@@ -128,13 +128,13 @@ impl Diagnostic {
     }
 }
 
-fn unexpected(slip: &SyntaxHint<'_>) -> Diagnostic {
+fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
     let &SyntaxHint {
         location,
         found,
         expected,
         ..
-    } = slip;
+    } = hint;
     if found.starts_with('\u{feff}') {
         let start = location.span.start;
         let mark = SourceLocation {
@@ -146,7 +146,7 @@ fn unexpected(slip: &SyntaxHint<'_>) -> Diagnostic {
             .help("save the file as UTF-8 without a byte-order mark")
             .fix(Fix::remove(mark, "remove the mark"));
     }
-    if let Some((word, title, help)) = slip.foreign() {
+    if let Some((word, title, help)) = hint.foreign() {
         return Diagnostic::new(Code::Syntax, title)
             .label(word, "not part of the language")
             .help(help);
@@ -166,7 +166,7 @@ fn unexpected(slip: &SyntaxHint<'_>) -> Diagnostic {
         "here"
     };
     let mut diagnostic = Diagnostic::new(Code::Syntax, title).label(location, label);
-    (diagnostic.help, diagnostic.fix) = slip.advice();
+    (diagnostic.help, diagnostic.fix) = hint.advice();
     diagnostic
 }
 
@@ -226,18 +226,6 @@ fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix>
         K::Unopened | K::ClosedEarly { .. } => Fix::remove(location, "remove it").unsafe_if(true),
         _ => return None,
     })
-}
-
-/// Spells out what would not be seen, such as a character without width.
-pub(super) fn spelt(word: &str) -> String {
-    let mut text = String::new();
-    for c in word.chars() {
-        match c {
-            '\'' | '"' | '\\' => text.push(c),
-            _ => text.extend(c.escape_debug()),
-        }
-    }
-    text
 }
 
 /// `a`, `a or b`, `a, b or c`.

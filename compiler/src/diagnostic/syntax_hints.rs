@@ -88,7 +88,7 @@ impl SyntaxHint<'_> {
         let fix = self.fix();
         let behind = self.behind;
         if self.expects("`->`") && !behind.is_empty() && !FIRST.contains(&behind) && fix.is_none() {
-            let behind = super::syntax::spelt(behind);
+            let behind = spelt(behind);
             let help = format!(
                 "`{behind}` alone is no statement: is a comma or a brace missing before it?"
             );
@@ -293,4 +293,16 @@ impl SyntaxHint<'_> {
             span: Span::new(start as u32, end as u32),
         }
     }
+}
+
+/// Spells out what would not be seen, such as a character without width.
+pub(super) fn spelt(word: &str) -> String {
+    let mut text = String::new();
+    for c in word.chars() {
+        match c {
+            '\'' | '"' | '\\' => text.push(c),
+            _ => text.extend(c.escape_debug()),
+        }
+    }
+    text
 }

@@ -7,7 +7,7 @@ use stochc_grammar::Symbols;
 use stochc_ir::emit::Text;
 use stochc_ir::structure::{BuiltBlock, BuiltPhase, BuiltStructure};
 use stochc_ir::table::RoleId;
-use stochc_ir::{Cell, Json};
+use stochc_ir::{Cell, Json, counted};
 
 use crate::layout::Layout;
 use crate::plan::{EventKind, ProgramPlan};
@@ -79,9 +79,8 @@ fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) ->
         let ((west, east), (south, north)) = (bounds(|cell| cell.x), bounds(|cell| cell.y));
         let (low, high) = bounds(|cell| cell.z);
         let layers = low.max(1)..=high;
-        let count = blocks.len();
-        let plural = if count == 1 { "" } else { "s" };
-        writeln!(out, "// after phase {}: {count} block{plural}", phase.name)?;
+        let count = counted(blocks.len(), "block");
+        writeln!(out, "// after phase {}: {count}", phase.name)?;
         let edges = [
             (west, east),
             (south, north),

@@ -2,6 +2,7 @@
 use stochc_grammar::tree::{Arrow, Chain, EventReference, For, Instance, Place, Release};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::Face;
+use stochc_ir::counted;
 use stochc_ir::suggest::nearest;
 use stochc_ir::table::RoleId;
 
@@ -236,9 +237,9 @@ impl<'a> Expander<'a, '_> {
                 Diagnostic::new(
                     Code::WrongArguments,
                     format!(
-                        "`{}` takes {needed} argument{}, not {given}",
+                        "`{}` takes {}, not {given}",
                         self.symbols.word(name),
-                        if needed == 1 { "" } else { "s" }
+                        counted(needed, "argument")
                     ),
                 )
                 .label(self.location(span), format!("gives {given}"))

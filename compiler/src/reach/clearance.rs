@@ -9,7 +9,8 @@ use stochc_ir::Face;
 use stochc_rates::{beside_gap, gap_entrances};
 
 use super::descendants::{DescendantIndex, Descendants};
-use super::path_search::{PathSearch, SearchOutcome, offset};
+use super::moving_cube::MovingCube;
+use super::path_search::SearchOutcome;
 use super::{Cell, EventId, ReachAnalysis, before};
 use crate::graph::LocatedDependency;
 use crate::plan::EventKind;
@@ -40,7 +41,7 @@ const FARTHEST: usize = 20_000;
 
 impl ReachAnalysis<'_> {
     /// The captures of a phase that come in through a gap, in their worst case.
-    pub fn narrow(&mut self, events: &[EventId], descent: &DescendantIndex) -> NarrowCaptures {
+    pub fn narrow(&mut self, events: &[EventId], descendants: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         // Whether nothing but what waits for it can stand above the cell of an event.
         let mut is_clear_above = vec![false; events.len()];
@@ -60,11 +61,11 @@ impl ReachAnalysis<'_> {
             if is_clear_above[i] && self.has_open_corner(cell) {
                 continue;
             }
-            if self.is_handed_over(id, descent) {
+            if self.is_handed_over(id, descendants) {
                 continue;
             }
             self.occupancy.sort();
-            let Some(following) = descent.within(id, &mut self.warning) else {
+            let Some(following) = descendants.within(id, &mut self.warning) else {
                 break;
             };
             if let Some(open) = self.tightness(cell, self.way(id), &following) {
@@ -78,7 +79,7 @@ impl ReachAnalysis<'_> {
             .map(|(open, capture)| NarrowCapture {
                 capture,
                 open,
-                length: self.gap_length(capture, descent),
+                length: self.gap_length(capture, descendants),
             })
             .collect();
         NarrowCaptures { count, worst }
@@ -86,7 +87,7 @@ impl ReachAnalysis<'_> {
 
     /// Whether a capture takes the block that sits in its cell from another one: that is let go in the same phase, and by then nothing
     /// else is waited for. It stays where it is, and needs no way in.
-    fn is_handed_over(&mut self, id: EventId, descent: &DescendantIndex) -> bool {
+    fn is_handed_over(&mut self, id: EventId, descendants: &DescendantIndex) -> bool {
         let graph = self.subject.graph;
         let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
         let Some(vacated) = edges.find(|edge| *edge.weight() == LocatedDependency::Vacated) else {
@@ -95,7 +96,7 @@ impl ReachAnalysis<'_> {
         let release = graph[vacated.source()];
         let mut others = before(graph, id).filter(|&first| first != release);
         others.all(|first| {
-            let following = descent.within(first, &mut self.warning);
+            let following = descendants.within(first, &mut self.warning);
             following.is_some_and(|following| following.contains(release))
         })
     }
@@ -112,7 +113,7 @@ impl ReachAnalysis<'_> {
     /// Whether the columns of one side, the next side and the corner between are clear.
     fn has_open_corner(&self, cell: Cell) -> bool {
         let is_clear = |dx: i32, dy: i32| {
-            offset(cell, dx, dy, 0)
+            cell.offset([dx, dy, 0])
                 .is_none_or(|cell| self.occupancy.is_clear(cell.x, cell.y, cell.z))
         };
         let corners = [(1, 1), (1, -1), (-1, 1), (-1, -1)];
@@ -135,7 +136,7 @@ impl ReachAnalysis<'_> {
         following: &Descendants<'_>,
     ) -> Option<u32> {
         let has = |other: EventId| !following.contains(other);
-        let search = PathSearch {
+        let search = MovingCube {
             occupancy: &self.occupancy,
             has: &has,
             size: 2,
@@ -151,7 +152,7 @@ impl ReachAnalysis<'_> {
                     .collect(),
             };
             let free = lows.into_iter().filter(|&low| !search.is_blocked(low));
-            match search.run(
+            match search.find_path(
                 free,
                 &|_| false,
                 &mut self.known_paths[1],
@@ -168,11 +169,11 @@ impl ReachAnalysis<'_> {
     }
 
     /// How many narrow cells the best way in has.
-    fn gap_length(&mut self, id: EventId, descent: &DescendantIndex) -> Option<u32> {
+    fn gap_length(&mut self, id: EventId, descendants: &DescendantIndex) -> Option<u32> {
         let start = self.cell(id)?;
-        let following = descent.of(id, &mut self.warning.steps);
+        let following = descendants.of(id, &mut self.warning.steps);
         let has = |other: EventId| !following.contains(other);
-        let wide = PathSearch {
+        let wide = MovingCube {
             occupancy: &self.occupancy,
             has: &has,
             size: 2,
@@ -187,7 +188,7 @@ impl ReachAnalysis<'_> {
             if let Some(low) = free
                 && !closed.contains(&low)
             {
-                match wide.run(
+                match wide.find_path(
                     [low],
                     &|_| false,
                     &mut self.known_paths[1],
@@ -229,7 +230,7 @@ impl ReachAnalysis<'_> {
 /// The cubes of two that contain a cell, by their low corners, above the ground.
 fn boxes(cell: Cell) -> impl Iterator<Item = Cell> {
     (0..8).filter_map(move |i| {
-        let low = offset(cell, -(i & 1), -(i >> 1 & 1), -(i >> 2 & 1))?;
+        let low = cell.offset([0, 1, 2].map(|axis| -(i >> axis & 1)))?;
         (low.z >= 1).then_some(low)
     })
 }

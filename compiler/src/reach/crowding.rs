@@ -20,10 +20,10 @@ impl ReachAnalysis<'_> {
         &mut self,
         number: usize,
         events: &[EventId],
-        descent: &DescendantIndex,
+        descendants: &DescendantIndex,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
-        let crowded = self.crowded(events, descent);
+        let crowded = self.crowded(events, descendants);
         let Some(first) = crowded.first() else { return };
         let plan = self.subject.plan;
         let name = |id: EventId| plan.roles.name(plan.event(id).role, self.subject.symbols);
@@ -48,7 +48,7 @@ impl ReachAnalysis<'_> {
     }
 
     /// The captures of a phase that are in such a square, in the order of the source.
-    fn crowded(&mut self, events: &[EventId], descent: &DescendantIndex) -> Vec<EventId> {
+    fn crowded(&mut self, events: &[EventId], descendants: &DescendantIndex) -> Vec<EventId> {
         let captures = events.iter().filter(|&&id| self.is_capture(id));
         let at: FxHashMap<Cell, EventId> = captures
             .filter_map(|&id| Some((self.cell(id)?, id)))
@@ -69,7 +69,7 @@ impl ReachAnalysis<'_> {
                     let three: Vec<EventId> = three
                         .filter_map(|(i, id)| id.filter(|_| i != left_out))
                         .collect();
-                    if three.len() == 3 && self.are_together(&three, descent) {
+                    if three.len() == 3 && self.are_together(&three, descendants) {
                         crowded.extend(three);
                     }
                 }
@@ -81,7 +81,7 @@ impl ReachAnalysis<'_> {
     }
 
     /// Whether none of these events has to wait for another.
-    fn are_together(&mut self, events: &[EventId], descent: &DescendantIndex) -> bool {
+    fn are_together(&mut self, events: &[EventId], descendants: &DescendantIndex) -> bool {
         let node = |id: &EventId| NodeIndex::new(id.0 as usize);
         let waits = |id: &EventId, other: &EventId| {
             let graph = self.subject.certain;
@@ -93,7 +93,7 @@ impl ReachAnalysis<'_> {
             return false;
         }
         events.iter().all(|&id| {
-            let following = descent.within(id, &mut self.warning);
+            let following = descendants.within(id, &mut self.warning);
             following.is_some_and(|following| {
                 events
                     .iter()
@@ -106,22 +106,12 @@ impl ReachAnalysis<'_> {
 /// The squares of four cells, in each plane, of which at least three are captured in and this cell is the lowest that may be: each
 /// square is found from one cell.
 fn squares(cell: Cell, at: &FxHashMap<Cell, EventId>) -> Vec<[Option<EventId>; 4]> {
-    let found = |x: i32, y: i32, z: i32| {
-        let there = Cell::new(
-            cell.x.checked_add(x)?,
-            cell.y.checked_add(y)?,
-            cell.z.checked_add(z)?,
-        );
-        at.get(&there).copied()
-    };
+    let found = |offset| at.get(&cell.offset(offset)?).copied();
     let axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
     let mut squares = Vec::new();
     for (u, v) in [(0, 1), (0, 2), (1, 2)] {
         let (u, v): ([i32; 3], [i32; 3]) = (axes[u], axes[v]);
-        let place = |i: i32, j: i32| {
-            let [x, y, z] = [0, 1, 2].map(|k| i * u[k] + j * v[k]);
-            found(x, y, z)
-        };
+        let place = |i: i32, j: i32| found([0, 1, 2].map(|k| i * u[k] + j * v[k]));
         // Its lowest cell is this one; or it is empty, and this one is beside it.
         squares.push([place(0, 0), place(1, 0), place(0, 1), place(1, 1)]);
         if place(-1, 0).is_none() {

@@ -25,7 +25,7 @@ pub struct DescendantIndex {
 
 /// An event and all that can only happen after it.
 pub struct Descendants<'a> {
-    descent: &'a DescendantIndex,
+    descendants: &'a DescendantIndex,
     /// Intervals of the preorder, sorted and disjoint.
     intervals: Vec<(u32, u32)>,
 }
@@ -101,7 +101,7 @@ impl DescendantIndex {
         let mut intervals = vec![self.interval(id)];
         self.add_cross(&mut intervals, steps, u64::MAX);
         Descendants {
-            descent: self,
+            descendants: self,
             intervals,
         }
     }
@@ -111,7 +111,7 @@ impl DescendantIndex {
         let mut intervals = vec![self.interval(id)];
         self.add_cross(&mut intervals, &mut effort.steps, effort.budget);
         (!effort.is_spent()).then_some(Descendants {
-            descent: self,
+            descendants: self,
             intervals,
         })
     }
@@ -152,10 +152,10 @@ impl DescendantIndex {
 impl Descendants<'_> {
     /// Whether an event of any phase is one of them.
     pub fn contains(&self, id: EventId) -> bool {
-        if !self.descent.has(id) {
+        if !self.descendants.has(id) {
             return false;
         }
-        let place = self.descent.interval(id).0;
+        let place = self.descendants.interval(id).0;
         let at = self.intervals.partition_point(|&(from, _)| from <= place);
         at > 0 && place < self.intervals[at - 1].1
     }

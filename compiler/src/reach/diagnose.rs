@@ -1,18 +1,15 @@
 //! What is said of captures that cannot, or hardly, be reached.
-use std::borrow::Cow;
 
-use rustc_hash::FxHashSet;
 use stochc_ir::Face;
 
+use super::closable_phase::ClosablePhase;
 use super::descendants::DescendantIndex;
 use super::occupancy::Has;
 use super::path_search::SearchOutcome;
-use super::reachable::Dismantled;
 use super::sealed::BlockedCapture;
 use super::trial::Proposal;
 use super::{Cell, EventId, ReachAnalysis, all_before, before, picture};
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
-use crate::graph::DependencyGraph;
 
 /// Blocks of a wall that are labelled.
 const MOST_WALLS: usize = 6;
@@ -43,46 +40,25 @@ enum UnreachableCause {
     Together,
 }
 
-/// A phase in which something can be closed in.
-pub struct Case<'a> {
-    /// Its events, each behind all it waits for.
-    events: &'a [EventId],
-    /// Which follow from which.
-    pub descent: &'a DescendantIndex,
-    /// What no order reaches.
-    pub never: FxHashSet<EventId>,
-    /// What waits for what, with every choice made, if it can be by what some order reaches.
-    straight: Cow<'a, DependencyGraph>,
-    /// The rest, taken apart; `None`: there are releases in it, or it was given up.
-    pub apart: Option<Dismantled>,
-}
-
-impl Case<'_> {
-    /// Whether one order reaches everything but what no order does.
-    pub fn is_whole(&self) -> bool {
-        self.apart.as_ref().is_some_and(|apart| apart.is_whole)
-    }
-}
-
 impl ReachAnalysis<'_> {
     /// Reports stuck captures.
     pub fn report_sealed(
         &mut self,
         events: &[EventId],
-        descent: &DescendantIndex,
+        descendants: &DescendantIndex,
         blocked: &[BlockedCapture],
         diagnostics: &mut Vec<Diagnostic>,
     ) {
-        let never = self.never(events, descent);
+        let never = self.never(events, descendants);
         let straight = self.straight(|id| never.contains(&id));
         let has_releases = events.iter().any(|&id| !self.is_capture(id));
         let apart = match has_releases {
             true => None,
-            false => self.dismantle(&straight, events, descent, &|id| !never.contains(&id)),
+            false => self.dismantle(&straight, events, descendants, &|id| !never.contains(&id)),
         };
-        let case = Case {
+        let phase = ClosablePhase {
             events,
-            descent,
+            descendants,
             never,
             straight,
             apart,
@@ -96,7 +72,7 @@ impl ReachAnalysis<'_> {
             if told == most {
                 break;
             }
-            if let Some(diagnostic) = self.sealed(&case, blocked.capture) {
+            if let Some(diagnostic) = self.sealed(&phase, blocked.capture) {
                 match self.subject.trial {
                     Some(_) => report(diagnostics, diagnostic),
                     // Each by itself, so that it is seen which of them a remedy helps.
@@ -114,28 +90,28 @@ impl ReachAnalysis<'_> {
     }
 
     /// What is said of a stuck capture; `None`: only blocks that never come close it in.
-    fn sealed(&mut self, case: &Case, id: EventId) -> Option<Diagnostic> {
+    fn sealed(&mut self, phase: &ClosablePhase, id: EventId) -> Option<Diagnostic> {
         let Self { subject, .. } = *self;
         let plan = subject.plan;
         let event = plan.event(id);
         let cell = self.cell(id)?;
         let name = plan.roles.name(event.role, subject.symbols);
         let own = all_before(subject.certain, [id]);
-        let following = case.descent.of(id, &mut self.remedies.steps);
-        let is_never = case.never.contains(&id);
+        let following = phase.descendants.of(id, &mut self.remedies.steps);
+        let is_never = phase.never.contains(&id);
         // What of the phase is there when its turn has come: at best, where that is too much already.
         let has = |other: EventId| match is_never {
-            _ if !case.descent.has(other) => true,
+            _ if !phase.descendants.has(other) => true,
             true => other != id && own.contains(&other),
-            false => !following.contains(other) && !case.never.contains(&other),
+            false => !following.contains(other) && !phase.never.contains(&other),
         };
         let pocket = match self.way_out(id, &has) {
             SearchOutcome::Sealed(pocket) => pocket,
             SearchOutcome::Out if !is_never => return None,
             _ => Vec::new(),
         };
-        let walls = self.walls(&pocket, case, &has);
-        let outcome = self.outcome(case, id, &walls);
+        let walls = self.walls(&pocket, phase, &has);
+        let outcome = self.outcome(phase, id, &walls);
         let title = match outcome {
             SealedOutcome::Never(_) => format!("no block can ever come to `{name}`"),
             SealedOutcome::Walled(_) => format!("`{name}` can be walled in before its block comes"),
@@ -176,7 +152,7 @@ impl ReachAnalysis<'_> {
             ),
             SealedOutcome::Never(UnreachableCause::Walls) => {
                 let needed = all_before(subject.certain, walls.iter().copied());
-                let order = case.events.iter().filter(|id| needed.contains(id));
+                let order = phase.events.iter().filter(|id| needed.contains(id));
                 let order = self.describe_order(order.copied());
                 help.push_str(&format!("it waits for its walls: {order}\nleave an opening\n"));
             }
@@ -192,7 +168,7 @@ impl ReachAnalysis<'_> {
             diagnostic = diagnostic.label(wall.location, format!("`{name}` is part of the wall"));
         }
         if !is_never {
-            let (text, fix) = self.remedy(case, id, &walls, &diagnostic.title);
+            let (text, fix) = self.remedy(phase, id, &walls, &diagnostic.title);
             help.push_str(&text);
             diagnostic.remedy = Some(text.trim_end().to_owned());
             diagnostic.fix = fix;
@@ -205,20 +181,20 @@ impl ReachAnalysis<'_> {
     /// What helps, in words and as a change of the text.
     fn remedy(
         &mut self,
-        case: &Case,
+        phase: &ClosablePhase,
         id: EventId,
         walls: &[EventId],
         title: &str,
     ) -> (String, Option<Fix>) {
-        let later = match &case.apart {
-            Some(apart) => self.later(case, apart, id, &[]),
+        let later = match &phase.apart {
+            Some(apart) => self.later(phase, apart, id, &[]),
             None => None,
         };
         let lists = match &later {
             Some(later) => vec![later.clone()],
             None => walls.iter().map(|&wall| vec![wall]).collect(),
         };
-        if let Some(Proposal { waits, fix }) = self.proposal(case, id, lists, title) {
+        if let Some(Proposal { waits, fix }) = self.proposal(phase, id, lists, title) {
             let (statements, names): (Vec<_>, Vec<_>) = waits.into_iter().unzip();
             let text = if names.iter().all(|name| *name == names[0]) {
                 format!(
@@ -238,7 +214,7 @@ impl ReachAnalysis<'_> {
         let Self { subject, .. } = *self;
         let text = match later {
             // It agrees with an order of the phase, and leaves the way open.
-            Some(later) if case.is_whole() => {
+            Some(later) if phase.is_whole() => {
                 let name = subject.plan.roles.name(subject.plan.event(id).role, subject.symbols);
                 let waits: Vec<String> = (later.iter())
                     .map(|&other| {
@@ -256,7 +232,7 @@ impl ReachAnalysis<'_> {
                 };
                 format!("write {} {its_own}{naming}\n", listed(&waits))
             }
-            _ if !self.has_choice() && case.apart.as_ref().is_some_and(|apart| !apart.is_whole) => {
+            _ if !self.has_choice() && phase.apart.as_ref().is_some_and(|apart| !apart.is_whole) => {
                 "no order of the phase reaches all of its cells, so no `after` helps: leave an opening\n"
                     .to_owned()
             }
@@ -266,14 +242,14 @@ impl ReachAnalysis<'_> {
     }
 
     /// What becomes of a capture that its walls can close in.
-    fn outcome(&mut self, case: &Case, id: EventId, walls: &[EventId]) -> SealedOutcome {
-        let Case {
+    fn outcome(&mut self, phase: &ClosablePhase, id: EventId, walls: &[EventId]) -> SealedOutcome {
+        let ClosablePhase {
             events,
-            descent,
+            descendants,
             never,
             straight,
             ..
-        } = case;
+        } = phase;
         if never.contains(&id) {
             let unreached = |id: EventId| before(straight, id).find(|first| never.contains(first));
             let first = std::iter::successors(unreached(id), |&first| unreached(first)).last();
@@ -281,12 +257,12 @@ impl ReachAnalysis<'_> {
                 first.map_or(UnreachableCause::Walls, UnreachableCause::Waits),
             );
         }
-        let Some(apart) = &case.apart else {
+        let Some(apart) = &phase.apart else {
             return SealedOutcome::Doubtful;
         };
         if !apart.has_gone(id) {
             let own = all_before(straight, [id]);
-            match self.dismantle(straight, events, descent, &|other| own.contains(&other)) {
+            match self.dismantle(straight, events, descendants, &|other| own.contains(&other)) {
                 Some(own) if own.is_whole => {}
                 Some(_) if !self.has_choice() => {
                     return SealedOutcome::Never(UnreachableCause::Together);
@@ -302,7 +278,9 @@ impl ReachAnalysis<'_> {
         }
         let built = match apart.is_whole && !self.has_choice() {
             true => None,
-            false => self.dismantle(&straight, events, descent, &|other| needed.contains(&other)),
+            false => self.dismantle(&straight, events, descendants, &|other| {
+                needed.contains(&other)
+            }),
         };
         let built = built.as_ref().unwrap_or(apart);
         if walls.is_empty() || !needed.iter().all(|&other| built.has_gone(other)) {
@@ -314,11 +292,11 @@ impl ReachAnalysis<'_> {
     }
 
     /// The captures of the phase that close a pocket, in source order.
-    fn walls(&self, pocket: &[Cell], case: &Case, has: Has) -> Vec<EventId> {
+    fn walls(&self, pocket: &[Cell], phase: &ClosablePhase, has: Has) -> Vec<EventId> {
         let mut walls: Vec<EventId> = (pocket.iter())
             .flat_map(|cell| Face::ALL.into_iter().filter_map(|face| cell.across(face)))
             .filter_map(|cell| self.occupancy.at(cell))
-            .filter(|&by| case.descent.has(by) && has(by))
+            .filter(|&by| phase.descendants.has(by) && has(by))
             .collect();
         walls.sort_unstable();
         walls.dedup();
@@ -352,10 +330,10 @@ impl ReachAnalysis<'_> {
         &mut self,
         number: usize,
         events: &[EventId],
-        descent: &DescendantIndex,
+        descendants: &DescendantIndex,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
-        let narrow = self.narrow(events, descent);
+        let narrow = self.narrow(events, descendants);
         let Some(first) = narrow.worst.first() else {
             return;
         };

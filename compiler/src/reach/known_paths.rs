@@ -5,7 +5,7 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
-use super::path_search::PathSearch;
+use super::moving_cube::MovingCube;
 
 /// Places from which a cube of one size gets out, whatever the captures of the phase at hand do.
 #[derive(Default)]
@@ -22,7 +22,7 @@ impl KnownPaths {
     }
 
     /// Whether a known way leads out from a place; what is blocked by now is forgotten.
-    pub fn leads_out(&mut self, at: Cell, search: &PathSearch, steps: &mut u64) -> bool {
+    pub fn leads_out(&mut self, at: Cell, search: &MovingCube, steps: &mut u64) -> bool {
         let mut walked = Vec::new();
         let mut here = at;
         let is_out = loop {
@@ -59,14 +59,14 @@ impl KnownPaths {
     }
 
     /// A place that sees the sky.
-    pub fn end(&mut self, at: Cell, search: &PathSearch) {
+    pub fn end(&mut self, at: Cell, search: &MovingCube) {
         if is_passable(at, at, search) {
             self.next.insert(at, (at, self.phase));
         }
     }
 
     /// Keeps the part of a way that leads on to `at`, from where a way out is known.
-    pub fn keep(&mut self, at: Cell, found: &FxHashMap<Cell, Cell>, search: &PathSearch) {
+    pub fn keep(&mut self, at: Cell, found: &FxHashMap<Cell, Cell>, search: &MovingCube) {
         let mut here = at;
         while self.next.contains_key(&here)
             && let Some(&before) = found.get(&here)
@@ -81,8 +81,8 @@ impl KnownPaths {
 
 /// Whether a cube gets from one place to the next, or to the sky from the last, when all captures of
 /// the phase have happened.
-fn is_passable(here: Cell, next: Cell, search: &PathSearch) -> bool {
-    let search = PathSearch {
+fn is_passable(here: Cell, next: Cell, search: &MovingCube) -> bool {
+    let search = MovingCube {
         has: &|_| true,
         ..*search
     };

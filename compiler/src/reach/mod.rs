@@ -32,11 +32,13 @@
 //! mostly if it or a neighbouring cell sees the sky. Only the rest is searched for, along the walls
 //! (`path_search.rs`). The work is bounded; what was not decided within the bound is told.
 mod clearance;
+mod closable_phase;
 mod crowding;
 mod descendants;
 mod diagnose;
 mod edit;
 mod known_paths;
+mod moving_cube;
 mod occupancy;
 mod path_search;
 mod picture;
@@ -65,7 +67,7 @@ use crate::layout::Layout;
 use crate::liveness::Liveness;
 use crate::order::Order;
 use crate::plan::{EventId, EventKind, ProgramPlan};
-use crate::{FileId, Sources, turns};
+use crate::{FileId, Sources, face_turns};
 pub use trial::Trial;
 
 /// Cells that may be searched for every event, besides those that the limits say.
@@ -147,8 +149,8 @@ pub fn check(
     for (number, events) in events.iter().enumerate() {
         cancellation.check()?;
         let first = plan.phases[number].events.start;
-        let descent = DescendantIndex::new(subject.certain, first, events);
-        survey.phase(number, events, &descent, diagnostics);
+        let descendants = DescendantIndex::new(subject.certain, first, events);
+        survey.phase(number, events, &descendants, diagnostics);
     }
     // A search that nobody waits for has been given up.
     cancellation.check()
@@ -205,7 +207,7 @@ impl ReachAnalysis<'_> {
         &mut self,
         number: usize,
         events: &[EventId],
-        descent: &DescendantIndex,
+        descendants: &DescendantIndex,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
         for &id in events {
@@ -220,13 +222,13 @@ impl ReachAnalysis<'_> {
         self.known_paths
             .iter_mut()
             .for_each(KnownPaths::begin_phase);
-        let blocked = self.blocked(events, descent);
+        let blocked = self.blocked(events, descendants);
         if !blocked.is_empty() {
-            self.report_sealed(events, descent, &blocked, diagnostics);
+            self.report_sealed(events, descendants, &blocked, diagnostics);
         }
         if blocked.is_empty() {
-            self.report_narrow(number, events, descent, diagnostics);
-            self.report_crowded(number, events, descent, diagnostics);
+            self.report_narrow(number, events, descendants, diagnostics);
+            self.report_crowded(number, events, descendants, diagnostics);
         }
         for &id in events {
             if !self.is_capture(id) {
@@ -269,8 +271,8 @@ impl<'a> ReachAnalysis<'a> {
             id if is_late(id) => f64::INFINITY,
             id => f64::from(u8::from(self.is_capture(id))),
         };
-        let unneeded = turns::unneeded(graph, &turns::earliest(graph, length));
-        Cow::Owned(turns::straight(graph, &unneeded))
+        let unneeded = face_turns::unneeded(graph, &face_turns::earliest(graph, length));
+        Cow::Owned(face_turns::straight(graph, &unneeded))
     }
 }
 

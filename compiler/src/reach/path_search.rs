@@ -14,18 +14,8 @@ use stochc_ir::{Cell, Face};
 
 use super::SearchEffort;
 use super::known_paths::KnownPaths;
-use super::occupancy::{Has, OccupiedCells};
+use super::moving_cube::MovingCube;
 use crate::plan::EventId;
-
-/// What a search looks at.
-pub struct PathSearch<'a> {
-    /// The structure, sorted.
-    pub occupancy: &'a OccupiedCells,
-    /// Which of its captures have happened.
-    pub has: Has<'a>,
-    /// Edge of the cube that has to get through, in cells: 1 or 2.
-    pub size: i32,
-}
 
 /// How a search ended.
 pub enum SearchOutcome {
@@ -37,68 +27,10 @@ pub enum SearchOutcome {
     Unknown,
 }
 
-impl PathSearch<'_> {
-    /// Whether a cube with its low corner at `at` meets a blocked cell.
-    pub fn is_blocked(&self, at: Cell) -> bool {
-        self.meets(at, 0, self.size)
-    }
-
-    /// Whether one of the cells of a cube from `low` to below `high`, seen from `at`, is blocked.
-    fn meets(&self, at: Cell, low: i32, high: i32) -> bool {
-        let range = || low..high;
-        range().any(|dz| {
-            range().any(|dy| {
-                range().any(|dx| match offset(at, dx, dy, dz) {
-                    Some(cell) => self.occupancy.is_blocked(cell, self.has),
-                    None => true,
-                })
-            })
-        })
-    }
-
-    /// Whether a cube could touch something with an edge or a corner, the ground apart.
-    pub fn is_at_wall(&self, at: Cell) -> bool {
-        (-1..=self.size).any(|dz| {
-            (-1..=self.size).any(|dy| {
-                (-1..=self.size).any(|dx| {
-                    offset(at, dx, dy, dz).is_some_and(|cell| {
-                        cell.z >= 1 && self.occupancy.is_blocked(cell, self.has)
-                    })
-                })
-            })
-        })
-    }
-
-    /// The height of what stops a cube on its way up; `None`: nothing.
-    fn ceiling(&self, at: Cell) -> Option<i32> {
-        let columns = (0..self.size).flat_map(|dx| (0..self.size).map(move |dy| (dx, dy)));
-        columns
-            .filter_map(|(dx, dy)| {
-                let column = offset(at, dx, dy, 0)?;
-                (self.occupancy).ceiling(column.x, column.y, column.z, self.has)
-            })
-            .min()
-    }
-
-    /// The place under what stops a free cube on its way up; `None`: nothing does.
-    pub fn rise(&self, at: Cell) -> Option<Cell> {
-        let z = self.ceiling(at)? - self.size;
-        Some(Cell { z, ..at })
-    }
-
-    /// Whether nothing stops a cube that is free at `at` on its way up to `z`.
-    pub fn rises_to(&self, at: Cell, z: i32) -> bool {
-        self.rise(at).is_none_or(|under| under.z >= z)
-    }
-
-    /// Whether a cube that is free at `at` can rise to the sky.
-    pub fn sees_sky(&self, at: Cell) -> bool {
-        self.ceiling(at).is_none()
-    }
-
+impl MovingCube<'_> {
     /// Searches from places that are free, the nearest first, so that the ways that are kept are short;
     /// `is_out` knows of events whose cell has a way out.
-    pub fn run(
+    pub fn find_path(
         &self,
         starts: impl IntoIterator<Item = Cell>,
         is_out: &dyn Fn(EventId) -> bool,
@@ -148,13 +80,4 @@ impl PathSearch<'_> {
         }
         SearchOutcome::Sealed(order)
     }
-}
-
-/// A cell some steps away; `None` where a coordinate would overflow.
-pub fn offset(cell: Cell, dx: i32, dy: i32, dz: i32) -> Option<Cell> {
-    Some(Cell {
-        x: cell.x.checked_add(dx)?,
-        y: cell.y.checked_add(dy)?,
-        z: cell.z.checked_add(dz)?,
-    })
 }

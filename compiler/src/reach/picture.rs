@@ -1,13 +1,12 @@
 //! One layer of the structure as text.
 use super::Cell;
-use super::path_search::offset;
 
 /// Cells shown to each side of the one in question.
 const REACH: i32 = 4;
 
 /// The layer around a cell, north at the top: `@` the cell, `#` full, `.` empty.
 pub fn layer(cell: Cell, is_full: impl Fn(Cell) -> bool) -> String {
-    let is_full = |dx, dy| offset(cell, dx, dy, 0).is_none_or(&is_full);
+    let is_full = |dx, dy| cell.offset([dx, dy, 0]).is_none_or(&is_full);
     let range = || -REACH..=REACH;
     // As far as there is something to see.
     let full: Vec<(i32, i32)> = range()

@@ -2,11 +2,12 @@
 use rustc_hash::FxHashSet;
 
 use super::descendants::DescendantIndex;
+use super::moving_cube::MovingCube;
 use super::occupancy::Has;
-use super::path_search::{PathSearch, SearchOutcome};
+use super::path_search::SearchOutcome;
 use super::{EventId, ReachAnalysis, after, all_before, before};
+use crate::face_turns::is_ready;
 use crate::graph::DependencyGraph;
-use crate::turns::is_ready;
 
 /// How a phase is taken apart again, the last block first.
 ///
@@ -42,12 +43,12 @@ impl ReachAnalysis<'_> {
             return SearchOutcome::Out;
         };
         self.occupancy.sort();
-        let search = PathSearch {
+        let search = MovingCube {
             occupancy: &self.occupancy,
             has,
             size: 1,
         };
-        search.run(
+        search.find_path(
             [cell],
             &|_| false,
             &mut self.known_paths[0],
@@ -60,7 +61,11 @@ impl ReachAnalysis<'_> {
     ///
     /// None of them ever happens: the first to happen in some run would have waited for others alone, with at
     /// least the captures around it that it surely waits for, and every release so far has been counted on.
-    pub fn never(&mut self, events: &[EventId], descent: &DescendantIndex) -> FxHashSet<EventId> {
+    pub fn never(
+        &mut self,
+        events: &[EventId],
+        descendants: &DescendantIndex,
+    ) -> FxHashSet<EventId> {
         let has_releases = events.iter().any(|&id| !self.is_capture(id));
         let kept = has_releases.then(|| {
             (
@@ -79,7 +84,10 @@ impl ReachAnalysis<'_> {
                 let is_capture = self.is_capture(id);
                 let is_closed = is_capture
                     && !self.is_safe[id.0 as usize]
-                    && matches!(self.way_past_its_own(id, descent), SearchOutcome::Sealed(_));
+                    && matches!(
+                        self.way_past_its_own(id, descendants),
+                        SearchOutcome::Sealed(_)
+                    );
                 if is_closed {
                     continue;
                 }
@@ -104,14 +112,18 @@ impl ReachAnalysis<'_> {
     }
 
     /// The way out of a cell when of the phase only what the capture surely waits for has happened.
-    pub fn way_past_its_own(&mut self, id: EventId, descent: &DescendantIndex) -> SearchOutcome {
+    pub fn way_past_its_own(
+        &mut self,
+        id: EventId,
+        descendants: &DescendantIndex,
+    ) -> SearchOutcome {
         if self.remedies.is_spent() {
             return SearchOutcome::Unknown;
         }
         let own = all_before(self.subject.certain, [id]);
         self.remedies.steps += own.len() as u64;
         self.way_out(id, &|other| {
-            !descent.has(other) || (other != id && own.contains(&other))
+            !descendants.has(other) || (other != id && own.contains(&other))
         })
     }
 
@@ -123,7 +135,7 @@ impl ReachAnalysis<'_> {
         &mut self,
         straight: &DependencyGraph,
         events: &[EventId],
-        descent: &DescendantIndex,
+        descendants: &DescendantIndex,
         is_member: &dyn Fn(EventId) -> bool,
     ) -> Option<Dismantled> {
         let members: Vec<EventId> = (events.iter().copied())
@@ -160,7 +172,7 @@ impl ReachAnalysis<'_> {
             if going.is_empty() {
                 for id in std::mem::take(&mut closed) {
                     let way = self.way_out(id, &|other| {
-                        !descent.has(other)
+                        !descendants.has(other)
                             || (other != id && is_member(other) && !apart.has_gone(other))
                     });
                     match way {

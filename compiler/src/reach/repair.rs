@@ -4,9 +4,10 @@ use std::collections::VecDeque;
 use rustc_hash::FxHashMap;
 use stochc_ir::Face;
 
+use super::closable_phase::ClosablePhase;
 use super::descendants::{DescendantIndex, Descendants};
-use super::diagnose::Case;
-use super::path_search::{PathSearch, SearchOutcome};
+use super::moving_cube::MovingCube;
+use super::path_search::SearchOutcome;
 use super::reachable::Dismantled;
 use super::{Cell, EventId, ReachAnalysis};
 use crate::SourceLocation;
@@ -22,29 +23,29 @@ impl ReachAnalysis<'_> {
     /// or none was found.
     pub fn later(
         &mut self,
-        case: &Case,
+        phase: &ClosablePhase,
         apart: &Dismantled,
         id: EventId,
         barred: &[SourceLocation],
     ) -> Option<Vec<EventId>> {
-        let following = case.descent.of(id, &mut self.remedies.steps);
-        let at_worst = |other: EventId| !following.contains(other) && !case.never.contains(&other);
+        let following = phase.descendants.of(id, &mut self.remedies.steps);
+        let at_worst = |other: EventId| !following.contains(other) && !phase.never.contains(&other);
         let plan = self.subject.plan;
         let stays = |other: EventId| {
             at_worst(other)
-                && (!case.descent.has(other)
+                && (!phase.descendants.has(other)
                     || apart.gone_at(other) > apart.gone_at(id)
                     || barred.contains(&plan.event(other).location))
         };
         let mut later = self.on_the_way(id, &at_worst, &stays)?;
-        if !self.is_open_after(id, &later, case.descent, &at_worst) {
+        if !self.is_open_after(id, &later, phase.descendants, &at_worst) {
             return None;
         }
         let mut i = 0;
         while i < later.len() && later.len() > 1 {
             let mut fewer = later.clone();
             fewer.remove(i);
-            match self.is_open_after(id, &fewer, case.descent, &at_worst) {
+            match self.is_open_after(id, &fewer, phase.descendants, &at_worst) {
                 true => later = fewer,
                 false => i += 1,
             }
@@ -57,11 +58,11 @@ impl ReachAnalysis<'_> {
         &mut self,
         id: EventId,
         later: &[EventId],
-        descent: &DescendantIndex,
+        descendants: &DescendantIndex,
         at_worst: &dyn Fn(EventId) -> bool,
     ) -> bool {
         let following: Vec<Descendants> = (later.iter())
-            .map(|&other| descent.of(other, &mut self.remedies.steps))
+            .map(|&other| descendants.of(other, &mut self.remedies.steps))
             .collect();
         let way = self.way_out(id, &|other| {
             at_worst(other) && following.iter().all(|after| !after.contains(other))
@@ -79,7 +80,7 @@ impl ReachAnalysis<'_> {
     ) -> Option<Vec<EventId>> {
         let start = self.cell(id)?;
         self.occupancy.sort();
-        let worst = PathSearch {
+        let worst = MovingCube {
             occupancy: &self.occupancy,
             has: at_worst,
             size: 1,

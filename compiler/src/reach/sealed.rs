@@ -2,9 +2,10 @@
 use stochc_ir::Face;
 
 use super::descendants::DescendantIndex;
-use super::path_search::{PathSearch, SearchOutcome};
+use super::moving_cube::MovingCube;
+use super::path_search::SearchOutcome;
 use super::{Cell, EventId, ReachAnalysis, after};
-use crate::turns::is_ready;
+use crate::face_turns::is_ready;
 
 /// A capture that may wait for ever.
 pub struct BlockedCapture {
@@ -19,7 +20,7 @@ impl ReachAnalysis<'_> {
     pub fn blocked(
         &mut self,
         events: &[EventId],
-        descent: &DescendantIndex,
+        descendants: &DescendantIndex,
     ) -> Vec<BlockedCapture> {
         let mut open: Vec<EventId> = (events.iter().copied())
             .filter(|&id| self.is_capture(id))
@@ -36,7 +37,7 @@ impl ReachAnalysis<'_> {
             open.reverse();
             open.retain(|&id| {
                 let is_safe = self.is_clearly_safe(id)
-                    || self.is_safe_after_search(id, descent, &mut blocked);
+                    || self.is_safe_after_search(id, descendants, &mut blocked);
                 self.is_safe[id.0 as usize] = is_safe;
                 !is_safe
             });
@@ -88,28 +89,28 @@ impl ReachAnalysis<'_> {
     fn is_safe_after_search(
         &mut self,
         id: EventId,
-        descent: &DescendantIndex,
+        descendants: &DescendantIndex,
         blocked: &mut Vec<BlockedCapture>,
     ) -> bool {
         let Some(cell) = self.cell(id) else {
             return true;
         };
         self.occupancy.sort();
-        let Some(following) = descent.within(id, &mut self.proof) else {
+        let Some(following) = descendants.within(id, &mut self.proof) else {
             blocked.push(BlockedCapture {
                 capture: id,
                 is_shown: false,
             });
             return false;
         };
-        let search = PathSearch {
+        let search = MovingCube {
             occupancy: &self.occupancy,
             has: &|other| !following.contains(other),
             size: 1,
         };
         let is_safe = &self.is_safe;
         let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
-        let way = search.run([cell], &is_out, &mut self.known_paths[0], &mut self.proof);
+        let way = search.find_path([cell], &is_out, &mut self.known_paths[0], &mut self.proof);
         if !matches!(way, SearchOutcome::Out) {
             blocked.push(BlockedCapture {
                 capture: id,

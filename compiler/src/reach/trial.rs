@@ -1,5 +1,5 @@
 //! Remedies as changes of the text, each of them tried.
-use super::diagnose::Case;
+use super::closable_phase::ClosablePhase;
 use super::edit::CaptureStatement;
 use super::{EventId, ReachAnalysis, ReportedFinding};
 use crate::SourceLocation;
@@ -39,7 +39,7 @@ impl<'a> ReachAnalysis<'a> {
     /// other; none of its parts can be left out. `first`: captures that may help if they come later.
     pub fn proposal(
         &mut self,
-        case: &Case,
+        phase: &ClosablePhase,
         id: EventId,
         first: Vec<Vec<EventId>>,
         title: &str,
@@ -63,12 +63,12 @@ impl<'a> ReachAnalysis<'a> {
                         false => i += 1,
                     }
                 }
-                return Some(self.propose(case, &delayed));
+                return Some(self.propose(phase, &delayed));
             }
             // Another way out, by other statements.
             barred.extend(later.iter().map(|&other| plan.event(other).location));
-            if let (Some(apart), true) = (&case.apart, i + 1 == lists.len()) {
-                lists.extend(self.later(case, apart, id, &barred));
+            if let (Some(apart), true) = (&phase.apart, i + 1 == lists.len()) {
+                lists.extend(self.later(phase, apart, id, &barred));
             }
         }
         None
@@ -127,7 +127,7 @@ impl<'a> ReachAnalysis<'a> {
         }
     }
 
-    fn propose(&self, case: &Case, delayed: &[DelayedStatement<'a>]) -> Proposal {
+    fn propose(&self, phase: &ClosablePhase, delayed: &[DelayedStatement<'a>]) -> Proposal {
         let plan = self.subject.plan;
         let mut fix = self.fix(delayed);
         if let [delayed] = delayed {
@@ -139,7 +139,7 @@ impl<'a> ReachAnalysis<'a> {
                 .next()
                 .is_some_and(|event| plan.roles.key(event.role).scope == 0);
             // One more order, and the same structure: all such changes agree with one order of the phase.
-            fix.safe = is_plain && made.next().is_none() && case.is_whole();
+            fix.safe = is_plain && made.next().is_none() && phase.is_whole();
         }
         let text =
             |delayed: &DelayedStatement<'a>| delayed.statement.text(&self.subject).to_owned();

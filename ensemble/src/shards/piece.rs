@@ -16,9 +16,9 @@ use crate::file_names::{DAMAGED, SHARDS};
 use crate::journal::{self, Journal, JournalHeader, Shortest};
 use crate::journal_line::line as journal_line;
 use crate::line_location::LineLocation;
+use crate::pending_runs::{PendingRuns, job};
 use crate::records::Records;
 use crate::run::{check_again, journaled};
-use crate::todo::{Todo, job};
 use crate::{
     CHECKPOINTS, Checkpoints, EnsembleError, Finished, FolderError, Interval, JournalError,
     Manifest, Progress, RunCancelled, RunWatch, this_build,
@@ -170,8 +170,8 @@ impl Piece {
             return Ok(true);
         }
         progress.keep(&self.kept)?;
-        let todo = Todo::all(&self.manifest, self.jobs.clone(), Some(&self.kept));
-        if todo.left == 0 {
+        let pending = PendingRuns::all(&self.manifest, self.jobs.clone(), Some(&self.kept));
+        if pending.left == 0 {
             return self.finish(&self.kept).map(|()| true);
         }
         let folder = self.path.join(SHARDS);
@@ -187,7 +187,7 @@ impl Piece {
         let journal = Journal::open(&part, &self.header, 0).map_err(of_part)?;
         let file = self.kept.files();
         let on = (progress, self.checkpoints());
-        let places = journaled(todo, (journal, file), on, stop, simulate).map_err(of_part)?;
+        let places = journaled(pending, (journal, file), on, stop, simulate).map_err(of_part)?;
         let opened = files::open(&part).map_err(io)?;
         let most = journal::most_line(&self.manifest);
         let all = self.kept.and(&places, opened, most).map_err(io)?;

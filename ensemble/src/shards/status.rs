@@ -12,8 +12,8 @@ use super::ShardError;
 use super::cut::{Cut, build, is_joined, piece_file};
 use super::piece::{PieceFile, identify, in_folder, read};
 use crate::Manifest;
+use crate::file_integrity::{FileIntegrity, Integrity};
 use crate::file_names::SHARDS;
-use crate::health::{FileHealth, Health};
 use crate::journal::JournalHeader;
 
 /// All pieces of an ensemble.
@@ -164,21 +164,21 @@ fn lines(file: &Path) -> io::Result<u64> {
 }
 
 /// Reads the pieces that are there, all of each.
-pub(crate) fn health(path: &Path, manifest: &Manifest, cut: &Cut) -> Vec<FileHealth> {
+pub(crate) fn health(path: &Path, manifest: &Manifest, cut: &Cut) -> Vec<FileIntegrity> {
     let health = |number: u64| {
         let file = piece_file(path, number);
         let header = cut.header(build(manifest), number);
         let jobs = cut.jobs(manifest.total(), number);
         let health = match read(&file, &header, manifest, &jobs, |_| Ok(())) {
             Ok(PieceFile::Nothing) => return None,
-            Ok(PieceFile::Whole) => Health::Sound,
+            Ok(PieceFile::Whole) => Integrity::Sound,
             Ok(PieceFile::Damaged(reason) | PieceFile::Foreign(reason)) => {
-                Health::Damaged(vec![reason])
+                Integrity::Damaged(vec![reason])
             }
-            Err(error) => Health::Damaged(vec![error.to_string()]),
+            Err(error) => Integrity::Damaged(vec![error.to_string()]),
         };
         let name = format!("{SHARDS}/{number}.jsonl");
-        Some(FileHealth { name, health })
+        Some(FileIntegrity { name, health })
     };
     (0..cut.shards).filter_map(health).collect()
 }

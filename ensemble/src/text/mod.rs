@@ -7,6 +7,6 @@ mod visible;
 
 pub use duration::{Tick, duration, seconds, words};
 pub use number::{number, ratio};
-pub use percent::{percent, percent_number, relative, relative_size, whole_percent};
+pub use percent::{percent, percent_number, relative, relative_size, share, whole_percent};
 pub use ranges::ranges;
 pub use visible::{escaped, visible};

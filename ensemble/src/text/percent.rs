@@ -1,6 +1,23 @@
 //! Percentages for people.
 use crate::statistics::Relative;
 
+/// A share of more than 0 and less than 1 that somebody has typed: `5%` or `0.05`.
+///
+/// # Errors
+/// What to type instead.
+pub fn share(text: &str) -> Result<f64, String> {
+    let malformed = || "give a percentage between 0 and 100, such as 5%".to_owned();
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(number) => (number.trim_end(), 100.0),
+        None => (text, 1.0),
+    };
+    let number: f64 = number.parse().map_err(|_| malformed())?;
+    let share = number / unit;
+    (share > 0.0 && share < 1.0)
+        .then_some(share)
+        .ok_or_else(malformed)
+}
+
 /// A share, 0 to 1, as a percentage of one decimal at most: `5 %`, `12.5 %`, `< 0.1 %`.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;

@@ -12,7 +12,7 @@ use stochc_runtime::{RunError, Settings, run as run_once};
 use super::assessment::Conditions;
 use super::candidates::base;
 use super::estimate::EstimatedSamples;
-use super::memory::Memory;
+use super::measurement_journal::MeasurementJournal;
 use super::plan::{Extent, Job, NextJob, Plan};
 use super::result::Trade;
 use super::sample::Measured;
@@ -60,7 +60,7 @@ pub struct Setup<'a> {
     /// Ticks after which a run is given up; `None`: 20 times the mean of the first runs.
     pub max_ticks: Option<u64>,
     /// What was measured before, and where what is measured now is kept; `None`: nowhere.
-    pub memory: Option<&'a Memory>,
+    pub memory: Option<&'a MeasurementJournal>,
     /// Set by somebody else to stop at the next tick.
     pub stop: &'a AtomicBool,
 }
@@ -130,7 +130,9 @@ fn carry_out(
     progress: &MeasurementProgress,
 ) -> Plan {
     let start = now();
-    let before = setup.memory.map_or(Duration::ZERO, Memory::elapsed);
+    let before = setup
+        .memory
+        .map_or(Duration::ZERO, MeasurementJournal::elapsed);
     let elapsed = || before + start.elapsed();
     let plan = Mutex::new(plan);
     let ended = Condvar::new();

@@ -8,7 +8,7 @@ mod candidates;
 mod convergence;
 mod estimate;
 mod measure;
-mod memory;
+mod measurement_journal;
 mod plan;
 mod ranking;
 mod result;
@@ -21,7 +21,7 @@ pub use candidates::{FINEST, base};
 pub use convergence::{CLOSE, Convergence, Doubling};
 pub use estimate::EstimatedSamples;
 pub use measure::{MeasurementProgress, Setup, measure};
-pub use memory::{MEMORY, Memory};
+pub use measurement_journal::{MEASUREMENT_JOURNAL, MeasurementJournal};
 pub use plan::{CandidateOutcome, Extent};
 pub use ranking::{Ranked, Verdict};
 pub use result::{

@@ -2,6 +2,7 @@
 use std::fmt::{self, Display, Formatter, Write};
 
 use super::Text;
+use crate::counted;
 use crate::scene::BondKind;
 use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
 
@@ -42,11 +43,11 @@ fn write_tables(out: &mut Formatter<'_>, tables: &Tables) -> fmt::Result {
             )?;
             continue;
         }
-        let plural = if phase.reports == 1 { "" } else { "s" };
         write!(
             out,
-            "phase {}: ends after {} report{plural}",
-            phase.name, phase.reports
+            "phase {}: ends after {}",
+            phase.name,
+            counted(phase.reports as usize, "report")
         )?;
         match phase.timeout {
             Some(ticks) => {

@@ -7,6 +7,7 @@ pub mod describe;
 pub mod groups;
 mod medium;
 pub mod quantity;
+mod scalar_error;
 pub mod scalars;
 pub mod schema;
 pub mod units;

@@ -11,13 +11,12 @@ mod tests;
 use std::fmt::Write as _;
 
 use stochc_grammar::{FormatError as Unreadable, format};
-use stochc_ir::Cell;
+use stochc_ir::{Cell, counted};
 
 use crate::capture::Capture;
 use crate::plan::BuildPlan;
+use crate::precedence::Why;
 use crate::target::Target;
-use crate::text::counted;
-use crate::waiting::Why;
 use existing::{name_of, planted, write_releases};
 use repetition::{Repeated, repeated};
 pub use shape::declaration;

@@ -9,8 +9,8 @@ use stochc_ir::{Cell, Face};
 
 use super::SchedulingJob;
 use crate::free_space::{FreeSpace, WayIn};
+use crate::rate_law::{CellState, Moment};
 use crate::sites::{NONE, Sites};
-use crate::waits::{CellState, Moment};
 
 /// Sites of a target whose best policy is looked for, at most.
 pub const MOST_ADAPTIVE: usize = 10;

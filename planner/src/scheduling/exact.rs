@@ -10,10 +10,10 @@ use stochc_ir::Face;
 
 use super::{Priorities, ScheduleState, SchedulingJob, SiteState};
 use crate::makespan::{Objective, PlanEstimate, Samples};
+use crate::precedence::Waiting;
+use crate::rate_law::{CellState, Moment};
 use crate::schedule::Schedule;
 use crate::sites::NONE;
-use crate::waiting::Waiting;
-use crate::waits::{CellState, Moment};
 
 /// Sites of a target for which all schedules are looked at.
 pub const MOST_SITES: usize = 12;

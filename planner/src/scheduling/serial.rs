@@ -9,9 +9,9 @@ use stochc_ir::{Cell, Face};
 
 use super::{Priorities, SchedulingJob};
 use crate::crowding::Crowding;
+use crate::rate_law::{CellState, Moment};
 use crate::schedule::Schedule;
 use crate::sites::NONE;
-use crate::waits::{CellState, Moment};
 
 /// Sites for which it is worth it, at most.
 const MOST_SITES: usize = 400;

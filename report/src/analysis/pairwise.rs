@@ -2,7 +2,7 @@
 use stochc_ensemble::statistics::Runs;
 use stochc_ensemble::{ComparedProgram, PairwiseTest, TimeUnit, pairwise_tests as compare};
 
-use super::subject::ReportedProgram;
+use super::reported_program::ReportedProgram;
 
 /// Compares every program with every other one; of a sweep, only different programs at the same
 /// values.

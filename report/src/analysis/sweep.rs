@@ -6,7 +6,7 @@ use stochc_ensemble::TimeUnit;
 use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptNumber, SweptValue};
 use stochc_ir::scene::scalars::scalars;
 
-use super::subject::ReportedProgram;
+use super::reported_program::ReportedProgram;
 
 /// A program's number in the report, and the numbers of its scene by their names.
 type SweepMember = (usize, BTreeMap<&'static str, f64>);

@@ -3,8 +3,8 @@ use stochc_ensemble::{Repetitions, Time, Waits};
 use stochc_ir::graph::EventAction;
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::events::Events;
-use super::subject::{FinishedRun, ReportedProgram};
+use super::decisive_events::DecisiveEvents;
+use super::reported_program::ReportedProgram;
 
 /// One capture of a program, over all runs that did not fail.
 #[derive(Clone, Debug)]
@@ -57,42 +57,9 @@ impl ReportedCapture {
     }
 }
 
-/// What decided the time of runs, while these are told.
-#[derive(Clone, Debug)]
-pub(crate) struct Decisive {
-    /// Ticks that each event took on the critical paths of all runs.
-    spent: Vec<f64>,
-    /// In how many runs it was on it.
-    decided: Vec<usize>,
-    /// Ticks of all runs.
-    total: f64,
-}
-
-impl Decisive {
-    pub fn of(events: &Events) -> Decisive {
-        let count = events.events.len();
-        Decisive {
-            spent: vec![0.0; count],
-            decided: vec![0; count],
-            total: 0.0,
-        }
-    }
-
-    /// Adds a run that did not fail.
-    pub fn add(&mut self, run: &FinishedRun) {
-        self.total += run.record.ticks as f64;
-        for segment in &run.critical_path {
-            if let Some(event) = segment.event() {
-                self.spent[event] += segment.ticks() as f64;
-                self.decided[event] += 1;
-            }
-        }
-    }
-}
-
 /// Every capture of a program, in the order of its events; what its runs have told of waits is not kept.
 pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
-    let Decisive {
+    let DecisiveEvents {
         spent,
         decided,
         total,

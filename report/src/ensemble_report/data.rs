@@ -6,7 +6,7 @@ use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
 use crate::analysis::maps::{AGES, Maps, SliceMap};
-use crate::analysis::subject::{FinishedRun, ReportedProgram};
+use crate::analysis::reported_program::{FinishedRun, ReportedProgram};
 use crate::analysis::waits::ReportedCapture;
 
 fn maybe(value: Option<f64>) -> String {

@@ -9,16 +9,15 @@ mod page;
 
 use std::io::Write;
 
-use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use stochc_ensemble::TimeUnit;
 
 use crate::analysis::maps::Maps;
-use crate::analysis::subject::ReportedProgram;
-use crate::analysis::{self, pairwise, subject, sweep, waits};
+use crate::analysis::reported_program::ReportedProgram;
+use crate::analysis::{self, pairwise, reported_program, sweep, waits};
 use crate::svg::Drawing;
 
 pub use crate::analysis::maps::RecordingReader;
-pub use crate::analysis::subject::{Input, ReportError};
+pub use crate::analysis::reported_program::{Input, ReportError};
 pub use crate::figures::{FigureFormat, Figures};
 pub use crate::svg::Medium;
 pub use data::CHAINS;
@@ -51,17 +50,6 @@ pub struct ReportLocation<'a> {
     pub recordings: &'a RecordingReader<'a>,
 }
 
-/// A relative path as an address: what would end or change it is written in hexadecimal.
-pub fn address(path: &str) -> String {
-    const KEPT: &AsciiSet = &NON_ALPHANUMERIC
-        .remove(b'/')
-        .remove(b'-')
-        .remove(b'_')
-        .remove(b'.')
-        .remove(b'~');
-    utf8_percent_encode(path, KEPT).to_string()
-}
-
 /// Draws up the report of one or several results folders, and writes [`CHAINS`] meanwhile, which has rows for every run.
 ///
 /// # Errors
@@ -72,7 +60,7 @@ pub fn report(
     chains: &mut dyn Write,
 ) -> Result<Report, ReportError> {
     chains.write_all(data::chains_header().as_bytes())?;
-    let (mut subjects, mut sweeps) = subject::subjects(inputs, &mut |subject, run| {
+    let (mut subjects, mut sweeps) = reported_program::subjects(inputs, &mut |subject, run| {
         chains.write_all(data::chains(subject, run).as_bytes())
     })?;
     let clock = TimeUnit::of(subjects.iter().map(|subject| subject.program));

@@ -7,7 +7,7 @@ use stochc_ir::record::{Limit, Origin, Outcome};
 use super::html::{code, name};
 use crate::analysis::critical_path::{CriticalPathSegment, SegmentKind};
 use crate::analysis::events::Events;
-use crate::analysis::subject::FinishedRun;
+use crate::analysis::reported_program::FinishedRun;
 
 /// What a run is told of.
 pub(crate) struct RunContext<'a> {

@@ -3,7 +3,7 @@ use stochc_ensemble::statistics::quantile;
 use stochc_ensemble::text::{number, visible};
 
 use super::EDGE;
-use crate::analysis::subject::ReportedProgram;
+use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, width};
 use crate::svg::{

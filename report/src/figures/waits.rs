@@ -2,7 +2,7 @@
 use stochc_ensemble::text::{number, percent};
 
 use super::EDGE;
-use crate::analysis::subject::ReportedProgram;
+use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest, width, wrapped};
 use crate::svg::{Axis, Drawing, LINE, Medium, Scale, Style};

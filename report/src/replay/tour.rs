@@ -4,7 +4,7 @@ use stochc_ensemble::EnsembleProgram;
 use stochc_ir::record::RunRecord;
 
 use crate::analysis::events::Events;
-use crate::analysis::subject::FinishedRun;
+use crate::analysis::reported_program::FinishedRun;
 use crate::ensemble_report::narrative::{RunContext, item};
 
 /// Steps of a tour, at most: of a longer path those that took longest.

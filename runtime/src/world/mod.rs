@@ -22,6 +22,7 @@ pub mod rotation;
 pub mod shuffle;
 mod step_limit;
 mod stepper;
+mod unit_cube;
 pub(crate) mod view;
 
 pub use blocks::BodyState;

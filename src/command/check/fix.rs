@@ -1,10 +1,10 @@
 //! `stochc check --fix`.
 use stochc_files::programs::STDIN_NAME;
-use stochc_ir::visible;
+use stochc_ir::{counted, visible};
 
 use super::super::terminal::{print, warn};
 use super::{Options, verdict};
-use crate::diagnostics::{Format, count};
+use crate::diagnostics::Format;
 use crate::exit::{Exit, Failure};
 use crate::fix::{FixedFile, fix};
 
@@ -27,7 +27,7 @@ pub fn run(
         print(&String::from_utf8_lossy(&fixed.new))?;
         warn(&match fixed.changes {
             0 => String::new(),
-            changes => format!("{shown}: {} made\n", count(changes, "change")),
+            changes => format!("{shown}: {} made\n", counted(changes, "change")),
         });
         *text = Some(fixed.new);
         return Ok(None);
@@ -39,7 +39,7 @@ pub fn run(
     } else {
         warn(&diff);
     }
-    let changes = count(fixed.changes, "change");
+    let changes = counted(fixed.changes, "change");
     if options.dry_run {
         warn(&format!("{shown}: {changes} to make\n"));
         return Ok(alone.then(|| verdict(&fixed.before)));

@@ -11,7 +11,7 @@ use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Limits, Program, check_with};
 use stochc_files::programs::{STDIN, programs};
 use stochc_ir::emit::chain_text;
-use stochc_ir::visible;
+use stochc_ir::{counted, visible};
 use stochc_runtime::rates::Rates;
 
 use self::cost::{costs, summed_up};
@@ -19,7 +19,7 @@ use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
 use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
-use crate::diagnostics::{FindingCounts, Format, SarifLog, count, json_document, show, values};
+use crate::diagnostics::{FindingCounts, Format, SarifLog, json_document, show, values};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::verdict;
 use crate::operations::rates::of_files;
@@ -189,11 +189,11 @@ fn summary(file: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) 
 fn judgement(checked: &Checked) -> String {
     let verdict = match checked.diagnostics.len() {
         0 => "all is well".to_owned(),
-        warnings => count(warnings, "warning"),
+        warnings => counted(warnings, "warning"),
     };
     match checked.allowed.len() {
         0 => verdict,
-        allowed => format!("{verdict}, {} allowed", count(allowed, "warning")),
+        allowed => format!("{verdict}, {} allowed", counted(allowed, "warning")),
     }
 }
 
@@ -217,9 +217,9 @@ fn describe(program: &Program, checked: &Checked) -> String {
     let mut out = format!(
         "assembly {} in {scene}: {}, {}, {}; {}\n",
         plan.name,
-        count(plan.phases.len() - usize::from(planted > 0), "phase"),
-        count(captures - planted, "capture"),
-        count(releases, "release"),
+        counted(plan.phases.len() - usize::from(planted > 0), "phase"),
+        counted(captures - planted, "capture"),
+        counted(releases, "release"),
         judgement(checked),
     );
     let width = plan
@@ -229,7 +229,10 @@ fn describe(program: &Program, checked: &Checked) -> String {
         .max()
         .unwrap_or(0);
     if planted > 0 {
-        out.push_str(&format!("  {} attached by hand\n", count(planted, "block")));
+        out.push_str(&format!(
+            "  {} attached by hand\n",
+            counted(planted, "block")
+        ));
     }
     for (phase, chain) in plan
         .phases

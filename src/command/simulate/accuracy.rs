@@ -114,17 +114,3 @@ fn read(path: &Path) -> Result<Trade, Failure> {
     let text = String::from_utf8_lossy(&bytes);
     Trade::from_json(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
 }
-
-/// An accuracy: `5%` or `0.05`.
-pub(super) fn accuracy(text: &str) -> Result<f64, String> {
-    let malformed = || "give a percentage between 0 and 100, such as 5%".to_owned();
-    let (number, unit) = match text.strip_suffix('%') {
-        Some(number) => (number.trim_end(), 100.0),
-        None => (text, 1.0),
-    };
-    let number: f64 = number.parse().map_err(|_| malformed())?;
-    let accuracy = number / unit;
-    (accuracy > 0.0 && accuracy < 1.0)
-        .then_some(accuracy)
-        .ok_or_else(malformed)
-}

@@ -4,16 +4,16 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use stochc_ensemble::recording::{EVERY, Selection};
 use stochc_ensemble::sweep::Axis;
+use stochc_ensemble::text::share;
 use stochc_ensemble::{Interval, MOST_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
 use super::super::figures::FigureOptions;
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
-use super::super::measuring::{SeedOption, WorkOptions};
 use super::super::memory::MemoryOption;
 use super::super::results::ResultsFormat;
-use super::accuracy::accuracy;
+use super::super::run_options::{SeedOption, WorkOptions};
 use crate::operations::time;
 
 /// What `simulate` is given.
@@ -61,7 +61,7 @@ pub struct Options {
     pub reduce: Option<ReductionName>,
     /// Use the cheapest setting whose mean times are known to be within PERCENT of a converged
     /// reference, such as 5%
-    #[arg(long, value_name = "PERCENT", value_parser = accuracy, conflicts_with_all = ["manifest", "model", "substeps", "solver_iterations", "precision", "reduce"])]
+    #[arg(long, value_name = "PERCENT", value_parser = share, conflicts_with_all = ["manifest", "model", "substeps", "solver_iterations", "precision", "reduce"])]
     pub accuracy: Option<f64>,
     /// Folder of `stochc trade --out`: measurements for `--accuracy`, or to report on the setting in use
     #[arg(long, value_name = "DIR", conflicts_with = "manifest")]

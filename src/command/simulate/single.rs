@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use stochc_ensemble::text::{Tick, seconds, visible};
 use stochc_ensemble::{EnsembleProgram, Manifest, record_json};
+use stochc_ir::counted;
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_runtime::run as run_once;
@@ -98,7 +99,7 @@ impl RunNarrator<'_> {
 
     /// A number of ticks, in seconds as well.
     fn ticks(&self, n: u64) -> String {
-        count(n, "tick", "ticks") + &self.tick().beside(n as f64)
+        counted(n as usize, "tick") + &self.tick().beside(n as f64)
     }
 
     /// What happened in a phase, each with its tick, and what was under way when the run ended.
@@ -119,7 +120,7 @@ impl RunNarrator<'_> {
         let entries = match bond.entries {
             // Nothing moved.
             0 => String::new(),
-            entries => format!(" and {}", count(entries.into(), "entry", "entries")),
+            entries => format!(" and {}", counted(entries as usize, "entry")),
         };
         let origin = match &bond.origin {
             Origin::Free => String::new(),
@@ -154,7 +155,7 @@ impl RunNarrator<'_> {
             wait.face,
             self.role(wait.child),
             self.ticks(self.record.ticks.saturating_sub(wait.magnetized)),
-            count(wait.entries.into(), "entry", "entries"),
+            counted(wait.entries as usize, "entry"),
         )
     }
 
@@ -172,18 +173,14 @@ impl RunNarrator<'_> {
             }
         };
         let mut parts = vec![
-            count(record.bonds.len() as u64, "capture", "captures")
+            counted(record.bonds.len(), "capture")
                 + " of "
-                + &count(
-                    record.blocks_used.into(),
-                    "different block",
-                    "different blocks",
-                ),
-            count(record.hops, "message hop", "message hops"),
+                + &counted(record.blocks_used as usize, "different block"),
+            counted(record.hops as usize, "message hop"),
         ];
         if !record.waiting.is_empty() {
-            let waiting = record.waiting.len() as u64;
-            parts.insert(1, count(waiting, "wait", "waits") + " under way");
+            let waiting = record.waiting.len();
+            parts.insert(1, counted(waiting, "wait") + " under way");
         }
         let mut out = format!(
             "  {end} after {}; {}\n",
@@ -191,13 +188,9 @@ impl RunNarrator<'_> {
             parts.join(", ")
         );
         if record.unplanned > 0 {
-            let bonds = count(record.unplanned, "unplanned bond", "unplanned bonds");
+            let bonds = counted(record.unplanned as usize, "unplanned bond");
             out += &format!("  {bonds}, undone at once\n");
         }
         out
     }
-}
-
-fn count(n: u64, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
 }

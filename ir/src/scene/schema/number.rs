@@ -1,7 +1,7 @@
 //! One number of a scene: what it is, which values it may have, and where it is kept.
 use super::super::Scene;
 use super::super::quantity::QuantityKind;
-use super::super::scalars::ScalarError;
+use super::super::scalar_error::ScalarError;
 use super::super::units::Dimension;
 
 /// A number that a scene may have.

@@ -1,7 +1,7 @@
 //! Where blocks are over the runs of a program: before they were captured, near the structure, and at faces that wait.
 //!
 //! All of it are ratios of sums over runs, in cubes of the lattice, with intervals by a bootstrap over runs.
-mod held;
+mod structure_membership;
 mod tally;
 
 use std::collections::BTreeMap;
@@ -16,9 +16,9 @@ use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
 use stochc_runtime::Model;
 
-use self::held::{Held, PlaceQuery, wanted};
+use self::structure_membership::{PlaceQuery, StructureMembership, wanted};
 use self::tally::{Counts, Tally};
-use super::subject::{Input, ReportedProgram};
+use super::reported_program::{Input, ReportedProgram};
 
 /// How long before its capture a block is looked for \[ticks\].
 pub(crate) const AGES: [u64; 3] = [50, 200, 1000];
@@ -341,7 +341,7 @@ impl MapPlaces {
         file: Box<dyn Read>,
     ) -> Result<RunCounts, RecordingError> {
         let record = &known.record;
-        let held = Held::of(record);
+        let held = StructureMembership::of(record);
         let mut wanted = wanted(record, &held);
         let mut counts = RunCounts {
             before: Default::default(),
@@ -392,7 +392,13 @@ impl MapPlaces {
     }
 
     /// Adds where free blocks are, for so many ticks.
-    fn occupy(&self, places: &Places, held: &Held, ticks: u64, counts: &mut Counts<SlicePlace>) {
+    fn occupy(
+        &self,
+        places: &Places,
+        held: &StructureMembership,
+        ticks: u64,
+        counts: &mut Counts<SlicePlace>,
+    ) {
         if ticks == 0 {
             return;
         }

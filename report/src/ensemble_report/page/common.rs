@@ -1,9 +1,9 @@
 //! What several parts of the page say alike.
 use stochc_ensemble::text::{Tick, escaped, number};
 use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
+use stochc_files::address::address;
 
 use super::Parts;
-use crate::ensemble_report::address;
 use crate::ensemble_report::html::{Html, HtmlCell, name};
 use crate::svg::{Drawing, Medium};
 use crate::text::sentence as in_words;

@@ -4,7 +4,7 @@ use stochc_ensemble::{PairwiseResult, PairwiseTest, Time};
 
 use super::common::{figures, show, tick};
 use super::{Parts, ROWS};
-use crate::analysis::subject::{FailedRun, ReportedProgram};
+use crate::analysis::reported_program::{FailedRun, ReportedProgram};
 use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::ensemble_report::narrative::tick_of;
 use crate::figures as picture;

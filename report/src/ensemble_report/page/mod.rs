@@ -18,7 +18,7 @@ use summary::in_short;
 use sweeps::sweeps;
 
 use crate::analysis::maps::Maps;
-use crate::analysis::subject::{Input, ReportedProgram};
+use crate::analysis::reported_program::{Input, ReportedProgram};
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, name};
 use crate::ensemble_report::{MARK, ReportLocation};

@@ -7,7 +7,7 @@ use super::common::{coefficient, figure, figures, mean_cell, show};
 use super::maps::maps;
 use super::origin::{first_of_text, text_id};
 use super::{Parts, ROWS};
-use crate::analysis::subject::ReportedProgram;
+use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
 use crate::ensemble_report::narrative::{RunContext, heading, lead, narrative, sizes as sizes_of};

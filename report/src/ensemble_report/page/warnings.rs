@@ -3,7 +3,7 @@ use stochc_files::shell;
 use stochc_runtime::Model;
 
 use super::common::inside;
-use crate::analysis::subject::Input;
+use crate::analysis::reported_program::Input;
 use crate::ensemble_report::html::{code, name};
 use crate::tables::KNOWN_BIAS;
 

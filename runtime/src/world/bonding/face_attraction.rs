@@ -7,6 +7,7 @@ use stochc_protocol::Orientation;
 use crate::world::parameters::{Attraction, Magnet, Passive, Pull, Suction};
 use crate::world::real::{Real, normal};
 use crate::world::rotation::matrix;
+use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// Below this distance \[side\] a pull has no direction.
 const COINCIDENT: f64 = 1e-6;
@@ -17,9 +18,6 @@ const FACE_YIELDS: f64 = 1.0 + 0.25 * INVERSE_INERTIA;
 
 /// The same of its four corners together, which turn the block about the normal, 1/sqrt(2) of a side away.
 const CORNERS_YIELD: f64 = 4.0 * 0.5 * INVERSE_INERTIA;
-
-/// Of a cube of side 1 and mass 1.
-pub(crate) const INVERSE_INERTIA: f64 = 6.0;
 
 /// A magnetized face in space.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

@@ -7,4 +7,4 @@ pub(crate) mod pair_attraction;
 mod swept_docking;
 
 pub(crate) use docking::{Anchored, Faces, ReleasedBlock};
-pub(crate) use face_attraction::{AttractingFace, INVERSE_INERTIA};
+pub(crate) use face_attraction::AttractingFace;

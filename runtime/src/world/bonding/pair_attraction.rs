@@ -99,6 +99,7 @@ mod tests {
     use stochc_ir::scene::Measure;
 
     use super::*;
+    use crate::world::unit_cube::INVERSE_INERTIA;
 
     fn magnet() -> Magnet {
         Magnet {
@@ -177,7 +178,7 @@ mod tests {
         assert!(first.linear.norm() > 1e-3);
         assert!((first.linear + second.linear).norm() < 1e-12);
         let turning = |pose: &Pose, push: &VelocityChange<f64>| {
-            pose.position.cross(&push.linear) + push.angular / super::super::INVERSE_INERTIA
+            pose.position.cross(&push.linear) + push.angular / INVERSE_INERTIA
         };
         assert!((turning(&a, &first) + turning(&b, &second)).norm() < 1e-12);
     }

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use super::drag::mean;
 use crate::counter_rng::{Draws, Stream, gaussians};
 use crate::world::blocks::Motion;
-use crate::world::bonding::INVERSE_INERTIA;
 use crate::world::parameters::Resistance;
+use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// The fluctuations of a step.
 #[derive(Debug)]

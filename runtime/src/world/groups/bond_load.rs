@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use super::rigid_motion::RigidMotion;
 use super::{BlockGroup, connected};
 use crate::world::blocks::Motion;
-use crate::world::bonding::INVERSE_INERTIA;
 use crate::world::external_forces::Response;
+use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// The bond that is loaded most, and its load \[side / tick^2\]; `None` without bonds.
 ///

@@ -2,7 +2,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::world::blocks::Motion;
-use crate::world::bonding::INVERSE_INERTIA;
+use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// The motion of a rigid body that has the momentum and the angular momentum of its cubes.
 #[derive(Clone, Copy, Debug)]

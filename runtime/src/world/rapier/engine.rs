@@ -11,9 +11,9 @@ use stochc_ir::table::Plate;
 
 use super::convert::{pose3, vec3};
 use crate::settings::Settings;
-use crate::world::bonding::INVERSE_INERTIA;
 use crate::world::parameters::{ContactParameters, Shell, WorldParameters};
 use crate::world::real::cast;
+use crate::world::unit_cube::INVERSE_INERTIA;
 use crate::world::{BodyState, SceneError};
 
 /// Thickness of the ground \[side\]: so much that nothing is ever pushed out below it.

@@ -2,8 +2,8 @@
 //!
 //! It has the structure's geometry and no other: good for testing a protocol under many orders of
 //! events, useless for times.
-mod exposed;
 mod groups;
+mod unplanned_faces;
 
 use std::collections::BTreeMap;
 
@@ -16,8 +16,8 @@ use super::lattice::{FaceChange, LatticeStructure, NOBODY, WORKED, bit, site};
 use super::ranked::RankedSet;
 use super::{Fault, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use exposed::ExposedFaces;
 use groups::DisjointSets;
+use unplanned_faces::ExposedFaces;
 
 /// A world of cells. A tick takes about the same time however many blocks there are.
 #[derive(Clone, Debug)]

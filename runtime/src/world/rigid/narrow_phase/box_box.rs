@@ -1,37 +1,13 @@
 //! Two boxes: where they touch.
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Vector3;
 use smallvec::smallvec;
 
 use super::clipping::face_points;
+use super::cuboid::Cuboid;
 use super::separating_axis::{Direction, LeastOverlap, least_overlaps};
 use super::{Manifold, ManifoldPoint};
 use crate::world::real::Real;
 use crate::world::rigid::simd::{ABREAST, Lane};
-
-/// A box in space.
-#[derive(Clone, Copy, Debug)]
-pub struct Cuboid<'a, R: Real> {
-    pub centre: Vector3<R>,
-    /// Own directions to the world's.
-    pub axes: &'a Rotation3<R>,
-    /// Half of its edges.
-    pub half: Vector3<R>,
-}
-
-impl<R: Real> Cuboid<'_, R> {
-    /// A block.
-    pub fn cube(centre: Vector3<R>, axes: &Rotation3<R>) -> Cuboid<'_, R> {
-        Cuboid {
-            centre,
-            axes,
-            half: Vector3::repeat(R::of(0.5)),
-        }
-    }
-
-    pub fn axis(&self, i: usize) -> Vector3<R> {
-        self.axes.matrix().column(i).into_owned()
-    }
-}
 
 /// Shows how pairs of boxes overlap, as many of them as count: which it is, and its manifold. Normals point from the second
 /// box to the first.

@@ -2,7 +2,8 @@
 use nalgebra::Vector3;
 use smallvec::SmallVec;
 
-use super::{Cuboid, ManifoldPoint};
+use super::ManifoldPoint;
+use super::cuboid::Cuboid;
 use crate::world::real::Real;
 
 /// Points, and how much deeper they are per length.

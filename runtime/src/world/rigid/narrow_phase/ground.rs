@@ -3,7 +3,8 @@ use nalgebra::{Rotation3, Vector3};
 use smallvec::{SmallVec, smallvec};
 
 use super::clipping::{opposite_face, slope};
-use super::{Cuboid, Manifold, ManifoldPoint};
+use super::cuboid::Cuboid;
+use super::{Manifold, ManifoldPoint};
 use crate::world::real::Real;
 
 /// The corners of a cube that are below the ground.

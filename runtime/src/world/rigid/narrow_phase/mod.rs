@@ -1,6 +1,7 @@
 //! Where two convex bodies overlap: along which direction least, and at which points.
 mod box_box;
 mod clipping;
+mod cuboid;
 mod ground;
 mod separating_axis;
 
@@ -9,7 +10,8 @@ use smallvec::SmallVec;
 
 use crate::world::real::Real;
 
-pub(super) use box_box::{Cuboid, boxes};
+pub(super) use box_box::boxes;
+pub(super) use cuboid::Cuboid;
 pub(super) use ground::{ball_on_ground, cube_on_ground, face_on_ground};
 
 /// The points at which one body touches another.

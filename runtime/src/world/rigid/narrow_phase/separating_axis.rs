@@ -1,7 +1,7 @@
 //! The fifteen separating axes of two boxes (Gottschalk, Lin, Manocha 1996), for several pairs side
 //! by side: most pairs that are near each other do not touch, and which axis says so is hard to
 //! guess.
-use super::Cuboid;
+use super::cuboid::Cuboid;
 use crate::world::rigid::simd::{ABREAST, Lane, Wide, first, sum, transposed};
 
 /// Edges count as parallel when the sine of their angle is below this.

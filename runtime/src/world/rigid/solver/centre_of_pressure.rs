@@ -7,9 +7,9 @@
 //! the slope that the force makes per length in a step, that is the point of the patch nearest to x0 + g / r.
 use nalgebra::Vector3;
 
-use crate::world::bonding::INVERSE_INERTIA;
 use crate::world::real::Real;
 use crate::world::rigid::narrow_phase::{Manifold, ManifoldPoint};
+use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// The one point that stands for a patch.
 ///

@@ -1,8 +1,8 @@
 //! The bodies that touch something, and how contacts change their motion.
 use nalgebra::Vector3;
 
-use crate::world::bonding::INVERSE_INERTIA;
 use crate::world::rigid::simd::{Lane, Quad};
+use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// How a body moves, and how much it minds being pushed.
 #[derive(Clone, Copy, Debug)]

@@ -12,8 +12,8 @@ use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
 use super::critical_path::{CriticalPathSegment, critical_path, moments};
+use super::decisive_events::DecisiveEvents;
 use super::events::Events;
-use super::waits::Decisive;
 
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
@@ -63,7 +63,7 @@ pub(crate) struct ReportedProgram<'a> {
     /// What its runs tell as a point of a sweep.
     pub point: PointTally,
     pub waits: WaitsTally,
-    pub decisive: Decisive,
+    pub decisive: DecisiveEvents,
     phase_times: Vec<TimeSample>,
     /// Of an aggregate, the times from the beginning to each size of its largest group.
     size_times: Vec<TimeSample>,
@@ -179,7 +179,7 @@ impl<'a> ReportedProgram<'a> {
             dots: Dots::default(),
             point: PointTally::new(clock.tick(program)),
             waits: WaitsTally::default(),
-            decisive: Decisive::of(&events),
+            decisive: DecisiveEvents::of(&events),
             phase_times: vec![TimeSample::default(); program.phases().len()],
             size_times: vec![TimeSample::default(); program.phases().len()],
             example_runs: Vec::new(),
@@ -221,7 +221,7 @@ impl<'a> ReportedProgram<'a> {
                     });
                 }
             }
-            _ => self.decisive.add(run),
+            _ => (self.decisive).add(run.record.ticks, &run.critical_path),
         }
     }
 

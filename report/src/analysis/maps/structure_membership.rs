@@ -7,13 +7,13 @@ use stochc_ir::record::RunRecord;
 use super::AGES;
 
 /// When each block is part of the structure.
-pub(super) struct Held {
+pub(super) struct StructureMembership {
     /// By block: from docking to release, in the order of time.
     stretches: BTreeMap<u32, Vec<(u64, u64)>>,
 }
 
-impl Held {
-    pub fn of(record: &RunRecord) -> Held {
+impl StructureMembership {
+    pub fn of(record: &RunRecord) -> StructureMembership {
         let mut stretches: BTreeMap<u32, Vec<(u64, u64)>> = BTreeMap::new();
         for bond in &record.bonds {
             let all = stretches.entry(bond.body).or_default();
@@ -28,7 +28,7 @@ impl Held {
                 *end = release.tick;
             }
         }
-        Held { stretches }
+        StructureMembership { stretches }
     }
 
     pub fn is_held(&self, body: u32, tick: u64) -> bool {
@@ -49,7 +49,7 @@ pub(super) struct PlaceQuery {
 }
 
 /// All places to look up, the first last: those of blocks that were free then.
-pub(super) fn wanted(record: &RunRecord, held: &Held) -> Vec<PlaceQuery> {
+pub(super) fn wanted(record: &RunRecord, held: &StructureMembership) -> Vec<PlaceQuery> {
     let mut wanted = Vec::new();
     for bond in &record.bonds {
         for (age, ago) in AGES.iter().enumerate() {
@@ -114,7 +114,7 @@ mod tests {
             }],
             unplanned_bonds: Vec::new(),
         };
-        let held = Held::of(&record);
+        let held = StructureMembership::of(&record);
         let ticks = [299, 300, 499, 500, 1199, 1200];
         let expected = [false, true, true, false, false, true];
         assert_eq!(ticks.map(|tick| held.is_held(7, tick)), expected);

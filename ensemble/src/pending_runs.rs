@@ -11,7 +11,7 @@ pub(super) struct PendingRun {
 }
 
 /// Runs that are to be done.
-pub(super) struct Todo<'a> {
+pub(super) struct PendingRuns<'a> {
     programs: u64,
     jobs: Range<u64>,
     /// Runs of which none is done again.
@@ -20,11 +20,15 @@ pub(super) struct Todo<'a> {
     pub left: u64,
 }
 
-impl<'a> Todo<'a> {
+impl<'a> PendingRuns<'a> {
     /// Those of these [`job`]s that are not `kept`, of which there are no others.
-    pub fn all(manifest: &Manifest, jobs: Range<u64>, kept: Option<&'a Records>) -> Todo<'a> {
+    pub fn all(
+        manifest: &Manifest,
+        jobs: Range<u64>,
+        kept: Option<&'a Records>,
+    ) -> PendingRuns<'a> {
         let done = kept.map_or(0, |kept| kept.len() as u64);
-        Todo {
+        PendingRuns {
             programs: manifest.programs.len() as u64,
             left: (jobs.end - jobs.start).saturating_sub(done),
             jobs,

@@ -18,11 +18,11 @@ use crate::journal::{Journal, JournalHeader, read_lines};
 use crate::{EnsembleProgram, FolderError, this_build};
 
 /// Its name in the folder of a trade.
-pub const MEMORY: &str = "trade.jsonl";
+pub const MEASUREMENT_JOURNAL: &str = "trade.jsonl";
 
 /// Runs that were measured before, and a file for those that are measured now.
 #[derive(Debug)]
-pub struct Memory {
+pub struct MeasurementJournal {
     known: BTreeMap<(String, usize, u64), Measured>,
     elapsed: Duration,
     journal: Journal,
@@ -40,7 +40,7 @@ struct Entry {
     elapsed: f64,
 }
 
-impl Memory {
+impl MeasurementJournal {
     /// Opens the one of a folder, and makes it if it is not there; runs of other programs, another seed or another
     /// build are not believed.
     ///
@@ -50,9 +50,9 @@ impl Memory {
         folder: &Path,
         programs: &[EnsembleProgram],
         seed: u64,
-    ) -> Result<Memory, FolderError> {
+    ) -> Result<MeasurementJournal, FolderError> {
         let lock = lock(folder)?;
-        let path = folder.join(MEMORY);
+        let path = folder.join(MEASUREMENT_JOURNAL);
         let most = programs
             .iter()
             .map(EnsembleProgram::captures)
@@ -74,7 +74,7 @@ impl Memory {
                 );
             }
         })?;
-        Ok(Memory {
+        Ok(MeasurementJournal {
             known,
             elapsed,
             journal: Journal::open(&path, &header, whole)?,

@@ -2,16 +2,16 @@
 
 /// A file of a folder, and what is known of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FileHealth {
+pub struct FileIntegrity {
     /// Its name within the folder.
     pub name: String,
     /// How it is.
-    pub health: Health,
+    pub health: Integrity,
 }
 
 /// How a file is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Health {
+pub enum Integrity {
     /// Its checksums are right.
     Sound,
     /// It can be read, but nothing says whether it is as it was written.
@@ -20,17 +20,17 @@ pub enum Health {
     Damaged(Vec<String>),
 }
 
-impl Health {
+impl Integrity {
     /// Whether something is wrong.
     pub fn is_damaged(&self) -> bool {
-        matches!(self, Health::Damaged(_))
+        matches!(self, Integrity::Damaged(_))
     }
 
-    pub(super) fn of(damage: Vec<String>, is_protected: bool) -> Health {
+    pub(super) fn of(damage: Vec<String>, is_protected: bool) -> Integrity {
         match (damage.is_empty(), is_protected) {
-            (false, _) => Health::Damaged(damage),
-            (true, true) => Health::Sound,
-            (true, false) => Health::Unprotected,
+            (false, _) => Integrity::Damaged(damage),
+            (true, true) => Integrity::Sound,
+            (true, false) => Integrity::Unprotected,
         }
     }
 }

@@ -1,0 +1,36 @@
+//! Which events decided when runs were complete.
+use super::critical_path::CriticalPathSegment;
+use super::events::Events;
+
+/// What decided the time of runs, while these are told.
+#[derive(Clone, Debug)]
+pub(crate) struct DecisiveEvents {
+    /// Ticks that each event took on the critical paths of all runs.
+    pub spent: Vec<f64>,
+    /// In how many runs it was on it.
+    pub decided: Vec<usize>,
+    /// Ticks of all runs.
+    pub total: f64,
+}
+
+impl DecisiveEvents {
+    pub fn of(events: &Events) -> DecisiveEvents {
+        let count = events.events.len();
+        DecisiveEvents {
+            spent: vec![0.0; count],
+            decided: vec![0; count],
+            total: 0.0,
+        }
+    }
+
+    /// Adds a run that did not fail.
+    pub fn add(&mut self, ticks: u64, critical_path: &[CriticalPathSegment]) {
+        self.total += ticks as f64;
+        for segment in critical_path {
+            if let Some(event) = segment.event() {
+                self.spent[event] += segment.ticks() as f64;
+                self.decided[event] += 1;
+            }
+        }
+    }
+}

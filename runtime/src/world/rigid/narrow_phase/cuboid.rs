@@ -1,0 +1,29 @@
+//! A box that is turned any way.
+use nalgebra::{Rotation3, Vector3};
+
+use crate::world::real::Real;
+
+/// A box in space.
+#[derive(Clone, Copy, Debug)]
+pub struct Cuboid<'a, R: Real> {
+    pub centre: Vector3<R>,
+    /// Own directions to the world's.
+    pub axes: &'a Rotation3<R>,
+    /// Half of its edges.
+    pub half: Vector3<R>,
+}
+
+impl<R: Real> Cuboid<'_, R> {
+    /// A block.
+    pub fn cube(centre: Vector3<R>, axes: &Rotation3<R>) -> Cuboid<'_, R> {
+        Cuboid {
+            centre,
+            axes,
+            half: Vector3::repeat(R::of(0.5)),
+        }
+    }
+
+    pub fn axis(&self, i: usize) -> Vector3<R> {
+        self.axes.matrix().column(i).into_owned()
+    }
+}
