@@ -38,6 +38,12 @@ pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Che
 }
 
 /// [`check`], from a text that imports nothing; findings call it `name`.
+///
+/// ```
+/// let checked = stochc::check_text("pair.sa", "assembly pair { seed plate 1 x 1 { M at (0, 0) }\nphase grow { N.up -> A } }");
+/// assert!(checked.has_errors());
+/// assert_eq!(checked.diagnostics[0].code.name(), "unknown-name");
+/// ```
 pub fn check_text(name: &str, text: &str) -> Checked {
     check_texts(&[(name, text)], &LintLevels::default(), "", &[])
 }
@@ -82,6 +88,15 @@ impl std::error::Error for CompileError {}
 
 /// The programs of a file that has been checked, ready to run.
 ///
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let text = "assembly pair { seed plate 1 x 1 { M at (0, 0) }\nphase grow { M.up -> A } }";
+/// let programs = stochc::compile(stochc::check_text("pair.sa", text))?;
+/// assert_eq!(programs[0].tables.assembly, "pair");
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// If the file has errors.
 pub fn compile(checked: Checked) -> Result<Vec<Executable>, Box<CompileError>> {
@@ -93,6 +108,19 @@ pub fn compile(checked: Checked) -> Result<Vec<Executable>, Box<CompileError>> {
 }
 
 /// Makes a run of a program, to its end: a pure function of its arguments.
+///
+/// ```
+/// use stochc::runtime::{Model, Settings};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let text = "assembly pair { seed plate 1 x 1 { M at (0, 0) }\nphase grow { M.up -> A } }";
+/// let programs = stochc::compile(stochc::check_text("pair.sa", text))?;
+/// let settings = Settings::of(Model::Shuffle, /* substeps */ 1);
+/// let record = stochc::simulate(&programs[0], &settings, /* seed */ 1, /* run */ 0)?;
+/// assert_eq!(record.bonds.len(), 1);
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// If the scene cannot be set up as the settings say.

@@ -50,7 +50,7 @@ mod unplanned_bonds;
 mod unused;
 
 pub use checked::{Checked, Program};
-pub use expand::{Limits, MAX_NESTING};
+pub use expand::Limits;
 pub use fix::{Fixed, fix};
 pub use lint_levels::{Allowed, Level, LintLevels};
 pub use load::{Module, join as join_import};

@@ -6,8 +6,8 @@ use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
 use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, TextChange};
-use stochc_compiler::plan::{EventId, EventKind, PlanEvent};
 use stochc_compiler::face_turns::is_ready;
+use stochc_compiler::plan::{EventId, EventKind, PlanEvent};
 use stochc_compiler::{Checked, FileId, Limits, Program, check};
 use stochc_ir::{Cell, Face};
 

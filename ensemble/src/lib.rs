@@ -26,9 +26,8 @@
 //! let results = run(Destination::Memory(&manifest), &progress, &stop, |program, number, watch| {
 //!     let program = &manifest.programs[program];
 //!     let mut told = |tick, phase| watch.tick(tick, phase);
-//!     let (tables, scene) = (program.tables(), &program.scene);
-//!     stochc_runtime::run(tables, scene, &manifest.settings, manifest.seed, number, &mut told)
-//!         .map_err(|_| RunCancelled)
+//!     let record = program.run(&manifest.settings, (manifest.seed, number), &mut told);
+//!     record.map_err(|_| RunCancelled)
 //! })?;
 //! let comparison = Comparison::of(&manifest, &results.finished.to_vec()?);
 //! assert_eq!(comparison.programs[0].completed, 10);
@@ -57,6 +56,7 @@ mod manifest;
 mod pairwise;
 mod parquet;
 mod pending_runs;
+mod program_run;
 mod progress;
 mod record_json;
 mod record_validation;
@@ -93,6 +93,7 @@ pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pair
 pub use parquet::{
     ColumnShape, ColumnValues, TableShape, each_row_group, table_metadata, tables, tables_of,
 };
+pub use program_run::{unless, until};
 pub use progress::{ProgramProgress, ProgramTimes, Progress, RunWatch, Snapshot, Totals};
 pub use record_json::record_json;
 pub use records::Records;

@@ -1,5 +1,5 @@
 //! What is known of a name, in Markdown.
-use std::borrow::Cow;
+
 use std::fmt::Write as _;
 
 use stochc_compiler::cost::{Cost, estimate};
@@ -146,8 +146,7 @@ fn block(
 /// How long it takes, in a scene whose rates are known or can be guessed.
 fn times(program: &Program) -> Option<Cost> {
     let scene = program.scene.as_ref()?;
-    let guess = || Rates::first_guess(scene).map(Cow::Owned);
-    let rates = Rates::built_in(scene).map(Cow::Borrowed).or_else(guess)?;
+    let rates = Rates::known_or_guessed(&[], scene)?;
     let is_small = program.plan.events.len() <= MOST_ESTIMATED;
     is_small.then(|| estimate(program, Some(&*rates))).flatten()
 }

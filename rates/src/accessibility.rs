@@ -42,7 +42,7 @@ thread_local! {
 /// The part of the sphere around a face that blocks and ground leave open, from 0 to 1.
 ///
 /// `way` leads from the block that captures to the cell where the captured one will sit, which these cells are around.
-pub fn unobstructed(way: Face, around: Neighbourhood) -> f64 {
+pub(crate) fn unobstructed(way: Face, around: Neighbourhood) -> f64 {
     let around = around.within(in_reach(way));
     KNOWN.with_borrow_mut(|known| {
         if known.len() >= KEPT {

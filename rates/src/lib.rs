@@ -30,7 +30,7 @@ mod surroundings;
 mod times;
 mod wait;
 
-pub use accessibility::{offsets, sees, unobstructed};
+pub use accessibility::{offsets, sees};
 pub use docking_time::STAGES;
 pub use first_guess::GUESS_ERROR;
 pub use gap::{beside_gap, gap_entrances};

@@ -1,4 +1,5 @@
 //! What was measured of a scene.
+use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
@@ -135,6 +136,12 @@ impl Rates {
     pub fn known<'a>(given: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
         let given = given.iter().find(|rates| rates.are_of(scene));
         given.or_else(|| Rates::built_in(scene))
+    }
+
+    /// Those of a scene that are known, or a [first guess](Rates::first_guess).
+    pub fn known_or_guessed<'a>(given: &'a [Rates], scene: &Scene) -> Option<Cow<'a, Rates>> {
+        let known = Rates::known(given, scene).map(Cow::Borrowed);
+        known.or_else(|| Rates::first_guess(scene).map(Cow::Owned))
     }
 
     /// Whether they are of this scene.

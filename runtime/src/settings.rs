@@ -166,6 +166,22 @@ impl Model {
             Model::Shuffle => "shuffle",
         }
     }
+
+    /// What it is, in a line.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Model::Rapier => "Rigid bodies by the general engine Rapier",
+            Model::Rigid => {
+                "Rigid bodies by our own kernel, fast for many blocks that rarely touch"
+            }
+            Model::Rate => {
+                "No motion: waits drawn by rates that were measured with `rigid`, thousands of times faster"
+            }
+            Model::Shuffle => {
+                "No physics: one random capture in each tick, to try out event tables"
+            }
+        }
+    }
 }
 
 impl Reduction {
@@ -176,6 +192,16 @@ impl Reduction {
             Reduction::Spheres => "spheres",
             Reduction::NoFriction => "no-friction",
             Reduction::NoBlockContact => "no-block-contact",
+        }
+    }
+
+    /// What is left out, in a line.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Reduction::NoRotation => "Blocks never turn",
+            Reduction::Spheres => "Blocks collide as spheres",
+            Reduction::NoFriction => "Contacts have no friction",
+            Reduction::NoBlockContact => "Free blocks pass through each other",
         }
     }
 
@@ -197,6 +223,14 @@ impl Precision {
         match self {
             Precision::Single => "single",
             Precision::Double => "double",
+        }
+    }
+
+    /// What it is, in a line.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Precision::Single => "32-bit floating point",
+            Precision::Double => "64-bit floating point",
         }
     }
 

@@ -3,17 +3,17 @@ use std::io::{BufReader, ErrorKind, Read, Seek as _};
 use std::path::{Path, PathBuf};
 
 use stochc_ensemble::recording::{EVERY, Outline, Recorder, RecordingError, RecordingHeader, path};
-use stochc_ensemble::{EnsembleProgram, Finished, Manifest, Records};
+use stochc_ensemble::{EnsembleProgram, Finished, Manifest, Records, until};
 use stochc_files as files;
 use stochc_files::File;
 use stochc_files::atomic::Draft;
 use stochc_files::budget::RECORDING;
 use stochc_ir::record::RunRecord;
+use stochc_runtime::RunError;
 use stochc_runtime::observe::Observer;
-use stochc_runtime::{RunError, observe};
 
 use super::recordings::begin;
-use super::runs::{until, warn_of_build};
+use super::runs::warn_of_build;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
@@ -114,17 +114,9 @@ impl ChosenRun {
     ) -> Result<RunRecord, Failure> {
         warn_of_build(&self.manifest.builds, host);
         let mut watch = until(host.stop());
-        let (tables, scene) = (self.entry().tables(), &self.entry().scene);
-        let (seed, run) = (self.manifest.seed, self.run);
-        let record = observe(
-            tables,
-            scene,
-            &self.manifest.settings,
-            seed,
-            run,
-            &mut watch,
-            observer,
-        );
+        let run = self.run;
+        let (settings, key) = (&self.manifest.settings, (self.manifest.seed, run));
+        let record = (self.entry()).observe(settings, key, &mut watch, observer);
         let record = record.map_err(|error| match error {
             RunError::Cancelled => Failure::silent(Exit::Interrupted),
             error => Failure::usage(error),

@@ -11,7 +11,7 @@ use stochc_runtime::{Model, Settings};
 
 use super::in_memory::all_runs;
 use super::programs::recompile;
-use super::rates::{at_hand, at_hand_or_guessed, of_files, of_scenes, supported};
+use super::rates::{at_hand, of_files, of_scenes, supported};
 use super::runs::try_out_all;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
@@ -61,7 +61,7 @@ pub fn estimates(
                 message: "stopped; nothing was estimated\n".to_owned(),
             });
         }
-        let rates = at_hand_or_guessed(&known, &program.scene).filter(|_| how.runs.is_none());
+        let rates = Rates::known_or_guessed(&known, &program.scene).filter(|_| how.runs.is_none());
         match rates.and_then(|rates| of_graph(&program, &rates)) {
             Some(estimate) => Ok(estimate),
             None => of_runs(program, &known, how, host),

@@ -2,7 +2,6 @@
 use stochc_ensemble::{
     Destination, Manifest, Progress, Results, RunCancelled, RunWatch, run as run_all,
 };
-use stochc_runtime::run as run_once;
 
 use super::runs::threads as default_threads;
 use crate::exit::{Exit, Failure};
@@ -24,8 +23,7 @@ pub fn all_runs(
         let program = &manifest.programs[entry];
         let mut told = |tick, phase| watch.tick(tick, phase);
         let seed = manifest.seed.wrapping_add(entry as u64);
-        let (tables, scene) = (program.tables(), &program.scene);
-        let record = run_once(tables, scene, &manifest.settings, seed, number, &mut told);
+        let record = program.run(&manifest.settings, (seed, number), &mut told);
         record.map_err(|_| RunCancelled)
     };
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);

@@ -1,11 +1,11 @@
 //! How much memory the runs of an ensemble need, and how many can be made at the same time in what is allowed.
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use stochc_ensemble::{EnsembleProgram, Manifest};
+use stochc_ensemble::{EnsembleProgram, Manifest, unless};
 use stochc_files::budget::size;
-use stochc_runtime::{Settings, run as run_once};
+use stochc_runtime::Settings;
 
 use super::runs;
 use crate::exit::Failure;
@@ -113,13 +113,12 @@ fn of_one(program: &EnsembleProgram, settings: &Settings, stop: &AtomicBool) -> 
     let mut most = 0;
     let mut watch = |tick, _| {
         most = most.max(taken().unwrap_or(0));
-        match tick < TICKS && !stop.load(Ordering::Relaxed) {
-            true => ControlFlow::Continue(()),
+        match tick < TICKS {
+            true => unless(stop),
             false => ControlFlow::Break(()),
         }
     };
-    let (tables, scene) = (program.tables(), &program.scene);
-    let _ = run_once(tables, scene, settings, 0, 0, &mut watch);
+    let _ = program.run(settings, (0, 0), &mut watch);
     most
 }
 

@@ -1,5 +1,4 @@
 //! Rates for `--model rate`: those of files, or measured now.
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use stochc_compiler::LintLevels;
@@ -70,12 +69,6 @@ pub fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
 /// The rates of a scene that are known, or come with the program; `None` as well where no rates speak of the scene.
 pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
     Rates::known(known, scene).filter(|_| RateWorld::unsupported(scene).is_none())
-}
-
-/// Rates to estimate by: those at hand, or a first guess.
-pub fn at_hand_or_guessed<'a>(known: &'a [Rates], scene: &Scene) -> Option<Cow<'a, Rates>> {
-    let known = at_hand(known, scene).map(Cow::Borrowed);
-    known.or_else(|| Rates::first_guess(scene).map(Cow::Owned))
 }
 
 /// Whether rates speak of a program and its scene.

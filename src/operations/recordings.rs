@@ -7,7 +7,7 @@ use stochc_ensemble::recording::{self, Recorder, RecordingHeader, Selection, pat
 use stochc_ensemble::{EnsembleProgram, Manifest, Records};
 use stochc_files::atomic::{Draft, Replaces, make_own_folder};
 use stochc_ir::record::RunRecord;
-use stochc_runtime::{RunError, Watch, observe};
+use stochc_runtime::{RunError, Watch};
 
 use crate::exit::Failure;
 use crate::host::Host;
@@ -90,23 +90,15 @@ impl RecordingOfRun<'_> {
         program: &EnsembleProgram,
         watch: &mut impl Watch,
     ) -> Result<RunRecord, RunError> {
-        let (tables, scene) = (program.tables(), &program.scene);
-        let (settings, seed) = (&self.all.manifest.settings, self.all.manifest.seed);
+        let settings = &self.all.manifest.settings;
+        let key = (self.all.manifest.seed, self.run);
         let (header, path) = (
             self.header(program),
             path(self.folder, self.program, self.run),
         );
         match begin(&path, &header, program) {
             Ok(mut recorder) => {
-                let record = observe(
-                    tables,
-                    scene,
-                    settings,
-                    seed,
-                    self.run,
-                    watch,
-                    &mut recorder,
-                )?;
+                let record = program.observe(settings, key, watch, &mut recorder)?;
                 if let Err(error) = recorder.finish(&record).and_then(Draft::keep) {
                     self.fail(error);
                 }
@@ -114,7 +106,7 @@ impl RecordingOfRun<'_> {
             }
             Err(error) => {
                 self.fail(error);
-                stochc_runtime::run(tables, scene, settings, seed, self.run, watch)
+                program.run(settings, key, watch)
             }
         }
     }

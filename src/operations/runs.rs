@@ -1,13 +1,9 @@
 //! Runs of a manifest, made as whoever makes many of them asks for them.
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use stochc_ensemble::{
-    Checkpoints, EnsembleProgram, Manifest, RunCancelled, RunWatch, other_build,
-};
+use stochc_ensemble::{Checkpoints, Manifest, RunCancelled, RunWatch, other_build, until};
 use stochc_ir::record::RunRecord;
-use stochc_runtime::{RunError, Settings, run as run_once};
 
 use crate::exit::Failure;
 use crate::host::Host;
@@ -27,23 +23,14 @@ pub fn made_again(
     |program, number| made(manifest, (program, number), &mut until(stop))
 }
 
-/// Has a run go on until it is stopped.
-pub fn until(stop: &AtomicBool) -> impl stochc_runtime::Watch {
-    |_, _| match stop.load(Ordering::Relaxed) {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    }
-}
-
 fn made(
     manifest: &Manifest,
     (program, number): (usize, u64),
     watch: &mut impl stochc_runtime::Watch,
 ) -> Result<RunRecord, RunCancelled> {
-    let of = &manifest.programs[program];
-    let (settings, seed) = (&manifest.settings, manifest.seed);
+    let record = manifest.programs[program].run(&manifest.settings, (manifest.seed, number), watch);
     // The scene has been tried out, so only a cancelled run leaves no record.
-    run_once(of.tables(), &of.scene, settings, seed, number, watch).map_err(|_| RunCancelled)
+    record.map_err(|_| RunCancelled)
 }
 
 /// Sets the scenes of programs up once, so that one that cannot be is told of before the first run.
@@ -53,17 +40,9 @@ fn made(
 pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
     let mut programs = manifest.programs.iter();
     programs.try_for_each(|program| {
-        try_out(program, &manifest.settings)
+        (program.try_out(&manifest.settings))
             .map_err(|error| Failure::invalid_program(format!("{}: {error}", program.name)))
     })
-}
-
-fn try_out(program: &EnsembleProgram, settings: &Settings) -> Result<(), RunError> {
-    let mut stop = |_, _| ControlFlow::Break(());
-    match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
-        Err(RunError::Scene(error)) => Err(error.into()),
-        _ => Ok(()),
-    }
 }
 
 /// Says that runs are added to those of another build, or made again, if they are.

@@ -82,7 +82,7 @@ pub struct ExpansionBounds<'c> {
 const UNCOUNTED: usize = 50;
 
 /// Loops, instances and blocks inside each other, at most.
-pub const MAX_NESTING: usize = 200;
+pub(crate) const MAX_NESTING: usize = 200;
 
 /// What a file declares for the programs in it.
 pub struct Declarations<'a> {

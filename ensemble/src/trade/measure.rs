@@ -6,8 +6,8 @@ use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
 use stochc_ir::table::PhaseId;
+use stochc_runtime::Settings;
 use stochc_runtime::world::SceneError;
-use stochc_runtime::{RunError, Settings, run as run_once};
 
 use super::assessment::Conditions;
 use super::candidates::base;
@@ -20,6 +20,7 @@ use super::thread_time::thread_time;
 use crate::clock::now;
 use crate::executor::{RunCancelled, attempt, execute};
 use crate::manifest::EnsembleProgram;
+use crate::program_run::unless;
 
 /// How far a measurement is, for whoever shows it.
 #[derive(Debug, Default)]
@@ -76,10 +77,10 @@ pub fn measure(
     progress: &MeasurementProgress,
 ) -> Result<Trade, (usize, SceneError)> {
     for (i, program) in programs.iter().enumerate() {
-        try_out(program, &base()).map_err(|error| (i, error))?;
+        (program.try_out(&base())).map_err(|error| (i, error))?;
     }
     let cannot = |settings: &Settings| {
-        let refused = |program: &EnsembleProgram| try_out(program, settings).err();
+        let refused = |program: &EnsembleProgram| program.try_out(settings).err();
         programs
             .iter()
             .find_map(refused)
@@ -112,15 +113,6 @@ pub fn measure(
         &plan.limits(),
         conditions,
     ))
-}
-
-/// Sets a scene up, and no more.
-fn try_out(program: &EnsembleProgram, settings: &Settings) -> Result<(), SceneError> {
-    let mut stop = |_, _| ControlFlow::Break(());
-    match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
-        Err(RunError::Scene(error)) => Err(error),
-        _ => Ok(()),
-    }
 }
 
 fn carry_out(
@@ -195,14 +187,10 @@ fn one(
     let last = Cell::new((0, PhaseId(0)));
     let mut watch = |tick, phase| {
         last.set((tick, phase));
-        match setup.stop.load(Ordering::Relaxed) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
+        unless(setup.stop)
     };
-    let (tables, scene) = (program.tables(), &program.scene);
     let simulate = || {
-        let record = run_once(tables, scene, settings, setup.seed, job.run, &mut watch);
+        let record = program.run(settings, (setup.seed, job.run), &mut watch);
         // The scene has been tried out, so only an interrupted run leaves no record.
         record.map_err(|_| RunCancelled)
     };

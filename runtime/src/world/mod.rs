@@ -19,6 +19,7 @@ pub mod rate;
 mod real;
 pub mod rigid;
 pub mod rotation;
+mod shell_force;
 pub mod shuffle;
 mod step_limit;
 mod stepper;

@@ -8,14 +8,14 @@ use stochc_runtime::rates::{Rates, Times};
 use stochc_runtime::world::rate::RateWorld;
 
 use super::super::terminal::output_width;
-use crate::operations::rates::{at_hand, at_hand_or_guessed};
+use crate::operations::rates::at_hand;
 
 /// A table of the phases, and one of the captures that decide how long they take; empty if nothing was asked for.
 pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &[Rates]) -> String {
     let Some(most) = most.filter(|_| !program.plan.events.is_empty()) else {
         return String::new();
     };
-    let rates = (program.scene.as_ref()).and_then(|scene| at_hand_or_guessed(rates, scene));
+    let rates = (program.scene.as_ref()).and_then(|scene| Rates::known_or_guessed(rates, scene));
     let rates = rates.as_deref();
     let is_guess = rates.is_some_and(Rates::is_guess);
     estimate(program, rates).map_or(String::new(), |cost| {

@@ -27,10 +27,10 @@ fn from_files(options: &Options, host: &dyn Host) -> Result<Manifest, Failure> {
         programs = sweep::points(&options.sweep, options.runs, &programs, levels, host)?;
     }
     let settings = Settings {
-        model: options.model.into(),
+        model: options.model,
         solver_iterations: options.solver_iterations,
-        precision: options.precision.into(),
-        reduction: options.reduce.map(Into::into),
+        precision: options.precision,
+        reduction: options.reduce,
         max_ticks: Some(options.max_ticks),
         ..Settings::default().with_steps(options.substeps)
     };

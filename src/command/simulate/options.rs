@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use stochc_ensemble::recording::{EVERY, Selection};
 use stochc_ensemble::sweep::Axis;
 use stochc_ensemble::text::share;
@@ -40,8 +41,8 @@ pub struct Options {
     #[command(flatten)]
     pub chance: SeedOption,
     /// Physical model
-    #[arg(long, default_value = "rigid")]
-    pub model: ModelName,
+    #[arg(long, default_value = "rigid", value_parser = one_of(&Model::ALL, Model::name, Model::meaning))]
+    pub model: Model,
     /// Rates of scenes, by `stochc calibrate --out`, for `--model rate`; scenes that no file is about are measured first
     #[arg(long, value_name = "FILE.rates", conflicts_with = "manifest")]
     pub rates: Vec<PathBuf>,
@@ -54,11 +55,11 @@ pub struct Options {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub solver_iterations: Option<u32>,
     /// Floating-point precision; `double` needs `--model rigid`
-    #[arg(long, default_value = "single")]
-    pub precision: PrecisionName,
+    #[arg(long, default_value = "single", value_parser = one_of(&Precision::ALL, Precision::name, Precision::meaning))]
+    pub precision: Precision,
     /// Leave out a part of the physics, to see what it contributes; needs `--model rigid`
-    #[arg(long, value_name = "HOW")]
-    pub reduce: Option<ReductionName>,
+    #[arg(long, value_name = "HOW", value_parser = one_of(&Reduction::ALL, Reduction::name, Reduction::meaning))]
+    pub reduce: Option<Reduction>,
     /// Use the cheapest setting whose mean times are known to be within PERCENT of a converged
     /// reference, such as 5%
     #[arg(long, value_name = "PERCENT", value_parser = share, conflicts_with_all = ["manifest", "model", "substeps", "solver_iterations", "precision", "reduce"])]
@@ -127,68 +128,18 @@ pub struct Options {
     pub imports: ImportOptions,
 }
 
-/// A model of the physics.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ModelName {
-    /// Rigid bodies by the general engine Rapier
-    Rapier,
-    /// Rigid bodies by our own kernel, fast for many blocks that rarely touch
-    Rigid,
-    /// No motion: waits drawn by rates that were measured with `rigid`, thousands of times faster
-    Rate,
-    /// No physics: one random capture in each tick, to try out event tables
-    Shuffle,
-}
-
-/// Digits of the physics.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum PrecisionName {
-    /// 32-bit floating point
-    Single,
-    /// 64-bit floating point
-    Double,
-}
-
-/// What is left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ReductionName {
-    /// Blocks never turn
-    NoRotation,
-    /// Blocks collide as spheres
-    Spheres,
-    /// Contacts have no friction
-    NoFriction,
-    /// Free blocks pass through each other
-    NoBlockContact,
-}
-
-impl From<PrecisionName> for Precision {
-    fn from(name: PrecisionName) -> Precision {
-        match name {
-            PrecisionName::Single => Precision::Single,
-            PrecisionName::Double => Precision::Double,
-        }
-    }
-}
-
-impl From<ReductionName> for Reduction {
-    fn from(name: ReductionName) -> Reduction {
-        match name {
-            ReductionName::NoRotation => Reduction::NoRotation,
-            ReductionName::Spheres => Reduction::Spheres,
-            ReductionName::NoFriction => Reduction::NoFriction,
-            ReductionName::NoBlockContact => Reduction::NoBlockContact,
-        }
-    }
-}
-
-impl From<ModelName> for Model {
-    fn from(name: ModelName) -> Model {
-        match name {
-            ModelName::Rapier => Model::Rapier,
-            ModelName::Rigid => Model::Rigid,
-            ModelName::Rate => Model::Rate,
-            ModelName::Shuffle => Model::Shuffle,
-        }
-    }
+/// One of the values of a setting, by its name.
+fn one_of<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+    meaning: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let values = all.iter();
+    let values = values.map(|&value| PossibleValue::new(name(value)).help(meaning(value)));
+    PossibleValuesParser::new(values).map(move |word| {
+        let mut named = all.iter().copied();
+        named
+            .find(|&value| name(value) == word)
+            .expect("it is one of them")
+    })
 }

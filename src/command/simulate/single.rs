@@ -3,17 +3,15 @@ use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
 use stochc_ensemble::text::{Tick, seconds, visible};
-use stochc_ensemble::{EnsembleProgram, Manifest, record_json};
+use stochc_ensemble::{EnsembleProgram, Manifest, record_json, until};
 use stochc_ir::counted;
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
-use stochc_runtime::run as run_once;
 
 use super::super::results::ResultsFormat;
 use super::super::terminal::print;
 use super::Options;
 use crate::exit::{Exit, Failure};
-use crate::operations::runs::until;
 
 /// Does one run of each program.
 pub fn run(
@@ -26,9 +24,7 @@ pub fn run(
     let mut exit = Exit::Success;
     let mut records = Vec::new();
     for program in &manifest.programs {
-        let (tables, scene) = (program.tables(), &program.scene);
-        let (settings, seed) = (&manifest.settings, manifest.seed);
-        let record = run_once(tables, scene, settings, seed, number, &mut watch);
+        let record = program.run(&manifest.settings, (manifest.seed, number), &mut watch);
         let Ok(record) = record else {
             return Ok(Exit::Interrupted);
         };

@@ -10,13 +10,14 @@ use crate::settings::{Precision, Settings};
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
 use crate::world::motion_limits::MotionLimits;
-use crate::world::parameters::{Kicks, Shell, WorldParameters};
+use crate::world::parameters::{Kicks, WorldParameters};
+use crate::world::shell_force::ShellForce;
 use crate::world::stepper::{Integrator, Moving};
 use crate::world::{BodyState, Fault, SceneError};
 
 /// The engine as an integrator.
 pub(super) struct Rapier {
-    shell: Option<Shell>,
+    shell: Option<ShellForce<f32>>,
     /// Factor on the velocity in each substep.
     drag: Option<f32>,
     /// Length of a substep \[tick\].
@@ -62,7 +63,7 @@ impl Integrator for Rapier {
         };
         let left = |rate: f64| libm::exp(-rate / f64::from(substeps)) as f32;
         let rapier = Rapier {
-            shell: parameters.shell,
+            shell: parameters.shell.as_ref().map(ShellForce::new),
             drag: parameters.drag.map(left),
             dt: 1.0 / substeps as f32,
             joints: Joints::default(),
@@ -92,14 +93,9 @@ impl Integrator for Rapier {
             if block.anchored.is_some() {
                 continue;
             }
-            if let Some(shell) = self.shell {
-                let way = block.position - Vector3::z() * shell.height as f32;
-                let distance = way.norm();
-                let depth = distance - shell.radius as f32;
-                if depth > 0.0 {
-                    let stiffness = shell.stiffness as f32;
-                    block.velocity -= way * (stiffness * depth / distance * self.dt);
-                }
+            let pull = self.shell.and_then(|shell| shell.pull(block.position));
+            if let Some((way, pull)) = pull {
+                block.velocity -= way * (pull * self.dt);
             }
             if let Some((Kicks { speed: (low, high) }, step)) = &mut kicks {
                 let [speed, height, azimuth, _] = step.block(id as u32);

@@ -1,12 +1,11 @@
 //! What all blocks do in every substep, wherever the others are: shell, kicks, drag, and moving on.
-use nalgebra::Vector3;
-
 use super::bodies::{Bodies, add};
 use super::simd::{LANES, Lane, Wide, square};
 use crate::counter_rng::{StepDraws, WORDS};
 use crate::world::blocks::Blocks;
 use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{self, Kicks, built};
+use crate::world::shell_force::ShellForce;
 
 /// Groups of blocks after which speeds and distances are looked at.
 const CHECKED: usize = 8;
@@ -22,15 +21,6 @@ pub(super) struct FreeFlight<R: Lane> {
     limits: MotionLimits,
 }
 
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ShellForce<R> {
-    radius: R,
-    /// Of its centre.
-    height: R,
-    /// Change of velocity per depth and time.
-    pull: R,
-}
-
 impl<R: Lane> FreeFlight<R> {
     pub fn new(
         shell: Option<parameters::Shell>,
@@ -39,11 +29,7 @@ impl<R: Lane> FreeFlight<R> {
         [long, short]: [f64; 2],
     ) -> FreeFlight<R> {
         FreeFlight {
-            shell: shell.map(|shell| ShellForce {
-                radius: R::of(shell.radius),
-                height: R::of(shell.height),
-                pull: R::of(shell.stiffness),
-            }),
+            shell: shell.as_ref().map(ShellForce::new),
             drag: drag.map(|rate| [long, short].map(|dt| R::of(libm::exp(-rate * dt)))),
             short: R::of(short),
             limits,
@@ -107,7 +93,7 @@ impl<R: Lane> FreeFlight<R> {
         let shell = self.shell.unwrap_or(ShellForce {
             radius: R::zero(),
             height: R::zero(),
-            pull: R::zero(),
+            stiffness: R::zero(),
         });
         let [long, short] = self.drag.unwrap_or([R::one(); 2]).map(R::Wide::splat);
         let longer = R::Wide::splat(self.short * R::of(1.5));
@@ -133,7 +119,7 @@ impl<R: Lane> FreeFlight<R> {
                 if SHELL {
                     let way = [x[0], x[1], x[2] - R::Wide::splat(shell.height)];
                     let span = (dt + load(&group.last)) * half;
-                    let by = shell.factor(&way) * span * mobility;
+                    let by = shell_factor(&shell, &way) * span * mobility;
                     for axis in 0..3 {
                         v[axis] -= way[axis] * by;
                     }
@@ -167,32 +153,15 @@ impl<R: Lane> FreeFlight<R> {
     }
 }
 
-impl<R: Lane> ShellForce<R> {
-    /// What the velocity of a block there changes by \[side / tick^2\].
-    pub fn push(&self, place: Vector3<R>) -> Vector3<R> {
-        let way = place - Vector3::z() * self.height;
-        if way.norm_squared() < R::of(0.99) * self.radius * self.radius {
-            return Vector3::zeros();
-        }
-        let distance = way.norm();
-        let depth = distance - self.radius;
-        if depth > R::zero() {
-            way * (-self.pull * depth / distance)
-        } else {
-            Vector3::zeros()
-        }
-    }
-
-    /// What the velocity changes by, per distance from the centre and inward.
-    #[inline(always)]
-    fn factor(&self, x: &[R::Wide; 3]) -> R::Wide {
-        let distance = square(*x).sqrt();
-        let zero = R::Wide::splat(R::zero());
-        let depth = (distance - R::Wide::splat(self.radius)).maximum(zero);
-        // In the middle the distance is 0, and so is the depth.
-        let tiny = R::Wide::splat(R::of(1e-30));
-        R::Wide::splat(self.pull) * depth / distance.maximum(tiny)
-    }
+/// What the shell changes velocities by, per distance from its centre and inward, as [`ShellForce::push`] does for one.
+#[inline(always)]
+fn shell_factor<R: Lane>(shell: &ShellForce<R>, x: &[R::Wide; 3]) -> R::Wide {
+    let distance = square(*x).sqrt();
+    let zero = R::Wide::splat(R::zero());
+    let depth = (distance - R::Wide::splat(shell.radius)).maximum(zero);
+    // In the middle the distance is 0, and so is the depth.
+    let tiny = R::Wide::splat(R::of(1e-30));
+    R::Wide::splat(shell.stiffness) * depth / distance.maximum(tiny)
 }
 
 /// Kicks of speed `low + span u`, u evenly spread over (0, 1), in an isotropic direction.

@@ -1,0 +1,66 @@
+//! Single runs of a program.
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use stochc_ir::record::RunRecord;
+use stochc_runtime::observe::Observer;
+use stochc_runtime::world::SceneError;
+use stochc_runtime::{RunError, Settings, Watch};
+
+use crate::manifest::EnsembleProgram;
+
+impl EnsembleProgram {
+    /// Makes a run.
+    ///
+    /// # Errors
+    /// Those of [`stochc_runtime::run`].
+    pub fn run(
+        &self,
+        settings: &Settings,
+        (seed, number): (u64, u64),
+        watch: &mut impl Watch,
+    ) -> Result<RunRecord, RunError> {
+        let (tables, scene) = (self.tables(), &self.scene);
+        stochc_runtime::run(tables, scene, settings, seed, number, watch)
+    }
+
+    /// Makes a run that somebody looks on; its record is the same.
+    ///
+    /// # Errors
+    /// Those of [`stochc_runtime::observe`].
+    pub fn observe(
+        &self,
+        settings: &Settings,
+        (seed, number): (u64, u64),
+        watch: &mut impl Watch,
+        observer: &mut impl Observer,
+    ) -> Result<RunRecord, RunError> {
+        let (tables, scene) = (self.tables(), &self.scene);
+        stochc_runtime::observe(tables, scene, settings, seed, number, watch, observer)
+    }
+
+    /// Sets its scene up, and no more.
+    ///
+    /// # Errors
+    /// If that cannot be.
+    pub fn try_out(&self, settings: &Settings) -> Result<(), SceneError> {
+        let mut stop = |_, _| ControlFlow::Break(());
+        match self.run(settings, (0, 0), &mut stop) {
+            Err(RunError::Scene(error)) => Err(error),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether a run is to go on: until somebody stops it.
+pub fn unless(stop: &AtomicBool) -> ControlFlow<()> {
+    match stop.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
+}
+
+/// Has a run go on until it is stopped.
+pub fn until(stop: &AtomicBool) -> impl Watch {
+    |_, _| unless(stop)
+}
