@@ -2,11 +2,12 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Expr, ExprKind, Shape, Subscript};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
-use stochc_ir::Cell;
 use stochc_ir::suggest::nearest;
+use stochc_ir::{Cell, CellBounds};
 
 use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, report};
 use crate::expand::Shapes;
+use crate::layer_picture::layer_picture;
 use crate::layout::Layout;
 use crate::names::Names;
 use crate::plan::ProgramPlan;
@@ -193,20 +194,14 @@ fn minus(left: &[Cell], right: &[Cell]) -> Vec<Cell> {
 
 /// The lowest layer that differs, drawn; and in words if it is too wide.
 fn picture(missing: &[Cell], extra: &[Cell], claimed: &[Cell], built: &[Cell]) -> String {
-    const WIDEST: i32 = 30;
+    const WIDEST: u32 = 30;
     let wrong = || missing.iter().chain(extra);
     let layer = wrong().map(|cell| cell.z).min().unwrap_or(1);
     let here = || claimed.iter().chain(built).filter(|cell| cell.z == layer);
-    let bounds = |axis: fn(&Cell) -> i32| {
-        (
-            here().map(axis).min().unwrap_or(0),
-            here().map(axis).max().unwrap_or(0),
-        )
-    };
-    let ((west, east), (south, north)) = (bounds(|cell| cell.x), bounds(|cell| cell.y));
-    if i64::from(east) - i64::from(west) > WIDEST.into()
-        || i64::from(north) - i64::from(south) > WIDEST.into()
-    {
+    let bounds = CellBounds::of(here().copied());
+    let (low, high) = bounds.map_or_else(Default::default, |it| (it.low, it.high));
+    let is_wide = |low: i32, high: i32| high.abs_diff(low) > WIDEST;
+    if is_wide(low.x, high.x) || is_wide(low.y, high.y) {
         let first = |cells: &[Cell]| {
             let shown: Vec<String> = cells.iter().take(5).map(Cell::to_string).collect();
             let dots = if cells.len() > 5 { ", ..." } else { "" };
@@ -218,22 +213,18 @@ fn picture(missing: &[Cell], extra: &[Cell], claimed: &[Cell], built: &[Cell]) -
         };
         return format!("missing: {}; too many: {}", first(missing), first(extra));
     }
-    let mut text =
-        format!("layer {layer}, north at the top: `#` as claimed, `-` missing, `+` too many\n");
-    for y in (south..=north).rev() {
-        for x in west..=east {
-            let cell = Cell::new(x, y, layer);
-            let has = |cells: &[Cell]| cells.binary_search(&cell).is_ok();
-            text.push_str(match (has(claimed), has(built)) {
-                (true, true) => "# ",
-                (true, false) => "- ",
-                (false, true) => "+ ",
-                (false, false) => ". ",
-            });
+    let sign = |x, y| {
+        let cell = Cell::new(x, y, layer);
+        let has = |cells: &[Cell]| cells.binary_search(&cell).is_ok();
+        match (has(claimed), has(built)) {
+            (true, true) => '#',
+            (true, false) => '-',
+            (false, true) => '+',
+            (false, false) => '.',
         }
-        text.truncate(text.trim_end().len());
-        text.push_str(&format!("   (y = {y})\n"));
-    }
-    text.push_str(&format!("from x = {west} to {east}"));
-    text
+    };
+    format!(
+        "layer {layer}, north at the top: `#` as claimed, `-` missing, `+` too many\n{}",
+        layer_picture(low.x..=high.x, low.y..=high.y, sign)
+    )
 }

@@ -3,6 +3,7 @@
 //! The compiler makes [event tables](table) and reads [scenes](scene); the runtime runs the one in the other and leaves
 //! [records](record). All three are here, so that neither needs to know the other.
 mod cell;
+mod cell_bounds;
 mod counted;
 pub mod emit;
 mod executable;
@@ -20,6 +21,7 @@ pub mod suggest;
 pub mod table;
 
 pub use cell::{Cell, offsets_within};
+pub use cell_bounds::CellBounds;
 pub use counted::counted;
 pub use executable::{Executable, ExecutableError, FORMAT, sha256};
 pub use face::Face;

@@ -1,7 +1,7 @@
 //! A plan in words and as a picture.
 use std::fmt::Write as _;
 
-use stochc_ir::Cell;
+use stochc_ir::{Cell, CellBounds};
 
 use crate::capture::Capture;
 use crate::plan::{Alternative, BuildPlan};
@@ -113,13 +113,11 @@ pub fn explanation(plan: &BuildPlan) -> String {
 
 /// The place of each cell in the order, layer by layer; nothing for what is too large.
 fn picture(captures: &[Capture]) -> String {
-    let bounds = |axis: fn(&Cell) -> i32| {
-        let values = || captures.iter().map(|capture| axis(&capture.cell));
-        (values().min().unwrap_or(0), values().max().unwrap_or(0))
+    let Some(CellBounds { low, high }) = CellBounds::of(captures.iter().map(|it| it.cell)) else {
+        return String::new();
     };
-    let ((west, east), (south, north)) = (bounds(|cell| cell.x), bounds(|cell| cell.y));
-    let (low, high) = bounds(|cell| cell.z);
-    if east - west >= WIDEST || north - south >= WIDEST || high - low >= MOST_LAYERS {
+    let (width, depth, height) = (high.x - low.x, high.y - low.y, high.z - low.z);
+    if width >= WIDEST || depth >= WIDEST || height >= MOST_LAYERS {
         return String::new();
     }
     let mut order: Vec<(Cell, usize)> = captures
@@ -130,11 +128,11 @@ fn picture(captures: &[Capture]) -> String {
     order.sort_unstable();
     let width = captures.len().to_string().len();
     let mut out = "order in which faces open, north at the top\n".to_owned();
-    for z in low..=high {
+    for z in low.z..=high.z {
         let _ = writeln!(out, "  layer {z}");
-        for y in (south..=north).rev() {
+        for y in (low.y..=high.y).rev() {
             out.push_str("   ");
-            for x in west..=east {
+            for x in low.x..=high.x {
                 let found = order.binary_search_by_key(&Cell::new(x, y, z), |&(cell, _)| cell);
                 let sign = found.map_or(".".to_owned(), |at| order[at].1.to_string());
                 let _ = write!(out, " {sign:>width$}");

@@ -130,10 +130,14 @@ impl Firefox {
 
     /// The size of the page.
     pub fn size(&mut self, width: u32, height: u32) {
+        // Without anybody who manages windows, a change is waited for in vain, for seconds.
+        if self.value("[innerWidth, innerHeight]") == json!([width, height]) {
+            return;
+        }
         // Of the window with its frame, which is as wide as it was before.
         let frame = self.value("[outerWidth - innerWidth, outerHeight - innerHeight]");
         let with = |of: u32, i: usize| u64::from(of) + frame[i].as_u64().unwrap();
-        let rect = json!({ "x": 0, "y": 0, "width": with(width, 0), "height": with(height, 1) });
+        let rect = json!({ "width": with(width, 0), "height": with(height, 1) });
         self.call("WebDriver:SetWindowRect", &rect);
         let begun = Instant::now();
         while self.value("[innerWidth, innerHeight]") != json!([width, height]) {

@@ -7,7 +7,7 @@ use stochc_grammar::Symbols;
 use stochc_ir::emit::Text;
 use stochc_ir::structure::{BuiltBlock, BuiltPhase, BuiltStructure};
 use stochc_ir::table::RoleId;
-use stochc_ir::{Cell, Json, counted};
+use stochc_ir::{Cell, CellBounds, Json, counted};
 
 use crate::layout::Layout;
 use crate::plan::{EventKind, ProgramPlan};
@@ -72,13 +72,10 @@ fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) ->
         );
     }
     for (phase, blocks) in plan.phases.iter().zip(structures(plan, layout)) {
-        let bounds = |axis: fn(&Cell) -> i32| {
-            let values = || blocks.iter().map(|block| axis(&block.cell));
-            (values().min().unwrap_or(0), values().max().unwrap_or(0))
-        };
-        let ((west, east), (south, north)) = (bounds(|cell| cell.x), bounds(|cell| cell.y));
-        let (low, high) = bounds(|cell| cell.z);
-        let layers = low.max(1)..=high;
+        let bounds = CellBounds::of(blocks.iter().map(|block| block.cell));
+        let (low, high) = bounds.map_or_else(Default::default, |it| (it.low, it.high));
+        let ((west, east), (south, north)) = ((low.x, high.x), (low.y, high.y));
+        let layers = low.z.max(1)..=high.z;
         let count = counted(blocks.len(), "block");
         writeln!(out, "// after phase {}: {count}", phase.name)?;
         let edges = [

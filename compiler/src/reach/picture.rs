@@ -1,5 +1,6 @@
 //! One layer of the structure as text.
 use super::Cell;
+use crate::layer_picture::layer_picture;
 
 /// Cells shown to each side of the one in question.
 const REACH: i32 = 4;
@@ -19,25 +20,18 @@ pub fn layer(cell: Cell, is_full: impl Fn(Cell) -> bool) -> String {
         (low, values().max().unwrap_or(0).max(0))
     };
     let ((west, east), (south, north)) = (bound(|at| at.0), bound(|at| at.1));
-    let mut text = format!(
-        "layer {}, north at the top: `@` the cell, `#` a block that can be there by then\n",
-        cell.z
+    let sign = |x: i32, y: i32| match (x - cell.x, y - cell.y) {
+        (0, 0) => '@',
+        (dx, dy) if is_full(dx, dy) => '#',
+        _ => '.',
+    };
+    let (x, y) = (
+        cell.x.saturating_add(west)..=cell.x.saturating_add(east),
+        cell.y.saturating_add(south)..=cell.y.saturating_add(north),
     );
-    for dy in (south..=north).rev() {
-        for dx in west..=east {
-            text.push_str(match (dx, dy) {
-                (0, 0) => "@ ",
-                _ if is_full(dx, dy) => "# ",
-                _ => ". ",
-            });
-        }
-        text.truncate(text.trim_end().len());
-        text.push_str(&format!("   (y = {})\n", cell.y.saturating_add(dy)));
-    }
-    text.push_str(&format!(
-        "from x = {} to {}",
-        cell.x.saturating_add(west),
-        cell.x.saturating_add(east)
-    ));
-    text
+    format!(
+        "layer {}, north at the top: `@` the cell, `#` a block that can be there by then\n{}",
+        cell.z,
+        layer_picture(x, y, sign)
+    )
 }

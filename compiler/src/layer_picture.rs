@@ -1,0 +1,18 @@
+//! One layer of a structure as text.
+use std::ops::RangeInclusive;
+
+/// The rows of a part of a layer, north at the top, each with its coordinate, and from where to where they go; `sign` is that
+/// of a cell by its coordinates.
+pub fn layer_picture(
+    x: RangeInclusive<i32>,
+    y: RangeInclusive<i32>,
+    sign: impl Fn(i32, i32) -> char,
+) -> String {
+    let mut text = String::new();
+    for y in y.rev() {
+        let signs: Vec<String> = x.clone().map(|x| sign(x, y).to_string()).collect();
+        text.push_str(&format!("{}   (y = {y})\n", signs.join(" ")));
+    }
+    text.push_str(&format!("from x = {} to {}", x.start(), x.end()));
+    text
+}
