@@ -3,7 +3,7 @@ use std::path::Path;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::fit::{
-    Design, Emulator, Fit, MeasuredProgram, Observed, Posterior, Prior, Simulated, Unit,
+    Design, Emulator, Fit, FittedProgram, Observed, Posterior, Prior, Simulated, Unit,
 };
 use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
 use stochc_files::budget::TIMES;
@@ -165,8 +165,8 @@ pub fn fit(
             ));
         };
         let known = emulators.iter().zip(measured);
-        let known: Vec<MeasuredProgram> = known
-            .map(|(emulator, (_, (observed, is_fitted)))| MeasuredProgram {
+        let known: Vec<FittedProgram> = known
+            .map(|(emulator, (_, (observed, is_fitted)))| FittedProgram {
                 observed,
                 is_fitted: *is_fitted,
                 emulator,

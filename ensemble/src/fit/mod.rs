@@ -17,4 +17,4 @@ pub use design::Design;
 pub use emulator::{Emulator, EmulatorPrediction, Simulated};
 pub use posterior::{Marginal, Posterior};
 pub use prior::Prior;
-pub use result::{Fit, MeasuredProgram, Prediction};
+pub use result::{Fit, FittedProgram, Prediction};

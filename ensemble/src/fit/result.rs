@@ -58,7 +58,7 @@ impl Prediction {
 }
 
 /// A program that was measured, with its emulator.
-pub struct MeasuredProgram<'a> {
+pub struct FittedProgram<'a> {
     /// What was measured.
     pub observed: &'a Observed,
     /// Whether the fit uses it.
@@ -70,10 +70,10 @@ pub struct MeasuredProgram<'a> {
 impl Posterior {
     /// The posterior of numbers by the programs that are fitted, within the box that their emulators are of: beyond it these know
     /// so little that anything might be there.
-    pub fn of(ends: &[(f64, f64)], programs: &[MeasuredProgram], seed: u64) -> Posterior {
+    pub fn of(ends: &[(f64, f64)], programs: &[FittedProgram], seed: u64) -> Posterior {
         let fitted = || programs.iter().filter(|program| program.is_fitted);
         let likelihood = |at: &[f64]| {
-            let of = |program: &MeasuredProgram| {
+            let of = |program: &FittedProgram| {
                 let Observed { n, mean, sd, .. } = *program.observed;
                 program.emulator.log_likelihood(at, n, mean, sd)
             };
@@ -83,7 +83,7 @@ impl Posterior {
     }
 
     /// What it predicts for a measurement like the one of a program.
-    pub fn predict(&self, program: &MeasuredProgram) -> Prediction {
+    pub fn predict(&self, program: &FittedProgram) -> Prediction {
         let chance = program.emulator.sampling_variance(program.observed.n);
         let spread = |which: usize| {
             let draws = self.draws.iter().enumerate();
@@ -182,7 +182,7 @@ mod tests {
             let near = points.iter().filter(|point| point.is_within(&ends));
             let near: Vec<Simulated> = near.cloned().collect();
             let emulator = Emulator::of(&near).unwrap();
-            let measured = MeasuredProgram {
+            let measured = FittedProgram {
                 observed: &observed,
                 is_fitted: true,
                 emulator: &emulator,

@@ -16,15 +16,15 @@ use crate::{BlockFace, Message, Payload, Recipient, StructureBlock};
 
 /// Who may capture whom in a phase, whatever else happens.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Captors {
+pub(super) struct PhaseCaptors {
     /// For each role that is captured, the roles that have a rule to do so.
     of: BTreeMap<RoleId, Vec<RoleId>>,
 }
 
-impl Captors {
+impl PhaseCaptors {
     /// The captors of each phase.
-    pub fn by_phase(tables: &Tables) -> Vec<Captors> {
-        let mut all = vec![Captors::default(); tables.phases.len()];
+    pub fn by_phase(tables: &Tables) -> Vec<PhaseCaptors> {
+        let mut all = vec![PhaseCaptors::default(); tables.phases.len()];
         for duty in tables.duties() {
             for rule in duty.rules() {
                 if let Action::Magnetize { child, .. } = rule.then {
@@ -103,7 +103,7 @@ struct Forecast<'a, 't> {
     tables: &'t Tables,
     phase: PhaseId,
     state: &'a ProgramState<'t>,
-    captors: &'a Captors,
+    captors: &'a PhaseCaptors,
     open_duties: Vec<OpenDuty<'t>>,
     anchored: RoleSet,
     asked: RoleSet,
@@ -117,7 +117,7 @@ impl Future {
     /// What may happen in the phase that is running if none of `without` does.
     pub fn of<'t>(
         context: &ExplorationContext<'t>,
-        captors: &Captors,
+        captors: &PhaseCaptors,
         state: &ProgramState<'t>,
         without: &[Transition],
     ) -> Option<Future> {

@@ -48,7 +48,7 @@ use stochc_ir::table::News;
 use super::CanReach;
 use super::context::ExplorationContext;
 use super::effects::Effects;
-use super::future::{Captors, Future};
+use super::future::{Future, PhaseCaptors};
 use super::roles::RoleSet;
 use super::state::ProgramState;
 use super::transition::Transition;
@@ -62,7 +62,7 @@ pub(super) struct PersistentSets<'t> {
     /// Rules looked at and blocks copied, for bounding the work.
     pub work: u64,
     /// By phase.
-    captors: Vec<Rc<Captors>>,
+    captors: Vec<Rc<PhaseCaptors>>,
 }
 
 /// What a transition has to do with.
@@ -79,7 +79,7 @@ struct Footprint {
 
 impl<'t> PersistentSets<'t> {
     pub fn new(context: ExplorationContext<'t>) -> PersistentSets<'t> {
-        let captors = Captors::by_phase(context.tables);
+        let captors = PhaseCaptors::by_phase(context.tables);
         PersistentSets {
             captors: captors.into_iter().map(Rc::new).collect(),
             context,
@@ -145,7 +145,7 @@ impl<'t> PersistentSets<'t> {
     fn close(
         &mut self,
         state: &ProgramState<'t>,
-        captors: &Captors,
+        captors: &PhaseCaptors,
         transitions: &[Transition],
         first: Transition,
     ) -> Option<Vec<Transition>> {
@@ -186,7 +186,7 @@ impl<'t> PersistentSets<'t> {
     fn footprint(
         &mut self,
         state: &ProgramState<'t>,
-        captors: &Captors,
+        captors: &PhaseCaptors,
         transition: Transition,
     ) -> Footprint {
         let none = || RoleSet::none(self.context.tables.roles.len());

@@ -10,7 +10,7 @@ use crate::analysis::events::Events;
 use crate::analysis::reported_program::FinishedRun;
 
 /// What a run is told of.
-pub(crate) struct RunContext<'a> {
+pub(crate) struct NarrativeContext<'a> {
     pub program: &'a EnsembleProgram,
     /// The program's.
     pub events: &'a Events,
@@ -18,7 +18,7 @@ pub(crate) struct RunContext<'a> {
     pub replay: Option<String>,
 }
 
-impl RunContext<'_> {
+impl NarrativeContext<'_> {
     fn tick(&self) -> Tick {
         Tick(self.program.scene.tick)
     }
@@ -42,7 +42,7 @@ pub(super) fn tick_of(replay: Option<&str>, tick: u64) -> String {
 const TOLD: usize = 12;
 
 /// A run's heading, in HTML: its number, what it is, how long it took.
-pub(super) fn heading(of: &RunContext, what: &str, run: &FinishedRun) -> String {
+pub(super) fn heading(of: &NarrativeContext, what: &str, run: &FinishedRun) -> String {
     let record = &run.record;
     let end = match &record.outcome {
         Outcome::Completed => String::new(),
@@ -67,7 +67,7 @@ pub(super) fn heading(of: &RunContext, what: &str, run: &FinishedRun) -> String 
 }
 
 /// Its critical path in a few sentences of HTML, each an item of a list.
-pub(super) fn narrative(of: &RunContext, run: &FinishedRun) -> Vec<String> {
+pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String> {
     let mut longest: Vec<u64> = run
         .critical_path
         .iter()
@@ -98,7 +98,7 @@ pub(super) fn narrative(of: &RunContext, run: &FinishedRun) -> Vec<String> {
 }
 
 /// The one wait that took most of a run, in a sentence of HTML.
-pub(super) fn lead(of: &RunContext, run: &FinishedRun) -> Option<String> {
+pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     let total = run.record.ticks;
     let longest = run
         .critical_path
@@ -110,7 +110,7 @@ pub(super) fn lead(of: &RunContext, run: &FinishedRun) -> Option<String> {
 }
 
 /// When the largest group of an aggregate had reached each of its sizes, as items of a list.
-pub(super) fn sizes(of: &RunContext, run: &FinishedRun) -> Vec<String> {
+pub(super) fn sizes(of: &NarrativeContext, run: &FinishedRun) -> Vec<String> {
     let mut tick: u64 = 0;
     let phases = of.program.phases().iter().zip(&run.record.phase_ticks);
     let reached = phases.map(|(phase, ticks)| {
@@ -124,7 +124,7 @@ pub(super) fn sizes(of: &RunContext, run: &FinishedRun) -> Vec<String> {
     reached.collect()
 }
 
-fn between(of: &RunContext, passed: &[&CriticalPathSegment]) -> Option<String> {
+fn between(of: &NarrativeContext, passed: &[&CriticalPathSegment]) -> Option<String> {
     let waits: Vec<u64> = passed.iter().map(|segment| segment.ticks()).collect();
     let spent = waits
         .iter()
@@ -145,7 +145,11 @@ fn between(of: &RunContext, passed: &[&CriticalPathSegment]) -> Option<String> {
     ))
 }
 
-pub(crate) fn item(of: &RunContext, run: &FinishedRun, segment: &CriticalPathSegment) -> String {
+pub(crate) fn item(
+    of: &NarrativeContext,
+    run: &FinishedRun,
+    segment: &CriticalPathSegment,
+) -> String {
     let share = segment.ticks() as f64 / run.record.ticks.max(1) as f64;
     // The time of the segment in seconds, and what part of the run's it is.
     let seconds = of.tick().seconds(segment.ticks() as f64);
@@ -216,7 +220,7 @@ pub(crate) fn item(of: &RunContext, run: &FinishedRun, segment: &CriticalPathSeg
 }
 
 /// Why a wait began when it did, as the end of a sentence.
-fn reason(of: &RunContext, segment: &CriticalPathSegment) -> String {
+fn reason(of: &NarrativeContext, segment: &CriticalPathSegment) -> String {
     let Some((first, why)) = segment.since else {
         let phase = name(of.program.phase(segment.phase));
         return format!("the beginning of phase <code>{phase}</code>");
@@ -233,7 +237,7 @@ fn reason(of: &RunContext, segment: &CriticalPathSegment) -> String {
 }
 
 /// A number of ticks, in seconds as well.
-fn ticks(of: &RunContext, n: u64) -> String {
+fn ticks(of: &NarrativeContext, n: u64) -> String {
     count(n) + &of.tick().beside(n as f64)
 }
 

@@ -3,7 +3,7 @@ use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{JournalError, Manifest, ProgramTimes, Records, TimeUnit, completion_time};
 
 use super::{SurvivalCurve, incomplete, survival};
-use crate::svg::{Axis, Colours, Drawing, Medium};
+use crate::svg::{Colours, Drawing, Medium, PlotAxis};
 
 /// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
 /// a sweep, of which [`super::sweep`] has pictures.
@@ -64,7 +64,7 @@ fn drawn(
             }
         })
         .collect();
-    let axis = Axis::new("time", clock.unit());
+    let axis = PlotAxis::new("time", clock.unit());
     let title = "Runs that are not complete yet, over time";
     survival(
         medium,

@@ -7,7 +7,7 @@ use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, width};
 use crate::svg::{
-    Axis, Drawing, LegendEntry, LegendSymbol, Marker, Medium, Scale, Style, phase, plot_height,
+    Drawing, LegendEntry, LegendSymbol, Marker, Medium, PlotAxis, Scale, Style, phase, plot_height,
 };
 
 /// A disc for each capture at its means, above a dot for every time it happened.
@@ -54,7 +54,7 @@ pub(crate) fn entries(
         ),
         &description(&ranked),
     );
-    let of = Axis::new(
+    let of = PlotAxis::new(
         "from the captured block's last entry to its docking",
         &subject.tick().unit(),
     );
@@ -64,7 +64,7 @@ pub(crate) fn entries(
     let bottom = top + plot_height(right - left).max(240.0);
     let x = Scale::logarithmic((0.9, 1.15 * most_entries), (left, right));
     let y = Scale::logarithmic(ends, (bottom, top));
-    let entering = Axis::new(
+    let entering = PlotAxis::new(
         "entries of blocks into the reach of the pull",
         "number for each capture",
     );

@@ -4,7 +4,7 @@ use stochc_ensemble::text::number;
 
 use super::EDGE;
 use crate::svg::letters::{fitted, widest};
-use crate::svg::{Axis, Drawing, LINE, Medium, Scale, Style};
+use crate::svg::{Drawing, LINE, Medium, PlotAxis, Scale, Style};
 
 /// Height of the panel of a number.
 const PANEL: f64 = 130.0;
@@ -65,7 +65,7 @@ fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) ->
         let corner = (left + width * bin as f64, bottom - height);
         out.rectangle("bar s0", corner, (width - 0.5, height), "");
     }
-    let of = Axis::new(&known.of, &known.unit);
+    let of = PlotAxis::new(&known.of, &known.unit);
     out.across(&scale, (left, right), bottom, bottom, &of)
 }
 
@@ -90,7 +90,7 @@ fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
         Unit::Ticks => "ticks",
         Unit::Seconds => "s",
     };
-    let of = Axis::new("mean time: measured (dot) and predicted (bar, 95 %)", unit);
+    let of = PlotAxis::new("mean time: measured (dot) and predicted (bar, 95 %)", unit);
     let foot = out.across(&scale, (left, right), bottom, top, &of);
     for (i, (it, name)) in fit.predictions.iter().zip(&names).enumerate() {
         let y = top + ROW * (i as f64 + 0.5);

@@ -4,14 +4,14 @@ use stochc_ir::palette::sequential;
 
 use super::EDGE;
 use crate::analysis::maps::SliceMap;
-use crate::svg::{Axis, Drawing, Medium, Scale, Style};
+use crate::svg::{Drawing, Medium, PlotAxis, Scale, Style};
 
 /// Slices side by side or one below the other, which share a scale of colours.
 pub(crate) struct MapColumn<'a> {
     pub title: String,
     pub maps: Vec<&'a SliceMap>,
     /// What the colours show, and how many of its units one of the maps is.
-    pub shows: Axis,
+    pub shows: PlotAxis,
     pub unit: f64,
 }
 
@@ -64,7 +64,7 @@ fn panel(
 ) -> f64 {
     let ((west, east), (low, high)) = map.ends;
     let side = (right - left) / f64::from(east - west + 1);
-    let up = Axis::new(map.slice.up(), "side");
+    let up = PlotAxis::new(map.slice.up(), "side");
     let top = y + 24.0;
     let bottom = top + side * f64::from(high - low + 1);
     let ends = |from: i32, to: i32| (f64::from(from) - 0.5, f64::from(to) + 0.5);
@@ -116,12 +116,12 @@ fn panel(
         .filter(|tick| tick.fract() == 0.0)
         .map(|tick| (across.at(tick), number(tick)))
         .collect();
-    let label = Axis::new("east", "side").label();
+    let label = PlotAxis::new("east", "side").label();
     out.marks_across(&marks, (left, right), bottom, &label)
 }
 
 /// The scale of the colours of a column.
-fn key(out: &mut Drawing, (left, right): (f64, f64), y: f64, most: f64, shows: &Axis) -> f64 {
+fn key(out: &mut Drawing, (left, right): (f64, f64), y: f64, most: f64, shows: &PlotAxis) -> f64 {
     let step = (right - left) / STEPS as f64;
     for i in 0..STEPS {
         let colour = sequential((i as f64 + 0.5) / STEPS as f64);

@@ -4,7 +4,7 @@ use stochc_ensemble::text::number;
 
 use super::EDGE;
 use crate::svg::letters::{fitted, widest};
-use crate::svg::{Axis, Drawing, Medium, Scale, Style, class};
+use crate::svg::{Drawing, Medium, PlotAxis, Scale, Style, class};
 
 /// A dot for each program, with the 95 % interval of its mean.
 pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Option<Drawing> {
@@ -27,7 +27,7 @@ pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Optio
     let names = widest(times.iter().map(|(name, _)| *name)).min(0.34 * medium.width());
     let (left, right) = (EDGE + names + 12.0, medium.width() - 24.0);
     let x = Scale::linear((0.0, last), (left, right));
-    let of = Axis::new("mean time to completion, 95\u{a0}% interval", unit);
+    let of = PlotAxis::new("mean time to completion, 95\u{a0}% interval", unit);
     let end = out.across(&x, (left, right), bottom, TOP, &of);
     for (i, ((name, time), tooltip)) in times.iter().zip(&tooltip).enumerate() {
         let y = TOP + ROW * (i as f64 + 0.5);

@@ -7,7 +7,7 @@ use stochc_ir::table::RoleId;
 use super::EDGE;
 use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest};
-use crate::svg::{Axis, Drawing, LegendEntry, LegendSymbol, Medium, Scale, class};
+use crate::svg::{Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class};
 
 /// A bar for each capture that ever took a block that had been released; `None`: none did.
 pub(crate) fn origins(
@@ -48,7 +48,7 @@ pub(crate) fn origins(
     let names = widest(rows.iter().map(|wait| wait.text.as_str())).min(0.34 * medium.width());
     let (left, right) = (EDGE + names + 12.0, medium.width() - 24.0);
     let x = Scale::linear((0.0, 100.0), (left, right));
-    let of = Axis::new("part of the runs", "%");
+    let of = PlotAxis::new("part of the runs", "%");
     let foot = out.across(&x, (left, right), bottom, TOP, &of);
     for (row, wait) in rows.iter().enumerate() {
         let y = TOP + ROW * row as f64;

@@ -4,7 +4,7 @@ use stochc_ensemble::text::{number, percent_number};
 
 use super::EDGE;
 use crate::svg::letters::{fitted, width};
-use crate::svg::{Axis, Colours, DASHES, Drawing, LINE, Medium, Scale, plot_height};
+use crate::svg::{Colours, DASHES, Drawing, LINE, Medium, PlotAxis, Scale, plot_height};
 
 /// What one curve is of.
 #[derive(Clone, Debug)]
@@ -17,8 +17,8 @@ pub(crate) struct SurvivalCurve {
 }
 
 /// What the vertical axis of most shows.
-pub(crate) fn incomplete() -> Axis {
-    Axis::new("runs not complete yet", "%")
+pub(crate) fn incomplete() -> PlotAxis {
+    PlotAxis::new("runs not complete yet", "%")
 }
 
 /// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many still go on at the
@@ -28,7 +28,7 @@ pub(crate) fn survival(
     name: &str,
     title: &str,
     curves: &[SurvivalCurve],
-    (axis, of): (&Axis, &Axis),
+    (axis, of): (&PlotAxis, &PlotAxis),
     colours: Colours,
 ) -> Option<Drawing> {
     const RISK: &str = "at risk";

@@ -6,7 +6,7 @@ use stochc_runtime::{Model, Precision};
 use super::EDGE;
 use crate::svg::letters::{fitted, width};
 use crate::svg::{
-    Axis, Drawing, LINE, LegendEntry, LegendSymbol, Marker, Medium, Scale, Style, plot_height,
+    Drawing, LINE, LegendEntry, LegendSymbol, Marker, Medium, PlotAxis, Scale, Style, plot_height,
 };
 
 /// Width on a screen.
@@ -80,7 +80,7 @@ pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     let text = all - 2.0 * EDGE;
     let foot = out.paragraph("ink", (EDGE, 20.0), text, &heading(&names));
     let foot = out.paragraph("dim", (EDGE, foot + 3.0), text, &below);
-    let of = Axis::new("size of the bias of the mean time", BIAS_UNIT);
+    let of = PlotAxis::new("size of the bias of the mean time", BIAS_UNIT);
     let top = foot - LINE + out.head(&of.label());
     let right = if is_beside { all - LIST } else { all - 18.0 };
     let axes = axes(&points, (56.0, right), top);
@@ -173,7 +173,7 @@ fn axes(points: &[PlottedSetting], (left, right): (f64, f64), top: f64) -> Axes 
 }
 
 /// Axes and lines behind the marks; gives the foot of the next line of text.
-fn frame(out: &mut Drawing, axes: &Axes, of: &Axis) -> f64 {
+fn frame(out: &mut Drawing, axes: &Axes, of: &PlotAxis) -> f64 {
     let Axes {
         left,
         right,
@@ -202,7 +202,7 @@ fn frame(out: &mut Drawing, axes: &Axes, of: &Axis) -> f64 {
         biases.push((y, percent.to_string()));
     }
     out.marks_upward(&biases, (bottom, top), (EDGE, left), &of.label());
-    let of = Axis::new("processor time of a run, median", "s, ms or us as marked");
+    let of = PlotAxis::new("processor time of a run, median", "s, ms or us as marked");
     out.marks_across(&costs, (left, right), bottom, &of.on(&axes.cost))
 }
 

@@ -5,7 +5,7 @@ use super::EDGE;
 use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest, width, wrapped};
-use crate::svg::{Axis, Drawing, LINE, Medium, Scale, Style};
+use crate::svg::{Drawing, LINE, Medium, PlotAxis, Scale, Style};
 
 /// Rows of the figure; of more captures, those that decided most are shown.
 pub(crate) const SHOWN: usize = 60;
@@ -67,7 +67,7 @@ pub(crate) fn waits(
     let top = 18.0 + LINE * shows.len().max(if decisive { shares.len() } else { 1 }) as f64;
     let height = top + rows;
     let x = Scale::linear((0.0, last), (left, right));
-    let axis = Axis::new("wait", &subject.tick().unit());
+    let axis = PlotAxis::new("wait", &subject.tick().unit());
     let mut foot = out.across(&x, (left, right), height, top, &axis);
     let bar = Scale::linear((0.0, most.max(0.01)), (bars, bars_end));
     let mut heading = |x: f64, lines: &[String]| {

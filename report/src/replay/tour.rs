@@ -5,7 +5,7 @@ use stochc_ir::record::RunRecord;
 
 use crate::analysis::events::Events;
 use crate::analysis::reported_program::FinishedRun;
-use crate::ensemble_report::narrative::{RunContext, item};
+use crate::ensemble_report::narrative::{NarrativeContext, item};
 
 /// Steps of a tour, at most: of a longer path those that took longest.
 const MOST: usize = 200;
@@ -15,7 +15,7 @@ const MOST: usize = 200;
 pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
     let events = Events::of(program);
     let run = FinishedRun::of(&events, record);
-    let context = RunContext {
+    let context = NarrativeContext {
         program,
         events: &events,
         replay: None,

@@ -9,15 +9,15 @@ use super::style::Style;
 
 /// What an axis is of.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Axis {
+pub(crate) struct PlotAxis {
     name: String,
     unit: String,
 }
 
-impl Axis {
+impl PlotAxis {
     /// `unit` is `1` where it has no dimension.
-    pub fn new(name: &str, unit: &str) -> Axis {
-        Axis {
+    pub fn new(name: &str, unit: &str) -> PlotAxis {
+        PlotAxis {
             name: name.to_owned(),
             unit: if unit.is_empty() { "1" } else { unit }.to_owned(),
         }
@@ -70,7 +70,7 @@ impl Drawing {
         ends: (f64, f64),
         y: f64,
         top: f64,
-        of: &Axis,
+        of: &PlotAxis,
     ) -> f64 {
         let ticks = self.ticks_across(scale).into_iter();
         let marks: Vec<AxisTick> = ticks.map(|tick| (scale.at(tick), number(tick))).collect();
@@ -88,7 +88,7 @@ impl Drawing {
         y: f64,
         label: &str,
     ) -> f64 {
-        self.push("", Style::default(), Form::Axis, "");
+        self.push("", Style::default(), Form::PlotAxis, "");
         for (x, text) in self.apart(marks) {
             self.text_around("dim", (x, y + 17.0), &text);
         }
@@ -135,7 +135,7 @@ impl Drawing {
         ends: (f64, f64),
         x: f64,
         right: f64,
-        of: &Axis,
+        of: &PlotAxis,
         label: impl Fn(f64) -> String,
     ) {
         let ticks = scale.ticks(5).into_iter();
@@ -154,7 +154,7 @@ impl Drawing {
         (edge, x): (f64, f64),
         label: &str,
     ) {
-        self.push("", Style::default(), Form::Axis, "");
+        self.push("", Style::default(), Form::PlotAxis, "");
         for (y, text) in marks {
             self.text_before("dim", (x - 7.0, y + 4.0), text);
         }

@@ -122,7 +122,7 @@ fn write(out: &mut String, shape: &DrawnShape) {
             );
             return;
         }
-        Form::Axis => {
+        Form::PlotAxis => {
             *out += "<g class=\"of\">\n";
             return;
         }

@@ -16,7 +16,7 @@ mod style;
 pub use drawing::Drawing;
 pub use medium::Medium;
 
-pub(crate) use axis::Axis;
+pub(crate) use axis::PlotAxis;
 pub(crate) use drawing::{LINE, LegendEntry, LegendSymbol};
 pub(crate) use medium::plot_height;
 pub(crate) use scale::Scale;

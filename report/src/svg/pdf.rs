@@ -78,7 +78,7 @@ impl PdfPage {
         let mut style = on_paper(&shape.class).then(shape.own);
         let mut dashes = "";
         match &shape.form {
-            Form::Axis | Form::AxisEnd => return,
+            Form::PlotAxis | Form::AxisEnd => return,
             Form::Line(..) => style.fill = Some(Paint::Nothing),
             Form::Curve(_, lengths) => dashes = lengths,
             _ => {}
@@ -100,7 +100,7 @@ impl PdfPage {
             }
             Form::Disc(centre, radius) => self.circle(*centre, *radius),
             Form::Text(place, anchor, text) => self.text(*place, *anchor, text, painted),
-            Form::Axis | Form::AxisEnd => {}
+            Form::PlotAxis | Form::AxisEnd => {}
         }
         if !matches!(shape.form, Form::Text(..)) {
             match painted {

@@ -31,7 +31,7 @@ pub(crate) enum Form {
     /// A line of text.
     Text(Point, TextAnchor, String),
     /// An axis begins: what follows as far as its end is its line, its marks, and its name with its unit.
-    Axis,
+    PlotAxis,
     /// It ends.
     AxisEnd,
 }

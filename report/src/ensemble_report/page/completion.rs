@@ -9,7 +9,7 @@ use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::ensemble_report::narrative::tick_of;
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
-use crate::svg::{Axis, Colours, Drawing};
+use crate::svg::{Colours, Drawing, PlotAxis};
 use crate::text::{method, probability};
 
 pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
@@ -23,8 +23,8 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         })
         .collect();
     let axis = match tick(parts) {
-        Some(tick) => Axis::new("time", &tick.unit()),
-        None => Axis::new("time", unit),
+        Some(tick) => PlotAxis::new("time", &tick.unit()),
+        None => PlotAxis::new("time", unit),
     };
     let incomplete = picture::incomplete();
     let title = "Runs that are not complete yet, over time";

@@ -6,7 +6,7 @@ use super::common::{inside, show};
 use crate::analysis::maps::{AGES, Maps, Slice};
 use crate::ensemble_report::html::{Html, code, name};
 use crate::figures::{MapColumn, maps as picture};
-use crate::svg::{Axis, Drawing};
+use crate::svg::{Drawing, PlotAxis};
 
 /// The maps of a program, or how to get them; nothing where its blocks do not move.
 pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
@@ -56,7 +56,7 @@ fn before(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut V
         .map(|(age, slices)| MapColumn {
             title: format!("{age} ticks before"),
             maps: slices.iter().collect(),
-            shows: Axis::new("part of the captures", "% per cubic side"),
+            shows: PlotAxis::new("part of the captures", "% per cubic side"),
             unit: 100.0,
         })
         .collect();
@@ -71,8 +71,8 @@ fn before(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut V
 
 fn near(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let label = &parts.subjects[n - 1].label;
-    let occupation = Axis::new("free blocks in a cell", "number");
-    let entries = Axis::new("entries at faces that wait", "number per 1000 ticks");
+    let occupation = PlotAxis::new("free blocks in a cell", "number");
+    let entries = PlotAxis::new("entries at faces that wait", "number per 1000 ticks");
     let kinds = [
         ("Free blocks", &maps.occupation, occupation, 1.0),
         ("Entries", &maps.entries, entries, 1000.0),

@@ -10,10 +10,12 @@ use super::{Parts, ROWS};
 use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
-use crate::ensemble_report::narrative::{RunContext, heading, lead, narrative, sizes as sizes_of};
+use crate::ensemble_report::narrative::{
+    NarrativeContext, heading, lead, narrative, sizes as sizes_of,
+};
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
-use crate::svg::{Axis, Colours, Drawing};
+use crate::svg::{Colours, Drawing, PlotAxis};
 
 pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
@@ -95,8 +97,8 @@ fn sizes(
         })
         .collect();
     let title = format!("{}: runs without a group of each size yet", subject.label);
-    let axis = Axis::new("time", &subject.tick().unit());
-    let without = Axis::new("runs without a group of so many blocks yet", "%");
+    let axis = PlotAxis::new("time", &subject.tick().unit());
+    let without = PlotAxis::new("runs without a group of so many blocks yet", "%");
     let file = format!("sizes-{n}");
     let figure = |medium| {
         picture::survival(
@@ -167,7 +169,7 @@ pub(super) fn phases(
         .collect();
     if phases.len() > 1 {
         let title = format!("{}: phases that are not complete yet", subject.label);
-        let axis = Axis::new("time since the phase began", &subject.tick().unit());
+        let axis = PlotAxis::new("time since the phase began", &subject.tick().unit());
         let incomplete = picture::incomplete();
         let file = format!("phases-{n}");
         let figure = |medium| {
@@ -315,7 +317,7 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
     for (what, run) in subject.example_runs() {
         let number = run.record.run;
         let replay = parts.surroundings.replay;
-        let context = RunContext {
+        let context = NarrativeContext {
             program: subject.program,
             events: &subject.events,
             replay: replay(subject.folder, subject.number, number),

@@ -5,7 +5,7 @@ use stochc_ensemble::text::number;
 use crate::figures::EDGE;
 use crate::svg::letters::fitted;
 use crate::svg::{
-    Axis, DASHES, Drawing, LegendEntry, LegendSymbol, Medium, Scale, class, plot_height,
+    DASHES, Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class, plot_height,
 };
 
 /// A figure with its axes, and where values are drawn in it.
@@ -79,9 +79,9 @@ impl<'a> Panel<'a> {
     }
 
     /// The axis of number `i`.
-    pub fn axis(&self, i: usize) -> Axis {
+    pub fn axis(&self, i: usize) -> PlotAxis {
         let number = &self.sweep.axes[i];
-        Axis::new(&number.of, &number.unit)
+        PlotAxis::new(&number.of, &number.unit)
     }
 
     /// A figure with the axis of the first number, one from 0 to `most` that shows `of`, and the keys of the curves below;
@@ -91,7 +91,7 @@ impl<'a> Panel<'a> {
         name: &str,
         (title, description): (&str, &str),
         curves: &[SweepCurve],
-        (of, scale): (&Axis, YScale),
+        (of, scale): (&PlotAxis, YScale),
         (notes, label): (&[&str], impl Fn(f64) -> String),
     ) -> AxesFrame {
         let title = format!("{title}{}", self.at());

@@ -3,7 +3,7 @@ use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::percent_number;
 
 use super::frame::{AxesFrame, Panel, YScale, aside, description};
-use crate::svg::{Axis, DASHES, Drawing, Style, class};
+use crate::svg::{DASHES, Drawing, PlotAxis, Style, class};
 
 /// Shares with their 95 % intervals; `None`: no run is finished.
 pub(super) fn share(panel: &Panel) -> Option<Drawing> {
@@ -14,7 +14,7 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let words = description(&curves, described);
     let name = format!("{}-completed", panel.name);
     let notes = ["dots: the part of the finished runs that completed, lines: 95 % intervals"];
-    let axis = Axis::new("runs that completed", "%");
+    let axis = PlotAxis::new("runs that completed", "%");
     let AxesFrame { mut out, x, y, .. } = panel.frame(
         &name,
         (&title, &words),

@@ -4,7 +4,7 @@ use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::number;
 
 use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, description};
-use crate::svg::{Axis, DASHES, Drawing, Style, class};
+use crate::svg::{DASHES, Drawing, PlotAxis, Style, class};
 
 /// Means with their 95 % intervals, and medians; `None`: no run has a time.
 pub(super) fn times(panel: &Panel) -> Option<Drawing> {
@@ -29,7 +29,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     let of = &panel.sweep.axes[0].of;
     let title = format!("Mean time to completion over {of}");
     let words = description(&curves, |point| described(point, unit));
-    let axis = Axis::new("mean time to completion", unit);
+    let axis = PlotAxis::new("mean time to completion", unit);
     let AxesFrame {
         mut out,
         x,

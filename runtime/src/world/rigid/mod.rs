@@ -33,9 +33,9 @@ pub(super) use bodies::Bodies;
 use integrator::Kernel;
 
 /// A world of rigid cubes.
-pub struct RigidWorld(Inner);
+pub struct RigidWorld(ByPrecision);
 
-enum Inner {
+enum ByPrecision {
     Single(Box<Stepper<Kernel<f32>>>),
     Double(Box<Stepper<Kernel<f64>>>),
 }
@@ -44,14 +44,14 @@ enum Inner {
 macro_rules! either {
     (new $precision:expr, $stepper:expr) => {
         match $precision {
-            Precision::Single => Inner::Single(Box::new($stepper)),
-            Precision::Double => Inner::Double(Box::new($stepper)),
+            Precision::Single => ByPrecision::Single(Box::new($stepper)),
+            Precision::Double => ByPrecision::Double(Box::new($stepper)),
         }
     };
     ($world:expr, $stepper:ident => $what:expr) => {
         match $world {
-            Inner::Single($stepper) => $what,
-            Inner::Double($stepper) => $what,
+            ByPrecision::Single($stepper) => $what,
+            ByPrecision::Double($stepper) => $what,
         }
     };
 }
