@@ -29,49 +29,49 @@ read or written or there is no memory left, 3 a run did not complete or pieces a
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Check programs and report their errors and warnings, without simulating them
-    Check(check::Options),
+    Check(check::CheckArguments),
     /// Format programs
-    Fmt(fmt::Options),
+    Fmt(fmt::FmtArguments),
     /// Plan how to build a shape: write a program that does, fast and without jams
-    Plan(Box<plan::Options>),
+    Plan(Box<plan::PlanArguments>),
     /// Print a stage of the compilation: syntax tree, structure, dependency graph or event tables
-    Compile(compile::Options),
+    Compile(compile::CompileArguments),
     /// Simulate programs many times and compare their times to completion
-    Simulate(Box<simulate::Options>),
+    Simulate(Box<simulate::SimulateArguments>),
     /// Make one piece of an ensemble that `simulate --shards` has cut
-    Shard(shard::Options),
+    Shard(shard::ShardArguments),
     /// Say which pieces of an ensemble are there
-    Status(status::Options),
+    Status(status::StatusArguments),
     /// Put the pieces of an ensemble together: the same results as without pieces
-    Merge(merge::Options),
+    Merge(merge::MergeArguments),
     /// Have a cluster make the pieces that are missing, and put them together: with Slurm
-    Submit(submit::Options),
+    Submit(submit::SubmitArguments),
     /// Measure what accuracy costs: compare many settings with a converged reference
-    Trade(trade::Options),
+    Trade(trade::TradeArguments),
     /// Measure how often faces capture in a scene, for `--model rate`
-    Calibrate(calibrate::Options),
+    Calibrate(calibrate::CalibrateArguments),
     /// Estimate when programs will be complete, and what decides it, by rates: in milliseconds
-    Estimate(estimate::Options),
+    Estimate(estimate::EstimateArguments),
     /// Find the numbers of a scene that measured times speak for, with their uncertainty
-    Fit(Box<fit::Options>),
+    Fit(Box<fit::FitArguments>),
     /// Print the table of a results folder again
-    Results(results::Options),
+    Results(results::ResultsArguments),
     /// Check that the files of a results folder are as they were written, and save what can be saved
-    Verify(verify::Options),
+    Verify(verify::VerifyArguments),
     /// Write an HTML report on results folders: completion curves, waits, critical paths, tests
-    Report(report::Options),
+    Report(report::ReportArguments),
     /// Write an HTML page that replays a run tick by tick
-    Replay(replay::Options),
+    Replay(replay::ReplayArguments),
     /// Export the trajectories of a run as a Parquet table or a glTF animation
-    Export(export::Options),
+    Export(export::ExportArguments),
     /// Explain an error or a warning by its code
-    Explain(explain::Options),
+    Explain(explain::ExplainArguments),
     /// Start the language server for editors: findings as you type, definitions, renaming
-    Lsp(lsp::Options),
+    Lsp(lsp::LspArguments),
     /// Print a completion script for a shell
-    Completions(completions::Options),
+    Completions(completions::CompletionsArguments),
     /// Print the manual in the format of `man`
-    Man(man::Options),
+    Man(man::ManArguments),
 }
 
 /// Reports what is wrong with a command line, in which a name may hold anything, or prints the help or the version that it asks for.

@@ -20,7 +20,7 @@ use crate::operations::rates::{Effort, MAX_TICKS, RUNS, SEED, measure};
 
 /// What `calibrate` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct CalibrateArguments {
     /// A built-in scene, or a program: the scene that it runs in
     #[arg(value_name = "SCENE|FILE")]
     target: String,
@@ -49,7 +49,7 @@ pub struct Options {
 }
 
 /// Measures the rates of a scene.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
     let out = options.out.as_deref().map(NewFile::begin).transpose()?;
     let scene = scene(options, &host)?;
@@ -72,7 +72,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// The scene that is named, or that a program runs in.
-fn scene(options: &Options, host: &Terminal) -> Result<Scene, Failure> {
+fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure> {
     if let Some(scene) = built_in(&options.target) {
         return Ok(scene);
     }

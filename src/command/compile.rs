@@ -23,7 +23,7 @@ use crate::operations::programs::verdict;
 
 /// What `compile` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct CompileArguments {
     /// Program to compile
     #[arg(value_name = "FILE")]
     file: String,
@@ -71,7 +71,7 @@ enum EmittedFormat {
 }
 
 /// Compiles a file and shows a stage.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     let only = match options.format {
         EmittedFormat::Dot => Some(("dot", EmittedStage::Graph, "graph")),
         EmittedFormat::Svg => Some(("svg", EmittedStage::Structure, "structure")),

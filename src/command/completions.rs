@@ -8,13 +8,13 @@ use crate::exit::{Exit, Failure};
 
 /// What `completions` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct CompletionsArguments {
     /// Shell to print the script for
     shell: Shell,
 }
 
 /// Prints a script for a shell.
-pub fn run(options: &Options, mut command: clap::Command) -> Result<Exit, Failure> {
+pub fn run(options: &CompletionsArguments, mut command: clap::Command) -> Result<Exit, Failure> {
     let name = command.get_name().to_owned();
     let mut script = Vec::new();
     generate(options.shell, &mut command, name, &mut script);

@@ -17,7 +17,7 @@ use crate::operations::programs::programs;
 
 /// What `estimate` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct EstimateArguments {
     /// Programs, or files of compiled ones
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
@@ -43,7 +43,7 @@ pub struct Options {
 }
 
 /// Says when programs will be complete, by rates.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,
         format,

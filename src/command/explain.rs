@@ -9,14 +9,14 @@ use crate::operations::codes::explain;
 
 /// What `explain` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct ExplainArguments {
     /// Code of an error or a warning, such as `cycle`; without one, all codes are listed
     #[arg(value_parser = CodeParser, hide_possible_values = true)]
     code: Option<String>,
 }
 
 /// Prints the page of a code, or the list of all.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &ExplainArguments) -> Result<Exit, Failure> {
     let Some(name) = &options.code else {
         let lines = Code::ALL.iter().map(|code| {
             let severity = match code.severity() {

@@ -12,7 +12,7 @@ use crate::operations::export::{gltf, parquet};
 
 /// What `export` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct ExportArguments {
     #[command(flatten)]
     choice: RunSelection,
     /// File format
@@ -36,7 +36,7 @@ enum TrajectoryFormat {
 }
 
 /// Makes a run again and writes its trajectories.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &ExportArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::new(false);
     let chosen = choose(&options.choice, &host)?;

@@ -24,7 +24,7 @@ use crate::operations::trade::claim;
 /// What `fit` is given.
 #[derive(Debug, Args)]
 #[command(mut_arg("figures", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
-pub struct Options {
+pub struct FitArguments {
     /// Programs whose times were measured
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
@@ -69,7 +69,7 @@ pub struct Options {
 }
 
 /// Finds numbers of scenes that measured times speak for.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     let (unit, observed) = measured_times(&options.data)?;
     let host = Terminal::new(options.measuring.work.quiet);
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);

@@ -15,7 +15,7 @@ use crate::exit::{Exit, Failure};
 
 /// What `fmt` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct FmtArguments {
     /// Programs, or folders with programs (`*.sa`) in them; `-` formats standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
@@ -25,7 +25,7 @@ pub struct Options {
 }
 
 /// Lays out each file; one that is no program is left as it is.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &FmtArguments) -> Result<Exit, Failure> {
     let mut exit = Exit::Success;
     for file in programs(&options.files) {
         let done = file.map_err(Failure::usage);

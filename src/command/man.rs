@@ -11,14 +11,14 @@ use crate::exit::{Exit, Failure};
 
 /// What `man` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct ManArguments {
     /// Write one page for each subcommand into DIR instead of printing the main page
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
 /// Prints the manual, or writes it into a folder.
-pub fn run(options: &Options, command: clap::Command) -> Result<Exit, Failure> {
+pub fn run(options: &ManArguments, command: clap::Command) -> Result<Exit, Failure> {
     // `help` needs no page: it is what every page is about.
     let mut command = command.disable_help_subcommand(true);
     // So that every page knows what its command is called.

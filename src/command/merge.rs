@@ -12,7 +12,7 @@ use crate::operations::shard::merge;
 
 /// What `merge` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct MergeArguments {
     /// Folder of `simulate --shards`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -25,7 +25,7 @@ pub struct Options {
 }
 
 /// Puts the pieces of an ensemble together.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &MergeArguments) -> Result<Exit, Failure> {
     options.memory.apply()?;
     let runs = merge(&options.folder)?;
     if !options.quiet {

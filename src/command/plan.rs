@@ -21,7 +21,7 @@ use crate::planning::Planned;
 
 /// What `plan` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct PlanArguments {
     /// What to build: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `--run` the
     /// results folder of the run
     #[arg(value_name = "TARGET")]
@@ -93,7 +93,7 @@ enum Minimize {
 }
 
 /// Plans, and writes the program.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.quiet);
     let out = options.out.as_deref().map(NewFile::begin).transpose()?;
     let plan_options = PlanOptions {
@@ -137,7 +137,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     }
 }
 
-fn write(planned: &Planned, out: Option<NewFile>, options: &Options) -> Result<(), Failure> {
+fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Result<(), Failure> {
     let Planned { plan, text } = planned;
     if let Some(out) = out {
         out.write(text)?;

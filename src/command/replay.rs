@@ -12,7 +12,7 @@ use crate::operations::replay::{View, write};
 
 /// What `replay` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct ReplayArguments {
     #[command(flatten)]
     choice: RunSelection,
     /// Another run of the same program, to be shown beside it
@@ -27,7 +27,7 @@ pub struct Options {
 }
 
 /// Writes the page that shows a run.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &ReplayArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::new(false);
     let chosen = choose(&options.choice, &host)?;

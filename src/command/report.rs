@@ -13,7 +13,7 @@ use crate::operations::report::write;
 /// What `report` is given.
 #[derive(Debug, Args)]
 #[command(mut_arg("figure_format", |it| it.visible_alias("format")))]
-pub struct Options {
+pub struct ReportArguments {
     /// Results folders of `simulate --out`; several are compared
     #[arg(value_name = "DIR", required = true)]
     folders: Vec<PathBuf>,
@@ -32,7 +32,7 @@ pub struct Options {
 }
 
 /// Writes a page on what folders hold, and its figures beside it.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &ReportArguments) -> Result<Exit, Failure> {
     options.memory.apply()?;
     let page = write(
         &options.folders,

@@ -12,7 +12,7 @@ use crate::operations::results::{ensemble_results, read};
 
 /// What `results` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct ResultsArguments {
     /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -46,7 +46,7 @@ pub struct ResultsView {
 }
 
 /// Shows what a folder holds, finished or not.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &ResultsArguments) -> Result<Exit, Failure> {
     options.memory.apply()?;
     let (manifest, finished) = read(&options.folder, &Terminal::new(false))?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);

@@ -15,7 +15,7 @@ use crate::operations::shard::shard;
 
 /// What `shard` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct ShardArguments {
     /// Folder of `simulate --shards`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -34,7 +34,7 @@ pub struct Options {
 }
 
 /// Makes a piece of an ensemble, or what is missing of it.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &ShardArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::new(options.work.quiet);
     options.memory.apply()?;

@@ -13,7 +13,7 @@ use crate::exit::{Exit, Failure};
 
 /// What `status` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct StatusArguments {
     /// Folder of `simulate --shards`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -26,7 +26,7 @@ pub struct Options {
 }
 
 /// Says which pieces of an ensemble are there.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &StatusArguments) -> Result<Exit, Failure> {
     let status = status(&options.folder).map_err(Failure::usage)?;
     let folder = options.folder.to_string_lossy();
     print(&match (options.format, options.missing) {

@@ -26,7 +26,7 @@ use crate::operations::trade::{keep, measured, memory};
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("extent").args(["runs", "budget"]))]
 #[command(mut_arg("figures", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
-pub struct Options {
+pub struct TradeArguments {
     /// Programs to simulate; with several, their ranking at each setting is compared as well
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
@@ -65,7 +65,7 @@ pub struct Options {
 const BUDGET: Duration = Duration::from_secs(600);
 
 /// Measures what accuracy costs.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,
         format,

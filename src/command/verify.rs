@@ -14,7 +14,7 @@ use crate::operations::sweep::files_for_screens;
 
 /// What `verify` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct VerifyArguments {
     /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -27,7 +27,7 @@ pub struct Options {
 }
 
 /// Says of every file of a folder whether it is as it was written.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
     options.memory.apply()?;
     let path = &options.folder;
     let health = verify(path).map_err(Failure::usage)?;

@@ -3,7 +3,7 @@ use stochc_files::programs::STDIN_NAME;
 use stochc_ir::{counted, visible};
 
 use super::super::terminal::{print, warn};
-use super::{Options, verdict};
+use super::{CheckArguments, verdict};
 use crate::diagnostics::Format;
 use crate::exit::{Exit, Failure};
 use crate::fix::{FixedFile, fix};
@@ -13,7 +13,7 @@ use crate::fix::{FixedFile, fix};
 /// The standard input cannot be changed: with its changes, it is the output, and `text`.
 pub fn run(
     file: &str,
-    options: &Options,
+    options: &CheckArguments,
     exit: &mut Exit,
     text: &mut Option<Vec<u8>>,
 ) -> Result<Option<Exit>, Failure> {

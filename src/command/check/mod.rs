@@ -27,7 +27,7 @@ use crate::reader::DiskReader;
 
 /// What `check` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct CheckArguments {
     /// Programs to check, or folders with programs (`*.sa`) in them; `-` is the standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
@@ -76,7 +76,7 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     let is_written = options.fix && !options.dry_run && options.format != Format::Graphical;
     if is_written && options.files.iter().any(|file| file == STDIN) {
         return Err(Failure::usage(
@@ -162,7 +162,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// Checks a program, which has another text than the one to read if `text` says so.
-fn check(file: &str, text: Option<Vec<u8>>, options: &Options) -> Checked {
+fn check(file: &str, text: Option<Vec<u8>>, options: &CheckArguments) -> Checked {
     let mut reader = DiskReader::new(file, text.as_deref(), &options.imports.folders);
     let levels = &options.levels.levels;
     check_with(file, &mut reader, Limits::default(), levels)

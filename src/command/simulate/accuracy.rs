@@ -11,7 +11,7 @@ use stochc_runtime::Settings;
 
 use super::super::results::ResultsFormat;
 use super::super::terminal::warn;
-use super::Options;
+use super::SimulateArguments;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 use crate::operations::runs::threads;
@@ -21,7 +21,7 @@ use crate::operations::trade;
 ///
 /// The accuracy comes from the trade that the user names, or from one that is measured now.
 pub(super) fn settle(
-    options: &Options,
+    options: &SimulateArguments,
     accuracy: f64,
     manifest: &mut Manifest,
     host: &dyn Host,
@@ -58,7 +58,7 @@ pub(super) fn settle(
 }
 
 /// Says on standard error what is known about settings that the user has chosen.
-pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Failure> {
+pub(super) fn comment(options: &SimulateArguments, manifest: &Manifest) -> Result<(), Failure> {
     let settings = &manifest.settings;
     if let Some(reduction) = settings.reduction {
         warn(&format!(
@@ -80,7 +80,11 @@ pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Fail
     Ok(())
 }
 
-fn measured(options: &Options, manifest: &Manifest, host: &dyn Host) -> Result<Trade, Failure> {
+fn measured(
+    options: &SimulateArguments,
+    manifest: &Manifest,
+    host: &dyn Host,
+) -> Result<Trade, Failure> {
     warn(&format!(
         "--accuracy needs a measurement: {} s of it now; `stochc trade --out DIR` makes a better \
          one, for `--trade DIR`\n",

@@ -7,14 +7,18 @@ use stochc_report::text::{Strip, strips};
 
 use super::super::results::ResultsFormat;
 use super::super::terminal::{output_is_watched, output_width, print};
-use super::Options;
+use super::SimulateArguments;
 use crate::exit::Failure;
 
 /// Programs that fit on a screen.
 const SHOWN: usize = 4;
 
 /// Draws curves of the runs, and names the command that tells more; on a terminal only.
-pub fn close(options: &Options, manifest: &Manifest, finished: &Records) -> Result<(), Failure> {
+pub fn close(
+    options: &SimulateArguments,
+    manifest: &Manifest,
+    finished: &Records,
+) -> Result<(), Failure> {
     if options.work.quiet || options.format != ResultsFormat::Text || !output_is_watched() {
         return Ok(());
     }

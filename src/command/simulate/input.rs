@@ -5,7 +5,7 @@ use stochc_files::budget::MANIFEST;
 use stochc_files::read_file;
 use stochc_runtime::{Model, Settings};
 
-use super::{Options, older_manifest};
+use super::{SimulateArguments, older_manifest};
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::programs::programs;
@@ -13,14 +13,14 @@ use crate::operations::runs::warn_of_build;
 use crate::operations::{rates, sweep};
 
 /// The manifest of what is asked for.
-pub fn prepare(options: &Options, host: &dyn Host) -> Result<Manifest, Failure> {
+pub fn prepare(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
     match &options.manifest {
         Some(path) => from_manifest(path, &options.levels.levels, host),
         None => from_files(options, host),
     }
 }
 
-fn from_files(options: &Options, host: &dyn Host) -> Result<Manifest, Failure> {
+fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
     let levels = &options.levels.levels;
     let mut programs = programs(&options.files, levels, &options.imports.folders, host)?;
     if !options.sweep.is_empty() {

@@ -1,16 +1,16 @@
 //! `stochc simulate`.
 mod accuracy;
+mod arguments;
 mod completion_curves;
 mod input;
 mod older_manifest;
-mod options;
 mod single;
 
 use std::path::Path;
 
 use stochc_ir::visible;
 
-pub use options::Options;
+pub use arguments::SimulateArguments;
 
 use super::estimate::{SHOWN, print_estimates};
 use super::host::Terminal;
@@ -33,7 +33,7 @@ use stochc_files::shell::file as shell_file;
 use stochc_report::tables::replanning_to_text;
 
 /// Runs programs many times, or one of their runs alone.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
     let stop = stop_on_interrupt()?;
     options.memory.apply()?;
@@ -77,7 +77,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// Whether no program that is not there is a port that `--watch` is meant for.
-fn is_no_port(options: &Options) -> Result<(), Failure> {
+fn is_no_port(options: &SimulateArguments) -> Result<(), Failure> {
     let is_port = |file: &&String| file.parse::<u16>().is_ok() && !Path::new(file).exists();
     match options.files.iter().find(is_port) {
         Some(port) if options.watch.is_some() => Err(Failure::usage(format!(
@@ -89,7 +89,7 @@ fn is_no_port(options: &Options) -> Result<(), Failure> {
 
 /// Compares runs with others whose rest is planned anew where nothing docks for so many ticks.
 fn replanned(
-    options: &Options,
+    options: &SimulateArguments,
     manifest: Manifest,
     after: u64,
     host: &Terminal,
@@ -113,7 +113,12 @@ fn replanned(
 }
 
 /// Prepares the pieces of an ensemble.
-fn cut(options: &Options, manifest: &Manifest, shards: u64, out: &Path) -> Result<Exit, Failure> {
+fn cut(
+    options: &SimulateArguments,
+    manifest: &Manifest,
+    shards: u64,
+    out: &Path,
+) -> Result<Exit, Failure> {
     let prepared = prepare(out, manifest, shards).map_err(Failure::usage)?;
     if options.work.quiet {
         return Ok(Exit::Success);
@@ -133,7 +138,11 @@ fn cut(options: &Options, manifest: &Manifest, shards: u64, out: &Path) -> Resul
     Ok(Exit::Success)
 }
 
-fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<Exit, Failure> {
+fn ensemble(
+    options: &SimulateArguments,
+    manifest: &Manifest,
+    host: &Terminal,
+) -> Result<Exit, Failure> {
     let watching = options.watch.map(Watching::at).transpose()?;
     let how = EnsembleOptions {
         out: options.out.as_deref(),

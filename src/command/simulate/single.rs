@@ -10,12 +10,12 @@ use stochc_ir::table::{PhaseId, RoleId};
 
 use super::super::results::ResultsFormat;
 use super::super::terminal::print;
-use super::Options;
+use super::SimulateArguments;
 use crate::exit::{Exit, Failure};
 
 /// Does one run of each program.
 pub fn run(
-    options: &Options,
+    options: &SimulateArguments,
     manifest: &Manifest,
     number: u64,
     stop: &AtomicBool,

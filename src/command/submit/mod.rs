@@ -19,7 +19,7 @@ use follow::follow;
 
 /// What `submit` is given.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct SubmitArguments {
     /// Folder of `simulate --shards`, which all nodes see under the same name
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -71,14 +71,14 @@ fn sbatch_option(option: &str) -> Result<String, String> {
 
 /// What is submitted: commands and scripts.
 struct SubmittedJobs<'a> {
-    options: &'a Options,
+    options: &'a SubmitArguments,
     ensemble: &'a SlurmEnsemble,
     stochc: String,
     folder: String,
 }
 
 /// Has a cluster make an ensemble.
-pub fn run(options: &Options) -> Result<Exit, Failure> {
+pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
     let stop = stop_on_interrupt()?;
     let shown = options.folder.to_string_lossy();
     let path = options.folder.canonicalize();
@@ -101,7 +101,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 
 impl SubmittedJobs<'_> {
     fn new<'a>(
-        options: &'a Options,
+        options: &'a SubmitArguments,
         ensemble: &'a SlurmEnsemble,
     ) -> Result<SubmittedJobs<'a>, Failure> {
         let text = |path: PathBuf| match path.into_os_string().into_string() {

@@ -23,7 +23,7 @@ use crate::operations::time;
     mut_arg("figures", |it| it.requires("out").conflicts_with("shards")),
     mut_arg("figure_format", |it| it.requires("out").conflicts_with("shards"))
 )]
-pub struct Options {
+pub struct SimulateArguments {
     /// Programs to simulate; several are compared with each other
     #[arg(value_name = "FILE", required_unless_present = "manifest")]
     pub files: Vec<String>,
