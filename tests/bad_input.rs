@@ -707,6 +707,18 @@ fn what_grows_with_the_program_grows_in_proportion() {
         format!("assembly a {{ seed plate 1 x 1 {{ A at (0, 0) }} {phases} }}").as_bytes(),
         Limits::default(),
     );
+    // Names that nobody has declared, beside as many that are: not each of them is held against each.
+    let patterns = many(&|i| format!("pattern q{i}(b) {{ b.up -> C }}\n"));
+    let instances = program(&many(&|i| format!("r{i}(A)\n")));
+    run((patterns + &instances).as_bytes(), Limits::default());
+    let shapes = many(&|i| format!("shape s{i} {{ layer 1 {{ # }} }}\n"));
+    let claims = program(&many(&|i| format!("yields t{i}\n")));
+    run((shapes + &claims).as_bytes(), Limits::default());
+    let lets = many(&|i| format!("let n{i} = 1\n"));
+    let loops = program(&many(&|i| format!("for i in 0..m{i} {{ A.up -> T[i] }}\n")));
+    run((lets + &loops).as_bytes(), Limits::default());
+    let scenes = many(&|i| format!("scene s{i} from t{i} {{ }}\n"));
+    run(scenes.as_bytes(), Limits::default());
     let phases = (0..MANY / 10).fold(String::new(), |mut text, i| {
         let _ = writeln!(text, "phase p{i} {{ T[{i}].up -> T[{}] yields s }}", i + 1);
         text

@@ -1,12 +1,11 @@
 //! Which names stand for an anchored block, phase by phase.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
-use stochc_ir::suggest::nearest;
 use stochc_ir::table::{RoleId, Trigger};
 
 use crate::diagnostic::{
-    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, named, parameter_hint, removal,
-    report,
+    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, meant, named, parameter_hint,
+    removal, report,
 };
 use crate::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
@@ -526,7 +525,7 @@ impl Checker<'_> {
         let known = self.blocks().take(2_000);
         let known = known.map(|key| roles.name_of(key, self.symbols));
         let written = named(self.sources, location, &name);
-        diagnostic = diagnostic.suggest(location, nearest(&name, known), || {
+        diagnostic = diagnostic.suggest(location, meant(self.diagnostics, &name, known), || {
             "seat it on the plate, or capture it first".to_owned()
         });
         // Where the name is worked out, the text is another.

@@ -3,12 +3,14 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Name, SceneDeclaration};
 use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::scene::Scene;
-use stochc_ir::suggest::nearest;
 
-use crate::diagnostic::{Code, Diagnostic, report};
+use crate::diagnostic::{Code, Diagnostic, meant, report};
 use crate::load::Module;
 use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::{FileId, SourceLocation};
+
+/// Names of scenes that are listed where none is meant.
+const MOST_LISTED: usize = 20;
 
 /// Every scene that a program may name.
 pub struct Scenes {
@@ -124,7 +126,8 @@ impl Scenes {
         } else if let Some((file, tree)) = line.last()
             && let Some(base) = tree.base
         {
-            report(diagnostics, self.unknown(base, *file, symbols));
+            let diagnostic = self.unknown(base, *file, symbols, diagnostics);
+            report(diagnostics, diagnostic);
         }
         scene
     }
@@ -142,7 +145,8 @@ impl Scenes {
         };
         let scene = self.read_or_built_in(Some(name.symbol), symbols.word(name.symbol));
         if scene.is_none() && !self.read.contains_key(&name.symbol) {
-            report(diagnostics, self.unknown(name, file, symbols));
+            let diagnostic = self.unknown(name, file, symbols, diagnostics);
+            report(diagnostics, diagnostic);
         }
         scene
     }
@@ -154,20 +158,32 @@ impl Scenes {
         }
     }
 
-    fn unknown(&self, name: Name, file: FileId, symbols: &Symbols) -> Diagnostic {
+    fn unknown(
+        &self,
+        name: Name,
+        file: FileId,
+        symbols: &Symbols,
+        diagnostics: &[Diagnostic],
+    ) -> Diagnostic {
         let word = symbols.word(name.symbol);
-        let mut known: Vec<&str> = self.read.keys().map(|&scene| symbols.word(scene)).collect();
-        known.extend(BUILT_IN.iter().map(|(name, _)| *name));
-        known.sort_unstable();
-        known.dedup();
+        let known = || {
+            let read = self.read.keys().map(|&scene| symbols.word(scene));
+            read.chain(BUILT_IN.iter().map(|(name, _)| *name))
+        };
         let location = SourceLocation {
             file,
             span: name.span,
         };
         Diagnostic::new(Code::UnknownScene, format!("no scene is called `{word}`"))
             .label(location, "not known")
-            .suggest(location, nearest(word, &known), || {
-                format!("known are {}", known.join(", "))
+            .suggest(location, meant(diagnostics, word, known()), || {
+                let mut known: Vec<&str> = known().take(MOST_LISTED + 1).collect();
+                known.sort_unstable();
+                known.dedup();
+                match known.len() > MOST_LISTED {
+                    true => "declare it, or take one that is declared or built in".to_owned(),
+                    false => format!("known are {}", known.join(", ")),
+                }
             })
     }
 }

@@ -2,10 +2,9 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Expr, ExprKind, Shape, Subscript};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
-use stochc_ir::suggest::nearest;
 use stochc_ir::{Cell, CellBounds};
 
-use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, report};
+use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, meant, report};
 use crate::expand::Shapes;
 use crate::layer_picture::layer_picture;
 use crate::layout::Layout;
@@ -47,7 +46,7 @@ pub fn check(
                 let diagnostic =
                     Diagnostic::new(Code::UnknownName, format!("no shape is called `{word}`"))
                         .label(location, "not known here")
-                        .suggest(location, nearest(word, known), || {
+                        .suggest(location, meant(diagnostics, word, known), || {
                             format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`")
                         });
                 report(diagnostics, diagnostic);

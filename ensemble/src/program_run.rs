@@ -13,7 +13,7 @@ impl EnsembleProgram {
     /// Makes a run.
     ///
     /// # Errors
-    /// Those of [`stochc_runtime::run`].
+    /// Those of [`stochc_runtime::run()`].
     pub fn run(
         &self,
         settings: &Settings,
@@ -27,7 +27,7 @@ impl EnsembleProgram {
     /// Makes a run that somebody looks on; its record is the same.
     ///
     /// # Errors
-    /// Those of [`stochc_runtime::observe`].
+    /// Those of [`stochc_runtime::observe()`].
     pub fn observe(
         &self,
         settings: &Settings,

@@ -33,8 +33,7 @@ pub fn nearest<S: AsRef<str>>(
     let mut count = 0;
     for word in known.into_iter().take(MOST) {
         count += 1;
-        let near = word.as_ref().len().abs_diff(unknown.len()) <= 3;
-        if !near || word.as_ref() == unknown {
+        if word.as_ref() == unknown || is_far(unknown, word.as_ref()) {
             continue;
         }
         // Two names of one letter have nothing in common, whatever their indices are.
@@ -64,6 +63,29 @@ pub fn nearest<S: AsRef<str>>(
         clear: count < MOST && is_slip(unknown, word, distance, second),
         word: word.to_owned(),
     })
+}
+
+/// Whether it is plain without working out the distance that neither word is meant by the other, nor says how near another
+/// one is.
+fn is_far(one: &str, other: &str) -> bool {
+    if one.len().abs_diff(other.len()) > 3 {
+        return true;
+    }
+    if !one.is_ascii() || !other.is_ascii() || one.eq_ignore_ascii_case(other) {
+        return false;
+    }
+    let (one, other) = (one.as_bytes(), other.as_bytes());
+    let longest = one.len().max(other.len());
+    // Letters that one word has more often than the other are all put in, taken away or changed.
+    let mut more = [0_i8; 128];
+    one.iter()
+        .for_each(|&letter| more[usize::from(letter)] += 1);
+    let common = other.iter().filter(|&&letter| {
+        let more = &mut more[usize::from(letter)];
+        *more -= 1;
+        *more >= 0
+    });
+    longest - common.count() > longest.div_ceil(3)
 }
 
 /// A name without its indices and the instances around it.
@@ -107,6 +129,11 @@ mod tests {
         assert_eq!(help("a[1].T", &["a[1].M", "M"]), None);
         assert_eq!(help("a.t[1]", &["a.T[1]"]), meant("a.T[1]"));
         assert_eq!(help("m", &["M"]), meant("M"));
+        assert_eq!(help("TOWER", &["tower"]), meant("tower"));
+        assert_eq!(
+            help("reocnfigurate", &["reconfigured"]),
+            meant("reconfigured")
+        );
     }
 
     #[test]

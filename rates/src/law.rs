@@ -7,7 +7,7 @@ use crate::wait::Wait;
 /// What a face's wait depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
-    /// The part of its sphere of reach that is [not obstructed](crate::unobstructed).
+    /// The part of its sphere of reach that is not obstructed.
     pub open: f64,
     /// Density of the free gas at the cell's height over the mean of the gas.
     pub density: f64,

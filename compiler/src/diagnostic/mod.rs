@@ -16,7 +16,7 @@ pub(crate) use parameter_hint::parameter_hint;
 pub use repeat::Others;
 
 use crate::{FileId, SourceLocation};
-use stochc_ir::suggest::Suggestion;
+use stochc_ir::suggest::{Suggestion, nearest};
 
 /// One message, with the places it speaks of.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,6 +71,17 @@ pub struct Label {
 
 /// Findings of one assembly that are told, at most.
 pub const MOST_FINDINGS: usize = 1_000;
+
+/// The known word that an unknown one is probably meant to be; nobody asks where so many findings have been told that the
+/// next one is not.
+pub(crate) fn meant<S: AsRef<str>>(
+    diagnostics: &[Diagnostic],
+    unknown: &str,
+    known: impl IntoIterator<Item = S>,
+) -> Option<Suggestion> {
+    let is_told = diagnostics.len() < MOST_FINDINGS;
+    is_told.then(|| nearest(unknown, known)).flatten()
+}
 
 /// Adds a finding, unless one like it has been told of the same place, or there are so many that
 /// nobody would read them.

@@ -5,7 +5,7 @@ use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::scope::BoundValue;
 use super::{Expander, Pass};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{self, Code, Diagnostic};
 use crate::members::members;
 use crate::names::ValueKind;
 use crate::plan::NameKey;
@@ -191,8 +191,8 @@ impl Expander<'_, '_> {
                 None => {
                     let known = roles.instances(scope);
                     let known = known.map(|known| self.symbols.word(known.word));
-                    let meant = nearest(word, known);
-                    diagnostic.suggest(self.location(segment.name.span), meant, || {
+                    let known = diagnostic::meant(&self.diagnostics, word, known);
+                    diagnostic.suggest(self.location(segment.name.span), known, || {
                         format!(
                             "name the instance where it grows: `tower(A, 2) as {word}`; \
                              what a pattern builds is known behind that statement"

@@ -3,13 +3,12 @@ use stochc_grammar::tree::{Arrow, Chain, EventReference, For, Instance, Place, R
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::Face;
 use stochc_ir::counted;
-use stochc_ir::suggest::nearest;
 use stochc_ir::table::RoleId;
 
 use super::scope::BoundValue;
 use super::{Expander, Pass};
 use crate::SourceLocation;
-use crate::diagnostic::{Code, Diagnostic, Fix};
+use crate::diagnostic::{Code, Diagnostic, Fix, meant};
 use crate::plan::{AfterConstraint, EventId, EventKind, NameKey, PlanEvent};
 
 impl<'a> Expander<'a, '_> {
@@ -209,15 +208,21 @@ impl<'a> Expander<'a, '_> {
             let word = self.symbols.word(name);
             let known = patterns.values();
             let known = known.map(|(_, known)| self.symbols.word(known.name.symbol));
-            let diagnostic =
-                Diagnostic::new(Code::UnknownName, format!("no pattern is called `{word}`"))
-                    .label(location, "not known here")
-                    .suggest(location, nearest(word, known), || match word {
-                        "allow" | "deny" => format!(
-                            "a level is set without parentheses: `{word} unused-seed \"reason\"`"
-                        ),
-                        _ => format!("declare it: `pattern {word}(base) {{ ... }}`"),
-                    });
+            let diagnostic = Diagnostic::new(
+                Code::UnknownName,
+                format!("no pattern is called `{word}`"),
+            )
+            .label(location, "not known here")
+            .suggest(
+                location,
+                meant(&self.diagnostics, word, known),
+                || match word {
+                    "allow" | "deny" => format!(
+                        "a level is set without parentheses: `{word} unused-seed \"reason\"`"
+                    ),
+                    _ => format!("declare it: `pattern {word}(base) {{ ... }}`"),
+                },
+            );
             self.diagnostics.push(diagnostic);
             return;
         };

@@ -1,12 +1,11 @@
 //! Names that stand for nothing here, or for something else.
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbol};
-use stochc_ir::suggest::nearest;
 
 use super::Expander;
 use super::scope::BoundValue;
 use crate::SourceLocation;
-use crate::diagnostic::{Code, Diagnostic, parameter_hint};
+use crate::diagnostic::{Code, Diagnostic, meant, parameter_hint};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
@@ -73,7 +72,7 @@ impl Expander<'_, '_> {
             let known = self.scope.words().map(|word| self.symbols.word(word));
             Diagnostic::new(Code::UnknownName, format!("no number is called `{name}`"))
                 .label(location, "not known here")
-                .suggest(location, nearest(name, known), || {
+                .suggest(location, meant(&self.diagnostics, name, known), || {
                     format!("define it: `let {name} = 3`")
                 })
         };
