@@ -191,7 +191,7 @@ impl Expander<'_, '_> {
                 None => {
                     let known = roles.instances(scope);
                     let known = known.map(|known| self.symbols.word(known.word));
-                    let known = diagnostic::meant(&self.diagnostics, word, known);
+                    let known = diagnostic::meant(self.diagnostics, word, known);
                     diagnostic.suggest(self.location(segment.name.span), known, || {
                         format!(
                             "name the instance where it grows: `tower(A, 2) as {word}`; \

@@ -215,7 +215,7 @@ impl<'a> Expander<'a, '_> {
             .label(location, "not known here")
             .suggest(
                 location,
-                meant(&self.diagnostics, word, known),
+                meant(self.diagnostics, word, known),
                 || match word {
                     "allow" | "deny" => format!(
                         "a level is set without parentheses: `{word} unused-seed \"reason\"`"

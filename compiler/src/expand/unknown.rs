@@ -72,7 +72,7 @@ impl Expander<'_, '_> {
             let known = self.scope.words().map(|word| self.symbols.word(word));
             Diagnostic::new(Code::UnknownName, format!("no number is called `{name}`"))
                 .label(location, "not known here")
-                .suggest(location, meant(&self.diagnostics, name, known), || {
+                .suggest(location, meant(self.diagnostics, name, known), || {
                     format!("define it: `let {name} = 3`")
                 })
         };
