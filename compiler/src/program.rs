@@ -471,6 +471,15 @@ impl<'a> AssemblyInput<'a> {
             cancellation,
             &mut names,
         )?;
+        // Where faces attract by themselves, a seed does something that captures nothing.
+        let is_passive = (scene.as_ref()).is_some_and(|scene| BondKind::of(scene).is_passive());
+        for diagnostic in &mut names {
+            if is_passive && diagnostic.code == Code::UnusedSeed {
+                let help = "it attracts blocks all the same: leave it out only if the plate is to attract nothing there";
+                diagnostic.help = Some(help.to_owned());
+                diagnostic.fix = None;
+            }
+        }
         if !cut_short {
             errors.append(&mut names);
         }
@@ -520,7 +529,6 @@ impl<'a> AssemblyInput<'a> {
             reach::check(subject, limits.search, &mut later)?;
         }
         done(Stage::Reach);
-        let is_passive = (scene.as_ref()).is_some_and(|scene| BondKind::of(scene).is_passive());
         if let (Some(order), true, true) = (&order, is_whole, is_passive) {
             unplanned_bonds::check(&plan, &layout, order, symbols, cancellation, &mut later)?;
         }

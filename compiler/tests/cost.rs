@@ -201,3 +201,29 @@ fn what_a_sum_leaves_out_is_known() {
     let many = include_str!("../../benches/rates/sixteen.sa");
     assert_eq!(interaction(many), Interaction::Racing);
 }
+
+#[test]
+fn a_capture_decides_the_time_until_a_timeout_as_well() {
+    let (_, cost, _) = program(
+        "assembly one { seed plate 3 x 1 { A at (0, 0) } phase half timeout 900 ticks { A.up -> B } }",
+    );
+    let stopped = cost.draws.iter().filter(|draw| !draw.is_complete).count();
+    assert!(stopped > 0);
+    assert_eq!(cost.captures.len(), 1);
+    let share = cost.captures[0].share;
+    assert!((share - 1.0).abs() < 1e-9, "{share}");
+}
+
+#[test]
+fn messages_that_take_time_are_known_to_be_left_out() {
+    let leaves_out = |messages: &str| {
+        let (_, cost, _) = program(&format!(
+            "scene slow from hemisphere {{ {messages} }}
+            assembly one in slow {{ seed plate 1 x 1 {{ A at (0, 0) }} phase p {{ A.up -> B }} }}"
+        ));
+        cost.leaves_out_messages
+    };
+    assert!(!leaves_out("") && !leaves_out("messages { hop 0 ticks }"));
+    assert!(leaves_out("messages { hop 2 ticks }"));
+    assert!(leaves_out("messages { hop 0 ticks loss 1% }"));
+}

@@ -27,11 +27,13 @@ use stochc_files::disk::Lock;
 
 use super::build::{UNKNOWN, other_build};
 use super::checkpoint::{self, Checkpoints, Interval};
-use super::file_names::{CHECKPOINTS, CHECKSUMS_FILE, JOURNAL, MANIFEST, RECORDINGS, SHARDS_FILE};
+use super::file_names::{
+    CHECKPOINTS, CHECKSUMS_FILE, DAMAGED, JOURNAL, MANIFEST, RECORDINGS, SHARDS_FILE,
+};
 use super::finished::Finished;
 use super::folder_checksums::FolderChecksums;
 use super::folder_error::FolderError;
-use super::journal::{self, Journal, JournalHeader};
+use super::journal::{self, Journal, JournalHeader, StoredJournal};
 use super::journal_error::JournalError;
 use super::line_location::LineLocation;
 use super::manifest::{Manifest, OLDEST};
@@ -176,7 +178,14 @@ impl Folder {
                 asked: manifest.runs,
             });
         }
-        let journal = journal::read(&path.join(JOURNAL), manifest, &manifest.identity())?;
+        let mut journal = journal::read(&path.join(JOURNAL), &stored, &stored.identity())?;
+        // Of a run that there was not until now, some line could say later on what can be.
+        let is_extended = resume != Resume::No && stored.runs < manifest.runs;
+        if is_extended && !journal.damage.is_empty() {
+            let damage = std::mem::take(&mut journal.damage);
+            journal = leave_out_damaged(path, &stored)?;
+            journal.damage = damage;
+        }
         let kept = journal.finished;
         let damage = damage(path, journal.damage);
         let (done, total) = (kept.len() as u64, manifest.total());
@@ -428,6 +437,17 @@ fn not_cut(path: &Path) -> Result<(), FolderError> {
 }
 
 /// What is wrong with the files of a folder, beside its manifest and what is known of its journal.
+/// Moves a journal aside, and leaves its sound lines in its place.
+fn leave_out_damaged(path: &Path, manifest: &Manifest) -> Result<StoredJournal, FolderError> {
+    let (journal, identity) = (path.join(JOURNAL), manifest.identity());
+    let of = || FolderError::of(&journal);
+    let text = journal::salvaged(&journal, manifest, &identity).map_err(of())?;
+    let text = text.ok_or(FolderError::Journal(JournalError::Foreign))?;
+    atomic::move_aside(&journal, &path.join(DAMAGED)).map_err(of())?;
+    atomic::replace(&journal, &text, Replaces::Nothing).map_err(of())?;
+    Ok(journal::read(&journal, manifest, &identity)?)
+}
+
 fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     let (checksums, damage) = FolderChecksums::read(path);
     let mut told = journal;

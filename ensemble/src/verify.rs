@@ -116,7 +116,8 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
 
 /// Moves what is damaged aside, into [`DAMAGED`], and makes it again from what is sound, as far as that goes: the
 /// manifest from its checksum if no more than one bit of it is wrong, the journal from its sound lines, tables and
-/// `further` files from the journal. Recordings are made again by those who ask for them.
+/// `further` files from the journal; those that were there are kept in [`DAMAGED`] as well where the journal has lost lines.
+/// Recordings are made again by those who ask for them.
 ///
 /// # Errors
 /// When the manifest cannot be saved, another process writes to the folder, or the file system refuses.
@@ -169,9 +170,12 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
             replace(&journal, &text, Replaces::Nothing).map_err(of(JOURNAL))?;
         }
     }
+    // Tables of runs that the journal has lost say more than those that are made of it now.
+    let is_lost = |name: &str| is_damaged(JOURNAL) && !name.contains('/');
     for file in &health {
-        let is_done = [MANIFEST, JOURNAL, SHARDS_FILE].contains(&&*file.name);
-        if file.health.is_damaged() && !is_done && path.join(&file.name).exists() {
+        let is_done = [MANIFEST, JOURNAL, SHARDS_FILE, CHECKSUMS_FILE].contains(&&*file.name);
+        let goes = file.health.is_damaged() || is_lost(&file.name);
+        if goes && !is_done && path.join(&file.name).exists() {
             aside(&file.name)?;
         }
     }

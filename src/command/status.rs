@@ -73,6 +73,17 @@ fn text(status: &Status, folder: &str) -> String {
         text += &format!("nothing is there of: {}\n", ranges(&nothing, ", "));
     }
     let folder = shell_file(&visible(folder));
+    let is_wrong = |state: &PieceState| {
+        matches!(
+            state,
+            PieceState::Damaged { .. } | PieceState::Foreign { .. }
+        )
+    };
+    if status.pieces.iter().any(is_wrong) {
+        text += &format!(
+            "To save what is sound, before anything is made: stochc verify {folder} --repair\n"
+        );
+    }
     text += &match missing.is_empty() {
         true => format!("To put them together: stochc merge {folder}\n"),
         false => format!(

@@ -122,7 +122,7 @@ fn what_does_not_fit_together_is_told() {
             "program,ticks\none,ten\n",
             "free=8..60",
             "",
-            "line 2: `ten` is no number above 0",
+            "line 2: `ten` is no number above 0, and up to 1e15",
         ),
         (good, "frei=8..60", "", "no number `frei`"),
         (good, "free=60..8", "", "is no range"),

@@ -203,3 +203,44 @@ fn what_cannot_be_is_told_and_left_out() {
         assert!(contents.damage[0].contains(reason), "{:?}", contents.damage);
     }
 }
+
+/// Tables of runs that the journal has lost say more than those that can be made of it now.
+#[test]
+fn tables_of_lost_runs_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_folder = |name: &str| folder.path().join(name);
+    complete(folder.path(), &manifest(4), 1);
+    let tables = bytes(folder.path());
+    fs::remove_file(in_folder("journal.jsonl")).unwrap();
+    repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
+    assert!(bytes(&in_folder("damaged")) == tables);
+    complete(folder.path(), &manifest(4), 2);
+    assert!(bytes(folder.path()) == tables);
+}
+
+/// A line of a run that there was not is not believed either once there are more runs.
+#[test]
+fn a_line_that_is_left_out_stays_out_where_more_runs_are_made() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(6), 1);
+    let tables = bytes(folder.path());
+    let journal = fs::read_to_string(folder.path().join("journal.jsonl")).unwrap();
+    let line = journal.lines().find(|line| line.contains("\"run\":5,"));
+    let mut foreign: serde_json::Value = serde_json::from_str(line.unwrap()).unwrap();
+    let foreign = foreign.as_object_mut().unwrap();
+    foreign.remove("crc").unwrap();
+    let ticks = foreign["ticks"].as_u64().unwrap();
+    foreign.insert("ticks".to_owned(), (ticks + 1000).into());
+    let foreign = stochc::files::checksum::sealed(serde_json::to_string(foreign).unwrap());
+
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(4), 1);
+    let path = folder.path().join("journal.jsonl");
+    let with_it = fs::read_to_string(&path).unwrap() + &foreign + "\n";
+    put(&path, &with_it);
+    assert_eq!(damaged(folder.path()), ["journal.jsonl"]);
+    complete(folder.path(), &manifest(6), 1);
+    assert!(bytes(folder.path()) == tables);
+    let aside = folder.path().join("damaged/journal.jsonl");
+    assert_eq!(fs::read_to_string(aside).unwrap(), with_it);
+}

@@ -37,6 +37,8 @@ pub struct Cost {
     pub draws: Vec<Draw>,
     /// What times leave out.
     pub interaction: Interaction,
+    /// Whether messages take time in the scene, which is left out too.
+    pub leaves_out_messages: bool,
     /// The captures, the one first that decides most of the time; those of equal shares in source order. None without times.
     pub captures: Vec<CaptureCost>,
 }
@@ -77,6 +79,9 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         is_exact: false,
         draws: Vec::new(),
         interaction: Interaction::Apart,
+        leaves_out_messages: (program.scene.as_ref())
+            .and_then(|scene| scene.messages.as_ref())
+            .is_some_and(|it| it.hop > 0 || it.loss.is_some()),
         captures: Vec::new(),
     };
     let Some(rates) = rates else {

@@ -83,11 +83,8 @@ pub fn sample(
                     latest = (end, event);
                 }
             }
-            if latest.0 - total > *timeout {
-                total += timeout;
-                is_complete = false;
-                break;
-            }
+            // What happens later is waited for until then.
+            let stop = total + timeout;
             let mut at = latest.1;
             while at != NOBODY {
                 let before = drawn.last[at as usize];
@@ -96,8 +93,13 @@ pub fn sample(
                 } else {
                     drawn.ends[before as usize]
                 };
-                decided[at as usize] += drawn.ends[at as usize] - since;
+                decided[at as usize] += drawn.ends[at as usize].min(stop) - since.min(stop);
                 at = before;
+            }
+            if latest.0 > stop {
+                total = stop;
+                is_complete = false;
+                break;
             }
             durations.push(latest.0 - total);
             total = latest.0;

@@ -181,7 +181,12 @@ impl Expander<'_, '_> {
         } else if let Some(diagnostic) = self.instance_around(key, segment) {
             diagnostic
         } else {
-            let name = self.plan.roles.name_of(key, self.symbols);
+            // In a pattern, names are those of its own instance.
+            let written = match key.scope == self.scope.instance {
+                true => key.within(0),
+                false => key,
+            };
+            let name = self.plan.roles.name_of(written, self.symbols);
             let title = format!("no instance of a pattern is called `{name}`");
             let diagnostic = Diagnostic::new(Code::UnknownName, title)
                 .label(self.location(segment.name.span), "not known here");

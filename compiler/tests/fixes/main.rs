@@ -504,3 +504,26 @@ proptest! {
         prop_assert_eq!(comments(&new), comments(&text));
     }
 }
+
+/// Where faces attract by themselves, to leave a seed out changes what happens.
+#[test]
+fn a_seed_that_attracts_is_not_taken_away_unasked() {
+    let text = |scene: &str| {
+        format!(
+            "assembly a{scene} {{ seed plate 3 x 1 {{ P at (0, 0) R at (2, 0) }} phase p {{ P.up -> B }} }}"
+        )
+    };
+    let seed_of = |text: &str| {
+        let mut told = checked(text).diagnostics.into_iter();
+        told.find(|it| it.code == Code::UnusedSeed).unwrap()
+    };
+    assert!(seed_of(&text("")).fix.is_some());
+    let attracting = seed_of(&text(" in magnet_tank"));
+    assert_eq!(attracting.fix, None);
+    assert!(
+        attracting
+            .help
+            .unwrap()
+            .contains("attracts blocks all the same")
+    );
+}

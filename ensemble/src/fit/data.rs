@@ -4,6 +4,9 @@ use stochc_files::csv::original;
 
 use crate::statistics::Summary;
 
+/// A number of a table, at most: of larger ones squares, and their sums, are not known to their digits.
+const MOST: f64 = 1e15;
+
 /// What is known of a program's time to completion.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Observed {
@@ -83,8 +86,8 @@ impl Observed {
                 let text = record.get(i).unwrap_or_default();
                 let value: Option<f64> = text.parse().ok();
                 value
-                    .filter(|value| value.is_finite() && *value > 0.0)
-                    .ok_or_else(|| wrong(format!("`{text}` is no number above 0")))
+                    .filter(|value| *value > 0.0 && *value <= MOST)
+                    .ok_or_else(|| wrong(format!("`{text}` is no number above 0, and up to 1e15")))
             };
             let program = original(record.get(0).unwrap_or_default()).to_owned();
             let is_new = !order.contains(&program);
@@ -166,7 +169,7 @@ mod tests {
         assert!(told("a,b\n1,2\n").contains("`a,b`"));
         assert_eq!(
             told("program,ticks\na,x\n"),
-            "line 2: `x` is no number above 0"
+            "line 2: `x` is no number above 0, and up to 1e15"
         );
         assert_eq!(
             told("program,ticks\na,1\na\n"),
@@ -175,6 +178,7 @@ mod tests {
         assert_eq!(told("program,ticks\n"), "it holds no times");
         assert!(told("program,ticks\na,1\n").contains("fewer than two runs"));
         assert!(told("program,n,mean_ticks,sd_ticks\na,1,2,3\n").contains("number of runs"));
+        assert!(told("program,ticks\na,1e155\na,2\n").starts_with("line 2: `1e155` is no number"));
         assert!(told("program,n,mean_ticks,sd_ticks\na,9,2,3\na,9,2,3\n").contains("already"));
     }
 }

@@ -49,6 +49,7 @@ fn origin(estimate: &CompletionEstimate) -> String {
         (
             Method::Graph {
                 interaction,
+                leaves_out_messages,
                 is_exact,
                 ..
             },
@@ -58,7 +59,10 @@ fn origin(estimate: &CompletionEstimate) -> String {
                 true => "without chance".to_owned(),
                 false => format!("{all} times"),
             };
-            format!("Added up along the graph, {how}: {}", left_out(interaction))
+            format!(
+                "Added up along the graph, {how}: {}",
+                left_out(interaction, leaves_out_messages)
+            )
         }
         (Method::Runs { is_compiled: true }, _) => format!(
             "From {all} runs by rates: the file is compiled, and has no plan to add waits up along."
@@ -75,11 +79,22 @@ fn origin(estimate: &CompletionEstimate) -> String {
 }
 
 /// What waits that are added up along a graph leave out, and by how much that was off.
-pub fn left_out(interaction: Interaction) -> String {
+pub fn left_out(interaction: Interaction, leaves_out_messages: bool) -> String {
+    let where_so = match leaves_out_messages {
+        true => {
+            "The time that messages take in this scene is left out as well: runs by rates have it (`stochc estimate --runs N`). \
+             Without that, means"
+        }
+        false => "Where that is so, means",
+    };
     format!(
-        "{}. Where that is so, means are within {} of runs by rates (`stochc estimate --runs N`).",
+        "{}. {where_so} are within {} of runs by rates{}.",
         interaction.meaning(),
-        percent(interaction.error())
+        percent(interaction.error()),
+        match leaves_out_messages {
+            true => "",
+            false => " (`stochc estimate --runs N`)",
+        }
     )
 }
 

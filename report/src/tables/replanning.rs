@@ -60,12 +60,13 @@ pub fn replanning_to_text(results: &[Replanning], width: usize) -> String {
 
 fn sentence(it: &Replanning) -> String {
     let what = match it.difference.as_ref().map(|it| it.longer) {
-        _ if it.plans == 0 => {
+        _ if it.plans == 0 && it.not_planned == 0 => {
             return format!(
                 "{}: no run waited for {} ticks, so that nothing was planned anew.",
                 it.program, it.after
             );
         }
+        _ if it.plans == 0 => "nothing was planned anew",
         Some(Longer::First) => "planning the rest anew pays",
         Some(Longer::Second) => "planning the rest anew costs time",
         Some(Longer::Undecided) | None => "whether planning the rest anew pays is undecided",

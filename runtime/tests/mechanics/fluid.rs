@@ -1,7 +1,8 @@
 //! Gravity, fluids and heat against closed forms, in both worlds.
 
-use crate::scenes::{at, empty, pass, states, world};
+use crate::scenes::{at, empty, kicks, pass, states, world};
 use nalgebra::Vector3;
+use stochc_ir::scene::groups::speed;
 use stochc_ir::scene::{
     Agitation, BOLTZMANN, Enclosure, Flow, Fluid, Jets, Scene, Stir, Strength, Turbulence,
 };
@@ -15,6 +16,7 @@ in_every_world!(
     viscous_drag_slows_exponentially,
     a_wake_slows_algebraically,
     a_turning_block_is_slowed_too,
+    kicks_against_wakes_come_to_the_expected_speed,
     a_neutral_block_stays_on_its_circle_in_a_vortex,
     brownian_blocks_diffuse_as_einstein_says_at_every_step,
     brownian_blocks_have_the_energy_of_their_temperature,
@@ -113,6 +115,24 @@ fn a_wake_slows_algebraically<W: Arena>() {
     let exact = 0.4 / (1.0 + 0.4 * 0.4 * 30.0);
     let speed = world.state(0).velocity.x;
     assert!((speed / exact - 1.0).abs() < 1e-5, "{speed} {exact}");
+}
+
+fn kicks_against_wakes_come_to_the_expected_speed<W: Arena>() {
+    let scene = Scene {
+        agitation: kicks(0.02),
+        ..fluid(Some(0.5), None)
+    };
+    let mut world: W = world(&scene, &settings(2), &vec![still(); 3000]);
+    pass(&mut world, 300);
+    let states = states(&world);
+    let square = states.iter().map(|b| b.velocity.norm_squared());
+    let found = (square.sum::<f64>() / states.len() as f64).sqrt();
+    let expected = speed(&scene).rms.unwrap();
+    // Without collisions the speeds are not quite Maxwell's, which is 1.7 %; chance, 1 %.
+    assert!(
+        (found / expected - 1.0).abs() < 0.04,
+        "{found} for {expected}"
+    );
 }
 
 fn a_turning_block_is_slowed_too<W: Arena>() {

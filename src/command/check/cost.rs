@@ -62,7 +62,7 @@ fn table(
     match cost.total {
         Some(_) => {
             text += &paragraph(TIMES, width);
-            text += &paragraph(&left_out(cost.interaction), width);
+            text += &paragraph(&left_out(cost.interaction, cost.leaves_out_messages), width);
             text += &match is_guess {
                 true => paragraph(&first_guess(), width),
                 false => paragraph(KNOWN_BIAS, width),

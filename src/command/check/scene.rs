@@ -229,6 +229,9 @@ impl InForce<'_> {
             SpeedFrom::Collisions => {
                 "kicks against inelastic collisions, an estimate (docs/model.md)"
             }
+            SpeedFrom::Wakes => {
+                "kicks against wakes, and what else slows blocks, an estimate (docs/model.md)"
+            }
             SpeedFrom::Eddies => "eddies that take the blocks along, at most",
             SpeedFrom::Heat => "the heat of the fluid, as the mean of a tick, exact",
             SpeedFrom::Nothing => {

@@ -54,6 +54,12 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         ))
     })?;
     let entry = chosen.entry();
+    if entry.tables().aggregate.is_some() {
+        return Err(Failure::usage(format!(
+            "`{}` is an aggregate, which nothing plans: chance decides what it looks like",
+            entry.name
+        )));
+    }
     let structure = ExistingStructure::of(entry.tables(), record);
     let dead: BTreeSet<&str> = end.dead.iter().map(String::as_str).collect();
     if let Some(unknown) = dead
@@ -63,7 +69,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         let tables = entry.tables();
         if (tables.seeds()).any(|(role, _)| tables.name(role) == *unknown) {
             return Err(Failure::usage(format!(
-                "`{unknown}` is a block of the plate: only captured ones can be dead; `--seed-plate` says which blocks of the plate may capture"
+                "`{unknown}` is a block of the plate: only captured ones can be dead; leave it out of the program's plate, and plan its shape with `--seed-plate`, where a block of the plate has failed"
             )));
         }
         let known: Vec<String> = structure.names().map(|name| format!("`{name}`")).collect();

@@ -23,6 +23,8 @@ pub enum SpeedFrom {
     Drag,
     /// Kicks against what inelastic collisions, and drag if there is any, take away: an estimate.
     Collisions,
+    /// Kicks against the drag of wakes, and what else slows blocks: an estimate.
+    Wakes,
     /// Kicks, and nothing to take their energy away again.
     Nothing,
     /// Eddies that take the blocks along: that of the fluid, which heavy blocks do not quite reach.
@@ -46,9 +48,11 @@ pub fn speed(scene: &Scene) -> Speed {
         return of_rms(0.0, SpeedFrom::Rest);
     }
     let left = left(scene);
-    let loss = loss(scene);
-    if loss > 0.0 {
-        of_rms(balance(kick, left, loss), SpeedFrom::Collisions)
+    let (collisions, wakes) = (collisions(scene), wakes(scene));
+    if wakes > 0.0 {
+        of_rms(balance(kick, left, collisions + wakes), SpeedFrom::Wakes)
+    } else if collisions > 0.0 {
+        of_rms(balance(kick, left, collisions), SpeedFrom::Collisions)
     } else if left < 1.0 {
         of_rms(kick * (left / (1.0 - left)).sqrt(), SpeedFrom::Drag)
     } else {
@@ -139,12 +143,25 @@ pub(in crate::scene) fn rms_of_range(low: f64, high: f64) -> f64 {
 /// A meeting at the temperature T = m v^2 / 3 takes (1 - e^2) T on average, whatever the shapes: the
 /// approaching speed of what meets has the mean square 2 T / (effective mass). Two blocks share the
 /// loss, at the floor one bears it. Without friction.
-fn loss(scene: &Scene) -> f64 {
+fn collisions(scene: &Scene) -> f64 {
     let (Some(gas), Some(contact)) = (Gas::of(scene), &scene.contact) else {
         return 0.0;
     };
     let lost = |pair| 1.0 - restitution(scene, contact, pair).powi(2);
     gas.meetings(1.0) * lost(true) / 3.0 + gas.landings(1.0) * lost(false) * 2.0 / 3.0
+}
+
+/// What wakes take from the square of a speed in a tick, over the speed's third power \[1/side\].
+///
+/// A wake slows a block by w v^2, and v^2 by 2 w v^3; the mean third power of Maxwell's speeds is (8 / 3) sqrt(2 / (3 pi))
+/// times that of their root mean square.
+fn wakes(scene: &Scene) -> f64 {
+    let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
+    density.map_or(0.0, |density| {
+        let block = &scene.block;
+        let wake = Fluid::wake(density, block.side) * block.side / block.mass;
+        2.0 * wake * (8.0 / 3.0) * (2.0 / (3.0 * std::f64::consts::PI)).sqrt()
+    })
 }
 
 /// The speed after a head-on collision over that before, of two blocks or one and something fixed.
