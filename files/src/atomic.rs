@@ -382,7 +382,7 @@ pub fn clear_partial(folder: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// Those of the file system.
-pub fn remove_own(folder: &Path, is_ours: fn(&str) -> bool) -> io::Result<()> {
+pub fn remove_own(folder: &Path, is_ours: impl Fn(&str) -> bool) -> io::Result<()> {
     let entries = match disk::list(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         listed => listed?,

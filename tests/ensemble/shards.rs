@@ -254,6 +254,25 @@ fn an_interrupted_merge_goes_on() {
     }
 }
 
+/// A file of somebody else stays, also where its name is like that of a piece.
+#[test]
+fn a_merge_removes_pieces_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    cut(path, 3);
+    (0..3).for_each(|number| assert!(make(path, number, 1)));
+    for name in ["shards/9.jsonl", "shards/note.txt"] {
+        put(&path.join(name), "mine");
+    }
+    put_together(path).unwrap();
+    let left: Vec<String> = files(path).into_keys().collect();
+    let left: Vec<&String> = left
+        .iter()
+        .filter(|name| name.starts_with("shards"))
+        .collect();
+    assert_eq!(left, ["shards/9.jsonl", "shards/note.txt"]);
+}
+
 /// What is refused leaves every file as it was.
 fn refused(folder: &Path, expected: &str) {
     let before = files(folder);

@@ -33,7 +33,7 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     let folder = Folder::open_cut(path, &manifest, Resume::MixedBuilds)?.with(further);
     folder.write_tables(folder.kept())?;
     checkpoint::clear(path, |_, _| false).map_err(|source| in_folder(path, source))?;
-    clear(path).map_err(|source| in_folder(path, source))?;
+    clear(path, &cut).map_err(|source| in_folder(path, source))?;
     Ok(manifest.total())
 }
 
@@ -83,18 +83,19 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
 }
 
 /// Removes the pieces, and at last what says that there are any.
-fn clear(path: &Path) -> io::Result<()> {
-    remove_own(&path.join(SHARDS), is_ours)?;
+fn clear(path: &Path, cut: &Cut) -> io::Result<()> {
+    remove_own(&path.join(SHARDS), |name| is_ours(name, cut))?;
     slurm_folder::clear(path)?;
     disk::remove(&path.join(SHARDS_FILE))?;
     sync_folder(path)
 }
 
 /// Whether a file is a piece, or what was left of making one.
-fn is_ours(name: &str) -> bool {
+fn is_ours(name: &str, cut: &Cut) -> bool {
     let Some((number, what)) = name.split_once('.') else {
         return false;
     };
     let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
-    is_number && (what == "jsonl" || what.starts_with("part-") || what.starts_with("draft-"))
+    let is_piece = is_number && number.parse().is_ok_and(|number: u64| number < cut.shards);
+    is_piece && (what == "jsonl" || what.starts_with("part-") || what.starts_with("draft-"))
 }
