@@ -10,6 +10,23 @@ use Absent::{Example, NoTerm, NoTermWhere};
 
 /// A number that has not been said yet.
 const UNSAID: f64 = f64::NAN;
+
+/// A number that holds where none is said, as a value and as it is written.
+macro_rules! default {
+    ($number:literal deg) => {
+        (
+            $number as f64 * (std::f64::consts::PI / 180.0),
+            concat!($number, " deg"),
+        )
+    };
+    ($number:literal) => {
+        ($number, stringify!($number))
+    };
+}
+
+const FACES: (u8, &str) = default!(1);
+const TILT: (f64, &str) = default!(45 deg);
+const VERTICAL: (u8, &str) = default!(1);
 const UNSAID_REACH: Reach = Reach {
     force: UNSAID,
     within: UNSAID,
@@ -17,12 +34,12 @@ const UNSAID_REACH: Reach = Reach {
 const UNSAID_BLOCK: Block = Block {
     side: UNSAID,
     mass: UNSAID,
-    faces: 1,
+    faces: FACES.0,
 };
 const UNSAID_ANCHOR: Anchor = Anchor {
     measure: Measure::Centres,
     within: UNSAID,
-    tilt: std::f64::consts::FRAC_PI_4,
+    tilt: TILT.0,
 };
 
 /// A scene in which nothing has been said.
@@ -52,7 +69,7 @@ const fn unsaid_eddies(strength: Strength) -> Turbulence {
         strength,
         length: UNSAID,
         time: None,
-        vertical: 1.0,
+        vertical: VERTICAL.0 as f64,
     }
 }
 
@@ -102,7 +119,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
     field!(TICK).absent(Example("tick 20ms")).equations(&[&TICKS]),
     SchemaEntry::new("block", &[
         SchemaPart::OneOf { noun: "cube", of: &[SchemaEntry::new("cube", &[]).is(|_| true).equations(&[&CUBES])] },
-        SchemaPart::Fields(&[field!(BLOCK_SIDE), field!(BLOCK_MASS), field!(BLOCK_FACES).otherwise("1")], FieldGroup::Free),
+        SchemaPart::Fields(&[field!(BLOCK_SIDE), field!(BLOCK_MASS), field!(BLOCK_FACES).otherwise(FACES.1)], FieldGroup::Free),
     ])
     .absent(Example("block cube { side 20cm  mass 1kg  faces 1 }"))
     .make(|s| s.block = UNSAID_BLOCK),
@@ -179,7 +196,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             field!(EDDY_INTENSITY).otherwise("needed, this or `speed`"),
             field!(EDDY_LENGTH),
             field!(EDDY_TIME).otherwise("length over speed"),
-            field!(EDDY_VERTICAL).otherwise("1"),
+            field!(EDDY_VERTICAL).otherwise(VERTICAL.1),
         ] FieldGroup::Either(&STRENGTH))
             .means("eddies of the fluid, which take blocks along; needs a `fluid`")
             .equations(&[&EDDIES]),
@@ -259,7 +276,7 @@ static ANCHORING: [SchemaPart; 3] = [
             .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Gap; }),
     ] },
     SchemaPart::Number(&ANCHOR),
-    SchemaPart::Then(&field!(ANCHOR_TILT).otherwise("45 deg")),
+    SchemaPart::Then(&field!(ANCHOR_TILT).otherwise(TILT.1)),
 ];
 
 #[rustfmt::skip]
