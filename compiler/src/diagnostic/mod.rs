@@ -72,15 +72,18 @@ pub struct Label {
 /// Findings of one assembly that are told, at most.
 pub const MOST_FINDINGS: usize = 1_000;
 
-/// The known word that an unknown one is probably meant to be; nobody asks where so many findings have been told that the
-/// next one is not.
+/// Findings among which words are looked for that unknown ones may be meant to be: that takes time, again whenever a fix is
+/// tried, and whoever has more of them mends the first ones and checks again.
+const MOST_MEANT: usize = 200;
+
+/// The known word that an unknown one is probably meant to be; nobody looks for it behind [`MOST_MEANT`] findings.
 pub(crate) fn meant<S: AsRef<str>>(
     diagnostics: &[Diagnostic],
     unknown: &str,
     known: impl IntoIterator<Item = S>,
 ) -> Option<Suggestion> {
-    let is_told = diagnostics.len() < MOST_FINDINGS;
-    is_told.then(|| nearest(unknown, known)).flatten()
+    let is_asked = diagnostics.len() < MOST_MEANT;
+    is_asked.then(|| nearest(unknown, known)).flatten()
 }
 
 /// Adds a finding, unless one like it has been told of the same place, or there are so many that
