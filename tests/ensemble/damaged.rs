@@ -229,8 +229,8 @@ fn a_line_that_is_left_out_stays_out_where_more_runs_are_made() {
     let mut foreign: serde_json::Value = serde_json::from_str(line.unwrap()).unwrap();
     let foreign = foreign.as_object_mut().unwrap();
     foreign.remove("crc").unwrap();
-    let ticks = foreign["ticks"].as_u64().unwrap();
-    foreign.insert("ticks".to_owned(), (ticks + 1000).into());
+    let hops = foreign["record"]["hops"].as_u64().unwrap();
+    foreign.get_mut("record").unwrap()["hops"] = (hops + 1000).into();
     let foreign = stochc::files::checksum::sealed(serde_json::to_string(foreign).unwrap());
 
     let folder = tempfile::tempdir().unwrap();
