@@ -92,7 +92,8 @@ enum BlockOrigin {
     Capture(EventId),
 }
 
-/// Checks every name; events that make no sense are marked so in the plan.
+/// Checks every name; events that make no sense are marked so in the plan. `attracts`: faces attract by themselves, so that a
+/// seed does something that captures nothing.
 ///
 /// # Errors
 ///
@@ -102,6 +103,7 @@ pub fn check(
     sources: &Sources,
     symbols: &Symbols,
     doubtful: &FxHashSet<Symbol>,
+    attracts: bool,
     cancellation: Cancellation<'_>,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Liveness, Cancelled> {
@@ -115,6 +117,7 @@ pub fn check(
         sources,
         symbols,
         doubtful,
+        attracts,
         diagnostics,
         first_captures: None,
         plan,
@@ -132,6 +135,7 @@ struct Checker<'a> {
     sources: &'a Sources,
     symbols: &'a Symbols,
     doubtful: &'a FxHashSet<Symbol>,
+    attracts: bool,
     diagnostics: &'a mut Vec<Diagnostic>,
     /// The first capture of every block, once it has been asked for.
     first_captures: Option<FxHashMap<RoleId, EventId>>,
@@ -181,10 +185,16 @@ impl Checker<'_> {
                 let mut diagnostic =
                     Diagnostic::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
                         .label(seed.location, "captures nothing")
-                        .help("leave it out: the plate is there without it");
+                        .help(match self.attracts {
+                            true => {
+                                "it attracts blocks all the same: leave it out only if the plate is to attract nothing there"
+                            }
+                            false => "leave it out: the plate is there without it",
+                        });
                 // A statement in a loop stands for several seeds, of which others may be used.
                 let alone = named(self.sources, seed.location, &name);
-                if let Some(statement) = seed.statement.filter(|_| alone.is_some()) {
+                let is_idle = alone.is_some() && !self.attracts;
+                if let Some(statement) = seed.statement.filter(|_| is_idle) {
                     let location = removal(self.sources, statement);
                     diagnostic.fix =
                         Some(Fix::remove(location, format!("remove the seed `{name}`")));

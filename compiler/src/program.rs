@@ -371,9 +371,17 @@ fn compile_aggregate(
         capacity::check_aggregate(&plan, scene, diagnostics);
     }
     let doubtful = Default::default();
-    // It has no events.
+    // It has no events, and no seeds.
     let never = Cancellation::NEVER;
-    let liveness = liveness::check(&mut plan, sources, symbols, &doubtful, never, diagnostics)?;
+    let liveness = liveness::check(
+        &mut plan,
+        sources,
+        symbols,
+        &doubtful,
+        false,
+        never,
+        diagnostics,
+    )?;
     let layout = layout::lay_out(&mut plan, &liveness, symbols, never, diagnostics)?;
     let graph = graph::build(&plan, &liveness, &layout, 1, never)?;
     let order = order::sort(&plan, &graph, symbols, never, diagnostics)?;
@@ -463,23 +471,16 @@ impl<'a> AssemblyInput<'a> {
             plan.clear();
         }
         let mut names = Vec::new();
+        let is_passive = (scene.as_ref()).is_some_and(|scene| BondKind::of(scene).is_passive());
         let liveness = liveness::check(
             &mut plan,
             self.sources,
             symbols,
             doubtful,
+            is_passive,
             cancellation,
             &mut names,
         )?;
-        // Where faces attract by themselves, a seed does something that captures nothing.
-        let is_passive = (scene.as_ref()).is_some_and(|scene| BondKind::of(scene).is_passive());
-        for diagnostic in &mut names {
-            if is_passive && diagnostic.code == Code::UnusedSeed {
-                let help = "it attracts blocks all the same: leave it out only if the plate is to attract nothing there";
-                diagnostic.help = Some(help.to_owned());
-                diagnostic.fix = None;
-            }
-        }
         if !cut_short {
             errors.append(&mut names);
         }

@@ -9,7 +9,7 @@ use crate::load::Module;
 use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::{FileId, SourceLocation};
 
-/// Names of scenes that are listed where none is meant.
+/// Scenes that a program may declare so that all are listed where none is meant.
 const MOST_LISTED: usize = 20;
 
 /// Every scene that a program may name.
@@ -177,13 +177,13 @@ impl Scenes {
         Diagnostic::new(Code::UnknownScene, format!("no scene is called `{word}`"))
             .label(location, "not known")
             .suggest(location, meant(diagnostics, word, known()), || {
-                let mut known: Vec<&str> = known().take(MOST_LISTED + 1).collect();
+                if self.read.len() > MOST_LISTED {
+                    return "declare it, or take one that is declared or built in".to_owned();
+                }
+                let mut known: Vec<&str> = known().collect();
                 known.sort_unstable();
                 known.dedup();
-                match known.len() > MOST_LISTED {
-                    true => "declare it, or take one that is declared or built in".to_owned(),
-                    false => format!("known are {}", known.join(", ")),
-                }
+                format!("known are {}", known.join(", "))
             })
     }
 }

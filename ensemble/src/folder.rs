@@ -33,7 +33,7 @@ use super::file_names::{
 use super::finished::Finished;
 use super::folder_checksums::FolderChecksums;
 use super::folder_error::FolderError;
-use super::journal::{self, Journal, JournalHeader, StoredJournal};
+use super::journal::{self, Journal, JournalHeader};
 use super::journal_error::JournalError;
 use super::line_location::LineLocation;
 use super::manifest::{Manifest, OLDEST};
@@ -183,7 +183,8 @@ impl Folder {
         let is_extended = resume != Resume::No && stored.runs < manifest.runs;
         if is_extended && !journal.damage.is_empty() {
             let damage = std::mem::take(&mut journal.damage);
-            journal = leave_out_damaged(path, &stored)?;
+            keep_sound_lines(path, &stored)?;
+            journal = journal::read(&path.join(JOURNAL), &stored, &stored.identity())?;
             journal.damage = damage;
         }
         let kept = journal.finished;
@@ -436,18 +437,30 @@ fn not_cut(path: &Path) -> Result<(), FolderError> {
     }
 }
 
-/// What is wrong with the files of a folder, beside its manifest and what is known of its journal.
-/// Moves a journal aside, and leaves its sound lines in its place.
-fn leave_out_damaged(path: &Path, manifest: &Manifest) -> Result<StoredJournal, FolderError> {
-    let (journal, identity) = (path.join(JOURNAL), manifest.identity());
+/// Moves the journal of a folder aside, into [`DAMAGED`], and leaves its sound lines in its place.
+///
+/// # Errors
+/// If it is of another ensemble, or the file system refuses.
+pub(super) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
+    let journal = path.join(JOURNAL);
     let of = || FolderError::of(&journal);
-    let text = journal::salvaged(&journal, manifest, &identity).map_err(of())?;
-    let text = text.ok_or(FolderError::Journal(JournalError::Foreign))?;
-    atomic::move_aside(&journal, &path.join(DAMAGED)).map_err(of())?;
-    atomic::replace(&journal, &text, Replaces::Nothing).map_err(of())?;
-    Ok(journal::read(&journal, manifest, &identity)?)
+    // Nothing is sound of what is no file.
+    let text = match journal.is_file() {
+        true => {
+            let text = journal::salvaged(&journal, manifest, &manifest.identity()).map_err(of())?;
+            Some(text.ok_or(FolderError::Journal(JournalError::Foreign))?)
+        }
+        false => None,
+    };
+    let damaged = path.join(DAMAGED);
+    atomic::move_aside(&journal, &damaged).map_err(FolderError::of(&damaged))?;
+    match text {
+        Some(text) => atomic::replace(&journal, &text, Replaces::Nothing).map_err(of()),
+        None => Ok(()),
+    }
 }
 
+/// What is wrong with the files of a folder, beside its manifest and what is known of its journal.
 fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     let (checksums, damage) = FolderChecksums::read(path);
     let mut told = journal;

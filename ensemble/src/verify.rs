@@ -7,10 +7,9 @@ use stochc_files::{budget, disk, open, read_file};
 
 use super::checkpoint;
 use super::file_names::{CHECKSUMS_FILE, JOURNAL, MANIFEST, RECORDINGS, SHARDS, SHARDS_FILE};
-use super::folder::{lock, without_manifest, write_manifest};
+use super::folder::{keep_sound_lines, lock, without_manifest, write_manifest};
 use super::folder_checksums::FolderChecksums;
-use super::journal::{read as read_journal, salvaged};
-use super::journal_error::JournalError;
+use super::journal::read as read_journal;
 use super::manifest::OLDEST;
 use super::recording::{Outline, VERSION, path as recording_path};
 use super::shards::{self, Cut};
@@ -157,18 +156,8 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
                 .map_err(of(SHARDS_FILE))?;
         }
     }
-    let journal = path.join(JOURNAL);
-    if is_damaged(JOURNAL) && journal.exists() {
-        let salvage = || {
-            let text = salvaged(&journal, &manifest, &manifest.identity()).map_err(of(JOURNAL))?;
-            text.ok_or(FolderError::Journal(JournalError::Foreign))
-        };
-        // Nothing is sound of what is no file.
-        let text = journal.is_file().then(salvage).transpose()?;
-        aside(JOURNAL)?;
-        if let Some(text) = text {
-            replace(&journal, &text, Replaces::Nothing).map_err(of(JOURNAL))?;
-        }
+    if is_damaged(JOURNAL) && path.join(JOURNAL).exists() {
+        keep_sound_lines(path, &manifest)?;
     }
     // Tables of runs that the journal has lost say more than those that are made of it now.
     let is_lost = |name: &str| is_damaged(JOURNAL) && !name.contains('/');

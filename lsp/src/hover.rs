@@ -1,5 +1,4 @@
 //! What is known of a name, in Markdown.
-
 use std::fmt::Write as _;
 
 use stochc_compiler::cost::{Cost, estimate};

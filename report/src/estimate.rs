@@ -79,7 +79,7 @@ impl CompletionEstimate {
     ) -> CompletionEstimate {
         let times: Vec<f64> = (records.iter())
             .filter_map(|record| completion_time(record))
-            .filter_map(completed_time)
+            .filter_map(Observation::completed_time)
             .collect();
         let completed = times.len() as u64;
         let of_most = |times: Vec<f64>| Times::of_most(times, records.len());
@@ -91,7 +91,7 @@ impl CompletionEstimate {
         let phases = phases.map(|(number, phase)| {
             let times = (records.iter())
                 .filter_map(|record| phase_time(record, number))
-                .filter_map(completed_time);
+                .filter_map(Observation::completed_time);
             PhaseEstimate {
                 name: phase.name.clone(),
                 times: of_most(times.collect()),
@@ -107,11 +107,6 @@ impl CompletionEstimate {
             shares: shares(program, records),
         }
     }
-}
-
-/// The time of what was not stopped.
-fn completed_time(time: Observation) -> Option<f64> {
-    time.completed.then_some(time.time)
 }
 
 /// Who was waited for along the critical paths.

@@ -5,6 +5,7 @@ use stochc_compiler::LintLevels;
 use stochc_ensemble::fit::{
     Design, Emulator, Fit, FittedProgram, Observed, Posterior, Prior, Simulated, Unit,
 };
+use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
@@ -53,6 +54,7 @@ impl FitSetup<'_> {
         }
         for (program, _) in measured {
             for prior in self.priors {
+                // Both ends have to be values that the scene may have.
                 for share in [0.0, 1.0] {
                     (prior.varied(share, &program.scene)).map_err(Failure::usage)?;
                 }
@@ -210,8 +212,8 @@ fn simulated(
     let mut stopped = 0;
     let mut observed = vec![Vec::new(); manifest.programs.len()];
     let read = results.finished.each(|done| {
-        let time = completion_time(&done.record).filter(|time| time.completed);
-        observed[done.program].extend(time.map(|time| time.time));
+        let time = completion_time(&done.record).and_then(Observation::completed_time);
+        observed[done.program].extend(time);
     });
     read.map_err(Failure::usage)?;
     for (entry, program) in manifest.programs.iter().enumerate() {

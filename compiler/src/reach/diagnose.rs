@@ -1,5 +1,4 @@
 //! What is said of captures that cannot, or hardly, be reached.
-
 use stochc_ir::Face;
 
 use super::closable_phase::ClosablePhase;

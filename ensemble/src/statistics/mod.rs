@@ -55,4 +55,9 @@ impl Observation {
             completed: false,
         }
     }
+
+    /// The time of a run that completed.
+    pub fn completed_time(self) -> Option<f64> {
+        self.completed.then_some(self.time)
+    }
 }

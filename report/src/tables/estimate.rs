@@ -80,22 +80,16 @@ fn origin(estimate: &CompletionEstimate) -> String {
 
 /// What waits that are added up along a graph leave out, and by how much that was off.
 pub fn left_out(interaction: Interaction, leaves_out_messages: bool) -> String {
-    let where_so = match leaves_out_messages {
-        true => {
-            "The time that messages take in this scene is left out as well: runs by rates have it (`stochc estimate --runs N`). \
-             Without that, means"
-        }
-        false => "Where that is so, means",
-    };
-    format!(
-        "{}. {where_so} are within {} of runs by rates{}.",
-        interaction.meaning(),
-        percent(interaction.error()),
-        match leaves_out_messages {
-            true => "",
-            false => " (`stochc estimate --runs N`)",
-        }
-    )
+    let (meaning, error) = (interaction.meaning(), percent(interaction.error()));
+    match leaves_out_messages {
+        true => format!(
+            "{meaning}. The time that messages take in this scene is left out as well: runs by rates have it \
+             (`stochc estimate --runs N`). Without that, means are within {error} of runs by rates."
+        ),
+        false => format!(
+            "{meaning}. Where that is so, means are within {error} of runs by rates (`stochc estimate --runs N`)."
+        ),
+    }
 }
 
 fn times(estimate: &CompletionEstimate) -> TextTable {
