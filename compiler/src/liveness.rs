@@ -358,7 +358,8 @@ impl Checker<'_> {
                 format!("`{name}` is part of the structure before this phase begins"),
             )
             .label(after.location, "nothing to wait for");
-            if state.released.is_some() {
+            // A release cannot wait for itself.
+            if state.released.is_some_and(|event| event != after.event) {
                 diagnostic =
                     diagnostic.help(format!("to wait until it has gone: `after release {name}`"));
             }
@@ -366,7 +367,7 @@ impl Checker<'_> {
             if named(self.sources, after.location, &name) == Some(after.location) {
                 let drop =
                     |location| Fix::remove(location, format!("drop `{name}` from the `after`"));
-                let doubt = state.released.is_some();
+                let doubt = state.released.is_some_and(|event| event != after.event);
                 let fix = entry(self.sources, after.location).map(drop);
                 diagnostic.fix = fix.map(|fix| fix.unsafe_if(doubt));
             }

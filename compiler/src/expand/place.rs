@@ -161,7 +161,8 @@ impl Expander<'_, '_> {
         let faces = Face::ALL.map(Face::word);
         let wanted = self.symbols.word(next.name.symbol);
         let meant = face_meant(wanted).or_else(|| nearest(wanted, faces));
-        let is_block = self.plan.roles.get(&key).is_some();
+        let is_block = self.plan.roles.get(&key).is_some()
+            || matches!(self.value(segment.name), Some(BoundValue::Block(_)));
         let diagnostic = if !ranged && next.index.is_none() && (is_block || meant.is_some()) {
             Diagnostic::new(
                 Code::UnknownName,

@@ -505,6 +505,26 @@ proptest! {
     }
 }
 
+/// `after release A` is what may have been meant, but not by the release of A itself.
+#[test]
+fn a_release_is_not_told_to_wait_for_itself() {
+    let help = |event: &str| {
+        let text = program(&format!("phase p {{ release A  N.up -> B {event} }}"));
+        let mut told = checked(&text).diagnostics.into_iter();
+        told.find(|it| it.code == Code::RedundantAfter)
+            .unwrap()
+            .help
+    };
+    assert!(help("after A").unwrap().contains("after release A"));
+    let text = program("phase p { N.up -> B  release A after A }");
+    let found = checked(&text).diagnostics;
+    assert_eq!(
+        (found.len(), found[0].code, &found[0].help),
+        (1, Code::RedundantAfter, &None)
+    );
+    assert_eq!(fixed(&text), text.replace(" after A", ""));
+}
+
 /// Where faces attract by themselves, to leave a seed out changes what happens.
 #[test]
 fn a_seed_that_attracts_is_not_taken_away_unasked() {
