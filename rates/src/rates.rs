@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 
+use crate::head_start::HeadStart;
 use crate::law::{Parameters, Surroundings};
 use crate::neighbourhood::Neighbourhood;
 use crate::rivals::Rivals;
@@ -41,19 +42,6 @@ pub struct Rates {
     pub coverage: Coverage,
 }
 
-/// What a block does that is released near an open face.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HeadStart {
-    /// The squared distance from its cell to the open one, in sides.
-    pub squared_distance: u32,
-    /// How far it was before the open face, beyond the open cell, in sides; behind it, this is negative.
-    pub before: i32,
-    /// The probability that it docks there, if no other does before.
-    pub probability: f64,
-    /// The mean time in which it does \[tick\].
-    pub ticks: f64,
-}
-
 /// What surroundings were observed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
@@ -83,9 +71,6 @@ const SLOWEST_GAP: f64 = -0.7;
 /// Rates of built-in scenes, as `stochc calibrate SCENE --out` wrote them.
 const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
 
-/// Ticks after which a released block is one like any other.
-pub const FORGOTTEN: u64 = 150;
-
 /// What a [`profile`](Rates::profile) says of a layer of cells; above the last one, what that says.
 pub fn density_in(profile: &[f64], layer: i32) -> f64 {
     let layer = usize::try_from(layer - 1).unwrap_or(0);
@@ -94,22 +79,6 @@ pub fn density_in(profile: &[f64], layer: i32) -> f64 {
         .or(profile.last())
         .copied()
         .unwrap_or(1.0)
-}
-
-/// Where a cell is from an open one, to which `way` leads: the squared distance, and how far before the face; `None`: beyond all
-/// numbers.
-pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
-    let offset = [
-        from.x.checked_sub(cell.x)?,
-        from.y.checked_sub(cell.y)?,
-        from.z.checked_sub(cell.z)?,
-    ];
-    let mut squares = 0_u32;
-    for part in offset {
-        squares = squares.checked_add(part.unsigned_abs().checked_pow(2)?)?;
-    }
-    let before = offset.iter().zip(way.normal()).map(|(a, b)| a * b).sum();
-    Some((squares, before))
 }
 
 impl Rates {
@@ -199,15 +168,6 @@ impl Rates {
     /// The wait of a face in such surroundings.
     pub fn wait(&self, surroundings: &Surroundings) -> Wait {
         self.parameters.wait(surroundings)
-    }
-
-    /// The chance of a block that was released in the cell `from` to dock at an open cell, to which `way` leads.
-    pub fn head_start(&self, cell: Cell, way: Face, from: Cell) -> Option<HeadStart> {
-        let (squared_distance, before) = relative(cell, way, from)?;
-        let mut known = self.head_starts.iter();
-        known
-            .find(|it| (it.squared_distance, it.before) == (squared_distance, before))
-            .copied()
     }
 
     /// As a file, a JSON object on lines of its own.

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
-use stochc_rates::{FORGOTTEN, HeadStart};
+use stochc_rates::ReleaseNearby;
 
 use super::drawn_times::{DrawnTimes, exponential};
 use super::steps::Step;
@@ -19,7 +19,7 @@ pub struct TimedPhase<'a> {
     /// Of each step those that wait for it.
     followers: Vec<Vec<u32>>,
     /// Of each release of the phase, the steps whose faces its block may dock on.
-    near: FxHashMap<u32, Vec<(u32, HeadStart)>>,
+    near: FxHashMap<u32, Vec<(u32, ReleaseNearby)>>,
 }
 
 /// What may happen at a time, which is never negative, so that its bits are in its order; then the step, and the release whose block comes.
@@ -53,9 +53,9 @@ impl<'a> TimedPhase<'a> {
             for before in &step.before {
                 followers[places[before]].push(i);
             }
-            for (release, start) in head_starts(step) {
+            for (release, nearby) in head_starts(step) {
                 if places.contains_key(&release.0) {
-                    near.entry(release.0).or_default().push((i, *start));
+                    near.entry(release.0).or_default().push((i, *nearby));
                 }
             }
         }
@@ -110,9 +110,9 @@ impl PhaseDraw<'_, '_> {
         };
         let end = opens + wait.wait.time_of(exponential(self.rng));
         self.schedule(end, step, None);
-        for (release, start) in &wait.head_starts {
+        for (release, nearby) in &wait.head_starts {
             if self.times.has_happened(release.0) {
-                self.head_start(step, release.0, start, opens);
+                self.head_start(step, release.0, nearby, opens);
             }
         }
     }
@@ -120,10 +120,10 @@ impl PhaseDraw<'_, '_> {
     /// An event happens, and what it is waited for by may begin.
     fn happen(&mut self, step: u32, event: u32, time: f64) {
         self.times.ends[event as usize] = time;
-        for (other, start) in self.phase.near.get(&event).into_iter().flatten() {
+        for (other, nearby) in self.phase.near.get(&event).into_iter().flatten() {
             let capture = self.phase.steps[*other as usize].event;
             if self.missing[*other as usize] == 0 && !self.times.has_happened(capture) {
-                self.head_start(*other, event, start, time);
+                self.head_start(*other, event, nearby, time);
             }
         }
         for &follower in &self.phase.followers[step as usize] {
@@ -135,10 +135,12 @@ impl PhaseDraw<'_, '_> {
     }
 
     /// By chance, the block of a release docks on a face that is open at this time.
-    fn head_start(&mut self, step: u32, release: u32, start: &HeadStart, time: f64) {
+    fn head_start(&mut self, step: u32, release: u32, nearby: &ReleaseNearby, time: f64) {
         let since = time - self.times.ends[release as usize];
-        let left = 1.0 - since / FORGOTTEN as f64;
-        if self.rng.random::<f64>() < start.probability * left {
+        let Some(start) = nearby.after(since) else {
+            return;
+        };
+        if self.rng.random::<f64>() < start.probability {
             let end = time + start.ticks * exponential(self.rng);
             self.schedule(end, step, Some(release));
         }

@@ -2,7 +2,7 @@
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Face, offsets_within};
-use stochc_rates::{HeadStart, Neighbourhood, Rates, Surroundings, Wait};
+use stochc_rates::{HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait};
 
 use super::occupancy::Occupancy;
 use super::phase_events::{PhaseEvent, bound, phase_events};
@@ -20,7 +20,7 @@ pub struct CaptureWait {
     /// Whether more than [`FEW`] of the free blocks are waited for in its turn.
     pub is_one_of_many: bool,
     /// What blocks may do that are released near the open face, in this phase or the one before.
-    pub head_starts: Vec<(EventId, HeadStart)>,
+    pub head_starts: Vec<(EventId, ReleaseNearby)>,
 }
 
 /// For every capture what it waits for. Releases, and what is attached by hand, have `None`.
@@ -33,6 +33,7 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
     let mut before = 0;
     let mut cold = true;
     let mut released = [Released::default(), Released::default()];
+    let of_releases = rates.head_starts();
     for phase in &plan.phases {
         let events = phase_events(program, phase, levels);
         occupancy.begin(&events);
@@ -63,7 +64,7 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             waits[event.id.0 as usize] = Some(CaptureWait {
                 wait: without.between(with),
                 is_one_of_many: mates as f64 > FEW * f64::from(count),
-                head_starts: head_starts(rates, &released, cell, way),
+                head_starts: head_starts(of_releases, &released, cell, way),
             });
         }
         occupancy.end(&events);
@@ -94,22 +95,22 @@ const NEAR: i32 = 3;
 
 /// What the blocks that were released near an open cell may do, in source order.
 fn head_starts(
-    rates: &Rates,
+    of_releases: HeadStarts,
     released: &[Released; 2],
     cell: Cell,
     way: Face,
-) -> Vec<(EventId, HeadStart)> {
+) -> Vec<(EventId, ReleaseNearby)> {
     let mut found = Vec::new();
     if released.iter().all(FxHashMap::is_empty) {
         return found;
     }
     for from in within(cell, NEAR) {
-        let Some(start) = rates.head_start(cell, way, from) else {
+        let Some(nearby) = of_releases.of(cell, way, from) else {
             continue;
         };
         for phase in released {
             let releases = phase.get(&from).into_iter().flatten();
-            found.extend(releases.map(|&release| (release, start)));
+            found.extend(releases.map(|&release| (release, nearby)));
         }
     }
     found.sort_unstable_by_key(|(release, _)| *release);

@@ -1,33 +1,42 @@
 //! What blocks do that are let go near an open face.
 use std::collections::BTreeMap;
 
-use stochc_rates::{FORGOTTEN, HeadStart, relative};
+use stochc_rates::{HeadStart, relative};
 
-use super::observation::{History, NEAR, WaitingFace};
+use super::observation::{History, LATELY, NEAR, WaitingFace};
 
 /// Ticks after which a block that comes back has come by chance.
-const LATEST: u64 = 2 * FORGOTTEN;
+const LATEST: u64 = 2 * LATELY;
 
 /// Releases of which there have to be so many for a place to count.
 const LEAST: u32 = 10;
 
-/// By where it was from the open cell ([`relative`]): how many were let go there, how many docked, and in how many ticks together.
+/// Ticks after which a face is no longer a moment late: messages that take no time are there in one.
+const A_MOMENT: u64 = 2;
+
+/// By whether the face was late, and where the block was from the open cell ([`relative`]): how many were let go there, how many docked,
+/// and in how many ticks together.
 #[derive(Debug, Default)]
-pub(super) struct HeadStarts(BTreeMap<(u32, i32), (u32, u32, u64)>);
+pub(super) struct HeadStarts(BTreeMap<(bool, u32, i32), (u32, u32, u64)>);
 
 impl HeadStarts {
     /// Takes the releases of a run into account.
     pub fn add(&mut self, history: &History) {
         let released = || history.moves.iter().filter(|it| !it.came);
         for it in released() {
-            // What opens with the release, or waits already; what opens later is nearly as likely.
-            let open = |wait: &&WaitingFace| wait.since <= it.tick + 1 && wait.until > it.tick;
+            // What opens with the release or a moment later, or waits already.
+            let open =
+                |wait: &&WaitingFace| wait.since <= it.tick + A_MOMENT && wait.until > it.tick;
             for wait in history.waits.iter().filter(open) {
-                let Some(place) =
+                let Some((squared, before)) =
                     relative(wait.cell, wait.way, it.cell).filter(|(squared, _)| *squared <= NEAR)
                 else {
                     continue;
                 };
+                let late = wait.since > it.tick;
+                if late && squared > 0 {
+                    continue;
+                }
                 let ticks = wait.until - it.tick.max(wait.since);
                 let docked = wait.captured == Some(it.body) && ticks <= LATEST;
                 // Another that was let go with it was faster.
@@ -38,7 +47,7 @@ impl HeadStarts {
                             && wait.captured == Some(other.body)
                     });
                 if docked || !beaten {
-                    let (all, those, together) = self.0.entry(place).or_default();
+                    let (all, those, together) = self.0.entry((late, squared, before)).or_default();
                     *all += 1;
                     *those += u32::from(docked);
                     *together += if docked { ticks } else { 0 };
@@ -55,11 +64,12 @@ impl HeadStarts {
             .filter(|(_, (all, docked, _))| *all >= LEAST && *docked > 0);
         known
             .map(
-                |(&(squared_distance, before), &(all, docked, ticks))| HeadStart {
+                |(&(late, squared_distance, before), &(all, docked, ticks))| HeadStart {
                     squared_distance,
                     before,
                     probability: f64::from(docked) / f64::from(all),
                     ticks: ticks as f64 / f64::from(docked),
+                    late,
                 },
             )
             .collect()

@@ -19,7 +19,7 @@ use observation::Observations;
 /// Programs to observe: a name and a text each.
 ///
 /// What grows tells more than a block beside a structure that stands: that misleads by 5 to 10 %.
-pub const PROGRAMS: [(&str, &str); 15] = [
+pub const PROGRAMS: [(&str, &str); 16] = [
     ("towers", include_str!("programs/towers.sa")),
     ("wall", include_str!("programs/wall.sa")),
     ("corner", include_str!("programs/corner.sa")),
@@ -35,6 +35,7 @@ pub const PROGRAMS: [(&str, &str); 15] = [
     ("quincunx", include_str!("programs/quincunx.sa")),
     ("gap", include_str!("programs/gap.sa")),
     ("solid", include_str!("programs/solid.sa")),
+    ("late", include_str!("programs/late.sa")),
 ];
 
 /// What was observed of a scene.

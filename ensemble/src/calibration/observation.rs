@@ -3,12 +3,13 @@ use std::collections::BTreeSet;
 
 use stochc_ir::record::RunRecord;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{
-    FORGOTTEN, Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees,
-};
+use stochc_rates::{Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees};
 
 /// Squared distance in sides within which a block that is let go has a head start, at most.
 pub(super) const NEAR: u32 = 8;
+
+/// Ticks after which nothing is made of a block having been let go.
+pub(super) const LATELY: u64 = 150;
 
 /// How long a face is watched, at most, in medians of the waits that ended: of exponential waits one of 65,536 is longer.
 const LONGEST: f64 = 16.0;
@@ -157,7 +158,7 @@ impl Observations {
     pub fn add(&mut self, history: &History, profile: &[f64], count: u32) {
         for wait in &history.waits {
             let disturbed = history.moves.iter().any(|it| {
-                let lately = it.tick + FORGOTTEN > wait.since && it.tick < wait.until;
+                let lately = it.tick + LATELY > wait.since && it.tick < wait.until;
                 !it.came
                     && lately
                     && wait

@@ -127,6 +127,7 @@ fn head_starts(rates: &Rates) -> TextTable {
     let places = all.iter().map(|it| {
         let distance = number(f64::from(it.squared_distance).sqrt());
         match it.before {
+            0 if it.late => format!("{distance}, which opens a moment later"),
             0 => distance,
             before if before > 0 => format!("{distance}, {before} before it"),
             before => format!("{distance}, {} behind it", -before),

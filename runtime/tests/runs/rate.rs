@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use stochc_compiler::{Limits, check};
 use stochc_ir::Face;
-use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::record::{Origin, Outcome, RunRecord};
 use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
 use stochc_ir::table::Tables;
@@ -42,6 +42,7 @@ fn rates_of(scene: &Scene) -> Rates {
             before: 0,
             probability: 1.0,
             ticks: 2.0,
+            late: false,
         }],
         coverage: Coverage {
             highest: 10,
@@ -238,6 +239,38 @@ fn a_block_that_is_let_go_into_an_open_face_is_caught_at_once() {
     });
     // Two ticks on average, and the end of a tick.
     agrees(&waits.collect::<Vec<_>>(), 2.5);
+}
+
+#[test]
+fn a_block_that_is_let_go_before_a_face_opens_has_often_left() {
+    for hop in [0, 1, 20] {
+        let text = format!(
+            "scene slow from hemisphere {{ messages {{ hop {hop} ticks }} }}
+             assembly swap in slow {{ seed plate 3 x 1 {{ A at (0, 0) M at (1, 0) }}
+             phase arm {{ A.up -> B.up -> C.east -> D M.up -> E }}
+             phase over {{ release D E.up -> F after release D }} }}"
+        );
+        let (records, rates) = records(&text, 600);
+        let last = |record: &RunRecord| record.bonds.last().expect("there are bonds").clone();
+        let back = records.iter().map(last).map(|bond| {
+            let is_back = matches!(bond.origin, Origin::Released { .. });
+            f64::from(u8::from(is_back))
+        });
+        let (back, error) = mean(&back.collect::<Vec<_>>());
+        let bond = last(&records[0]);
+        let since = bond.magnetized - records[0].releases[0].tick;
+        assert_eq!(since > 0, hop > 0);
+        let starts = rates.head_starts();
+        let nearby = starts
+            .of(bond.cell, Face::Up, bond.cell)
+            .expect("it is known");
+        let expected = (nearby.after(since as f64)).map_or(0.0, |start| start.probability);
+        // Now and then another comes before it, or it comes later by chance.
+        assert!(
+            (back - expected).abs() < 4.0 * error + 0.05,
+            "{hop}: {back}, not {expected}"
+        );
+    }
 }
 
 /// A world in which every tick is made.

@@ -13,7 +13,7 @@ pub use block_units::BlockUnits;
 pub use gas::Gas;
 pub use settling::Settling;
 pub(super) use speed::rms_of_range;
-pub use speed::{Speed, SpeedFrom, speed, turn_in_steps};
+pub use speed::{Speed, SpeedFrom, kick, speed, turn_in_steps};
 
 use super::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene};
 

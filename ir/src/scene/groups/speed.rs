@@ -123,8 +123,8 @@ fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
     }
 }
 
-/// The rms change of speed in a tick \[side/tick\].
-pub(super) fn kick(scene: &Scene) -> f64 {
+/// The rms change of speed by the kicks of a tick \[side/tick\]; 0 without kicks.
+pub fn kick(scene: &Scene) -> f64 {
     let Some(Agitation::Kicks { speed: (low, high) }) = scene.agitation else {
         return 0.0;
     };

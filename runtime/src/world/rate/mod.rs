@@ -11,7 +11,7 @@ use stochc_ir::scene::{Bond, Scene};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Docking};
-use stochc_rates::{FORGOTTEN, Rates};
+use stochc_rates::{HeadStarts, Rates};
 
 use super::lattice::{Changes, FaceChange, LatticeStructure, bit, occupied_cells, site};
 use super::{Fault, SceneError, World};
@@ -24,7 +24,7 @@ use waits::RateModel;
 #[derive(Clone, Debug)]
 pub struct RateWorld<'r> {
     tick: u64,
-    rates: &'r Rates,
+    head_starts: HeadStarts<'r>,
     lattice: LatticeStructure,
     hazards: OpenFaceHazards,
     queue: EventQueue,
@@ -43,7 +43,7 @@ stochc_ir::state! {
     values: tick, lattice, hazards, queue, released, drawn;
     parts: ;
     // Of waits it only saves working them out again, and between two calls nothing has changed.
-    same: rates, waits, changed, draws
+    same: head_starts, waits, changed, draws
 }
 
 impl<'r> RateWorld<'r> {
@@ -73,7 +73,7 @@ impl<'r> RateWorld<'r> {
             released: Vec::new(),
             waits: RateModel::new(rates),
             changed: Vec::new(),
-            rates,
+            head_starts: rates.head_starts(),
             draws: DrawsAhead::new(seed, run, Stream::Rate),
             drawn: 0,
         })
@@ -170,25 +170,27 @@ impl<'r> RateWorld<'r> {
         let slot = self.hazards.open(open, changed);
         // Those who were let go near it are still there.
         let tick = self.tick;
-        self.released.retain(|(when, ..)| tick < when + FORGOTTEN);
+        let head_starts = self.head_starts;
+        self.released
+            .retain(|(when, ..)| !head_starts.are_over((tick - when) as f64));
         for number in 0..self.released.len() {
             let (when, from, block) = self.released[number];
-            let left = 1.0 - (tick - when) as f64 / FORGOTTEN as f64;
-            self.head_start(slot, from, block, left);
+            self.head_start(slot, from, block, tick - when);
         }
     }
 
-    /// By chance, a block that was let go near an open face comes first.
-    fn head_start(&mut self, slot: Slot, from: Cell, block: u32, left: f64) {
+    /// By chance, a block that was let go near an open face, so many ticks ago, comes first.
+    fn head_start(&mut self, slot: Slot, from: Cell, block: u32, since: u64) {
         let Some(face) = self.hazards.face(slot) else {
             return;
         };
         let opening = face.opening();
-        let Some(start) = self.rates.head_start(face.cell, face.way, from) else {
+        let nearby = self.head_starts.of(face.cell, face.way, from);
+        let Some(start) = nearby.and_then(|nearby| nearby.after(since as f64)) else {
             return;
         };
         let [whether, when, ..] = self.draw();
-        if unit(whether) < start.probability * left {
+        if unit(whether) < start.probability {
             let time = self.tick as f64 + start.ticks * exponential(when);
             let start = ScheduledHeadStart {
                 slot,
@@ -371,7 +373,7 @@ impl World for RateWorld<'_> {
             self.note_cell(from, false, changes);
             let block = (child - self.lattice.seeds.len()) as u32;
             for slot in self.hazards.near(from) {
-                self.head_start(slot, from, block, 1.0);
+                self.head_start(slot, from, block, 0);
             }
             self.released.push((self.tick, from, block));
         }
