@@ -2,7 +2,7 @@
 use std::path::PathBuf;
 
 use stochc_compiler::Reader;
-use stochc_files::bound::ImportFolders;
+use stochc_files::bound::{ImportFolders, identity};
 use stochc_files::{programs, read};
 
 /// Reads a program, and what it imports from within the bound.
@@ -31,6 +31,10 @@ impl Reader for DiskReader<'_> {
             _ if path == self.program => programs::read(path),
             _ => read(path),
         }
+    }
+
+    fn identity(&mut self, path: &str) -> Option<String> {
+        identity(path)
     }
 
     fn outside(&mut self, path: &str) -> Option<String> {

@@ -47,6 +47,7 @@ pub fn load(
         diagnostics,
         loaded: Loaded::default(),
         state: FxHashMap::default(),
+        first: FxHashMap::default(),
         bytes: 0,
         full: false,
     };
@@ -76,6 +77,8 @@ struct Loader<'a> {
     diagnostics: &'a mut Vec<Diagnostic>,
     loaded: Loaded,
     state: FxHashMap<String, LoadState>,
+    /// By [identity](Reader::identity), the path by which a file was asked for first.
+    first: FxHashMap<String, String>,
     /// Of all files so far.
     bytes: u64,
     /// More have been asked for, which has been told.
@@ -94,7 +97,8 @@ impl Loader<'_> {
     /// Depth first, with a stack of its own: a chain of imports may be as long as it likes.
     fn run(&mut self, root: &str) -> Result<(), Cancelled> {
         let mut stack: Vec<Pending> = Vec::new();
-        stack.extend(self.open(root.to_owned(), None)?);
+        let root = self.first_path(root.to_owned());
+        stack.extend(self.open(root, None)?);
         while let Some(top) = stack.last_mut() {
             let Some((import, span, statement)) = top.imports.next() else {
                 if let Some(done) = stack.pop() {
@@ -104,7 +108,7 @@ impl Loader<'_> {
                 continue;
             };
             let file = top.module.file;
-            let path = join(&top.path, &import);
+            let path = self.first_path(join(&top.path, &import));
             self.state.insert(
                 top.path.clone(),
                 LoadState::Open(SourceLocation { file, span }),
@@ -122,6 +126,14 @@ impl Loader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The path by which a file was asked for first, which may be this one.
+    fn first_path(&mut self, path: String) -> String {
+        match self.reader.identity(&path) {
+            Some(identity) => self.first.entry(identity).or_insert(path).clone(),
+            None => path,
+        }
     }
 
     /// Says, once, that no more files are read.

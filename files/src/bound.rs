@@ -36,6 +36,12 @@ pub fn folder(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
+/// The path of a file that is there with all links resolved, which is the same by whatever path it is asked for.
+pub fn identity(path: &str) -> Option<String> {
+    let path = std::fs::canonicalize(Path::new(".").join(path)).ok()?;
+    path.into_os_string().into_string().ok()
+}
+
 /// A path with all links resolved, as far as there is anything at it.
 fn resolved(path: &Path) -> PathBuf {
     let path = Path::new(".").join(path);

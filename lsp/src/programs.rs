@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use gen_lsp_types::Diagnostic as LspDiagnostic;
 use stochc_compiler::{Cancellation, Reader};
-use stochc_files::bound::ImportFolders;
+use stochc_files::bound::{ImportFolders, identity};
 
 use super::analysis::Analysis;
 use super::diagnostics;
@@ -204,6 +204,10 @@ impl Reader for ProgramReader<'_> {
         let text = self.documents.read(path);
         reads().has_missing |= text.is_err();
         text
+    }
+
+    fn identity(&mut self, path: &str) -> Option<String> {
+        identity(path)
     }
 
     fn outside(&mut self, path: &str) -> Option<String> {

@@ -246,3 +246,36 @@ fn imports_stay_within_the_folder_of_the_program() {
     assert!(Path::new("tests/fixtures/importing.sa").exists());
     assert_eq!(stochc("check tests/fixtures/importing.sa").status, 0);
 }
+
+#[test]
+fn a_file_is_read_once_by_whatever_path_it_is_imported() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| path(folder.path(), name);
+    std::fs::create_dir(at("lib")).unwrap();
+    std::fs::write(at("lib/tower.sa"), "pattern tower(b) { b.up -> T }\n").unwrap();
+    let program = |imports: &str| {
+        let rest =
+            "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { tower(M) } }\n".to_owned();
+        std::fs::write(at("lib/program.sa"), imports.to_owned() + &rest).unwrap();
+        stochc_with("check --deny warnings", &[&at("lib/program.sa")])
+    };
+    for other in ["../lib/tower.sa", ".//tower.sa", &at("lib/tower.sa")] {
+        let said = program(&format!("import tower.sa\nimport {other}\n"));
+        assert_eq!(said.status, 0, "{other}: {}", said.err);
+    }
+    let circle = |said: crate::stochc::Said| {
+        assert_eq!(said.status, 1);
+        let code = said.err.lines().next().unwrap_or_default();
+        assert_eq!(code, "import-cycle", "{}", said.err);
+        assert!(!said.err.contains("duplicate-name"), "{}", said.err);
+    };
+    circle(program("import tower.sa\nimport ../lib/program.sa\n"));
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("tower.sa", at("lib/link.sa")).unwrap();
+        std::os::unix::fs::symlink(".", at("lib/here")).unwrap();
+        let said = program("import tower.sa\nimport link.sa\nimport here/tower.sa\n");
+        assert_eq!(said.status, 0, "{}", said.err);
+        circle(program("import tower.sa\nimport here/program.sa\n"));
+    }
+}

@@ -141,6 +141,10 @@ impl Reader for Over<'_, '_> {
         }
     }
 
+    fn identity(&mut self, path: &str) -> Option<String> {
+        self.reader.identity(path)
+    }
+
     fn outside(&mut self, path: &str) -> Option<String> {
         self.reader.outside(path)
     }
