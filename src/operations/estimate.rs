@@ -12,7 +12,6 @@ use stochc_runtime::{Model, Settings};
 use super::in_memory::all_runs;
 use super::programs::recompile;
 use super::rates::{at_hand, of_files, of_scenes, supported};
-use super::runs::try_out_all;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
@@ -135,7 +134,6 @@ fn of_runs(
     let runs = (how.runs).unwrap_or((DRAWN / programs[0].captures().max(1)).clamp(LEAST, MOST));
     let manifest = Manifest::new(settings, how.seed, runs, programs);
     manifest.within_limits().map_err(Failure::usage)?;
-    try_out_all(&manifest)?;
     let results = all_runs(&manifest, how.threads, "nothing was estimated", host)?;
     let finished = results.finished.to_vec().map_err(Failure::usage)?;
     let records: Vec<_> = finished.iter().map(|done| &done.record).collect();

@@ -3,7 +3,7 @@ use stochc_ensemble::{
     Destination, Manifest, Progress, Results, RunCancelled, RunWatch, run as run_all,
 };
 
-use super::runs::threads as default_threads;
+use super::runs::{threads as default_threads, try_out_all};
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
@@ -11,13 +11,14 @@ use crate::progress::of_ensemble;
 /// Makes all runs of a manifest, each program with a seed of its own: those that shared their kicks would share their errors as well.
 ///
 /// # Errors
-/// If it is stopped before the end: `stopped` says what was not done.
+/// If a scene cannot be set up, or it is stopped before the end: `stopped` says what was not done.
 pub fn all_runs(
     manifest: &Manifest,
     threads: Option<u16>,
     stopped: &str,
     host: &dyn Host,
 ) -> Result<Results, Failure> {
+    try_out_all(manifest)?;
     let progress = Progress::new(manifest, default_threads(threads));
     let simulate = |entry: usize, number, watch: &RunWatch| {
         let program = &manifest.programs[entry];

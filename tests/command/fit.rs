@@ -178,3 +178,24 @@ fn times_that_no_run_reaches_are_told_of() {
         said.err
     );
 }
+
+#[test]
+fn a_scene_that_cannot_be_at_a_point_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, data) = (
+        path(folder.path(), "small.sa"),
+        path(folder.path(), "times.csv"),
+    );
+    fs::write(&file, programs(20)).unwrap();
+    fs::write(
+        &data,
+        "program,n,mean_ticks,sd_ticks\none,200,300,200\ntwo,200,600,300\n",
+    )
+    .unwrap();
+    let said = stochc_with(
+        "fit --quiet --runs 4",
+        &[&file, "--data", &data, "--vary", "free=40..100"],
+    );
+    assert_eq!(said.status, 1, "{}", said.err);
+    assert!(said.err.contains("which has room for 60"), "{}", said.err);
+}
