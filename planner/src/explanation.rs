@@ -25,11 +25,12 @@ pub fn explanation(plan: &BuildPlan) -> String {
     let _ = writeln!(
         out,
         "{} captures, at most {} faces open at the same time\n\
-         estimate: {:.0} ticks on average, nine of ten runs within {:.0}",
+         estimate: {:.0} ticks on average, nine of ten runs within {:.0}{}",
         captures.len(),
         plan.widest,
         plan.estimate.mean,
         plan.estimate.p90,
+        plan.estimate.caveat(),
     );
     let waits = |why: Why| {
         let all = captures.iter().flat_map(|capture| &capture.after);

@@ -28,9 +28,22 @@ pub struct PlanEstimate {
     pub mean: f64,
     /// The time in which nine runs of ten are complete.
     pub p90: f64,
+    /// Whether waits are taken to be as in the default scene, because nobody has measured those of this one: plans are ranked by such times,
+    /// which may be off by a factor of fifty.
+    pub is_typical: bool,
 }
 
 impl PlanEstimate {
+    /// What it rests on, where that has to be told.
+    pub fn caveat(&self) -> &'static str {
+        match self.is_typical {
+            true => {
+                ", if waits were those of the default scene: nobody has measured them in this one"
+            }
+            false => "",
+        }
+    }
+
     /// The number that matters.
     pub fn of(self, objective: Objective) -> f64 {
         match objective {
@@ -167,6 +180,7 @@ impl Samples {
         PlanEstimate {
             mean: sum / self.runs as f64,
             p90: f64::from(ends[place]),
+            is_typical: false,
         }
     }
 

@@ -412,7 +412,10 @@ impl Goal {
             let found = checked(&self.text(target, &plan, &allowed));
             return Err(Unplanned::Wrong(Box::new(found)));
         }
-        plan.estimate = estimated(&found, law).unwrap_or(plan.estimate);
+        plan.estimate = estimated(&found, law).unwrap_or(PlanEstimate {
+            is_typical: law.rates().is_none(),
+            ..plan.estimate
+        });
         let text = self.text(target, &plan, &allowed);
         Ok(Planned { plan, text })
     }
@@ -428,6 +431,7 @@ fn estimated(checked: &Checked, law: &RateLaw<'_>) -> Option<PlanEstimate> {
     Some(PlanEstimate {
         mean: total.mean,
         p90: total.p90,
+        is_typical: false,
     })
 }
 

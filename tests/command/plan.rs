@@ -350,6 +350,9 @@ fn a_run_that_was_stopped_is_finished() {
         unknown.err
     );
     assert_eq!(stochc_with("plan --run 2", &[&results]).status, 2);
+    let nowhere = stochc_with("plan --run 1 --scene nowhere", &[&results]);
+    assert_eq!(nowhere.status, 2, "{}", nowhere.err);
+    assert!(nowhere.err.contains("no scene is called `nowhere`"));
     // Options of other targets.
     assert_eq!(stochc_with("plan --dead E", &[&results]).status, 2);
     assert_eq!(
@@ -388,4 +391,20 @@ fn planning_the_rest_anew_is_compared_with_runs_as_they_are() {
     // It is kept nowhere.
     assert_eq!(stochc(&format!("{compare} 800 --out anywhere")).status, 2);
     assert_eq!(stochc(&format!("{compare} 0")).status, 2);
+}
+
+#[test]
+fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
+    let planned = |scene: &str| {
+        let line =
+            format!("plan examples/five_tower.sa --budget 10 --quiet --explain --scene {scene}");
+        let said = stochc_with(&line, &[]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        (said.out + &said.err)
+            .matches("nobody has measured them")
+            .count()
+    };
+    assert_eq!(planned("hemisphere"), 0);
+    // In the program and in what explains it.
+    assert_eq!(planned("hemisphere_soft"), 2);
 }

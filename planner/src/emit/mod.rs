@@ -71,12 +71,13 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
     let _ = writeln!(out, "{declarations}");
     let _ = writeln!(
         out,
-        "/// {}, up to {} open at the same time: about {:.0} ticks, in nine of ten runs within {:.0}.\n\
+        "/// {}, up to {} open at the same time: about {:.0} ticks, in nine of ten runs within {:.0}{}.\n\
          /// A block is called by its cell, and a block of the plate by its place there.",
         counted(plan.all_captures().count(), "capture"),
         counted(plan.widest, "face"),
         plan.estimate.mean,
         plan.estimate.p90,
+        plan.estimate.caveat(),
     );
     let scene = scene.map_or(String::new(), |scene| format!(" in {scene}"));
     let _ = writeln!(out, "assembly {assembly}{scene} {{");

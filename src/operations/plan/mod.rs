@@ -67,18 +67,14 @@ fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
         goal = (goal.moved(east, north))
             .ok_or_else(|| Failure::usage("--offset: the shape would be too far from the plate"))?;
     }
-    let goal = placed(goal, options);
-    match options.scene.filter(|scene| !goal.knows_scene(scene)) {
-        None => Ok(goal),
-        Some(scene) => Err(Failure::usage(format!(
-            "--scene: no scene is called `{}`; `{DEFAULT}` is built in, and `stochc plan FILE.sa` knows those of the program",
-            visible(scene)
-        ))),
-    }
+    placed(goal, options)
 }
 
 /// The same on the plate and in the scene that are chosen.
-fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Goal {
+///
+/// # Errors
+/// If there is no such scene.
+fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
     if let Some(plate) = options.seed_plate {
         goal.plate = Some(plate.plate.clone());
         goal.seeds = plate.seeds.clone();
@@ -86,7 +82,13 @@ fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Goal {
     if let Some(scene) = options.scene {
         goal.scene = Some(scene.to_owned());
     }
-    goal
+    match options.scene.filter(|scene| !goal.knows_scene(scene)) {
+        None => Ok(goal),
+        Some(scene) => Err(Failure::usage(format!(
+            "--scene: no scene is called `{}`; `{DEFAULT}` is built in, and `stochc plan FILE.sa` knows those of the program",
+            visible(scene)
+        ))),
+    }
 }
 
 #[expect(

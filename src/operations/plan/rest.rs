@@ -105,6 +105,6 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         goal.stand_on(&structure, &dead)?;
         Ok(goal)
     })
-    .map(|goal| placed(goal, options))
     .map_err(|reason| refused(options.target, &reason))
+    .and_then(|goal| placed(goal, options))
 }
