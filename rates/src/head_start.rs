@@ -22,6 +22,16 @@ pub struct HeadStart {
     pub late: bool,
 }
 
+impl HeadStart {
+    /// In how many ticks it docks, by a draw from the exponential distribution of mean 1: what is caught where it is takes always as long.
+    pub fn time(&self, draw: f64) -> f64 {
+        match self.squared_distance == 0 && !self.late {
+            true => self.ticks,
+            false => self.ticks * draw,
+        }
+    }
+}
+
 /// What a block does that is let go in front of a face which opens a moment later, where the file does not say it: as 1360 releases in the
 /// default scene had it.
 const LATE: HeadStart = HeadStart {
@@ -104,7 +114,7 @@ impl ReleaseNearby {
             return Some(self.at_once);
         }
         let left = 1.0 - since / self.leaves;
-        (left > 0.0).then(|| HeadStart {
+        (left > 0.0).then_some(HeadStart {
             probability: self.late.probability * left,
             ..self.late
         })

@@ -141,7 +141,7 @@ impl PhaseDraw<'_, '_> {
             return;
         };
         if self.rng.random::<f64>() < start.probability {
-            let end = time + start.ticks * exponential(self.rng);
+            let end = time + start.time(exponential(self.rng));
             self.schedule(end, step, Some(release));
         }
     }

@@ -191,7 +191,7 @@ impl<'r> RateWorld<'r> {
         };
         let [whether, when, ..] = self.draw();
         if unit(whether) < start.probability {
-            let time = self.tick as f64 + start.ticks * exponential(when);
+            let time = self.tick as f64 + start.time(exponential(when));
             let start = ScheduledHeadStart {
                 slot,
                 opening,
