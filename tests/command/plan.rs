@@ -307,6 +307,12 @@ fn a_program_is_completed() {
                 }\n";
     fs::write(&part, text).unwrap();
     assert_eq!(stochc_with("check", &[&part]).status, 1);
+    let unbuilt = stochc_with("plan", &[&part]);
+    assert!(
+        unbuilt.err.contains("`--complete` plans"),
+        "{}",
+        unbuilt.err
+    );
     let whole = path(folder.path(), "whole.sa");
     let said = stochc_with("plan --complete --quiet", &[&part, "--out", &whole]);
     assert_eq!(said.status, 0, "{}", said.err);

@@ -2,6 +2,7 @@
 use std::path::Path;
 
 use stochc_compiler::Checked;
+use stochc_compiler::diagnostic::{Code, Severity};
 use stochc_files::budget::VOXELS;
 use stochc_files::programs::not_a_file;
 use stochc_files::read_file;
@@ -54,7 +55,18 @@ fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> 
     let checked = checked(options)?;
     if checked.has_errors() {
         host.report_findings(&checked);
-        return Err(Failure::silent(verdict(&checked)));
+        let mut codes = checked.diagnostics.iter().map(|it| it.code);
+        let is_unbuilt =
+            codes.all(|code| code == Code::ShapeMismatch || code.severity() == Severity::Warning);
+        return Err(Failure {
+            exit: verdict(&checked),
+            message: match is_unbuilt {
+                true => {
+                    "help: `--complete` plans what a program claims and does not build\n".to_owned()
+                }
+                false => String::new(),
+            },
+        });
     }
     Goal::of_program(&checked, options.shape).map_err(|reason| refused(options.target, &reason))
 }
