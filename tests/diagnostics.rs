@@ -5,12 +5,13 @@ use stochc::compiler::diagnostic::Code;
 use stochc::compiler::{Checked, Limits, check};
 
 /// Pages without a wrong program, and why.
-const WITHOUT: [(Code, &str); 10] = [
+const WITHOUT: [(Code, &str); 11] = [
     (Code::NotUtf8, "a page is UTF-8 itself"),
     (Code::FileTooLarge, "4 GiB are too many for a test as well"),
     (Code::TooDeep, "a hundred braces on a page help nobody"),
     (Code::StatementTooLong, "a statement of 4 MiB"),
     (Code::TooManyErrors, "a hundred errors"),
+    (Code::TooManyWarnings, "a thousand warnings"),
     (Code::ReachUndecided, "a hall of a million blocks"),
     (
         Code::InternalError,

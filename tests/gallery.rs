@@ -170,6 +170,20 @@ fn sample(code: Code) -> Option<Sample> {
         Code::TooManyErrors => {
             Sample::of("?\n".repeat(101)).shown("?\n?\n?     and so on, 101 lines\n")
         }
+        Code::TooManyWarnings => {
+            let text = |seeds: &str| {
+                format!(
+                    "assembly tower {{\n    seed plate 1001 x 2 {{\n        M at (0, 0)\n        {seeds}\n    }}\n    \
+                     phase grow {{ M.up -> A }}\n}}\n"
+                )
+            };
+            let seeds: Vec<String> = (0..1001).map(|i| format!("N{i} at ({i}, 1)")).collect();
+            Sample::of(text(&seeds.join(" "))).shown(
+                "assembly tower {\n    seed plate 1001 x 2 {\n        M at (0, 0)\n        \
+                 N0 at (0, 1) N1 at (1, 1)     and so on, 1001 seeds\n    }\n    \
+                 phase grow { M.up -> A }\n}\n",
+            )
+        }
         Code::ReachUndecided => {
             let mut sample = Sample::of(TUNNEL);
             sample.limits.search = 0;

@@ -1,4 +1,5 @@
 //! Whether the scene has the blocks and the room.
+use stochc_ir::scene::room::NoRoom;
 use stochc_ir::scene::{BondKind, Scene};
 
 use crate::diagnostic::{Code, Diagnostic};
@@ -49,6 +50,29 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
             )),
         );
     }
+}
+
+/// Whether the free blocks of the scene have room at the beginning, which models without physics do not need.
+pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
+    let Err(error) = scene.has_room(&plan.plate) else {
+        return;
+    };
+    let help = match error {
+        NoRoom::DoesNotFit { .. } => "a scene with fewer blocks, or a larger radius",
+        NoRoom::OnRing { .. } => "a scene with fewer blocks, or another radius of the circle",
+        NoRoom::NoEnclosure { .. } => "a scene with an `enclosure`",
+    };
+    diagnostics.push(
+        Diagnostic::new(Code::TooManyBlocks, error.to_string())
+            .label(
+                plan.location,
+                format!(
+                    "in the scene `{}`, which cannot be simulated with physics",
+                    scene.name
+                ),
+            )
+            .help(help),
+    );
 }
 
 /// Compares a program with its scene.

@@ -4,7 +4,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::table::{RoleId, Trigger};
 
 use crate::diagnostic::{
-    Code, Diagnostic, Fix, MOST_FINDINGS, entry, is_repeated, meant, named, parameter_hint,
+    Code, Diagnostic, Fix, Severity, entry, is_full, is_repeated, meant, named, parameter_hint,
     removal, report,
 };
 use crate::members::members;
@@ -177,7 +177,7 @@ impl Checker<'_> {
         self.keep_needed_afters();
         for (seed, used) in self.plan.seeds.iter().zip(&self.used) {
             let key = self.plan.roles.key(seed.role);
-            if self.diagnostics.len() > MOST_FINDINGS {
+            if is_full(self.diagnostics, Severity::Warning) {
                 break;
             }
             if !used && !self.doubtful.contains(&key.word) {
@@ -341,7 +341,7 @@ impl Checker<'_> {
             self.liveness.subjects[number] = subject;
             return;
         }
-        if self.diagnostics.len() > MOST_FINDINGS || self.is_doubtful(after.role) {
+        if is_full(self.diagnostics, Severity::Error) || self.is_doubtful(after.role) {
             return;
         }
         let name = self.plan.roles.name(after.role, self.symbols);
@@ -353,6 +353,9 @@ impl Checker<'_> {
             .label(after.location, "would be waited for in vain")
             .help("release it in the same phase, or drop it from the list")
         } else if state.holder.is_some() {
+            if is_full(self.diagnostics, Severity::Warning) {
+                return;
+            }
             let mut diagnostic = Diagnostic::new(
                 Code::RedundantAfter,
                 format!("`{name}` is part of the structure before this phase begins"),
@@ -417,7 +420,7 @@ impl Checker<'_> {
     fn reject_at(&mut self, id: EventId, code: Code, what: &str, other: SourceLocation) {
         let event = &mut self.plan.events[id.0 as usize];
         event.sound = false;
-        if self.diagnostics.len() > MOST_FINDINGS {
+        if is_full(self.diagnostics, Severity::Error) {
             return;
         }
         let (location, role) = (event.location, event.role);
@@ -451,7 +454,7 @@ impl Checker<'_> {
     /// A block that would have to be there, and is not.
     fn absent(&mut self, id: EventId, role: RoleId, state: RoleLiveness, consequence: &str) {
         self.plan.events[id.0 as usize].sound = false;
-        if self.diagnostics.len() > MOST_FINDINGS {
+        if is_full(self.diagnostics, Severity::Error) {
             return;
         }
         if self.is_doubtful(role) {

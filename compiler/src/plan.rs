@@ -114,6 +114,11 @@ impl Timeout {
         }
     }
 
+    /// Whether a quantity is in ticks.
+    pub fn is_in_ticks(quantity: &Quantity) -> bool {
+        to_si(quantity).1 == Dimension::TICKS
+    }
+
     /// In ticks of a clock \[s\], at least one.
     pub fn ticks(self, tick: f64) -> u64 {
         match self {

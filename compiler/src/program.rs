@@ -369,6 +369,7 @@ fn compile_aggregate(
 ) -> Result<Program, Cancelled> {
     if let Some(scene) = &scene {
         capacity::check_aggregate(&plan, scene, diagnostics);
+        capacity::check_room(&plan, scene, diagnostics);
     }
     let doubtful = Default::default();
     // It has no events, and no seeds.
@@ -544,6 +545,7 @@ impl<'a> AssemblyInput<'a> {
             )?;
             if let Some(scene) = &scene {
                 capacity::check(&plan, &layout, scene, &mut later);
+                capacity::check_room(&plan, scene, &mut later);
             }
         }
         done(Stage::Compare);

@@ -4,7 +4,7 @@ use stochc_grammar::tree::{Expr, ExprKind, Shape, Subscript};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::{Cell, CellBounds};
 
-use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, meant, report};
+use crate::diagnostic::{Code, Diagnostic, Severity, is_full, meant, report};
 use crate::expand::Shapes;
 use crate::layer_picture::layer_picture;
 use crate::layout::Layout;
@@ -60,7 +60,8 @@ pub fn check(
             });
             let Some(claimed) = claimed else { continue };
             let is_built = || claimed.iter().all(|cell| built.contains(cell));
-            if (claimed.len() == built.len() && is_built()) || diagnostics.len() > MOST_FINDINGS {
+            if (claimed.len() == built.len() && is_built()) || is_full(diagnostics, Severity::Error)
+            {
                 continue;
             }
             let mut built: Vec<Cell> = built.iter().copied().collect();

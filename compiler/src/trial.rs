@@ -119,6 +119,9 @@ fn try_together(
     Ok((resolves, unfit))
 }
 
+/// Codes that say that there is more to tell.
+const TOO_MANY: [Code; 2] = [Code::TooManyErrors, Code::TooManyWarnings];
+
 /// Whether a change that mends some findings has left none of them, and only such as were there
 /// before, each in its place.
 ///
@@ -135,7 +138,7 @@ pub(crate) fn resolves(
     mended.iter().for_each(|&number| is_mended[number] = true);
     let diagnostics = || before.diagnostics.iter().zip(&is_mended);
     if diagnostics()
-        .any(|(diagnostic, &is_mended)| is_mended && diagnostic.code == Code::TooManyErrors)
+        .any(|(diagnostic, &is_mended)| is_mended && TOO_MANY.contains(&diagnostic.code))
     {
         return false;
     }
@@ -146,7 +149,7 @@ pub(crate) fn resolves(
         checked.diagnostics.iter().map(|it| it.code).collect()
     };
     let known = codes(before);
-    if known.contains(&Code::TooManyErrors) {
+    if TOO_MANY.iter().any(|code| known.contains(code)) {
         return after.diagnostics.len() <= before.diagnostics.len()
             && codes(after).is_subset(&known)
             && !gone.meet(&all);

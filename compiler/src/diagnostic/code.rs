@@ -104,6 +104,7 @@ codes! {
     Warning BlockedRelease "blocked-release"
 
     Error TooFewBlocks "too-few-blocks"
+    Warning TooManyBlocks "too-many-blocks"
     Error OutsideEnclosure "outside-enclosure"
     Error CannotAggregate "cannot-aggregate"
 
@@ -125,6 +126,7 @@ codes! {
     Error UnknownCode "unknown-code"
     Error FixedLevel "fixed-level"
     Warning UnusedAllow "unused-allow"
+    Warning TooManyWarnings "too-many-warnings"
 }
 
 impl Code {

@@ -69,8 +69,20 @@ pub struct Label {
     pub text: String,
 }
 
-/// Findings of one assembly that are told, at most.
-pub const MOST_FINDINGS: usize = 1_000;
+/// Errors of one assembly that are told, at most, and as many warnings.
+const MOST_FINDINGS: usize = 1_000;
+
+/// Whether so many findings of this severity are told that no more are.
+pub(crate) fn is_full(diagnostics: &[Diagnostic], severity: Severity) -> bool {
+    // The last one says that there are more.
+    diagnostics.len() > MOST_FINDINGS && count(diagnostics, severity) > MOST_FINDINGS
+}
+
+/// How many findings have this severity.
+fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
+    let codes = diagnostics.iter().map(|diagnostic| diagnostic.code);
+    codes.filter(|code| code.severity() == severity).count()
+}
 
 /// Findings among which words are looked for that unknown ones may be meant to be: that takes time, again whenever a fix is
 /// tried, and whoever has more of them mends the first ones and checks again.
@@ -86,22 +98,26 @@ pub(crate) fn meant<S: AsRef<str>>(
     is_asked.then(|| nearest(unknown, known)).flatten()
 }
 
-/// Adds a finding, unless one like it has been told of the same place, or there are so many that
+/// Adds a finding, unless one like it has been told of the same place, or there are so many of its severity that
 /// nobody would read them.
 pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) {
-    if diagnostics.len() > MOST_FINDINGS || is_repeated(diagnostics, &diagnostic) {
+    let severity = diagnostic.code.severity();
+    if is_full(diagnostics, severity) || is_repeated(diagnostics, &diagnostic) {
         return;
     }
-    if diagnostics.len() < MOST_FINDINGS {
+    if diagnostics.len() < MOST_FINDINGS || count(diagnostics, severity) < MOST_FINDINGS {
         diagnostics.push(diagnostic);
-    } else {
-        let title = format!("more than {MOST_FINDINGS} findings; the rest is not told");
-        let labels = diagnostic.labels.into_iter().take(1);
-        let mut last =
-            Diagnostic::new(Code::TooManyErrors, title).help("fix the first few and check again");
-        last.labels.extend(labels);
-        diagnostics.push(last);
+        return;
     }
+    let (code, what) = match severity {
+        Severity::Error => (Code::TooManyErrors, "errors"),
+        Severity::Warning => (Code::TooManyWarnings, "warnings"),
+    };
+    let title = format!("more than {MOST_FINDINGS} {what}; the rest is not told");
+    let labels = diagnostic.labels.into_iter().take(1);
+    let mut last = Diagnostic::new(code, title).help("fix the first few and check again");
+    last.labels.extend(labels);
+    diagnostics.push(last);
 }
 
 /// Whether a finding only says of something else what one of `diagnostics` says at the same place,

@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Aggregate, Assembly, Item, ItemKind, Name, PhaseDeclaration, Quantity};
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
-use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, report};
+use crate::diagnostic::{Code, Diagnostic, Fix, LONG, Severity, is_full, removal, report};
 use crate::names::{Definition, Names};
 use crate::plan::{
     AfterConstraint, EventId, NameKey, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
@@ -406,18 +406,19 @@ impl<'a> Expander<'a, '_> {
         let most = self.limits;
         // What is written out beside the events takes memory as well.
         let grown = self.grown.most().max(self.plan.roles.count());
-        let told = self.diagnostics.len();
-        if self.steps <= most.steps && grown <= most.events && told < MOST_FINDINGS {
+        let is_full = is_full(self.diagnostics, Severity::Error);
+        if self.steps <= most.steps && grown <= most.events && !is_full {
             return true;
         }
         self.exhausted = true;
-        if told >= MOST_FINDINGS {
-            let title = format!("more than {MOST_FINDINGS} errors; the rest was not written out");
-            self.diagnostics.push(
-                Diagnostic::new(Code::TooManyErrors, title)
-                    .label(self.location(span), "writing out stopped here")
-                    .help("fix the errors above first"),
-            );
+        if is_full {
+            if !(self.diagnostics.iter()).any(|it| it.code == Code::TooManyErrors) {
+                self.diagnostics.push(
+                    Diagnostic::new(Code::TooManyErrors, "more errors than anybody reads")
+                        .label(self.location(span), "writing out stopped here")
+                        .help("fix the errors above first"),
+                );
+            }
             return false;
         }
         let (count, what) = if self.steps > most.steps {
@@ -611,6 +612,12 @@ impl<'a> Expander<'a, '_> {
                         "write `{0} ticks` or `{0} s`; ms, min and h are known as well",
                         quantity.value
                     ),
+                )
+            } else if Timeout::is_in_ticks(quantity) && quantity.value > 0.0 {
+                (
+                    "a timeout is a whole number of ticks",
+                    "not a whole number below 9e15",
+                    "write a whole number of ticks such as `40000 ticks`, or seconds".to_owned(),
                 )
             } else {
                 (

@@ -505,6 +505,23 @@ proptest! {
     }
 }
 
+/// A program with more warnings than are told can be run, and all of them be mended.
+#[test]
+fn more_warnings_than_are_told_refuse_nothing() {
+    let rest = ", A".repeat(1_500);
+    let text = program(&format!("phase p {{ N.up -> B after A{rest} }}"));
+    let found = checked(&text);
+    let codes: Vec<Code> = found.diagnostics.iter().map(|it| it.code).collect();
+    assert_eq!(codes.len(), 1_001);
+    assert_eq!(codes.last(), Some(&Code::TooManyWarnings));
+    assert!(!found.has_errors() && found.programs[0].tables.is_some());
+    assert_eq!(fixed(&text), program("phase p { N.up -> B }"));
+    // An error is told beside them.
+    let wrong = program(&format!("phase p {{ N.up -> B after A{rest}  X.up -> Y }}"));
+    let told = checked(&wrong).diagnostics;
+    assert!(told.iter().any(|it| it.code == Code::AbsentBlock));
+}
+
 /// `after release A` is what may have been meant, but not by the release of A itself.
 #[test]
 fn a_release_is_not_told_to_wait_for_itself() {

@@ -7,6 +7,7 @@ pub mod describe;
 pub mod groups;
 mod medium;
 pub mod quantity;
+pub mod room;
 mod scalar_error;
 pub mod scalars;
 pub mod schema;
@@ -136,6 +137,14 @@ impl Enclosure {
     pub fn radius(&self) -> f64 {
         let (Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) = *self;
         radius
+    }
+
+    /// From the shell's centre to where the centre of a block of this side is pushed back \[m\].
+    pub fn reach(&self, side: f64) -> f64 {
+        match *self {
+            Enclosure::Hemisphere { radius, .. } => radius,
+            Enclosure::Sphere { radius, .. } => radius - side / 2.0,
+        }
     }
 
     /// Height of the shell's centre over the ground \[m\], around a plate of blocks of this side \[m\].

@@ -103,12 +103,9 @@ impl Units {
     }
 
     fn shell(self, enclosure: &Enclosure, plate: &Plate) -> SceneResult<Shell> {
-        let (radius, wall, inside) = match *enclosure {
-            Enclosure::Hemisphere { radius, wall } => (radius, wall, 0.0),
-            Enclosure::Sphere { radius, wall } => (radius, wall, self.of.side / 2.0),
-        };
+        let (Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) = *enclosure;
         Ok(Shell {
-            radius: self.number(&ENCLOSURE_RADIUS, radius - inside)?,
+            radius: self.number(&ENCLOSURE_RADIUS, enclosure.reach(self.of.side))?,
             height: derived(
                 "the height of the enclosure",
                 self.of.length(enclosure.centre_height(plate, self.of.side)),
@@ -158,7 +155,7 @@ impl Units {
                 let Some(shell) = shell else {
                     return Err(SceneError::NoWall);
                 };
-                let height = shell.halfway();
+                let height = shell.interior().halfway();
                 let up = height - shell.height;
                 MeanFlow::Jets {
                     count: jets.count,

@@ -1,27 +1,13 @@
 //! Scenes that cannot be set up.
+use stochc_ir::scene::room::NoRoom;
 
 /// Why a scene cannot be set up.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneError {
-    /// The enclosure is too small for its blocks.
-    DoesNotFit {
-        /// How many there should be.
-        count: u32,
-        /// How many there could be.
-        fits: u32,
-    },
-    /// There are free blocks, and nothing says where.
-    NoEnclosure {
-        /// How many there should be.
-        count: u32,
-    },
+    /// Its free blocks have no room.
+    NoRoom(NoRoom),
     /// Jets have no wall to come from.
     NoWall,
-    /// Blocks on a circle stand in each other's way, or in that of the enclosure.
-    NoRoomOnRing {
-        /// How many there should be.
-        count: u32,
-    },
     /// A quantity is negative, or too large or small for single precision, or not a number.
     NotANumber {
         /// Which: the quoted name of a number of scenes, or words.
@@ -54,23 +40,17 @@ pub enum SceneError {
     },
 }
 
+impl From<NoRoom> for SceneError {
+    fn from(error: NoRoom) -> SceneError {
+        SceneError::NoRoom(error)
+    }
+}
+
 impl std::fmt::Display for SceneError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            SceneError::DoesNotFit { count, fits } => write!(
-                f,
-                "{count} free blocks do not fit into the enclosure, which has room for {fits}"
-            ),
-            SceneError::NoEnclosure { count } => write!(
-                f,
-                "{count} free blocks cannot be spread uniformly without an enclosure"
-            ),
+            SceneError::NoRoom(error) => error.fmt(f),
             SceneError::NoWall => f.write_str("jets need an enclosure to come from"),
-            SceneError::NoRoomOnRing { count } => write!(
-                f,
-                "{count} free blocks on this circle touch each other or leave the enclosure; change its \
-                 radius"
-            ),
             SceneError::NotANumber { what, value } => {
                 write!(
                     f,

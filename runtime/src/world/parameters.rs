@@ -1,5 +1,6 @@
 //! The numbers of all terms of the physics, in block units.
 use crate::settings::{Model, Settings};
+use stochc_ir::scene::room::Interior;
 use stochc_ir::scene::{ContactLaw, Measure};
 
 /// The terms that this build can compute: without one, its code is unreachable and left out.
@@ -45,13 +46,11 @@ pub(crate) struct Shell {
 }
 
 impl Shell {
-    /// Height of the level plane in which rings and jets are \[side\]: that of the middle of a ball, or
-    /// half of that of a hemisphere.
-    pub fn halfway(&self) -> f64 {
-        if self.height > 0.0 {
-            self.height
-        } else {
-            self.radius / 2.0
+    /// What is within it.
+    pub fn interior(&self) -> Interior {
+        Interior {
+            radius: self.radius,
+            height: self.height,
         }
     }
 }

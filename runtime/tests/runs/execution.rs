@@ -6,6 +6,7 @@ use crate::scenes::{attract, compliant, contact, empty, hemisphere, kicks, paper
 use crate::tables::{Draft, at_once, chain, magnetize};
 use nalgebra::Vector3;
 use stochc_ir::record::{Limit, Origin, Outcome, ReleaseRecord, RunRecord};
+use stochc_ir::scene::room::NoRoom;
 use stochc_ir::scene::{Agitation, Bond, Scene};
 use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
@@ -307,12 +308,15 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
     };
     let mut scene = paper();
     scene.free.count = 30_000;
-    let SceneError::DoesNotFit { count, fits } = error(&scene) else {
+    let SceneError::NoRoom(NoRoom::DoesNotFit { count, fits }) = error(&scene) else {
         panic!("30,000 cubes of 0.2 m in a hemisphere of 5 m");
     };
     assert!(count == 30_000 && (10_000..30_000).contains(&fits));
     scene.enclosure = None;
-    assert_eq!(error(&scene), SceneError::NoEnclosure { count });
+    assert_eq!(
+        error(&scene),
+        SceneError::NoRoom(NoRoom::NoEnclosure { count })
+    );
     let mut scene = paper();
     scene.block.mass = 0.0;
     let message = error(&scene).to_string();

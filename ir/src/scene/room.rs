@@ -1,0 +1,153 @@
+//! Whether the free blocks of a scene have room in its enclosure at tick 0.
+use std::f64::consts::{SQRT_2, TAU};
+use std::fmt;
+
+use super::groups::BlockUnits;
+use super::{Arrangement, Enclosure, Scene};
+use crate::plate::Plate;
+
+/// Least distance of a centre from the ground and from the shell \[side\].
+pub const MARGIN: f64 = 1.0;
+
+/// Least spacing of the lattice \[side\]: below it, blocks would touch.
+pub const LEAST_SPACING: f64 = 1.1;
+
+/// Why the free blocks of a scene are nowhere at tick 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoRoom {
+    /// The enclosure is too small for its blocks.
+    DoesNotFit {
+        /// How many there should be.
+        count: u32,
+        /// How many there could be.
+        fits: u32,
+    },
+    /// There are free blocks, and nothing says where.
+    NoEnclosure {
+        /// How many there should be.
+        count: u32,
+    },
+    /// Blocks on a circle stand in each other's way, or in that of the enclosure.
+    OnRing {
+        /// How many there should be.
+        count: u32,
+    },
+}
+
+impl fmt::Display for NoRoom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NoRoom::DoesNotFit { count, fits } => write!(
+                f,
+                "{count} free blocks do not fit into the enclosure, which has room for {fits}"
+            ),
+            NoRoom::NoEnclosure { count } => write!(
+                f,
+                "{count} free blocks cannot be spread uniformly without an enclosure"
+            ),
+            NoRoom::OnRing { count } => write!(
+                f,
+                "{count} free blocks on this circle touch each other or leave the enclosure; change its radius"
+            ),
+        }
+    }
+}
+
+/// The part of space in which centres of blocks are free, over the middle of the plate.
+#[derive(Clone, Copy, Debug)]
+pub struct Interior {
+    /// From its centre to where a block is pushed back \[side\].
+    pub radius: f64,
+    /// Of its centre over the ground \[side\].
+    pub height: f64,
+}
+
+impl Interior {
+    /// That of an enclosure around a plate.
+    pub fn of(enclosure: &Enclosure, plate: &Plate, units: BlockUnits, side: f64) -> Interior {
+        Interior {
+            radius: units.length(enclosure.reach(side)),
+            height: units.length(enclosure.centre_height(plate, side)),
+        }
+    }
+
+    /// Height of the level plane in which rings and jets are \[side\]: that of the middle of a ball, or
+    /// half of that of a hemisphere.
+    pub fn halfway(&self) -> f64 {
+        if self.height > 0.0 {
+            self.height
+        } else {
+            self.radius / 2.0
+        }
+    }
+
+    /// The sites of a cubic lattice with this spacing and a half ball or ball of this radius over the ground \[side\], symmetric about the
+    /// vertical axis, in the order of z, y, x.
+    pub fn lattice(&self, spacing: f64) -> impl Iterator<Item = [f64; 3]> + use<> {
+        let Interior { radius, height } = *self;
+        let (radius, low) = (radius - MARGIN, MARGIN - height);
+        let reach = (radius / spacing) as i64 + 1;
+        let least = if low < 0.0 { -reach } else { 0 };
+        let rows = (least..=reach).flat_map(move |k| (-reach..reach).map(move |j| (j, k)));
+        rows.flat_map(move |(j, k)| (-reach..reach).map(move |i| [i, j, k]))
+            .map(move |site| site.map(|n| (n as f64 + 0.5) * spacing))
+            .filter(move |[x, y, z]| *z >= low && (x * x + y * y + z * z).sqrt() <= radius)
+            .map(move |[x, y, z]| [x, y, z + height])
+    }
+
+    /// Whether so many blocks have room, in this arrangement; `side` is that of a block \[m\].
+    ///
+    /// # Errors
+    /// If they do not.
+    pub fn has_room(&self, count: u32, arrangement: Arrangement, side: f64) -> Result<(), NoRoom> {
+        match arrangement {
+            Arrangement::Uniform => {
+                if self.is_roomy(count) {
+                    return Ok(());
+                }
+                let sites = self.lattice(LEAST_SPACING).take(count as usize);
+                match sites.count() as u32 {
+                    fits if fits < count => Err(NoRoom::DoesNotFit { count, fits }),
+                    _ => Ok(()),
+                }
+            }
+            Arrangement::Ring { radius } => {
+                let (radius, height) = (radius / side, self.halfway());
+                let apart = 2.0 * radius * (TAU / f64::from(count) / 2.0).sin();
+                let touches = count > 1 && apart < LEAST_SPACING * SQRT_2;
+                let is_outside = radius.hypot(height - self.height) > self.radius;
+                match touches || is_outside || height < MARGIN {
+                    true => Err(NoRoom::OnRing { count }),
+                    false => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// Whether a box in the half ball alone has room for all, so that nothing need be counted: the sites of a wide
+    /// enclosure at the least spacing may be more than memory holds.
+    fn is_roomy(&self, count: u32) -> bool {
+        let radius = self.radius - MARGIN;
+        let along = |length: f64| (length / LEAST_SPACING - 1.0).max(0.0);
+        along(radius).powi(2) * along(radius / 2.0 - MARGIN) > f64::from(count)
+    }
+}
+
+impl Scene {
+    /// Whether its free blocks have room around a plate.
+    ///
+    /// # Errors
+    /// If they do not.
+    pub fn has_room(&self, plate: &Plate) -> Result<(), NoRoom> {
+        let count = self.free.count;
+        if count == 0 {
+            return Ok(());
+        }
+        let Some(enclosure) = &self.enclosure else {
+            return Err(NoRoom::NoEnclosure { count });
+        };
+        let side = self.block.side;
+        let interior = Interior::of(enclosure, plate, BlockUnits::of(self), side);
+        interior.has_room(count, self.free.arrangement, side)
+    }
+}
