@@ -260,7 +260,7 @@ fn a_file_is_read_once_by_whatever_path_it_is_imported() {
         stochc_with("check --deny warnings", &[&at("lib/program.sa")])
     };
     for other in ["../lib/tower.sa", ".//tower.sa", &at("lib/tower.sa")] {
-        let said = program(&format!("import tower.sa\nimport {other}\n"));
+        let said = program(&format!("import \"tower.sa\"\nimport \"{other}\"\n"));
         assert_eq!(said.status, 0, "{other}: {}", said.err);
     }
     let circle = |said: crate::stochc::Said| {
@@ -269,13 +269,13 @@ fn a_file_is_read_once_by_whatever_path_it_is_imported() {
         assert_eq!(code, "import-cycle", "{}", said.err);
         assert!(!said.err.contains("duplicate-name"), "{}", said.err);
     };
-    circle(program("import tower.sa\nimport ../lib/program.sa\n"));
+    circle(program(r#"import "tower.sa" import "../lib/program.sa" "#));
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("tower.sa", at("lib/link.sa")).unwrap();
         std::os::unix::fs::symlink(".", at("lib/here")).unwrap();
-        let said = program("import tower.sa\nimport link.sa\nimport here/tower.sa\n");
+        let said = program(r#"import "tower.sa" import "link.sa" import "here/tower.sa" "#);
         assert_eq!(said.status, 0, "{}", said.err);
-        circle(program("import tower.sa\nimport here/program.sa\n"));
+        circle(program(r#"import "tower.sa" import "here/program.sa" "#));
     }
 }
