@@ -12,7 +12,7 @@ use super::waits::CaptureWait;
 /// Multiples of the step.
 const POINTS: usize = 1024;
 
-/// Different branches of a phase at most, each of which takes a convolution.
+/// Different branches of a phase at most, and phases that take time, each of which takes a convolution.
 const MOST: usize = 400;
 
 /// The probability that may lie beyond the last multiple.
@@ -39,6 +39,14 @@ pub fn exact_times(
     timeouts: &[f64],
     waits: &[Option<CaptureWait>],
 ) -> Option<(Vec<Times>, Times)> {
+    let takes_time = |steps: &&Vec<Step>| {
+        steps
+            .iter()
+            .any(|step| waits[step.event as usize].is_some())
+    };
+    if phases.iter().filter(takes_time).count() > MOST {
+        return None;
+    }
     let phases = phases.iter().zip(timeouts).map(|(steps, timeout)| {
         let phase = of_phase(steps, waits)?;
         (phase.range() <= *timeout).then_some(phase)
@@ -49,8 +57,10 @@ pub fn exact_times(
         [phase] => phase.times(),
         _ => {
             let range = phases.iter().map(Distribution::range).sum::<f64>().max(1.0);
-            let phases = phases.iter().map(|phase| phase.resampled(range));
-            (phases.reduce(|sum, phase| sum.plus(&phase, usize::MAX)))?.times()
+            let lasting = phases.iter().filter(|phase| phase.range() > 0.0);
+            let lasting = lasting.map(|phase| phase.resampled(range));
+            let sum = lasting.reduce(|sum, phase| sum.plus(&phase, usize::MAX));
+            sum.unwrap_or_else(Distribution::none).times()
         }
     };
     Some((times, total))
@@ -369,6 +379,37 @@ mod tests {
         close(total.median, 467.09, 1e-3);
         close(total.p90, 799.36, 1e-3);
         close(phases[0].mean, 500.0, 1e-6);
+    }
+
+    /// Phases that take no time change nothing, and of too many that do there is no sum.
+    #[test]
+    fn phases_are_added_up_unless_there_are_too_many() {
+        let waits = vec![exponential(100.0); MOST + 1];
+        let phases = |events: &[u32]| -> Vec<Vec<Step>> {
+            let step = |&event: &u32| {
+                vec![Step {
+                    event,
+                    before: Vec::new(),
+                }]
+            };
+            events.iter().map(step).collect()
+        };
+        let total = |phases: &[Vec<Step>]| {
+            let timeouts = vec![f64::INFINITY; phases.len()];
+            exact_times(phases, &timeouts, &waits).map(|(_, total)| total)
+        };
+        let five = phases(&[0, 1, 2, 3, 4]);
+        let empty: Vec<Vec<Step>> = (0..3).map(|_| Vec::new()).collect();
+        let among_empty = (phases(&[0, 1, 2]).into_iter())
+            .chain((0..3).map(|_| Vec::new()))
+            .chain(phases(&[3, 4]))
+            .collect::<Vec<_>>();
+        assert_eq!(total(&among_empty), total(&five));
+        close(total(&five).unwrap().mean, 500.0, 1e-3);
+        assert_eq!(total(&empty).unwrap().mean, 0.0);
+        let all: Vec<u32> = (0..=MOST as u32).collect();
+        assert!(total(&phases(&all[1..])).is_some());
+        assert!(total(&phases(&all)).is_none());
     }
 
     /// The latest of n exponential waits has the mean 1 + 1/2 + ... + 1/n.

@@ -519,7 +519,7 @@ fn more_warnings_than_are_told_refuse_nothing() {
     // An error is told beside them.
     let wrong = program(&format!("phase p {{ N.up -> B after A{rest}  X.up -> Y }}"));
     let told = checked(&wrong).diagnostics;
-    assert!(told.iter().any(|it| it.code == Code::AbsentBlock));
+    assert!(told.iter().any(|it| it.code == Code::UnknownName));
 }
 
 /// `after release A` is what may have been meant, but not by the release of A itself.
