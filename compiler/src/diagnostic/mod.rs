@@ -72,10 +72,24 @@ pub struct Label {
 /// Errors of one assembly that are told, at most, and as many warnings.
 const MOST_FINDINGS: usize = 1_000;
 
-/// Whether so many findings of this severity are told that no more are.
+/// Whether so many findings of this severity are told that no more are, which has been told as well.
 pub(crate) fn is_full(diagnostics: &[Diagnostic], severity: Severity) -> bool {
-    // The last one says that there are more.
-    diagnostics.len() > MOST_FINDINGS && count(diagnostics, severity) > MOST_FINDINGS
+    let note = too_many(severity);
+    let mut last_first = diagnostics.iter().rev();
+    diagnostics.len() > MOST_FINDINGS && last_first.any(|it| it.code == note)
+}
+
+/// Whether there are as many errors as are told.
+pub(crate) fn has_enough_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.len() >= MOST_FINDINGS && count(diagnostics, Severity::Error) >= MOST_FINDINGS
+}
+
+/// What says that there are more findings of this severity.
+fn too_many(severity: Severity) -> Code {
+    match severity {
+        Severity::Error => Code::TooManyErrors,
+        Severity::Warning => Code::TooManyWarnings,
+    }
 }
 
 /// How many findings have this severity.
@@ -109,13 +123,14 @@ pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) 
         diagnostics.push(diagnostic);
         return;
     }
-    let (code, what) = match severity {
-        Severity::Error => (Code::TooManyErrors, "errors"),
-        Severity::Warning => (Code::TooManyWarnings, "warnings"),
+    let what = match severity {
+        Severity::Error => "errors",
+        Severity::Warning => "warnings",
     };
     let title = format!("more than {MOST_FINDINGS} {what}; the rest is not told");
     let labels = diagnostic.labels.into_iter().take(1);
-    let mut last = Diagnostic::new(code, title).help("fix the first few and check again");
+    let mut last =
+        Diagnostic::new(too_many(severity), title).help("fix the first few and check again");
     last.labels.extend(labels);
     diagnostics.push(last);
 }

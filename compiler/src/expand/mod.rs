@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Aggregate, Assembly, Item, ItemKind, Name, PhaseDeclaration, Quantity};
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
-use crate::diagnostic::{Code, Diagnostic, Fix, LONG, Severity, is_full, removal, report};
+use crate::diagnostic::{Code, Diagnostic, Fix, LONG, has_enough_errors, removal, report};
 use crate::names::{Definition, Names};
 use crate::plan::{
     AfterConstraint, EventId, NameKey, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
@@ -263,6 +263,8 @@ struct Expander<'a, 'f> {
     anonymous: u32,
     nesting: usize,
     steps: usize,
+    /// Whether there are enough errors, and among how many findings that was looked for.
+    errors: (usize, bool),
     limits: Limits,
     cancellation: Cancellation<'f>,
     pass: Pass,
@@ -320,6 +322,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             anonymous: 0,
             nesting: 0,
             steps: 0,
+            errors: (0, false),
             limits: bounds.limits,
             cancellation: bounds.cancellation,
             pass: Pass::Writing,
@@ -406,12 +409,16 @@ impl<'a> Expander<'a, '_> {
         let most = self.limits;
         // What is written out beside the events takes memory as well.
         let grown = self.grown.most().max(self.plan.roles.count());
-        let is_full = is_full(self.diagnostics, Severity::Error);
-        if self.steps <= most.steps && grown <= most.events && !is_full {
+        let told = self.diagnostics.len();
+        if self.errors.0 != told {
+            self.errors = (told, has_enough_errors(self.diagnostics));
+        }
+        let has_enough = self.errors.1;
+        if self.steps <= most.steps && grown <= most.events && !has_enough {
             return true;
         }
         self.exhausted = true;
-        if is_full {
+        if has_enough {
             if !(self.diagnostics.iter()).any(|it| it.code == Code::TooManyErrors) {
                 self.diagnostics.push(
                     Diagnostic::new(Code::TooManyErrors, "more errors than anybody reads")
