@@ -562,7 +562,7 @@ impl<'a> Expander<'a, '_> {
                 if phase.body.is_empty() && item.docs.0.is_none() {
                     diagnostic.fix = self.without(item);
                 }
-                self.diagnostics.push(diagnostic);
+                report(self.diagnostics, diagnostic);
             }
         }
     }

@@ -516,6 +516,10 @@ fn more_warnings_than_are_told_refuse_nothing() {
     assert_eq!(codes.last(), Some(&Code::TooManyWarnings));
     assert!(!found.has_errors() && found.programs[0].tables.is_some());
     assert_eq!(fixed(&text), program("phase p { N.up -> B }"));
+    let empty: String = (0..1_500).map(|i| format!("phase e{i} {{ }}\n")).collect();
+    let found = checked(&program(&format!("{empty} phase last {{ N.up -> B }}")));
+    assert_eq!(found.diagnostics.len(), 1_001);
+    assert!(!found.has_errors());
     // An error is told beside them.
     let wrong = program(&format!("phase p {{ N.up -> B after A{rest}  X.up -> Y }}"));
     let told = checked(&wrong).diagnostics;
