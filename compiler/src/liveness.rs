@@ -362,7 +362,8 @@ impl Checker<'_> {
             )
             .label(after.location, "nothing to wait for");
             // A release cannot wait for itself.
-            if state.released.is_some_and(|event| event != after.event) {
+            let is_let_go = state.released.is_some_and(|event| event != after.event);
+            if is_let_go {
                 diagnostic =
                     diagnostic.help(format!("to wait until it has gone: `after release {name}`"));
             }
@@ -370,9 +371,8 @@ impl Checker<'_> {
             if named(self.sources, after.location, &name) == Some(after.location) {
                 let drop =
                     |location| Fix::remove(location, format!("drop `{name}` from the `after`"));
-                let doubt = state.released.is_some_and(|event| event != after.event);
                 let fix = entry(self.sources, after.location).map(drop);
-                diagnostic.fix = fix.map(|fix| fix.unsafe_if(doubt));
+                diagnostic.fix = fix.map(|fix| fix.unsafe_if(is_let_go));
             }
             diagnostic
         } else {

@@ -39,12 +39,8 @@ pub fn exact_times(
     timeouts: &[f64],
     waits: &[Option<CaptureWait>],
 ) -> Option<(Vec<Times>, Times)> {
-    let takes_time = |steps: &&Vec<Step>| {
-        steps
-            .iter()
-            .any(|step| waits[step.event as usize].is_some())
-    };
-    if phases.iter().filter(takes_time).count() > MOST {
+    let lasting = phases.iter().filter(|steps| takes_time(steps, waits));
+    if lasting.count() > MOST {
         return None;
     }
     let phases = phases.iter().zip(timeouts).map(|(steps, timeout)| {
@@ -66,11 +62,14 @@ pub fn exact_times(
     Some((times, total))
 }
 
+/// Whether anything is waited for in a phase.
+fn takes_time(steps: &[Step], waits: &[Option<CaptureWait>]) -> bool {
+    let mut waits = steps.iter().map(|step| &waits[step.event as usize]);
+    waits.any(Option::is_some)
+}
+
 fn of_phase(steps: &[Step], waits: &[Option<CaptureWait>]) -> Option<Distribution> {
-    if steps
-        .iter()
-        .all(|step| waits[step.event as usize].is_none())
-    {
+    if !takes_time(steps, waits) {
         return Some(Distribution::none());
     }
     let forest = Forest::of(steps, waits)?;
@@ -399,14 +398,14 @@ mod tests {
             exact_times(phases, &timeouts, &waits).map(|(_, total)| total)
         };
         let five = phases(&[0, 1, 2, 3, 4]);
-        let empty: Vec<Vec<Step>> = (0..3).map(|_| Vec::new()).collect();
+        let empty = || (0..3).map(|_| Vec::new());
         let among_empty = (phases(&[0, 1, 2]).into_iter())
-            .chain((0..3).map(|_| Vec::new()))
+            .chain(empty())
             .chain(phases(&[3, 4]))
             .collect::<Vec<_>>();
         assert_eq!(total(&among_empty), total(&five));
         close(total(&five).unwrap().mean, 500.0, 1e-3);
-        assert_eq!(total(&empty).unwrap().mean, 0.0);
+        assert_eq!(total(&empty().collect::<Vec<_>>()).unwrap().mean, 0.0);
         let all: Vec<u32> = (0..=MOST as u32).collect();
         assert!(total(&phases(&all[1..])).is_some());
         assert!(total(&phases(&all)).is_none());

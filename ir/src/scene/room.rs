@@ -3,7 +3,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use std::fmt;
 
 use super::groups::BlockUnits;
-use super::{Arrangement, Enclosure, Scene};
+use super::{Arrangement, Scene};
 use crate::plate::Plate;
 
 /// Least distance of a centre from the ground and from the shell \[side\].
@@ -63,14 +63,6 @@ pub struct Interior {
 }
 
 impl Interior {
-    /// That of an enclosure around a plate.
-    pub fn of(enclosure: &Enclosure, plate: &Plate, units: BlockUnits, side: f64) -> Interior {
-        Interior {
-            radius: units.length(enclosure.reach(side)),
-            height: units.length(enclosure.centre_height(plate, side)),
-        }
-    }
-
     /// Height of the level plane in which rings and jets are \[side\]: that of the middle of a ball, or
     /// half of that of a hemisphere.
     pub fn halfway(&self) -> f64 {
@@ -146,8 +138,11 @@ impl Scene {
         let Some(enclosure) = &self.enclosure else {
             return Err(NoRoom::NoEnclosure { count });
         };
-        let side = self.block.side;
-        let interior = Interior::of(enclosure, plate, BlockUnits::of(self), side);
+        let (side, units) = (self.block.side, BlockUnits::of(self));
+        let interior = Interior {
+            radius: units.length(enclosure.reach(side)),
+            height: units.length(enclosure.centre_height(plate, side)),
+        };
         interior.has_room(count, self.free.arrangement, side)
     }
 }

@@ -168,7 +168,7 @@ impl<'r> RateWorld<'r> {
         let left = exponential(threshold);
         let open = OpenFace::new(face, (cell, way), near, self.tick, left);
         let slot = self.hazards.open(open, changed);
-        // Those who were let go near it are still there.
+        // Those who were let go near it a moment ago may still be there.
         let tick = self.tick;
         let head_starts = self.head_starts;
         self.released
