@@ -1,28 +1,34 @@
 //! Commands that can be copied into a shell.
 
-/// A word as a POSIX shell reads it, in quotes where it needs them, and with control characters by their numbers.
+/// A word as any POSIX shell reads it, for scripts: every sign as it is, in quotes where it needs them.
 pub fn quoted(word: &str) -> String {
     let plain = |sign: char| sign.is_ascii_alphanumeric() || "_-./:=+,@%".contains(sign);
     if !word.is_empty() && word.chars().all(plain) {
         return word.to_owned();
     }
-    if word.chars().any(char::is_control) {
-        let spelled = word.chars().map(|sign| match sign {
-            '\'' | '\\' => format!("\\{sign}"),
-            _ if sign.is_ascii_control() => format!("\\{:03o}", u32::from(sign)),
-            _ => sign.to_string(),
-        });
-        return format!("$'{}'", spelled.collect::<String>());
-    }
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// An argument that names a file: never taken for an option.
+/// A word as a person copies it into a shell: as [`quoted`], but control characters by their numbers, so that it stays on
+/// one line. The shells that people type into read `$'...'` (bash, zsh, ksh); a `/bin/sh` may not.
+pub fn visible(word: &str) -> String {
+    if !word.chars().any(|sign| sign.is_ascii_control()) {
+        return quoted(word);
+    }
+    let spelled = word.chars().map(|sign| match sign {
+        '\'' | '\\' => format!("\\{sign}"),
+        _ if sign.is_ascii_control() => format!("\\{:03o}", u32::from(sign)),
+        _ => sign.to_string(),
+    });
+    format!("$'{}'", spelled.collect::<String>())
+}
+
+/// An argument of a command that is shown, which names a file: never taken for an option.
 pub fn file(path: &str) -> String {
     if path.starts_with('-') {
-        quoted(&format!("./{path}"))
+        visible(&format!("./{path}"))
     } else {
-        quoted(path)
+        visible(path)
     }
 }
 
@@ -36,7 +42,9 @@ mod tests {
         assert_eq!(quoted("a b"), "'a b'");
         assert_eq!(quoted("it's $HOME"), r"'it'\''s $HOME'");
         assert_eq!(quoted(""), "''");
-        assert_eq!(quoted("it's\ta\\b\n"), r"$'it\'s\011a\\b\012'");
+        assert_eq!(quoted("it's\ta\\b\n"), "'it'\\''s\ta\\b\n'");
+        assert_eq!(visible("it's\ta\\b\n"), r"$'it\'s\011a\\b\012'");
+        assert_eq!(visible("it's"), quoted("it's"));
         assert_eq!(file("-rf"), "./-rf");
     }
 }

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 
 use stochc_ensemble::slurm::{FORMAT, Queue, SlurmEnsemble, SlurmLimits, is_passing};
-use stochc_files::shell::quoted;
+use stochc_files::shell::visible;
 
 /// Why there is no answer.
 #[derive(Debug)]
@@ -67,10 +67,10 @@ pub fn cancel(jobs: &[u64]) -> Result<(), Unanswered> {
     ask("scancel", &jobs).map(|_| ())
 }
 
-/// A command as a shell takes it.
+/// A command as a person copies it into a shell.
 pub fn line(program: &str, arguments: &[String]) -> String {
     let words = std::iter::once(program).chain(arguments.iter().map(String::as_str));
-    words.map(quoted).collect::<Vec<_>>().join(" ")
+    words.map(visible).collect::<Vec<_>>().join(" ")
 }
 
 /// Runs one of Slurm's commands, and gives what it prints.

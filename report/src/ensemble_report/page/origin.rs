@@ -119,7 +119,7 @@ pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> String {
     }
     words.extend(files.into_iter().map(shell::file));
     let mut option = |name: &str, value: &str| {
-        words.push(format!("--{name} {}", shell::quoted(value)));
+        words.push(format!("--{name} {}", shell::visible(value)));
     };
     let settings = &manifest.settings;
     option("model", settings.model.name());
@@ -145,7 +145,7 @@ pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> String {
             }
         }
         let text = format!("{}={} {}", axis.of, values.join(","), axis.unit);
-        words.push(format!("--sweep {}", shell::quoted(text.trim_end())));
+        words.push(format!("--sweep {}", shell::visible(text.trim_end())));
     }
     words.push("--out AGAIN".into());
     words.join(" ")

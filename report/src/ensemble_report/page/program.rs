@@ -342,7 +342,7 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
                 out.note("To watch it:");
                 let mut line = format!("stochc replay {} --run {number}", shell::file(path));
                 if subject.manifest.programs.len() > 1 {
-                    line += &format!(" --program {}", shell::quoted(&subject.program.name));
+                    line += &format!(" --program {}", shell::visible(&subject.program.name));
                 }
                 out.raw(&command(&line));
             }
