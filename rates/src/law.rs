@@ -48,10 +48,10 @@ pub struct Parameter {
 
 impl Parameters {
     /// How many there are: [`Parameters::RATE`] of the rate, then those of the docking time.
-    pub const COUNT: usize = 18;
+    pub const COUNT: usize = 19;
 
     /// How many belong to the rate.
-    pub const RATE: usize = 12;
+    pub const RATE: usize = 13;
 
     /// What they are, in order.
     pub const ALL: [Parameter; Parameters::COUNT] = [
@@ -104,6 +104,10 @@ impl Parameters {
             meaning: "logarithm of the rate's factor where a block is two cells from the parent, and none beside it or across an edge of it",
         },
         Parameter {
+            name: "depletion",
+            meaning: "by how much the exponent of the part of the blocks that is still free is above 1",
+        },
+        Parameter {
             name: "docking",
             meaning: "logarithm of the mean docking time, in ticks",
         },
@@ -131,7 +135,7 @@ impl Parameters {
 
     /// What was found in the built-in scene `hemisphere`, to begin with in others.
     pub const TYPICAL: Parameters = Parameters([
-        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 0.27, 5.17, -0.26,
+        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 0.27, 0.0, 5.17, -0.26,
         -0.81, -0.50, -0.45, 1.40,
     ]);
 
@@ -139,10 +143,11 @@ impl Parameters {
     /// faces beside each other do depends on whether blocks are easily caught: where they are not, two pulls catch more than one. In a
     /// gap blocks jam in some scenes, and in others they come to rest sooner than elsewhere.
     pub const SPREAD: [f64; Parameters::COUNT] = [
-        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 0.3, 5.0, 0.3, 0.3, 0.3, 0.3, 0.5,
+        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 0.3, 1.0, 5.0, 0.3, 0.3, 0.3, 0.3,
+        0.5,
     ];
 
-    /// The numbers that the logarithms of rate and docking time are linear in, of which the number of free blocks has the factor 1.
+    /// The numbers that the logarithms of rate and docking time are linear in, but for what is proportional to the free blocks.
     pub fn features(
         of: &Surroundings,
     ) -> (
@@ -167,6 +172,7 @@ impl Parameters {
                 f64::from(of.rivals.around) / 2.0,
                 indicator(of.ahead),
                 indicator(of.near_parent),
+                libm::log(of.free.max(LEAST_FREE)),
             ],
             [
                 1.0,
@@ -179,22 +185,72 @@ impl Parameters {
         )
     }
 
+    /// The factor of all rates when a part of the blocks is still free; never less when more are.
+    pub fn of_free(&self, part: f64) -> f64 {
+        let part = part.max(0.0);
+        match self.0[DEPLETION] {
+            0.0 => part,
+            beyond => part * libm::pow(part.max(LEAST_FREE), beyond.max(-1.0)),
+        }
+    }
+
     /// The wait of a face in such surroundings.
     pub fn wait(&self, of: &Surroundings) -> Wait {
-        let (rate, docking) = Parameters::features(of);
+        let (mut rate, docking) = Parameters::features(of);
+        rate[DEPLETION] = 0.0;
         let sum = |parameters: &[f64], features: &[f64]| -> f64 {
             parameters.iter().zip(features).map(|(a, b)| a * b).sum()
         };
         let (of_rate, of_docking) = self.0.split_at(Parameters::RATE);
         Wait {
-            rate: of.free.max(0.0) * libm::exp(sum(of_rate, &rate)),
+            rate: self.of_free(of.free) * libm::exp(sum(of_rate, &rate)),
             docking: libm::exp(sum(of_docking, &docking)),
         }
     }
 }
+
+/// The place of the exponent of the free blocks.
+const DEPLETION: usize = 12;
+
+/// The least part of the blocks that is free by which `depletion` counts.
+const LEAST_FREE: f64 = 1e-3;
 
 /// What is added to the open part, so that a face in a pit still captures sometimes.
 const LEAST_OPEN: f64 = 0.02;
 
 /// The least density over the mean that the law is asked for.
 const LEAST_DENSITY: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Neighbourhood, around};
+    use stochc_ir::{Cell, Face};
+
+    #[test]
+    fn rates_follow_the_free_blocks_by_one_factor_and_never_fall_when_more_are_free() {
+        let at = |free| Surroundings {
+            free,
+            ..around(Cell::new(0, 0, 5), Face::Up, Neighbourhood::EMPTY, |_| None)
+        };
+        for (beyond, of_half) in [(-5.0, 1.0), (-0.5, 0.5_f64.sqrt()), (0.0, 0.5), (1.0, 0.25)] {
+            let mut parameters = Parameters::TYPICAL;
+            parameters.0[DEPLETION] = beyond;
+            let rate = |part: f64| parameters.wait(&at(part)).rate;
+            for part in [0.0, 1e-6, 0.1, 0.5, 1.0, 1.2] {
+                let expected = parameters.of_free(part) * rate(1.0);
+                assert!((rate(part) - expected).abs() <= 1e-12 * expected, "{part}");
+            }
+            assert!(
+                (parameters.of_free(0.5) - of_half).abs() < 1e-12,
+                "{beyond}"
+            );
+            let parts = (0..1000).map(|part| f64::from(part) / 1000.0);
+            for part in parts {
+                let more = parameters.of_free(part + 1e-3);
+                assert!(parameters.of_free(part) <= more * (1.0 + 1e-12), "{part}");
+            }
+            assert_eq!(parameters.of_free(0.0), 0.0);
+        }
+    }
+}

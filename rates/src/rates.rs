@@ -54,16 +54,17 @@ pub struct Coverage {
 }
 
 /// The version of the form of [`Rates`].
-pub const FORMAT: u32 = 5;
+pub const FORMAT: u32 = 6;
 
 /// The places among the [`Parameters`] of those that a file of format 1 has: its law said nothing of corners, gaps, and of rivals nothing
 /// but their docking times, which is what 0 means for the others.
-const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 12, 13, 14, 16, 17];
+const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 13, 14, 15, 17, 18];
 
-/// The places of those that files of formats 2 to 4 do not have.
+/// The places of those that files of formats 2 to 5 do not have.
 const AROUND: usize = 9;
 const AHEAD: usize = 10;
 const NEAR_PARENT: usize = 11;
+const DEPLETION: usize = 12;
 
 /// The logarithm of a rate's factor from which on a gap hinders nobody: half of the rate.
 const SLOWEST_GAP: f64 = -0.7;
@@ -224,9 +225,10 @@ impl TryFrom<Stored> for Rates {
         } = stored;
         let places: Vec<usize> = match format {
             1 => FIRST_PARAMETERS.to_vec(),
-            2 => without(&[AROUND, AHEAD, NEAR_PARENT]),
-            3 => without(&[AROUND, NEAR_PARENT]),
-            4 => without(&[NEAR_PARENT]),
+            2 => without(&[AROUND, AHEAD, NEAR_PARENT, DEPLETION]),
+            3 => without(&[AROUND, NEAR_PARENT, DEPLETION]),
+            4 => without(&[NEAR_PARENT, DEPLETION]),
+            5 => without(&[DEPLETION]),
             FORMAT => without(&[]),
             _ => {
                 return Err(format!(
@@ -350,6 +352,7 @@ mod tests {
             "docking-corner-parent",
             "ahead",
             "near-parent",
+            "depletion",
         ] {
             assert_eq!(named(name), (0.0, 0.0), "{name}");
         }
@@ -368,29 +371,38 @@ mod tests {
     }
 
     #[test]
-    fn files_of_the_fourth_format_know_nothing_of_blocks_two_cells_away() {
-        let rates = Rates::from_text(BUILT_IN[0]).expect("it is sound");
-        let mut old = serde_json::to_value(&rates).expect("it is written");
-        let mut drop = |key: &str, is_missing: fn(usize) -> bool| {
-            let values = old[key].as_array_mut().expect("it is a list");
-            let mut place = 0;
-            values.retain(|_| {
-                place += 1;
-                !is_missing(place - 1)
-            });
-        };
-        drop("parameters", |place| place == NEAR_PARENT);
-        drop("covariance", |place| {
-            [place / Parameters::COUNT, place % Parameters::COUNT].contains(&NEAR_PARENT)
-        });
-        old["format"] = 4.into();
-        let mut expected = rates;
-        expected.parameters.0[NEAR_PARENT] = 0.0;
-        for other in 0..Parameters::COUNT {
-            expected.covariance[NEAR_PARENT * Parameters::COUNT + other] = 0.0;
-            expected.covariance[other * Parameters::COUNT + NEAR_PARENT] = 0.0;
+    fn files_of_older_formats_lack_what_nobody_looked_for_then() {
+        let mut rates = Rates::from_text(BUILT_IN[0]).expect("it is sound");
+        for place in [NEAR_PARENT, DEPLETION] {
+            rates.parameters.0[place] = 0.5;
+            rates.covariance[place * (Parameters::COUNT + 1)] = 0.01;
         }
-        assert_eq!(Rates::from_text(&old.to_string()), Ok(expected));
+        for (format, missing) in [(4, &[NEAR_PARENT, DEPLETION][..]), (5, &[DEPLETION])] {
+            let mut old = serde_json::to_value(&rates).expect("it is written");
+            let mut drop = |key: &str, is_missing: &dyn Fn(usize) -> bool| {
+                let values = old[key].as_array_mut().expect("it is a list");
+                let mut place = 0;
+                values.retain(|_| {
+                    place += 1;
+                    !is_missing(place - 1)
+                });
+            };
+            drop("parameters", &|place| missing.contains(&place));
+            drop("covariance", &|place| {
+                let [row, column] = [place / Parameters::COUNT, place % Parameters::COUNT];
+                missing.contains(&row) || missing.contains(&column)
+            });
+            old["format"] = format.into();
+            let mut expected = rates.clone();
+            for &place in missing {
+                expected.parameters.0[place] = 0.0;
+                for other in 0..Parameters::COUNT {
+                    expected.covariance[place * Parameters::COUNT + other] = 0.0;
+                    expected.covariance[other * Parameters::COUNT + place] = 0.0;
+                }
+            }
+            assert_eq!(Rates::from_text(&old.to_string()), Ok(expected));
+        }
     }
 
     #[test]

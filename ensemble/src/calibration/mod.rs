@@ -19,7 +19,7 @@ use observation::Observations;
 /// Programs to observe: a name and a text each.
 ///
 /// What grows tells more than a block beside a structure that stands: that misleads by 5 to 10 %.
-pub const PROGRAMS: [(&str, &str); 16] = [
+pub const PROGRAMS: [(&str, &str); 19] = [
     ("towers", include_str!("programs/towers.sa")),
     ("wall", include_str!("programs/wall.sa")),
     ("corner", include_str!("programs/corner.sa")),
@@ -36,6 +36,9 @@ pub const PROGRAMS: [(&str, &str); 16] = [
     ("gap", include_str!("programs/gap.sa")),
     ("solid", include_str!("programs/solid.sa")),
     ("late", include_str!("programs/late.sa")),
+    ("alone", include_str!("programs/alone.sa")),
+    ("apart", include_str!("programs/apart.sa")),
+    ("row", include_str!("programs/row.sa")),
 ];
 
 /// What was observed of a scene.

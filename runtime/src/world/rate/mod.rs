@@ -207,7 +207,7 @@ impl<'r> RateWorld<'r> {
             return;
         };
         let mut wait = self.waits.of(face);
-        wait.rate *= self.hazards.part();
+        wait.rate *= self.waits.of_free(self.hazards.part());
         if let Some(earliest) = self.hazards.update(slot, self.tick, wait) {
             self.queue.note(slot, earliest);
         }
@@ -268,6 +268,12 @@ impl<'r> RateWorld<'r> {
         Some(())
     }
 
+    /// The hazard when so many blocks are free, over what hazards are meant for.
+    fn share(&self, free: u32) -> f64 {
+        let hazards = &self.hazards;
+        self.waits.of_free(hazards.part_of(free)) / self.waits.of_free(hazards.part())
+    }
+
     /// Docks a block on an open face, unless by chance there is none.
     fn capture(&mut self, scheduled: ScheduledCapture, dockings: &mut Vec<Docking>) {
         let slot = match scheduled {
@@ -289,7 +295,7 @@ impl<'r> RateWorld<'r> {
         let child = match scheduled {
             ScheduledCapture::HeadStart(start) => start.block,
             // The hazard was that of more blocks than there are now.
-            _ if free == 0 || unit(whether) >= self.hazards.share(free) => {
+            _ if free == 0 || unit(whether) >= self.share(free) => {
                 self.hazards.go_on(slot, exponential(threshold));
                 self.estimate(slot);
                 return;

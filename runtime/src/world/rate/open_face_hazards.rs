@@ -273,12 +273,12 @@ impl OpenFaceHazards {
 
     /// The part of the blocks that hazards are meant for.
     pub fn part(&self) -> f64 {
-        f64::from(self.meant_for) / f64::from(self.count.max(1))
+        self.part_of(self.meant_for)
     }
 
-    /// The part of what hazards are meant for that is free.
-    pub fn share(&self, free: u32) -> f64 {
-        f64::from(free) / f64::from(self.meant_for.max(1))
+    /// The part of the blocks that so many are.
+    pub fn part_of(&self, blocks: u32) -> f64 {
+        f64::from(blocks) / f64::from(self.count.max(1))
     }
 
     /// So many blocks are free now: whether hazards are meant for another number from now on.

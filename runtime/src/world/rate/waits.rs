@@ -47,6 +47,11 @@ impl<'r> RateModel<'r> {
         }
     }
 
+    /// The factor of all rates when a part of the blocks is still free.
+    pub fn of_free(&self, part: f64) -> f64 {
+        self.rates.parameters.of_free(part)
+    }
+
     /// The wait of a face.
     pub fn of(&mut self, face: &OpenFace) -> Wait {
         let near = face.near.within(self.features[face.way as usize]);
