@@ -66,7 +66,7 @@ fn rates_are_measured_kept_and_used() {
     fs::write(here("other.sa"), line).unwrap();
     let spoilt = fs::read_to_string(here("one.rates"))
         .unwrap()
-        .replace("\"format\": 5", "\"format\": 9");
+        .replace("\"format\": ", "\"format\": 9");
     fs::write(here("spoilt.rates"), spoilt).unwrap();
     let refused = stochc_with(
         simulate,
