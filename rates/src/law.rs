@@ -196,8 +196,7 @@ impl Parameters {
 
     /// The wait of a face in such surroundings.
     pub fn wait(&self, of: &Surroundings) -> Wait {
-        let (mut rate, docking) = Parameters::features(of);
-        rate[DEPLETION] = 0.0;
+        let (rate, docking) = Parameters::features(&Surroundings { free: 1.0, ..*of });
         let sum = |parameters: &[f64], features: &[f64]| -> f64 {
             parameters.iter().zip(features).map(|(a, b)| a * b).sum()
         };
@@ -210,7 +209,7 @@ impl Parameters {
 }
 
 /// The place of the exponent of the free blocks.
-const DEPLETION: usize = 12;
+pub(crate) const DEPLETION: usize = 12;
 
 /// The least part of the blocks that is free by which `depletion` counts.
 const LEAST_FREE: f64 = 1e-3;

@@ -7,7 +7,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 
 use crate::head_start::HeadStart;
-use crate::law::{Parameters, Surroundings};
+use crate::law::{DEPLETION, Parameters, Surroundings};
 use crate::neighbourhood::Neighbourhood;
 use crate::rivals::Rivals;
 use crate::surroundings::{around, blocked_around};
@@ -60,11 +60,13 @@ pub const FORMAT: u32 = 6;
 /// but their docking times, which is what 0 means for the others.
 const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 13, 14, 15, 17, 18];
 
-/// The places of those that files of formats 2 to 5 do not have.
+/// Places of parameters that not all formats have.
 const AROUND: usize = 9;
 const AHEAD: usize = 10;
 const NEAR_PARENT: usize = 11;
-const DEPLETION: usize = 12;
+
+/// The places of those that came with formats 3 to 6, one with each.
+const ADDED: [usize; 4] = [AHEAD, AROUND, NEAR_PARENT, DEPLETION];
 
 /// The logarithm of a rate's factor from which on a gap hinders nobody: half of the rate.
 const SLOWEST_GAP: f64 = -0.7;
@@ -225,11 +227,7 @@ impl TryFrom<Stored> for Rates {
         } = stored;
         let places: Vec<usize> = match format {
             1 => FIRST_PARAMETERS.to_vec(),
-            2 => without(&[AROUND, AHEAD, NEAR_PARENT, DEPLETION]),
-            3 => without(&[AROUND, NEAR_PARENT, DEPLETION]),
-            4 => without(&[NEAR_PARENT, DEPLETION]),
-            5 => without(&[DEPLETION]),
-            FORMAT => without(&[]),
+            2..=FORMAT => without(&ADDED[format as usize - 2..]),
             _ => {
                 return Err(format!(
                     "its format is {format}, and this is {FORMAT}; calibrate again"
