@@ -195,15 +195,20 @@ fn censored_runs_are_told_of() {
 
 #[test]
 fn a_budget_is_kept() {
-    let said = stochc("trade tests/fixtures/dense.sa --budget 3s --quiet --format json");
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path().join("trade").display().to_string();
+    let line =
+        format!("trade tests/fixtures/dense.sa --budget 3s --quiet --format json --out {folder}");
+    let said = stochc(&line);
     assert_eq!(said.status, 0, "{}", said.err);
     let trade = said.json();
     assert_eq!(trade["budget"], 3.0);
     assert!(candidate(&trade, "rigid 1")["programs"][0]["runs"].as_u64() >= Some(4));
     // Processor time, so that it does not matter what else the machine does. A last run of each thread may end later.
     let number = |value: &Value| value.as_f64().unwrap_or_default();
-    let candidates = trade["candidates"].as_array().unwrap().iter();
-    let programs = candidates.flat_map(|candidate| candidate["programs"].as_array().unwrap());
+    let programs = candidates(&trade)
+        .iter()
+        .flat_map(|candidate| candidate["programs"].as_array().unwrap());
     let spent: f64 = programs
         .map(|of| number(&of["runs"]) * number(&of["cost"]))
         .sum();
@@ -211,6 +216,14 @@ fn a_budget_is_kept() {
         spent > 0.0 && spent < 2.0 * 3.0 * number(&trade["threads"]),
         "{spent}"
     );
+    // What was measured is there without any time left.
+    let resumed = stochc(&format!("{line} --resume"));
+    assert_eq!(resumed.status, 0, "{}", resumed.err);
+    let resumed = resumed.json();
+    for (before, after) in candidates(&trade).iter().zip(candidates(&resumed)) {
+        let runs = |candidate: &Value| candidate["programs"][0]["runs"].as_u64();
+        assert!(runs(after) >= runs(before), "{before}\n{after}");
+    }
 }
 
 #[test]

@@ -116,7 +116,7 @@ pub fn measure(
 }
 
 fn carry_out(
-    plan: Plan,
+    mut plan: Plan,
     programs: &[EnsembleProgram],
     setup: &Setup,
     progress: &MeasurementProgress,
@@ -126,6 +126,10 @@ fn carry_out(
         .memory
         .map_or(Duration::ZERO, MeasurementJournal::elapsed);
     let elapsed = || before + start.elapsed();
+    if let Some(memory) = setup.memory {
+        plan.recall(|job, settings| memory.recall(job, settings));
+        progress.put(plan.progress());
+    }
     let plan = Mutex::new(plan);
     let ended = Condvar::new();
     let lock = || plan.lock().expect("nobody panics while it is held");
@@ -137,8 +141,7 @@ fn carry_out(
             }
             match plan.next(elapsed()) {
                 NextJob::Do(job) => {
-                    let mut settings = plan.settings(job.candidate).clone();
-                    settings.max_ticks = Some(job.max_ticks);
+                    let settings = plan.settings(job.candidate, job.program);
                     return Some((job, settings));
                 }
                 NextJob::End => return None,

@@ -126,9 +126,9 @@ impl Plan {
         }
     }
 
-    /// The setting of a candidate.
-    pub fn settings(&self, candidate: usize) -> &Settings {
-        &self.candidates[candidate].settings
+    /// What the runs of a program at a candidate are made with.
+    pub fn settings(&self, candidate: usize, program: usize) -> Settings {
+        self.limited(&self.candidates[candidate].settings, program)
     }
 
     /// Runs that have ended, and all that are known to come; `None`: time decides.
@@ -169,17 +169,38 @@ impl Plan {
             if self.candidates[0].under_way() {
                 return NextJob::Wait;
             }
-            self.limits = Some(
-                self.candidates[0]
-                    .program_runs
-                    .iter()
-                    .map(ProgramRuns::limit)
-                    .collect(),
-            );
+            self.set_limits();
         }
         match self.extent {
             Extent::Runs(runs) => self.next_of(runs),
             Extent::Budget(_) => self.next_within(left),
+        }
+    }
+
+    /// Takes over the runs that were measured before, up to the first one that was not; `known` has them. Time decides which are measured next, and
+    /// may be over. Of a number of runs there are as many as are asked for, and each is looked up when its turn comes.
+    pub fn recall(&mut self, known: impl Fn(&Job, &Settings) -> Option<Measured>) {
+        if let Extent::Runs(_) = self.extent {
+            return;
+        }
+        if self.limits.is_none() {
+            let first = self.pilot();
+            self.recall_candidate(0, first, &known);
+            if self.candidates[0].lacking(first).is_some() {
+                return;
+            }
+            self.set_limits();
+        }
+        let mut candidate = 0;
+        while candidate < self.candidates.len() {
+            self.recall_candidate(candidate, u64::MAX, &known);
+            candidate += 1;
+            if candidate == self.candidates.len()
+                && let Some(settings) = self.next_refinement()
+                && (0..self.programs).any(|program| self.known_first(&settings, program, &known))
+            {
+                self.add(settings);
+            }
         }
     }
 
@@ -207,11 +228,8 @@ impl Plan {
     }
 
     fn sample(&self, candidate: &CandidateRuns, program: usize) -> Sample {
-        let limit = self
-            .limits
-            .as_ref()
-            .map_or(FIRST_LIMIT, |limits| limits[program]);
-        Sample::new(candidate.program_runs[program].runs.clone(), limit)
+        let runs = candidate.program_runs[program].runs.clone();
+        Sample::new(runs, self.limit(program))
     }
 
     fn pilot(&self) -> u64 {
@@ -221,19 +239,79 @@ impl Plan {
         }
     }
 
-    fn start(&mut self, candidate: usize, program: usize) -> NextJob {
-        let cell = &mut self.candidates[candidate].program_runs[program];
-        let run = cell.started;
-        cell.started += 1;
-        NextJob::Do(Job {
+    fn set_limits(&mut self) {
+        let base = self.candidates[0].program_runs.iter();
+        self.limits = Some(base.map(ProgramRuns::limit).collect());
+    }
+
+    /// The limit of ticks of a program, as far as it is known.
+    fn limit(&self, program: usize) -> u64 {
+        let limits = self.limits.as_ref();
+        limits.map_or(FIRST_LIMIT, |limits| limits[program])
+    }
+
+    /// What the runs of a program at a setting are made with.
+    fn limited(&self, settings: &Settings, program: usize) -> Settings {
+        Settings {
+            max_ticks: Some(self.limit(program)),
+            ..settings.clone()
+        }
+    }
+
+    /// The next run of a program at a candidate.
+    fn job(&self, candidate: usize, program: usize) -> Job {
+        Job {
             candidate,
             program,
-            run,
-            max_ticks: self
-                .limits
-                .as_ref()
-                .map_or(FIRST_LIMIT, |limits| limits[program]),
-        })
+            run: self.candidates[candidate].program_runs[program].started,
+            max_ticks: self.limit(program),
+        }
+    }
+
+    fn start(&mut self, candidate: usize, program: usize) -> NextJob {
+        let job = self.job(candidate, program);
+        self.candidates[candidate].program_runs[program].started += 1;
+        NextJob::Do(job)
+    }
+
+    /// Takes over the runs of a candidate, so many of each program at most.
+    fn recall_candidate(
+        &mut self,
+        candidate: usize,
+        most: u64,
+        known: impl Fn(&Job, &Settings) -> Option<Measured>,
+    ) {
+        if self.candidates[candidate].left_out.is_some() {
+            return;
+        }
+        for program in 0..self.programs {
+            let settings = self.settings(candidate, program);
+            loop {
+                let job = self.job(candidate, program);
+                let Some(run) = (job.run < most).then(|| known(&job, &settings)).flatten() else {
+                    break;
+                };
+                let cell = &mut self.candidates[candidate].program_runs[program];
+                cell.started += 1;
+                cell.add(run);
+            }
+        }
+    }
+
+    /// Whether the first run of a program at a setting that is no candidate yet was measured.
+    fn known_first(
+        &self,
+        settings: &Settings,
+        program: usize,
+        known: impl Fn(&Job, &Settings) -> Option<Measured>,
+    ) -> bool {
+        let job = Job {
+            candidate: self.candidates.len(),
+            program,
+            run: 0,
+            max_ticks: self.limit(program),
+        };
+        known(&job, &self.limited(settings, program)).is_some()
     }
 
     fn next_of(&mut self, runs: u64) -> NextJob {
@@ -318,12 +396,16 @@ impl Plan {
         let doublings: Vec<Doubling> = (1..candidates.len())
             .map(|i| Doubling::of((substeps(i - 1), &times[i - 1]), (substeps(i), &times[i])))
             .collect();
-        let next = substeps(candidates.len().checked_sub(1)?).checked_mul(2)?;
-        let tried = self
-            .candidates
-            .iter()
-            .any(|candidate| candidate.settings == rigid(next));
-        (next <= self.finest && !tried && !is_settled(&doublings)).then(|| rigid(next))
+        let next = self.next_refinement()?;
+        (!is_settled(&doublings)).then_some(next)
+    }
+
+    /// The next candidate of the refinement that is allowed.
+    fn next_refinement(&self) -> Option<Settings> {
+        let finest = *self.refinement().last()?;
+        let next = self.candidates[finest].settings.substeps.checked_mul(2)?;
+        let is_tried = |candidate: &CandidateRuns| candidate.settings == rigid(next);
+        (next <= self.finest && !self.candidates.iter().any(is_tried)).then(|| rigid(next))
     }
 
     /// [`Plan::finer`] at a few points only, since a test that is repeated after every run fails
@@ -512,7 +594,7 @@ mod tests {
                 NextJob::Wait
             };
             if let NextJob::Do(job) = next {
-                let settings = plan.settings(job.candidate).clone();
+                let settings = plan.settings(job.candidate, job.program);
                 let cost = (world.cost)(&settings, job.program);
                 let ticks = (world.ticks)(&settings, job.program, job.run);
                 let end = if ticks > job.max_ticks {
@@ -670,6 +752,57 @@ mod tests {
         let mut plan = Plan::new(budget(10.0), 1, 1, 64, None, anything);
         carry_out(&mut plan, &drifting, 1);
         assert!(runs(&plan).contains_key("rigid 64"), "{:?}", runs(&plan));
+    }
+
+    #[test]
+    fn what_was_measured_counts_before_time_is_asked_for() {
+        // First runs were made before there was a limit.
+        let key = |settings: Settings, program: usize, run: u64| {
+            let unlimited = Settings {
+                max_ticks: None,
+                ..settings
+            };
+            (format!("{unlimited:?}"), program, run)
+        };
+        let drifting = World {
+            cost: |_, _| 0.001,
+            ticks: |settings, _, run| {
+                1000 + 5 * (run % 3) + 1000 / u64::from(settings.substeps.min(16))
+            },
+        };
+        let mut before = Plan::new(budget(10.0), 2, 1, 64, None, anything);
+        carry_out(&mut before, &drifting, 1);
+        let mut found = BTreeMap::new();
+        for (candidate, of) in before.candidates.iter().enumerate() {
+            for (program, cell) in of.program_runs.iter().enumerate() {
+                let settings = || before.settings(candidate, program);
+                found.extend(
+                    (cell.runs.iter()).map(|run| (key(settings(), program, run.run), *run)),
+                );
+            }
+        }
+        let recall = |job: &Job, settings: &Settings| {
+            found
+                .get(&key(settings.clone(), job.program, job.run))
+                .copied()
+        };
+        // No time is left, or some.
+        for more in [0.0, 5.0] {
+            let mut plan = Plan::new(budget(more), 2, 1, 64, None, anything);
+            plan.recall(recall);
+            assert_eq!(plan.limits(), before.limits());
+            assert_eq!(runs(&plan), runs(&before));
+            carry_out(&mut plan, &drifting, 1);
+            let now = runs(&plan);
+            for (name, counts) in runs(&before) {
+                assert!(now[&name] >= counts, "{name}: {counts:?}, {:?}", now[&name]);
+            }
+            assert_eq!(now == runs(&before), more == 0.0);
+        }
+        // A run that is lacking ends what is taken over of its setting.
+        let mut plan = Plan::new(budget(0.0), 2, 1, 64, None, anything);
+        plan.recall(|job, settings| recall(job, settings).filter(|_| job.run != 5));
+        assert!(runs(&plan).values().flatten().all(|&count| count <= 5));
     }
 
     #[test]
