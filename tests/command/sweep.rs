@@ -148,7 +148,10 @@ fn a_third_number_makes_more_figures() {
         "sweep-2",
     ];
     assert_eq!(names, expected.map(|name| format!("{name}.svg")));
-    assert!(text(&out, "sweep-2.svg").contains("over free at tick=20 ms</title>"));
+    let second = text(&out, "sweep-2.svg");
+    assert!(second.contains("over free at tick=20 ms</title>"));
+    // In the picture as well, for whoever prints it.
+    assert!(second.contains(">tick=20 ms<"), "{second}");
     let (out, names) = figures("many", "tick=10..16 ms/7");
     assert!(names.is_empty(), "{names:?}");
     assert_eq!(text(&out, "sweep.csv").lines().count(), 1 + 2 * 2 * 7);
@@ -318,6 +321,10 @@ fn what_a_scene_does_not_have_is_told() {
         (
             "block.faces=0,1",
             "`block.faces` must be a whole number from 1 to 5, and is 0",
+        ),
+        (
+            "bond.anchor.tilt=91 deg",
+            "`bond.anchor.tilt` must be more than 0 and at most 90 deg, and is 91 deg",
         ),
     ] {
         let said = stochc_with(TOWER, &["--sweep", sweep]);

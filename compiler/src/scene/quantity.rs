@@ -49,6 +49,13 @@ mod tests {
         assert_eq!(si(" 5 N s/m "), (5.0, Dimension::DAMPING));
         assert_eq!(si("300"), (300.0, Dimension::NUMBER));
         assert_eq!(si("-1.5e-3 N"), (-0.0015, Dimension::FORCE));
+        for micro in ["u", "\u{b5}", "\u{3bc}"] {
+            assert_eq!(
+                si(&format!("20 {micro}s")),
+                (20e-6, Dimension::TIME),
+                "{micro}"
+            );
+        }
     }
 
     #[test]

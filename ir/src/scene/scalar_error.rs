@@ -39,8 +39,8 @@ pub enum ScalarError {
     Range {
         /// The full name of the number.
         name: &'static str,
-        /// In SI units.
-        value: f64,
+        /// The value, with its unit.
+        value: String,
         /// What it must be, such as `more than 0`.
         rule: String,
     },

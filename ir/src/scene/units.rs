@@ -51,7 +51,7 @@ const fn prefix(sign: char, power: f64, is_common: bool) -> Prefix {
 }
 
 /// The prefixes that the grammar knows, the most frequent first.
-pub const PREFIXES: [Prefix; 10] = [
+pub const PREFIXES: [Prefix; 11] = [
     prefix('m', 1e-3, true),
     prefix('k', 1e3, true),
     prefix('c', 1e-2, true),
@@ -59,7 +59,9 @@ pub const PREFIXES: [Prefix; 10] = [
     prefix('n', 1e-9, true),
     prefix('M', 1e6, true),
     prefix('G', 1e9, true),
-    prefix('µ', 1e-6, false),
+    prefix('\u{b5}', 1e-6, false),
+    // The Greek letter, which looks the same.
+    prefix('\u{3bc}', 1e-6, false),
     prefix('p', 1e-12, false),
     prefix('f', 1e-15, false),
 ];

@@ -158,7 +158,7 @@ impl SchemaNumber {
     fn out_of_range(&self, value: f64, rule: String) -> ScalarError {
         ScalarError::Range {
             name: self.name(),
-            value,
+            value: self.kind.write(value),
             rule,
         }
     }
@@ -170,9 +170,10 @@ impl SchemaNumber {
     pub fn set(&self, scene: &mut Scene, value: f64) -> Result<(), ScalarError> {
         self.check(value)?;
         match (self.at)(scene) {
-            Some(Accessor::Low((_, high))) if value > *high => {
-                Err(self.out_of_range(value, format!("at most the upper end, {high}")))
-            }
+            Some(Accessor::Low((_, high))) if value > *high => Err(self.out_of_range(
+                value,
+                format!("at most the upper end, {}", self.kind.write(*high)),
+            )),
             _ => {
                 self.put(scene, value);
                 Ok(())

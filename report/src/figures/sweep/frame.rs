@@ -68,14 +68,17 @@ impl<'a> Panel<'a> {
         keys.into_iter().map(curve).collect()
     }
 
-    /// What is the same in all of it, for its title: ` at tick=10 ms`.
-    pub fn at(&self) -> String {
+    /// What is the same in all of it, `tick=10 ms`; `None`: nothing is.
+    pub fn fixed(&self) -> Option<String> {
         let further = self.sweep.axes.iter().skip(2).zip(self.rest);
         let values: Vec<String> = further.map(|(dial, value)| dial.at(*value)).collect();
-        match values.is_empty() {
-            true => String::new(),
-            false => format!(" at {}", values.join(", ")),
-        }
+        (!values.is_empty()).then(|| values.join(", "))
+    }
+
+    /// The same, for its title: ` at tick=10 ms`.
+    pub fn at(&self) -> String {
+        let fixed = self.fixed();
+        fixed.map_or(String::new(), |fixed| format!(" at {fixed}"))
     }
 
     /// The axis of number `i`.
@@ -120,7 +123,8 @@ impl<'a> Panel<'a> {
             .collect();
         let wide = self.medium.width() - EDGE;
         let mut foot = out.keys((EDGE, foot), wide, &keys);
-        for note in notes {
+        let fixed = self.fixed();
+        for note in fixed.as_deref().iter().chain(notes) {
             foot = out.paragraph("dim", (EDGE, foot), wide - EDGE, note) + 2.0;
         }
         let out = out.high(foot - 8.0);

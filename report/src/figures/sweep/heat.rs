@@ -88,8 +88,9 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
         }
     }
     let legend = format!(
-        "{}: mean time to completion [{unit}], {} (light) to {} (dark); ≥: some runs were stopped; ×: no time",
+        "{}{}: mean time to completion [{unit}], {} (light) to {} (dark); ≥: some runs were stopped; ×: no time",
         fitted(program, 200.0),
+        panel.at(),
         number(least),
         number(most)
     );

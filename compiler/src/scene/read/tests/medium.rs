@@ -35,6 +35,22 @@ fn a_stirred_tank_is_read_in_units_of_the_laboratory() {
 }
 
 #[test]
+fn a_tick_behind_another_term_is_no_unit_of_it() {
+    for between in [" ", "\n"] {
+        for other in ["gravity 9.81 m/s^2", "free 250"] {
+            for tick in ["15ms", "15 ms", "\n15 ms"] {
+                let (scene, found) = scene(&format!("{other}{between}tick {tick}"));
+                assert_eq!(found, [], "{other}{between}tick {tick}");
+                assert_eq!(scene.unwrap().tick, 0.015);
+            }
+        }
+    }
+    // As a unit it is still one.
+    let (_, found) = scene("agitation kicks { speed 0.1 m/tick }");
+    assert_eq!(found.len(), 1, "{found:?}");
+}
+
+#[test]
 fn jets_have_the_speed_of_their_flow() {
     let (scene, found) =
         scene("fluid { density 920 kg/m^3 }  flow jets { count 5  flow 94.5 L/min  nozzle 2cm }");
