@@ -215,6 +215,65 @@ fn phases_and_plates_in_patterns_and_phases_are_misplaced_and_nothing_worse() {
 }
 
 #[test]
+fn a_face_that_is_used_as_a_name_is_told_of_once_each_time() {
+    let seeds = "seed plate 1 x 1 { M at (0, 0) }";
+    let pattern = "pattern t(base) { base.up -> T }";
+    for (text, expected) in [
+        (
+            format!("assembly a {{ {seeds} phase down {{ M.up -> A }} }}"),
+            1,
+        ),
+        (
+            "assembly a { seed plate 1 x 1 { up at (0, 0) } phase p { up.up -> A } }".to_owned(),
+            2,
+        ),
+        (
+            format!("{pattern} assembly a {{ {seeds} phase p {{ t(M) as up }} }}"),
+            1,
+        ),
+        (
+            format!("assembly a {{ {seeds} phase p {{ M.up -> down[1] }} }}"),
+            1,
+        ),
+    ] {
+        let found = codes(&self::text(&text));
+        assert_eq!(found, vec![Code::ReservedWord; expected], "{text}");
+    }
+    for text in [
+        format!("assembly a {{ {seeds} phase p {{ up.M -> A }} }}"),
+        format!("assembly a {{ {seeds} phase p.up {{ M.up -> A }} }}"),
+        format!("assembly a {{ {seeds} phase p {{ M.up.up -> A }} }}"),
+    ] {
+        assert_eq!(codes(&self::text(&text)), [Code::FaceMisused], "{text}");
+    }
+}
+
+#[test]
+fn what_is_missing_may_be_what_uses_a_seed() {
+    let found = codes(&text(
+        "shape gate { layer 1 {\n # #\n} }
+        assembly keep { seed plate 2 x 1 { A at (0, 0) B at (1, 0) } phase rest { A.up -> L yields gate } }",
+    ));
+    assert_eq!(found, [Code::ShapeMismatch]);
+}
+
+#[test]
+fn an_after_that_one_round_needs_is_not_redundant_in_another() {
+    let program = |rounds: &str| {
+        codes(&text(&format!(
+            "assembly m {{
+                seed plate 4 x 1 {{ for i in 0..3 {{ A[i] at (i, 0) }} }}
+                phase p {{ A[0].up -> X[0] A[3].up -> X[3] }}
+                phase r {{ for i in {rounds} {{ A[i].up -> X[i] after X[i - 1] }} }}
+            }}"
+        )))
+    };
+    // Nobody uses the seed of the second round there.
+    assert_eq!(program("1..2"), []);
+    assert_eq!(program("1..1"), [Code::RedundantAfter, Code::UnusedSeed]);
+}
+
+#[test]
 fn degrees_reach_a_right_angle() {
     let scene = |degrees: &str| {
         codes(&text(&format!(

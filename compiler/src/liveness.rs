@@ -205,15 +205,11 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// An `after` in a loop over phases may wait for nothing in one of them and be needed in
-    /// another.
+    /// An `after` in a loop or a pattern may wait for nothing in one round and be needed in another: that is no mistake, and it
+    /// could not be left out.
     fn keep_needed_afters(&mut self) {
-        let mut redundant: Vec<&mut Diagnostic> = (self.diagnostics.iter_mut())
-            .filter(|diagnostic| {
-                diagnostic.code == Code::RedundantAfter && diagnostic.fix.is_some()
-            })
-            .collect();
-        if redundant.is_empty() {
+        let is_redundant = |diagnostic: &Diagnostic| diagnostic.code == Code::RedundantAfter;
+        if !self.diagnostics.iter().any(is_redundant) {
             return;
         }
         let place = |location: SourceLocation| (location.file, location.span.start);
@@ -221,11 +217,10 @@ impl Checker<'_> {
             .filter(|(_, subject)| subject.is_some())
             .map(|(after, _)| place(after.location))
             .collect();
-        for diagnostic in &mut redundant {
-            if needed.contains(&place(diagnostic.labels[0].location)) {
-                diagnostic.fix = None;
-            }
-        }
+        self.diagnostics.retain(|diagnostic| {
+            let is_needed = || needed.contains(&place(diagnostic.labels[0].location));
+            !is_redundant(diagnostic) || !is_needed()
+        });
     }
 
     fn state(&mut self, role: RoleId, stamp: u32) -> &mut RoleLiveness {

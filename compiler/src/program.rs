@@ -548,6 +548,12 @@ impl<'a> AssemblyInput<'a> {
                 capacity::check_room(&plan, scene, &mut later);
             }
         }
+        // What would use them may be what is missing.
+        if (later.iter()).any(|diagnostic| diagnostic.code == Code::ShapeMismatch) {
+            errors.retain(|diagnostic| {
+                !matches!(diagnostic.code, Code::UnusedSeed | Code::EmptyPhase)
+            });
+        }
         done(Stage::Compare);
         if self.readable && !cut_short {
             errors.append(&mut later);

@@ -187,10 +187,21 @@ impl Parser<'_, '_> {
             span,
         };
         for part in pair.into_inner() {
-            if let Some((_, face)) = place.face {
-                let hint = "a face comes last, behind the name of its block";
-                self.error(SyntaxErrorKind::FaceMisused { hint }, face);
-                return place;
+            if let Some((face, at)) = place.face {
+                let is_block =
+                    part.as_rule() == Rule::name && Face::from_word(part.as_str()).is_none();
+                if place.path.is_empty() && !is_block {
+                    place.path.push(self.reserved(face.word(), at));
+                    place.face = None;
+                } else {
+                    let hint = "a face comes last, behind the name of its block";
+                    self.error(SyntaxErrorKind::FaceMisused { hint }, at);
+                    if place.path.is_empty() {
+                        let name = self.word(&part, base);
+                        place.path.push(Segment { name, index: None });
+                    }
+                    return place;
+                }
             }
             if part.as_rule() == Rule::name {
                 let name = self.word(&part, base);
@@ -199,9 +210,7 @@ impl Parser<'_, '_> {
                 } else if let Some(face) = Face::from_word(part.as_str()) {
                     place.face = Some((face, name.span));
                 } else {
-                    let word = part.as_str().to_owned();
-                    self.error(SyntaxErrorKind::ReservedWord { word }, name.span);
-                    place.path.push(Segment { name, index: None });
+                    place.path.push(self.reserved(part.as_str(), name.span));
                 }
             } else {
                 let entries = part
@@ -227,6 +236,31 @@ impl Parser<'_, '_> {
             self.check_named(&place);
         }
         place
+    }
+
+    /// A `place` that is the name of something new.
+    fn new_place(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
+        let mut place = self.place(pair, base);
+        if let Some((face, span)) = place.face.take() {
+            if place.path.is_empty() {
+                place.path.push(self.reserved(face.word(), span));
+            } else {
+                let hint = "a new name has no face";
+                self.error(SyntaxErrorKind::FaceMisused { hint }, span);
+            }
+        }
+        place
+    }
+
+    /// A word of the language that is used as a name, taken for one.
+    fn reserved(&mut self, word: &str, span: Span) -> Segment {
+        let symbol = self.symbols.intern(word);
+        let word = word.to_owned();
+        self.error(SyntaxErrorKind::ReservedWord { word }, span);
+        Segment {
+            name: Name { symbol, span },
+            index: None,
+        }
     }
 
     fn check_named(&mut self, place: &Place) {
@@ -311,7 +345,7 @@ impl Parser<'_, '_> {
             match part.as_rule() {
                 Rule::name => pattern = Some(self.name(&part, base)),
                 Rule::argument => arguments.extend(self.argument(part, base)),
-                Rule::place => alias = Some(self.block(part, base)),
+                Rule::place => alias = Some(self.new_place(part, base)),
                 _ => {}
             }
         }
@@ -352,7 +386,7 @@ impl Parser<'_, '_> {
         let mut at = Vec::new();
         for part in pair.into_inner() {
             match part.as_rule() {
-                Rule::place => place = Some(self.block(part, base)),
+                Rule::place => place = Some(self.new_place(part, base)),
                 Rule::expr => at.push(self.expr(part, base)),
                 _ => {}
             }
@@ -434,7 +468,7 @@ impl Parser<'_, '_> {
         };
         for part in pair.into_inner() {
             match part.as_rule() {
-                Rule::place => phase.name = self.block(part, base),
+                Rule::place => phase.name = self.new_place(part, base),
                 Rule::quantity => phase.timeout = Some(self.quantity(part, base)),
                 _ => {}
             }
