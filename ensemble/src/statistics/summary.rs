@@ -30,7 +30,13 @@ impl Summary {
     pub fn of(values: &[f64]) -> Option<Summary> {
         let n = values.len();
         let median = median(values)?;
-        let mean = values.iter().sum::<f64>() / n as f64;
+        let min = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let max = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Of equal values the sum would be rounded, and leave a spread behind.
+        let mean = match min == max {
+            true => min,
+            false => values.iter().sum::<f64>() / n as f64,
+        };
         let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
         let sd = (n > 1).then(|| (squares / (n - 1) as f64).sqrt());
         Some(Summary {
@@ -38,8 +44,8 @@ impl Summary {
             mean,
             sd,
             half_width: sd.map(|sd| t_quantile((n - 1) as f64) * sd / (n as f64).sqrt()),
-            min: values.iter().copied().fold(f64::INFINITY, f64::min),
-            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            min,
+            max,
             median,
         })
     }
@@ -81,6 +87,15 @@ mod tests {
         assert_eq!((summary.min, summary.max), (2948.0, 14496.0));
         assert_eq!(summary.median, 5620.0);
         assert!((summary.cv().unwrap() - 3580.8716990420085 / 6375.875).abs() < 1e-12);
+    }
+
+    #[test]
+    fn equal_values_have_no_spread() {
+        let summary = Summary::of(&[0.05; 300]).unwrap();
+        assert_eq!(
+            (summary.mean, summary.sd, summary.half_width),
+            (0.05, Some(0.0), Some(0.0))
+        );
     }
 
     #[test]
