@@ -489,7 +489,10 @@ fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
 }
 
 /// Reads the manifest of a folder; `None`: there is no folder, or nothing of anybody's in it.
-pub(super) fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
+///
+/// # Errors
+/// If it holds something else, or what cannot be read.
+pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     let unreadable = |reason| FolderError::Unreadable {
         path: path.to_owned(),
         reason,

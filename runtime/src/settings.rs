@@ -47,6 +47,12 @@ pub struct Substeps {
     pub away: Option<u32>,
 }
 
+impl Default for Substeps {
+    fn default() -> Substeps {
+        Substeps::DEFAULT
+    }
+}
+
 impl Substeps {
     /// The most steps a tick that are taken.
     pub const MOST: u32 = 1000;
@@ -327,7 +333,7 @@ impl Settings {
                 ("`solver-iterations`", of.iterations().to_string()),
                 ("`precision`", of.precision.name().to_owned()),
                 ("`reduce`", reduction(of)),
-                ("the rates", rates(of)),
+                ("the fingerprint of the rates", rates(of)),
             ]
         };
         let pairs = values(self).into_iter().zip(values(other));

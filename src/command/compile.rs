@@ -33,6 +33,9 @@ pub struct CompileArguments {
     /// Output format; `dot` for the graph only, `svg` for the structure only
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: EmittedFormat,
+    /// Show one of the file's programs only; a picture is of one
+    #[arg(long, value_name = "NAME")]
+    program: Option<String>,
     /// Write to this file instead of the output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -87,7 +90,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     if let Some(reason) = not_a_file(&options.file) {
         return Err(Failure::usage(reason));
     }
-    let checked = crate::check_within(
+    let mut checked = crate::check_within(
         &options.file,
         &options.levels.levels,
         &options.imports.folders,
@@ -97,6 +100,12 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
         return Ok(verdict(&checked));
     }
     let (stage, form) = (options.emit, options.format);
+    if stage == EmittedStage::Ast && options.program.is_some() {
+        return Err(Failure::usage(
+            "the syntax tree is of the whole file, and not of a `--program`",
+        ));
+    }
+    choose(&mut checked.programs, options.program.as_deref(), form).map_err(Failure::usage)?;
     let Some(path) = &options.out else {
         print_with(|out| emit(checked, stage, form, out))?;
         return Ok(Exit::Success);
@@ -113,6 +122,34 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     match written {
         Ok(()) => Ok(Exit::Success),
         Err(error) => Err(Failure::not_written(path, error)),
+    }
+}
+
+/// Leaves the programs that are shown. A picture is of one; those of aggregates would be empty.
+fn choose(
+    programs: &mut Vec<Program>,
+    name: Option<&str>,
+    form: EmittedFormat,
+) -> Result<(), String> {
+    if name.is_none() && form == EmittedFormat::Svg {
+        programs.retain(|program| program.plan.aggregate.is_none());
+    }
+    let names: Vec<_> = (programs.iter())
+        .map(|program| format!("`{}`", program.plan.name))
+        .collect();
+    let names = names.join(", ");
+    match name {
+        None if form == EmittedFormat::Svg && programs.len() > 1 => Err(format!(
+            "a picture is of one program; choose it with `--program`: {names}"
+        )),
+        None => Ok(()),
+        Some(name) => {
+            programs.retain(|program| program.plan.name == name);
+            match programs.is_empty() {
+                true => Err(format!("the file has no program `{name}`, but {names}")),
+                false => Ok(()),
+            }
+        }
     }
 }
 

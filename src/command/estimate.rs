@@ -17,6 +17,7 @@ use crate::operations::programs::programs;
 
 /// What `estimate` is given.
 #[derive(Debug, Args)]
+#[command(mut_arg("seed", |it| it.requires("runs")))]
 pub struct EstimateArguments {
     /// Programs, or files of compiled ones
     #[arg(value_name = "FILE", required = true)]

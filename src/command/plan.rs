@@ -34,10 +34,20 @@ pub struct PlanArguments {
     #[arg(long, value_name = "N", conflicts_with_all = ["seed_plate", "offset", "keep_scaffolds"])]
     run: Option<u64>,
     /// Name of the program of the run; needed if the folder holds several
-    #[arg(long, value_name = "NAME", requires = "run")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        requires = "run",
+        conflicts_with = "complete"
+    )]
     program: Option<String>,
     /// Name of a block that stands at the end of the run and neither captures nor passes messages on any more; may be given several times
-    #[arg(long, value_name = "NAME", requires = "run")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        requires = "run",
+        conflicts_with = "complete"
+    )]
     dead: Vec<String>,
     /// Shape of the program to build [default: the only one, or the last one claimed]
     #[arg(long, value_name = "NAME")]

@@ -11,7 +11,7 @@ use stochc_runtime::{Model, Settings};
 
 use super::in_memory::all_runs;
 use super::programs::recompile;
-use super::rates::{at_hand, of_files, of_scenes, supported};
+use super::rates::{at_hand, of_files_for, of_scenes, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
@@ -51,7 +51,7 @@ pub fn estimates(
     // What runs need is measured once, before the first of them.
     let known = match how.runs {
         Some(_) => of_scenes(how.rates, &programs, how.threads, host)?,
-        None => of_files(how.rates)?,
+        None => of_files_for(how.rates, programs.iter().map(|it| &it.scene), host)?,
     };
     let estimated = programs.into_iter().map(|program| {
         if host.stop().load(Ordering::Relaxed) {

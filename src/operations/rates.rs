@@ -7,6 +7,7 @@ use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_files::budget::RATES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
+use stochc_ir::visible;
 use stochc_runtime::Settings;
 use stochc_runtime::rates::Rates;
 use stochc_runtime::world::rate::RateWorld;
@@ -35,7 +36,7 @@ pub fn of_scenes(
     threads: Option<u16>,
     host: &dyn Host,
 ) -> Result<Vec<Rates>, Failure> {
-    let known = of_files(files)?;
+    let known = of_files_for(files, programs.iter().map(|it| &it.scene), host)?;
     let mut found: Vec<Rates> = Vec::new();
     for program in programs {
         supported(program)?;
@@ -56,6 +57,60 @@ pub fn of_scenes(
         found.push(rates);
     }
     Ok(found)
+}
+
+/// Whether rates are those of the scenes of all programs: nothing has to be measured.
+pub fn are_of(rates: &[Rates], programs: &[EnsembleProgram]) -> bool {
+    let mut scenes = programs.iter().map(|program| &program.scene);
+    scenes.all(|scene| rates.iter().any(|rates| rates.are_of(scene)))
+}
+
+/// Files of rates that are about none of the scenes that they were given for.
+#[derive(Debug)]
+pub struct UnusedRates<'a> {
+    of: Vec<(&'a Path, &'a Rates)>,
+}
+
+impl<'a> UnusedRates<'a> {
+    /// Before a scene has been seen.
+    pub fn new(files: &'a [PathBuf], rates: &'a [Rates]) -> UnusedRates<'a> {
+        let files = files.iter().map(PathBuf::as_path);
+        UnusedRates {
+            of: files.zip(rates).collect(),
+        }
+    }
+
+    /// Leaves those that are about none of these scenes either.
+    pub fn not_of<'b>(&mut self, scenes: impl Iterator<Item = &'b Scene> + Clone) {
+        let is_about = |rates: &Rates| scenes.clone().any(|scene| rates.are_of(scene));
+        self.of.retain(|(_, rates)| !is_about(rates));
+    }
+
+    /// What is to be said of each.
+    pub fn notes(&self) -> impl Iterator<Item = String> {
+        self.of.iter().map(|(path, _)| {
+            format!(
+                "warning: `{}` is not used: it is about another scene\n",
+                visible(&path.to_string_lossy())
+            )
+        })
+    }
+}
+
+/// Those that files hold, for scenes; files that are about none of them are told of.
+///
+/// # Errors
+/// If one cannot be read.
+pub fn of_files_for<'a>(
+    files: &[PathBuf],
+    scenes: impl Iterator<Item = &'a Scene> + Clone,
+    host: &dyn Host,
+) -> Result<Vec<Rates>, Failure> {
+    let rates = of_files(files)?;
+    let mut unused = UnusedRates::new(files, &rates);
+    unused.not_of(scenes);
+    unused.notes().for_each(|note| host.warn(&note));
+    Ok(rates)
 }
 
 /// Those that files hold.

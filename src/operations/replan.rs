@@ -13,7 +13,7 @@ use stochc_report::replanning::Replanning;
 
 use super::in_memory::{all_runs, stopped};
 use super::programs::recompile;
-use super::rates::of_files;
+use super::rates::of_files_for;
 use crate::check_text;
 use crate::exit::Failure;
 use crate::host::Host;
@@ -64,7 +64,7 @@ pub fn replan(
     rates: &[PathBuf],
     host: &dyn Host,
 ) -> Result<Vec<Replanning>, Failure> {
-    let rates = of_files(rates)?;
+    let rates = of_files_for(rates, manifest.programs.iter().map(|it| &it.scene), host)?;
     let ends: Result<Vec<Goal>, Failure> = manifest.programs.iter().map(end).collect();
     let ends = ends?;
     let Manifest { settings, seed, .. } = &manifest;

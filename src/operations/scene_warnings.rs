@@ -27,8 +27,37 @@ pub fn scene_warnings(scene: &Scene, settings: &Settings) -> Vec<SceneWarning> {
             steps.longest()
         }
     };
-    let found = groups.iter().filter_map(|group| doubt(group, taken(group)));
+    let exceeded = groups
+        .iter()
+        .filter(|group| group.is_exceeded(taken(group)));
+    let remedy = resolving(exceeded, steps);
+    let found = groups
+        .iter()
+        .filter_map(|group| doubt(group, taken(group), remedy));
     found.chain(digits(scene, settings, steps)).collect()
+}
+
+/// The fewest steps that resolve all of these groups that any steps do, as the steps that are taken are otherwise: of blocks that are
+/// near open faces no fewer, and of a whole number in each of the others.
+fn resolving<'a>(
+    exceeded: impl Iterator<Item = &'a DimensionlessGroup>,
+    taken: Substeps,
+) -> Substeps {
+    let allowed = |needed: &u32| *needed <= Substeps::MOST;
+    let mut steps = taken;
+    for group in exceeded {
+        let Some(needed) = group.substeps().filter(allowed) else {
+            continue;
+        };
+        match &mut steps.away {
+            Some(away) if !group.of_faces => *away = needed.max(*away),
+            _ => steps.near = needed.max(steps.near),
+        }
+    }
+    if let Some(away) = steps.away {
+        steps.near = steps.near.next_multiple_of(away);
+    }
+    steps
 }
 
 /// The least turn in a step that single precision adds up, and that Rapier does \[rad\]: docs/stability.md measures both.
@@ -60,19 +89,25 @@ fn digits(scene: &Scene, settings: &Settings, steps: Substeps) -> Option<SceneWa
     })
 }
 
-fn doubt(group: &DimensionlessGroup, steps: u32) -> Option<SceneWarning> {
+fn doubt(group: &DimensionlessGroup, steps: u32, remedy: Substeps) -> Option<SceneWarning> {
     let (symbol, value) = (group.symbol, short(group.value));
     if let Some(limit) = group.limit.filter(|_| group.is_exceeded(steps)) {
         let remedy = match group.substeps() {
-            Some(substeps) if substeps <= Substeps::MOST => {
-                format!("`--substeps {substeps}` resolves it")
+            Some(needed) if needed <= Substeps::MOST && remedy.are_sound() => {
+                format!("`--substeps {remedy}` resolves it")
             }
             _ => "no number of substeps that is allowed resolves it".to_owned(),
         };
         let most = short(limit.most);
+        let taken = match steps {
+            1 => String::new(),
+            steps => format!(", and {steps} are taken"),
+        };
         return Some(SceneWarning {
             symbol,
-            figure: format!("{symbol} is {value} with one step a tick, more than {most}; {remedy}"),
+            figure: format!(
+                "{symbol} is {value} with one step a tick, more than {most}{taken}; {remedy}"
+            ),
             effect: limit.beyond,
             is_of_height: false,
         });
@@ -126,6 +161,37 @@ mod tests {
         assert!(!is_told(1e-7, &single));
         assert!(is_told(1e-9, &single));
         assert!(!is_told(1e-9, &double));
+    }
+
+    #[test]
+    fn what_is_advised_resolves_all_and_keeps_the_steps_near_faces() {
+        let text = "scene s from hemisphere { tick 60 ms }
+            assembly a in s { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
+        let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+        let checked = check("a.sa", &mut reader, Default::default());
+        let scene = checked.programs[0].scene.clone().expect("it has one");
+        for taken in ["2/8", "2/2", "1", "1/8"] {
+            let taken: Substeps = taken.parse().expect("they are steps");
+            let all = scene_warnings(&scene, &Settings::default().with_steps(taken));
+            assert!(!all.is_empty(), "{taken}");
+            let advised = |doubt: &SceneWarning| {
+                let (_, behind) = doubt
+                    .figure
+                    .split_once("`--substeps ")
+                    .expect("there is advice");
+                behind.split_once('`').expect("it ends").0.to_owned()
+            };
+            let steps: Substeps = advised(&all[0]).parse().expect("they are allowed");
+            assert!(
+                all.iter().all(|doubt| advised(doubt) == steps.to_string()),
+                "{all:?}"
+            );
+            assert!(steps.near >= taken.near && steps.away.is_some() == taken.away.is_some());
+            assert_eq!(
+                scene_warnings(&scene, &Settings::default().with_steps(steps)),
+                []
+            );
+        }
     }
 
     #[test]

@@ -142,6 +142,11 @@ impl Completion {
         self.target.cells().len() - self.target.existing().len()
     }
 
+    /// The scene that it is built in.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
     /// Plans what is missing, and writes it into the program.
     ///
     /// # Errors

@@ -58,6 +58,53 @@ fn what_takes_the_time_is_told() {
 }
 
 #[test]
+fn what_times_leave_out_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    let program = |scene: &str, timeout: &str| {
+        format!(
+            "scene s from hemisphere {{ {scene} }}
+            assembly a in s {{
+                seed plate 1 x 1 {{ M at (0, 0) }}
+                phase p {timeout} {{ M.up ->> T[1..3] }}
+            }}"
+        )
+    };
+    let messages = "messages { hop 400 ticks }";
+    for (text, is_stopped, is_slow) in [
+        (program("", ""), false, false),
+        (program("", "timeout 2500 ticks"), true, false),
+        (program(messages, ""), false, true),
+    ] {
+        std::fs::write(&file, &text).unwrap();
+        let short = stochc_with("check", &[&file]);
+        assert_eq!(short.status, 0, "{}", short.err);
+        assert!(short.out.contains("in eight of ten runs"), "{}", short.out);
+        assert_eq!(short.out.contains("% do)"), is_stopped, "{}", short.out);
+        assert_eq!(
+            short.out.contains("without the time that messages take"),
+            is_slow,
+            "{}",
+            short.out
+        );
+        // In one line, however wide the terminal is.
+        let long = stochc_with("check --cost=5", &[&file])
+            .out
+            .replace("\n  ", " ");
+        assert_eq!(
+            long.contains("came to its timeout in"),
+            is_stopped,
+            "{long}"
+        );
+        assert_eq!(long.contains("messages take"), is_slow, "{long}");
+        // Beside findings for programs it goes where it is in nobody's way.
+        let json = stochc_with("check --cost=5 --format json", &[&file]);
+        assert_eq!(json.json(), serde_json::json!([]));
+        assert!(json.err.contains("mean ticks"), "{}", json.err);
+    }
+}
+
+#[test]
 fn times_need_the_rates_of_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let program = path(folder.path(), "slow.sa");
@@ -85,7 +132,8 @@ fn times_need_the_rates_of_the_scene() {
         rates["scene"] = serde_json::to_value(scene).unwrap();
         fs::write(&file, rates.to_string()).unwrap();
         let said = stochc_with("check --cost=10 --rates", &[&file, &program]);
-        assert_eq!((said.status, said.err.as_str()), (0, ""));
+        assert_eq!(said.status, 0, "{}", said.err);
+        assert_eq!(said.err.contains("is not used"), !are_known, "{}", said.err);
         assert_eq!(said.out.contains("mean ticks"), are_known, "{}", said.out);
     }
     assert_eq!(

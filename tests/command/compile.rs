@@ -63,6 +63,39 @@ fn pictures_are_of_one_stage_each() {
 }
 
 #[test]
+fn one_of_several_programs_is_shown_if_it_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "two.sa");
+    let of = |name| {
+        format!(
+            "assembly {name} {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> {name}_block }} }}\n"
+        )
+    };
+    std::fs::write(&file, format!("{}{}", of("a"), of("b"))).unwrap();
+    for stage in ["graph", "table"] {
+        let both = stochc_with(&format!("compile --emit {stage}"), &[&file]);
+        let one = stochc_with(&format!("compile --emit {stage} --program b"), &[&file]);
+        assert_eq!((both.status, one.status), (0, 0), "{}{}", both.err, one.err);
+        assert!(both.out.contains("a_block") && both.out.contains("b_block"));
+        assert!(!one.out.contains("a_block") && one.out.contains("b_block"));
+    }
+    let picture = "compile --emit structure --format svg";
+    let both = stochc_with(picture, &[&file]);
+    assert_eq!((both.status, both.out.as_str()), (2, ""));
+    assert!(both.err.contains("`--program`: `a`, `b`"), "{}", both.err);
+    let one = stochc_with(&format!("{picture} --program b"), &[&file]);
+    assert_eq!((one.status, one.out.matches("<svg").count()), (0, 1));
+    for (line, told) in [
+        ("compile --program c", "no program `c`, but `a`, `b`"),
+        ("compile --emit ast --program a", "whole file"),
+    ] {
+        let said = stochc_with(line, &[&file]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        assert!(said.err.contains(told), "{}", said.err);
+    }
+}
+
+#[test]
 fn a_wrong_program_has_no_stages() {
     for stage in ["ast", "graph", "table", "structure"] {
         let said = stochc(&format!("compile --emit {stage} tests/fixtures/wrong.sa"));

@@ -89,8 +89,7 @@ fn an_older_folder_is_refused_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let [fresh, old, again] =
         ["fresh", "an old one", "again"].map(|name| path(folder.path(), name));
-    let like = "simulate --model shuffle --quiet tests/fixtures/tower_soft.sa \
-                --runs 3 --substeps 4 --precision double --out";
+    let like = "simulate --quiet tests/fixtures/tower_soft.sa --runs 3 --substeps 4 --precision double --out";
     stochc_with(like, &[&fresh]);
     fs::create_dir(&old).unwrap();
     let manifest = path(old.as_ref(), "manifest.json");

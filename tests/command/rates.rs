@@ -60,10 +60,29 @@ fn rates_are_measured_kept_and_used() {
         &[&here("runs/manifest.json")],
     );
     assert_eq!((repeated.status, repeated.out), (0, ensemble.out));
+    // So does the folder, whoever goes on with it.
+    let resumed = stochc_with(
+        "simulate --model rate --runs 30 --quiet --resume",
+        &[&here("small.sa"), "--out", &here("runs")],
+    );
+    assert_eq!((resumed.status, resumed.err.as_str()), (0, ""));
     // Rates of another scene are of no use, and say so.
     let line = "scene other from hemisphere { free 61 uniform }
         assembly line in other { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..3] } }";
     fs::write(here("other.sa"), line).unwrap();
+    let unused = format!("`{}` is not used", here("one.rates"));
+    for command in ["estimate --quiet", "check --cost=5"] {
+        for (file, is_unused) in [("other.sa", true), ("small.sa", false)] {
+            let said = stochc_with(command, &[&here(file), "--rates", &here("one.rates")]);
+            assert_eq!(said.status, 0, "{}", said.err);
+            assert_eq!(
+                said.err.contains(&unused),
+                is_unused,
+                "{command}: {}",
+                said.err
+            );
+        }
+    }
     let spoilt = fs::read_to_string(here("one.rates"))
         .unwrap()
         .replace("\"format\": ", "\"format\": 9");

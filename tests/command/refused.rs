@@ -45,6 +45,54 @@ fn wrong_command_lines_are_told_of() {
     );
 }
 
+/// Also where the option that it needs is kept from by another one.
+#[test]
+fn an_option_without_effect_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    for line in [
+        "simulate FILE --resume --replan 800",
+        "simulate FILE --resume --run 3",
+        "simulate FILE --checkpoints 3s",
+        "simulate FILE --checkpoints 3s --run 3",
+        "simulate FILE --checkpoints 3s --replan 800",
+        "simulate FILE --checkpoints 3s --out OUT --shards 3",
+        "simulate FILE --mixed-builds --out OUT --shards 3",
+        "simulate FILE --mixed-builds --run 3",
+        "simulate FILE --replan 800 --shards 2",
+        "simulate FILE --record 1 --run 1",
+        "simulate FILE --record-every 5 --run 1",
+        "simulate FILE --record-every 5 --out OUT --shards 2",
+        "simulate FILE --figures 89mm --run 1 --sweep free=4,5",
+        "simulate FILE --budget 3s --model rigid",
+        "simulate FILE --model shuffle --substeps 4",
+        "simulate FILE --model shuffle --solver-iterations 4",
+        "simulate FILE --model shuffle --precision double",
+        "simulate FILE --model shuffle --reduce spheres",
+        "simulate FILE --model rate --reduce spheres",
+        "simulate FILE --model rapier --reduce spheres",
+        "simulate FILE --model rapier --precision double",
+        "simulate FILE --rates none.rates",
+        "simulate FILE --model shuffle --rates none.rates",
+        "plan FILE --complete --dead nobody",
+        "plan FILE --complete --program nobody",
+        "estimate FILE --seed 5",
+        "estimate FILE --max-ticks 500",
+    ] {
+        let words: Vec<_> = (line.split(' '))
+            .map(|word| match word {
+                "FILE" => "tests/fixtures/tower.sa",
+                "OUT" => out.as_str(),
+                word => word,
+            })
+            .collect();
+        let said = stochc_with("", &words);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        assert!(said.err.starts_with("error: "), "{line}: {}", said.err);
+        assert!(!std::path::Path::new(&out).exists(), "{line}");
+    }
+}
+
 #[test]
 fn help_and_version_are_output() {
     for line in [
@@ -106,14 +154,11 @@ fn the_other_model_has_what_rapier_lacks() {
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains("Mean time to completion"), "{}", said.out);
     let fixture = "tests/fixtures/dense.sa --runs 1 --quiet";
-    for (option, what) in [
-        ("--precision double", "double precision"),
-        ("--reduce spheres", "term that can be left out"),
-    ] {
+    for option in ["--precision double", "--reduce spheres"] {
         let said = stochc(&format!("simulate --model rapier {option} {fixture}"));
-        assert_eq!(said.status, 1, "{}", said.err);
-        let reason =
-            format!("the model `rapier` has no {what}; `stochc simulate --model rigid` has it");
+        assert_eq!(said.status, 2, "{}", said.err);
+        let (name, _) = option.split_once(' ').unwrap();
+        let reason = format!("the model `rapier` has no `{name}`; `--model rigid` has it");
         assert!(said.err.contains(&reason), "{}", said.err);
         let said = stochc(&format!("simulate --model rigid {option} {fixture}"));
         assert_eq!(said.status, 0, "{}", said.err);
@@ -139,16 +184,35 @@ fn other_results_are_never_overwritten() {
     let out = path(folder.path(), "out");
     stochc_with(TOWER, &["--out", &out]);
     let before = tables(&out);
-    for (more, reason) in [
-        (&["--seed", "2"][..], "the seed is `1` there and `2` here"),
-        (&["--max-ticks", "7"], "the limit of ticks"),
-        (&["--substeps", "7"], "the number of substeps"),
-        (&["--solver-iterations", "7"], "`solver-iterations`"),
-        (&["tests/fixtures/late.sa"], "`tower, late` here"),
+    const DENSE: &str = "simulate --quiet tests/fixtures/dense.sa --runs 1";
+    let with_physics = path(folder.path(), "with_physics");
+    assert_eq!(stochc_with(DENSE, &["--out", &with_physics]).status, 0);
+    let seed = "the seed is `1` there and `2` here";
+    for (line, out, more, reason) in [
+        (TOWER, &out, &["--seed", "2"][..], seed),
+        (TOWER, &out, &["--max-ticks", "7"], "the limit of ticks"),
+        (
+            TOWER,
+            &out,
+            &["tests/fixtures/late.sa"],
+            "`tower, late` here",
+        ),
+        (
+            DENSE,
+            &with_physics,
+            &["--substeps", "7"],
+            "the number of substeps",
+        ),
+        (
+            DENSE,
+            &with_physics,
+            &["--solver-iterations", "7"],
+            "`solver-iterations`",
+        ),
     ] {
         for resume in [&[][..], &["--resume"]] {
-            let arguments = [&["--out", &out], more, resume].concat();
-            let said = stochc_with(TOWER, &arguments);
+            let arguments = [&["--out", out], more, resume].concat();
+            let said = stochc_with(line, &arguments);
             assert_eq!((said.status, said.out.as_str()), (2, ""), "{more:?}");
             assert!(said.err.contains(reason), "{}", said.err);
         }

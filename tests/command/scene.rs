@@ -137,7 +137,7 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
         "{swept}"
     );
     // No model, no steps.
-    let line = "simulate --quiet --runs 1 --model shuffle --substeps 1 tests/fixtures/dense.sa";
+    let line = "simulate --quiet --runs 1 --model shuffle tests/fixtures/dense.sa";
     assert_eq!(stochc(line).err, "");
 }
 

@@ -43,6 +43,13 @@ pub struct Cost {
     pub captures: Vec<CaptureCost>,
 }
 
+impl Cost {
+    /// Times that were drawn in which a phase came to its timeout: they count for nothing in the others.
+    pub fn stopped(&self) -> usize {
+        self.draws.iter().filter(|draw| !draw.is_complete).count()
+    }
+}
+
 /// How a phase is ordered, and how long it takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseCost {

@@ -32,13 +32,29 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let (true, Some(rates)) = (program.plan.events.len() <= MOST_SUMMED, rates) else {
         return String::new();
     };
-    let total = estimate(program, Some(rates)).and_then(|cost| cost.total);
-    total.filter(|total| total.mean > 0.0).map_or(String::new(), |total| {
-        format!(
-            "  by rates it takes {:.0} ticks on average, {:.0} to {:.0} in eight of ten runs; `--cost` says what decides it\n",
-            total.mean, total.p10, total.p90
-        )
-    })
+    let cost = estimate(program, Some(rates));
+    let known = cost.as_ref().and_then(|cost| Some((cost, cost.total?)));
+    let Some((cost, total)) = known.filter(|(_, total)| total.mean > 0.0) else {
+        return String::new();
+    };
+    let completed = match cost.stopped() {
+        0 => String::new(),
+        stopped => format!(" that complete ({} do)", percent(1.0 - part(stopped, cost))),
+    };
+    let left_out = match cost.leaves_out_messages {
+        true => ", without the time that messages take",
+        false => "",
+    };
+    format!(
+        "  by rates it takes {:.0} ticks on average, {:.0} to {:.0} in eight of ten runs{completed}{left_out}; `--cost` says what \
+         decides it\n",
+        total.mean, total.p10, total.p90
+    )
+}
+
+/// So many of the times that were drawn, as a part of all.
+fn part(draws: usize, cost: &Cost) -> f64 {
+    draws as f64 / cost.draws.len().max(1) as f64
 }
 
 fn table(
@@ -62,7 +78,18 @@ fn table(
     match cost.total {
         Some(_) => {
             text += &paragraph(TIMES, width);
-            text += &paragraph(&left_out(cost.interaction, cost.leaves_out_messages), width);
+            let mut left_out = left_out(cost.interaction, cost.leaves_out_messages);
+            left_out[..1].make_ascii_uppercase();
+            text += &paragraph(&left_out, width);
+            if cost.stopped() > 0 {
+                text += &paragraph(
+                    &format!(
+                        "A phase came to its timeout in {} of the times that were drawn; these count for nothing here.",
+                        percent(part(cost.stopped(), cost))
+                    ),
+                    width,
+                );
+            }
             text += &match is_guess {
                 true => paragraph(&first_guess(), width),
                 false => paragraph(KNOWN_BIAS, width),

@@ -22,7 +22,7 @@ use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_draw
 use crate::diagnostics::{FindingCounts, Format, SarifLog, json_document, show, values};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::verdict;
-use crate::operations::rates::of_files;
+use crate::operations::rates::{UnusedRates, of_files};
 use crate::reader::DiskReader;
 
 /// What `check` is given.
@@ -43,7 +43,7 @@ pub struct CheckArguments {
     rates: Vec<PathBuf>,
     /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and
     /// whether the default number of steps in a tick resolves them. Its warnings do not change the
-    /// exit status. With `--format json` the document is `{ diagnostics, scenes }`
+    /// exit status. With `--format json` the document is `{ findings, scenes }`
     #[arg(long)]
     scene: bool,
     /// Apply all safe fixes, and show them as a diff
@@ -85,6 +85,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         ));
     }
     let rates = of_files(&options.rates)?;
+    let mut unused = UnusedRates::new(&options.rates, &rates);
     let mut exit = Exit::Success;
     let mut document = Vec::new();
     let mut physics = Vec::new();
@@ -130,6 +131,14 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             }
         }
         exit = exit.or_worse(verdict(&checked));
+        if options.cost.is_some() && options.format != Format::Graphical && !checked.has_errors() {
+            warn(&summary(file, &checked, options.cost, &rates));
+        }
+        let of_programs = checked
+            .programs
+            .iter()
+            .filter_map(|program| program.scene.as_ref());
+        unused.not_of(of_programs);
         if options.scene && !checked.has_errors() {
             for scene in scenes(file, &checked) {
                 match options.format {
@@ -148,6 +157,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             exit = exit.or_worse(found);
         }
     }
+    unused.notes().for_each(|note| warn(&note));
     match options.format {
         Format::Json if options.scene => {
             let all = serde_json::json!({ "findings": document, "scenes": physics });

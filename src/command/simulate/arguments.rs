@@ -17,11 +17,16 @@ use super::super::results::ResultsFormat;
 use super::super::run_options::{SeedOption, WorkOptions};
 use crate::operations::time;
 
+/// What draws no figures.
+const WITHOUT_FIGURES: [&str; 3] = ["shards", "run", "replan"];
+
 /// What `simulate` is given.
+///
+/// An option that `requires` another one conflicts with whatever that one conflicts with: it is not required beside these.
 #[derive(Debug, Args)]
 #[command(
-    mut_arg("figures", |it| it.requires("out").conflicts_with("shards")),
-    mut_arg("figure_format", |it| it.requires("out").conflicts_with("shards"))
+    mut_arg("figures", |it| it.requires("out").conflicts_with_all(WITHOUT_FIGURES)),
+    mut_arg("figure_format", |it| it.requires("out").conflicts_with_all(WITHOUT_FIGURES))
 )]
 pub struct SimulateArguments {
     /// Programs to simulate; several are compared with each other
@@ -47,9 +52,9 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "FILE.rates", conflicts_with = "manifest")]
     pub rates: Vec<PathBuf>,
     /// Steps of the model in each tick: more are more accurate and slower; `1/8`: one, and eight for
-    /// blocks near magnetized faces
-    #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
-    pub substeps: Substeps,
+    /// blocks near magnetized faces [default: 2/8]
+    #[arg(long, value_name = "STEPS")]
+    pub substeps: Option<Substeps>,
     /// Iterations of the contact solver in each substep [default: 4 for `rapier`, at most 10 for
     /// `rigid`]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -68,7 +73,7 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "DIR", conflicts_with = "manifest")]
     pub trade: Option<PathBuf>,
     /// Time limit of the measurement that `--accuracy` makes if there is no `--trade`
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with = "trade")]
+    #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with_all = ["trade", "manifest", "model", "substeps", "solver_iterations", "precision", "reduce", "sweep", "replan"])]
     pub budget: Duration,
     /// Stop a run after this many ticks; its time is then censored
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
@@ -86,23 +91,23 @@ pub struct SimulateArguments {
     #[command(flatten)]
     pub figures: FigureOptions,
     /// Continue an interrupted ensemble in `--out`, or add runs to a finished one
-    #[arg(long, requires = "out")]
+    #[arg(long, requires = "out", conflicts_with_all = ["run", "replan"])]
     pub resume: bool,
     /// Continue it although another build of `stochc` has made its runs, if one of them comes out again as it was
-    #[arg(long, requires = "resume")]
+    #[arg(long, requires = "resume", conflicts_with_all = ["shards", "run", "replan"])]
     pub mixed_builds: bool,
     /// Keep the states of runs under way in `--out` so often, for `--resume`: a time (90s, 5m, 2h), ticks of each run
     /// (20000ticks) or `never`
-    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out", conflicts_with_all = ["shards", "run", "replan"])]
     pub checkpoints: Interval,
     /// Only prepare `--out`, cut into so many pieces: `stochc shard` makes each, anywhere, `stochc merge` puts them together
-    #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds"])]
+    #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds", "replan"])]
     pub shards: Option<u64>,
     /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
-    #[arg(long, value_name = "RUNS", requires = "out")]
+    #[arg(long, value_name = "RUNS", requires = "out", conflicts_with = "run")]
     pub record: Option<Selection>,
     /// Record positions every so many ticks
-    #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", conflicts_with_all = ["shards", "run", "replan"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub record_every: u32,
     /// Simulate run N alone and print every event of it
     #[arg(long, value_name = "N", conflicts_with_all = ["runs", "out", "threads", "bonds"])]

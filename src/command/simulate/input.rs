@@ -1,9 +1,10 @@
 //! Files or a manifest to programs that are ready to run.
 use stochc_compiler::LintLevels;
-use stochc_ensemble::{Manifest, OLDEST, this_build};
+use stochc_ensemble::{Manifest, OLDEST, survey, this_build};
 use stochc_files::budget::MANIFEST;
 use stochc_files::read_file;
-use stochc_runtime::{Model, Settings};
+use stochc_runtime::rates::Rates;
+use stochc_runtime::{Model, Precision, Settings};
 
 use super::{SimulateArguments, older_manifest};
 use crate::exit::Failure;
@@ -20,7 +21,46 @@ pub fn prepare(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest,
     }
 }
 
+/// Refuses settings that the model has no use for.
+fn are_used(options: &SimulateArguments) -> Result<(), Failure> {
+    let model = options.model;
+    let is_set = [
+        ("substeps", options.substeps.is_some()),
+        ("solver-iterations", options.solver_iterations.is_some()),
+        ("precision", options.precision != Precision::default()),
+        ("reduce", options.reduce.is_some()),
+    ];
+    let is_used = |option: &str| match model {
+        Model::Rigid => true,
+        Model::Rapier => matches!(option, "substeps" | "solver-iterations"),
+        Model::Rate | Model::Shuffle => false,
+    };
+    if let Some((option, _)) = is_set.iter().find(|(option, is)| *is && !is_used(option)) {
+        return Err(Failure::usage(format!(
+            "the model `{}` has no `--{option}`; `--model rigid` has it",
+            model.name()
+        )));
+    }
+    let takes_rates = model == Model::Rate || options.replan.is_some();
+    if !options.rates.is_empty() && !takes_rates {
+        return Err(Failure::usage(format!(
+            "the model `{}` has no use for `--rates`; they are for `--model rate`",
+            model.name()
+        )));
+    }
+    Ok(())
+}
+
+/// The rates of the ensemble that is to be gone on with, unless others are given. What is wrong with its folder is told when that is opened.
+fn stored_rates(options: &SimulateArguments) -> Option<Vec<Rates>> {
+    let goes_on = options.resume && options.rates.is_empty();
+    let out = options.out.as_ref().filter(|_| goes_on)?;
+    let stored = survey(out).ok().flatten()?.settings;
+    (stored.model == Model::Rate).then_some(stored.rates)
+}
+
 fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
+    are_used(options)?;
     let levels = &options.levels.levels;
     let mut programs = programs(&options.files, levels, &options.imports.folders, host)?;
     if !options.sweep.is_empty() {
@@ -32,11 +72,15 @@ fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, 
         precision: options.precision,
         reduction: options.reduce,
         max_ticks: Some(options.max_ticks),
-        ..Settings::default().with_steps(options.substeps)
+        ..Settings::default().with_steps(options.substeps.unwrap_or_default())
     };
     let mut settings = settings.resolved();
     if settings.model == Model::Rate {
-        settings.rates = rates::of_scenes(&options.rates, &programs, options.work.threads, host)?;
+        let stored = stored_rates(options);
+        settings.rates = match stored.filter(|rates| rates::are_of(rates, &programs)) {
+            Some(stored) => stored,
+            None => rates::of_scenes(&options.rates, &programs, options.work.threads, host)?,
+        };
     }
     let manifest = Manifest::new(settings, options.chance.seed, options.runs, programs);
     manifest.within_limits().map_err(Failure::usage)?;

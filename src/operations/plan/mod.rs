@@ -14,10 +14,9 @@ use stochc_compiler::scene::DEFAULT;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
 use stochc_planner::{Objective, PlanSearch, TargetError};
-use stochc_rates::Rates;
 
 use super::programs::verdict;
-use super::rates::of_files;
+use super::rates::of_files_for;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::planning::{Completion, Goal, Planned, Unplanned};
@@ -152,13 +151,17 @@ pub fn plan(
     options: &PlanOptions<'_>,
     host: &dyn Host,
 ) -> Result<Planned, Failure> {
-    let missing = match read {
-        PlanTarget::Goal(goal) => goal.cells.len(),
-        PlanTarget::Completion(completion) => completion.missing(),
+    // What is wrong with a scene is told with the plan.
+    let (missing, scene) = match read {
+        PlanTarget::Goal(goal) => (goal.cells.len(), goal.scene().ok()),
+        PlanTarget::Completion(completion) => {
+            (completion.missing(), Some(completion.scene().clone()))
+        }
     };
-    search(missing, options, host, |rates, search| match read {
-        PlanTarget::Goal(goal) => goal.plan(rates, search),
-        PlanTarget::Completion(completion) => completion.plan(rates, search),
+    let rates = of_files_for(options.rates, scene.iter(), host)?;
+    search(missing, options, host, |search| match read {
+        PlanTarget::Goal(goal) => goal.plan(&rates, search),
+        PlanTarget::Completion(completion) => completion.plan(&rates, search),
     })
 }
 
@@ -167,7 +170,7 @@ fn search(
     cells: usize,
     options: &PlanOptions<'_>,
     host: &dyn Host,
-    plan: impl Fn(&[Rates], PlanSearch<'_>) -> Result<Planned, Unplanned> + Sync,
+    plan: impl Fn(PlanSearch<'_>) -> Result<Planned, Unplanned> + Sync,
 ) -> Result<Planned, Failure> {
     let stop = host.stop();
     let start = now();
@@ -207,8 +210,7 @@ fn search(
             },
         }
     };
-    let rates = of_files(options.rates)?;
-    let planned = during(host, state, || plan(&rates, search));
+    let planned = during(host, state, || plan(search));
     planned.map_err(|unplanned| failure_of(&unplanned, options, host))
 }
 
