@@ -164,6 +164,17 @@ fn it_goes_through_the_worlds_of_bodies() {
 }
 
 #[test]
+fn nothing_of_it_is_planned() {
+    let said = stochc(&format!("simulate {FILE} --runs 1 --quiet --replan 500"));
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(
+        said.err.contains("is an aggregate, which nothing plans"),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
 fn what_cannot_be_one_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "wrong.sa");

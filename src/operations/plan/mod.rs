@@ -24,7 +24,7 @@ use crate::progress::WorkProgress;
 
 pub use budget::Budget;
 pub use offset::Offset;
-pub use rest::RunEnd;
+pub use rest::{RunEnd, refuse_aggregate};
 pub use seed_plate::SeedPlate;
 
 /// What is to be built, and how long a better plan is looked for.

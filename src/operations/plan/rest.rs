@@ -3,6 +3,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
+use stochc_ensemble::EnsembleProgram;
 
 use super::super::chosen_run::choose;
 use super::super::programs::{recompile, verdict};
@@ -54,12 +55,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         ))
     })?;
     let entry = chosen.entry();
-    if entry.tables().aggregate.is_some() {
-        return Err(Failure::usage(format!(
-            "`{}` is an aggregate, which nothing plans: chance decides what it looks like",
-            entry.name
-        )));
-    }
+    refuse_aggregate(entry)?;
     let structure = ExistingStructure::of(entry.tables(), record);
     let dead: BTreeSet<&str> = end.dead.iter().map(String::as_str).collect();
     if let Some(unknown) = dead
@@ -107,4 +103,18 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
     })
     .map_err(|reason| refused(options.target, &reason))
     .and_then(|goal| placed(goal, options))
+}
+
+/// Refuses to plan what nobody can.
+///
+/// # Errors
+/// If the program is an aggregate.
+pub fn refuse_aggregate(program: &EnsembleProgram) -> Result<(), Failure> {
+    match program.tables().aggregate {
+        None => Ok(()),
+        Some(_) => Err(Failure::usage(format!(
+            "`{}` is an aggregate, which nothing plans: chance decides what it looks like",
+            program.name
+        ))),
+    }
 }
