@@ -262,7 +262,7 @@ fn an_after_that_one_round_needs_is_not_redundant_in_another() {
     let program = |rounds: &str| {
         codes(&text(&format!(
             "assembly m {{
-                seed plate 4 x 1 {{ for i in 0..3 {{ A[i] at (i, 0) }} }}
+                seed plate 7 x 1 {{ for i in 0..3 {{ A[i] at (2 * i, 0) }} }}
                 phase p {{ A[0].up -> X[0] A[3].up -> X[3] }}
                 phase r {{ for i in {rounds} {{ A[i].up -> X[i] after X[i - 1] }} }}
             }}"

@@ -54,7 +54,10 @@ fn without_memory_a_command_says_so_and_ends_with_its_status() {
         assert_eq!(stochc_with("shard --quiet", &[&cut, piece]).status, 0);
     }
     let mut refused = 0;
-    for kilobytes in [40_000, 60_000, 120_000, 1_000_000] {
+    // In less than it takes up itself, no command can begin.
+    let own = fs::metadata(env!("CARGO_BIN_EXE_stochc")).unwrap().len() / 1000;
+    let own = u32::try_from(own).unwrap();
+    for kilobytes in [own, own + 20_000, own + 80_000, 1_000_000] {
         let new = path(place.path(), &kilobytes.to_string());
         for arguments in [
             &["check", &large][..],

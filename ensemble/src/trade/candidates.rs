@@ -92,7 +92,8 @@ pub fn short(settings: &Settings) -> String {
 
 /// The candidate as options of `simulate`.
 pub fn flags(settings: &Settings) -> String {
-    if settings.model == Model::Rate {
+    // Where nothing moves, no steps are taken.
+    if !settings.model.has_places() {
         return format!("--model {}", settings.model.name());
     }
     let mut text = format!(

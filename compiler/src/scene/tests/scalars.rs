@@ -241,7 +241,7 @@ fn a_range_is_swept_by_its_upper_end() {
     let told = with(scene(0), &[("agitation.speed.low", 0.5)]).unwrap_err();
     assert_eq!(
         told.to_string(),
-        "`agitation.speed.low` must be at most the upper end, 0.4, and is 0.5"
+        "`agitation.speed.low` must be at most the upper end, 0.4 m/s, and is 0.5 m/s"
     );
 }
 

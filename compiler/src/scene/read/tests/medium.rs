@@ -37,7 +37,7 @@ fn a_stirred_tank_is_read_in_units_of_the_laboratory() {
 #[test]
 fn a_tick_behind_another_term_is_no_unit_of_it() {
     for between in [" ", "\n"] {
-        for other in ["gravity 9.81 m/s^2", "free 250"] {
+        for other in ["gravity 9.81 m/s^2", "free 250 uniform"] {
             for tick in ["15ms", "15 ms", "\n15 ms"] {
                 let (scene, found) = scene(&format!("{other}{between}tick {tick}"));
                 assert_eq!(found, [], "{other}{between}tick {tick}");
