@@ -27,7 +27,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         let rows: Vec<Vec<HtmlCell>> = [
             ("made by", format!("stochc {}", manifest.stochc)),
             ("model", manifest.settings.model.name().to_owned()),
-            ("substeps", manifest.settings.steps().to_string()),
+            ("substeps", steps(&manifest.settings).unwrap_or_default()),
             ("settings", settings.join(", ")),
             ("seed", manifest.seed.to_string()),
             ("runs of each program", number(manifest.runs as f64)),
@@ -92,8 +92,16 @@ pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usiz
     }
 }
 
-/// Settings besides model and substeps, as options of `simulate`: the iterations, and what is not as usual.
+/// The steps of a tick; `None`: nothing moves.
+fn steps(settings: &Settings) -> Option<String> {
+    (settings.model.has_places()).then(|| settings.steps().to_string())
+}
+
+/// Settings besides model and substeps, as options of `simulate`: the iterations, and what is not as usual. None where nothing moves.
 fn further(settings: &Settings) -> Vec<(&'static str, String)> {
+    if !settings.model.has_places() {
+        return Vec::new();
+    }
     let mut further = vec![("solver-iterations", settings.iterations().to_string())];
     if settings.precision != Precision::default() {
         further.push(("precision", settings.precision.name().to_owned()));
@@ -123,7 +131,9 @@ pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> String {
     };
     let settings = &manifest.settings;
     option("model", settings.model.name());
-    option("substeps", &settings.steps().to_string());
+    if let Some(steps) = steps(settings) {
+        option("substeps", &steps);
+    }
     for (name, value) in further(settings) {
         option(name, &value);
     }
