@@ -13,6 +13,14 @@ fn maybe(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
 }
 
+/// A probability; a small one with its power of ten, and not with all its zeros.
+fn probability(p: f64) -> String {
+    match 0.0 < p && p < 1e-4 {
+        true => format!("{p:e}"),
+        false => p.to_string(),
+    }
+}
+
 /// A file's name and content.
 pub(super) type NamedFile = (String, String);
 
@@ -285,8 +293,10 @@ fn differences(
                     Test::Paired { .. } => "paired t",
                     Test::Welch { .. } => "Welch t",
                 };
-                let figures = [found.difference, found.half_width, found.p, found.p_holm];
-                (test, figures.map(|figure| figure.to_string()))
+                let sizes = [found.difference, found.half_width];
+                let [difference, half_width] = sizes.map(|size| size.to_string());
+                let [p, p_holm] = [found.p, found.p_holm].map(probability);
+                (test, [difference, half_width, p, p_holm])
             }
         };
         let words = [test.to_owned(), clock.unit().to_owned()];
@@ -399,4 +409,14 @@ fn faces(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
         }
     }
     table.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_small_probability_has_few_signs() {
+        for (p, text) in [(1.0, "1"), (0.05, "0.05"), (2.5e-80, "2.5e-80"), (0.0, "0")] {
+            assert_eq!(super::probability(p), text);
+        }
+    }
 }
