@@ -73,7 +73,9 @@ impl Computed {
         };
         let mut settings = settings.resolved();
         if settings.model == Model::Rate {
-            settings.rates = rates::of_scenes(&self.rates, programs, threads, host)?;
+            let scenes = programs.iter().map(|program| &program.scene);
+            let given = rates::of_files_for(&self.rates, scenes, host)?;
+            settings.rates = rates::of_scenes(&given, programs, threads, host)?;
         }
         Ok(settings)
     }

@@ -47,12 +47,6 @@ pub struct Substeps {
     pub away: Option<u32>,
 }
 
-impl Default for Substeps {
-    fn default() -> Substeps {
-        Substeps::DEFAULT
-    }
-}
-
 impl Substeps {
     /// The most steps a tick that are taken.
     pub const MOST: u32 = 1000;

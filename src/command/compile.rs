@@ -19,6 +19,7 @@ use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
+use crate::operations::chosen_run::index;
 use crate::operations::programs::verdict;
 
 /// What `compile` is given.
@@ -131,26 +132,22 @@ fn choose(
     name: Option<&str>,
     form: EmittedFormat,
 ) -> Result<(), String> {
-    if name.is_none() && form == EmittedFormat::Svg {
+    if name.is_none() {
+        if form != EmittedFormat::Svg {
+            return Ok(());
+        }
         programs.retain(|program| program.plan.aggregate.is_none());
-    }
-    let names: Vec<_> = (programs.iter())
-        .map(|program| format!("`{}`", program.plan.name))
-        .collect();
-    let names = names.join(", ");
-    match name {
-        None if form == EmittedFormat::Svg && programs.len() > 1 => Err(format!(
-            "a picture is of one program; choose it with `--program`: {names}"
-        )),
-        None => Ok(()),
-        Some(name) => {
-            programs.retain(|program| program.plan.name == name);
-            match programs.is_empty() {
-                true => Err(format!("the file has no program `{name}`, but {names}")),
-                false => Ok(()),
-            }
+        if programs.len() <= 1 {
+            return Ok(());
         }
     }
+    let names: Vec<_> = programs.iter().map(|it| &*it.plan.name).collect();
+    let place = index(&names, name, "file").map_err(|error| match name {
+        Some(_) => error,
+        None => format!("a picture is of one program, and {error}"),
+    })?;
+    *programs = vec![programs.swap_remove(place)];
+    Ok(())
 }
 
 fn emit(

@@ -42,7 +42,8 @@ pub fn choose(
     program: Option<&str>,
     run: u64,
 ) -> Result<ChosenRun, Failure> {
-    let program = index(&manifest, program).map_err(Failure::usage)?;
+    let names: Vec<_> = manifest.programs.iter().map(|it| &*it.name).collect();
+    let program = index(&names, program, "folder").map_err(Failure::usage)?;
     if run >= manifest.runs {
         let place = folder.map_or(String::new(), |it| format!("`{}`: ", it.display()));
         return Err(Failure::usage(format!(
@@ -60,21 +61,23 @@ pub fn choose(
     })
 }
 
-fn index(manifest: &Manifest, name: Option<&str>) -> Result<usize, String> {
-    let names = || {
-        let names: Vec<_> = (manifest.programs.iter())
-            .map(|program| format!("`{}`", program.name))
-            .collect();
-        names.join(", ")
+/// The place of a program among those of a folder or file, by its name, which may be left out if there is no other.
+///
+/// # Errors
+/// In words, if there is none, or a name is needed.
+pub fn index(names: &[&str], name: Option<&str>, holder: &str) -> Result<usize, String> {
+    let listed = || {
+        let quoted: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
+        quoted.join(", ")
     };
     match name {
-        Some(name) => (manifest.programs.iter())
-            .position(|program| program.name == name)
-            .ok_or_else(|| format!("the folder has no program `{name}`, but {}", names())),
-        None if manifest.programs.len() == 1 => Ok(0),
+        Some(name) => (names.iter())
+            .position(|known| *known == name)
+            .ok_or_else(|| format!("the {holder} has no program `{name}`, but {}", listed())),
+        None if names.len() == 1 => Ok(0),
         None => Err(format!(
-            "the folder holds several programs; choose one with `--program`: {}",
-            names()
+            "the {holder} holds several programs; choose one with `--program`: {}",
+            listed()
         )),
     }
 }

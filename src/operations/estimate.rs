@@ -48,10 +48,11 @@ pub fn estimates(
     host: &dyn Host,
 ) -> Result<Vec<CompletionEstimate>, Failure> {
     programs.iter().try_for_each(supported)?;
+    let given = of_files_for(how.rates, programs.iter().map(|it| &it.scene), host)?;
     // What runs need is measured once, before the first of them.
     let known = match how.runs {
-        Some(_) => of_scenes(how.rates, &programs, how.threads, host)?,
-        None => of_files_for(how.rates, programs.iter().map(|it| &it.scene), host)?,
+        Some(_) => of_scenes(&given, &programs, how.threads, host)?,
+        None => given,
     };
     let estimated = programs.into_iter().map(|program| {
         if host.stop().load(Ordering::Relaxed) {
@@ -83,7 +84,6 @@ pub fn planned(program: &EnsembleProgram) -> Option<(Planned, Symbols)> {
 fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstimate> {
     let (planned, symbols) = planned(program)?;
     let cost = estimate(&planned, Some(rates))?;
-    let completed = cost.draws.iter().filter(|draw| draw.is_complete).count();
     let phases = planned.plan.phases.iter().zip(&cost.phases);
     let phases = phases.filter(|(phase, _)| !phase.planted);
     let shares = cost.captures.iter().filter(|capture| capture.share > 0.0);
@@ -96,8 +96,8 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
             is_exact: cost.is_exact,
             is_first_guess: rates.is_guess(),
         },
-        completed: completed as u64,
-        stopped: (cost.draws.len() - completed) as u64,
+        completed: (cost.draws.len() - cost.stopped()) as u64,
+        stopped: cost.stopped() as u64,
         total: cost.total,
         phases: phases
             .map(|(phase, cost)| PhaseEstimate {
@@ -125,7 +125,7 @@ fn of_runs(
     let settings = Settings {
         rates: match at_hand(known, &programs[0].scene) {
             Some(rates) => vec![rates.clone()],
-            None => of_scenes(how.rates, &programs, how.threads, host)?,
+            None => of_scenes(known, &programs, how.threads, host)?,
         },
         max_ticks: Some(how.max_ticks),
         ..Settings::of(Model::Rate, 1)

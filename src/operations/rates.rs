@@ -25,18 +25,17 @@ pub const MAX_TICKS: u64 = 60_000;
 /// Not that of `simulate`: the kicks of a calibration are never those of what it is held against.
 pub const SEED: u64 = 0x5ca1_e000;
 
-/// The rates of the scenes of programs, each once.
+/// The rates of the scenes of programs, each once: those that are known, or come with `stochc`.
 /// What has to be measured first takes so many threads.
 ///
 /// # Errors
-/// If a file cannot be read, or what has to be measured cannot be.
+/// If what has to be measured cannot be.
 pub fn of_scenes(
-    files: &[PathBuf],
+    known: &[Rates],
     programs: &[EnsembleProgram],
     threads: Option<u16>,
     host: &dyn Host,
 ) -> Result<Vec<Rates>, Failure> {
-    let known = of_files_for(files, programs.iter().map(|it| &it.scene), host)?;
     let mut found: Vec<Rates> = Vec::new();
     for program in programs {
         supported(program)?;
@@ -44,7 +43,7 @@ pub fn of_scenes(
         if found.iter().any(|rates| rates.are_of(scene)) {
             continue;
         }
-        let rates = match Rates::known(&known, scene) {
+        let rates = match Rates::known(known, scene) {
             Some(rates) => rates.clone(),
             None => {
                 host.warn(&format!(
@@ -57,12 +56,6 @@ pub fn of_scenes(
         found.push(rates);
     }
     Ok(found)
-}
-
-/// Whether rates are those of the scenes of all programs: nothing has to be measured.
-pub fn are_of(rates: &[Rates], programs: &[EnsembleProgram]) -> bool {
-    let mut scenes = programs.iter().map(|program| &program.scene);
-    scenes.all(|scene| rates.iter().any(|rates| rates.are_of(scene)))
 }
 
 /// Files of rates that are about none of the scenes that they were given for.

@@ -14,7 +14,7 @@ use stochc_report::replanning::Replanning;
 use super::in_memory::{all_runs, stopped};
 use super::plan::refuse_aggregate;
 use super::programs::recompile;
-use super::rates::of_files_for;
+use super::rates::of_files;
 use crate::check_text;
 use crate::exit::Failure;
 use crate::host::Host;
@@ -65,7 +65,7 @@ pub fn replan(
     rates: &[PathBuf],
     host: &dyn Host,
 ) -> Result<Vec<Replanning>, Failure> {
-    let rates = of_files_for(rates, manifest.programs.iter().map(|it| &it.scene), host)?;
+    let rates = of_files(rates)?;
     let ends: Result<Vec<Goal>, Failure> = manifest.programs.iter().map(end).collect();
     let ends = ends?;
     let Manifest { settings, seed, .. } = &manifest;

@@ -128,7 +128,10 @@ impl Plan {
 
     /// What the runs of a program at a candidate are made with.
     pub fn settings(&self, candidate: usize, program: usize) -> Settings {
-        self.limited(&self.candidates[candidate].settings, program)
+        Settings {
+            max_ticks: Some(self.limit(program)),
+            ..self.candidates[candidate].settings.clone()
+        }
     }
 
     /// Runs that have ended, and all that are known to come; `None`: time decides.
@@ -191,15 +194,14 @@ impl Plan {
             }
             self.set_limits();
         }
-        let mut candidate = 0;
-        while candidate < self.candidates.len() {
+        for candidate in 0..self.candidates.len() {
             self.recall_candidate(candidate, u64::MAX, &known);
-            candidate += 1;
-            if candidate == self.candidates.len()
-                && let Some(settings) = self.next_refinement()
-                && (0..self.programs).any(|program| self.known_first(&settings, program, &known))
-            {
-                self.add(settings);
+        }
+        while let Some(settings) = self.next_refinement() {
+            self.add(settings);
+            if !self.recall_candidate(self.candidates.len() - 1, u64::MAX, &known) {
+                self.candidates.pop();
+                return;
             }
         }
     }
@@ -250,14 +252,6 @@ impl Plan {
         limits.map_or(FIRST_LIMIT, |limits| limits[program])
     }
 
-    /// What the runs of a program at a setting are made with.
-    fn limited(&self, settings: &Settings, program: usize) -> Settings {
-        Settings {
-            max_ticks: Some(self.limit(program)),
-            ..settings.clone()
-        }
-    }
-
     /// The next run of a program at a candidate.
     fn job(&self, candidate: usize, program: usize) -> Job {
         Job {
@@ -274,15 +268,16 @@ impl Plan {
         NextJob::Do(job)
     }
 
-    /// Takes over the runs of a candidate, so many of each program at most.
+    /// Takes over the runs of a candidate, so many of each program at most; whether there are any.
     fn recall_candidate(
         &mut self,
         candidate: usize,
         most: u64,
         known: impl Fn(&Job, &Settings) -> Option<Measured>,
-    ) {
+    ) -> bool {
+        let mut has_any = false;
         if self.candidates[candidate].left_out.is_some() {
-            return;
+            return has_any;
         }
         for program in 0..self.programs {
             let settings = self.settings(candidate, program);
@@ -294,24 +289,10 @@ impl Plan {
                 let cell = &mut self.candidates[candidate].program_runs[program];
                 cell.started += 1;
                 cell.add(run);
+                has_any = true;
             }
         }
-    }
-
-    /// Whether the first run of a program at a setting that is no candidate yet was measured.
-    fn known_first(
-        &self,
-        settings: &Settings,
-        program: usize,
-        known: impl Fn(&Job, &Settings) -> Option<Measured>,
-    ) -> bool {
-        let job = Job {
-            candidate: self.candidates.len(),
-            program,
-            run: 0,
-            max_ticks: self.limit(program),
-        };
-        known(&job, &self.limited(settings, program)).is_some()
+        has_any
     }
 
     fn next_of(&mut self, runs: u64) -> NextJob {
@@ -578,6 +559,14 @@ mod tests {
         ticks: steady,
     };
 
+    /// Settles at 16 substeps.
+    const DRIFTING: World = World {
+        cost: |_, _| 0.001,
+        ticks: |settings, _, run| {
+            1000 + 5 * (run % 3) + 1000 / u64::from(settings.substeps.min(16))
+        },
+    };
+
     fn anything(_: &Settings) -> Option<String> {
         None
     }
@@ -717,10 +706,7 @@ mod tests {
     fn a_number_of_runs_is_kept_exactly_and_the_reference_refined() {
         let drifting = World {
             cost: |_, _| 0.01,
-            // Settles at 16 substeps.
-            ticks: |settings, _, run| {
-                1000 + 5 * (run % 3) + 1000 / u64::from(settings.substeps.min(16))
-            },
+            ..DRIFTING
         };
         let mut plan = Plan::new(Extent::Runs(6), 2, 3, 64, None, anything);
         carry_out(&mut plan, &drifting, 3);
@@ -743,14 +729,8 @@ mod tests {
 
     #[test]
     fn a_budget_refines_the_reference_too() {
-        let drifting = World {
-            cost: |_, _| 0.001,
-            ticks: |settings, _, run| {
-                1000 + 5 * (run % 3) + 1000 / u64::from(settings.substeps.min(16))
-            },
-        };
         let mut plan = Plan::new(budget(10.0), 1, 1, 64, None, anything);
-        carry_out(&mut plan, &drifting, 1);
+        carry_out(&mut plan, &DRIFTING, 1);
         assert!(runs(&plan).contains_key("rigid 64"), "{:?}", runs(&plan));
     }
 
@@ -764,14 +744,8 @@ mod tests {
             };
             (format!("{unlimited:?}"), program, run)
         };
-        let drifting = World {
-            cost: |_, _| 0.001,
-            ticks: |settings, _, run| {
-                1000 + 5 * (run % 3) + 1000 / u64::from(settings.substeps.min(16))
-            },
-        };
         let mut before = Plan::new(budget(10.0), 2, 1, 64, None, anything);
-        carry_out(&mut before, &drifting, 1);
+        carry_out(&mut before, &DRIFTING, 1);
         let mut found = BTreeMap::new();
         for (candidate, of) in before.candidates.iter().enumerate() {
             for (program, cell) in of.program_runs.iter().enumerate() {
@@ -792,7 +766,7 @@ mod tests {
             plan.recall(recall);
             assert_eq!(plan.limits(), before.limits());
             assert_eq!(runs(&plan), runs(&before));
-            carry_out(&mut plan, &drifting, 1);
+            carry_out(&mut plan, &DRIFTING, 1);
             let now = runs(&plan);
             for (name, counts) in runs(&before) {
                 assert!(now[&name] >= counts, "{name}: {counts:?}, {:?}", now[&name]);

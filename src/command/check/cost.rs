@@ -37,9 +37,9 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let Some((cost, total)) = known.filter(|(_, total)| total.mean > 0.0) else {
         return String::new();
     };
-    let completed = match cost.stopped() {
-        0 => String::new(),
-        stopped => format!(" that complete ({} do)", percent(1.0 - part(stopped, cost))),
+    let completed = match stopped(cost) {
+        None => String::new(),
+        Some(stopped) => format!(" that complete ({} do)", percent(1.0 - stopped)),
     };
     let left_out = match cost.leaves_out_messages {
         true => ", without the time that messages take",
@@ -52,9 +52,10 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     )
 }
 
-/// So many of the times that were drawn, as a part of all.
-fn part(draws: usize, cost: &Cost) -> f64 {
-    draws as f64 / cost.draws.len().max(1) as f64
+/// The part of the times that were drawn in which a phase came to its timeout; `None`: in none.
+fn stopped(cost: &Cost) -> Option<f64> {
+    let stopped = cost.stopped();
+    (stopped > 0).then(|| stopped as f64 / cost.draws.len() as f64)
 }
 
 fn table(
@@ -81,11 +82,11 @@ fn table(
             let mut left_out = left_out(cost.interaction, cost.leaves_out_messages);
             left_out[..1].make_ascii_uppercase();
             text += &paragraph(&left_out, width);
-            if cost.stopped() > 0 {
+            if let Some(stopped) = stopped(cost) {
                 text += &paragraph(
                     &format!(
                         "A phase came to its timeout in {} of the times that were drawn; these count for nothing here.",
-                        percent(part(cost.stopped(), cost))
+                        percent(stopped)
                     ),
                     width,
                 );

@@ -4,7 +4,7 @@ use stochc_ensemble::{Manifest, OLDEST, survey, this_build};
 use stochc_files::budget::MANIFEST;
 use stochc_files::read_file;
 use stochc_runtime::rates::Rates;
-use stochc_runtime::{Model, Precision, Settings};
+use stochc_runtime::{Model, Precision, Settings, Substeps};
 
 use super::{SimulateArguments, older_manifest};
 use crate::exit::Failure;
@@ -72,15 +72,13 @@ fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, 
         precision: options.precision,
         reduction: options.reduce,
         max_ticks: Some(options.max_ticks),
-        ..Settings::default().with_steps(options.substeps.unwrap_or_default())
+        ..Settings::default().with_steps(options.substeps.unwrap_or(Substeps::DEFAULT))
     };
     let mut settings = settings.resolved();
+    let given = rates::of_files_for(&options.rates, programs.iter().map(|it| &it.scene), host)?;
     if settings.model == Model::Rate {
-        let stored = stored_rates(options);
-        settings.rates = match stored.filter(|rates| rates::are_of(rates, &programs)) {
-            Some(stored) => stored,
-            None => rates::of_scenes(&options.rates, &programs, options.work.threads, host)?,
-        };
+        let known = stored_rates(options).unwrap_or(given);
+        settings.rates = rates::of_scenes(&known, &programs, options.work.threads, host)?;
     }
     let manifest = Manifest::new(settings, options.chance.seed, options.runs, programs);
     manifest.within_limits().map_err(Failure::usage)?;
