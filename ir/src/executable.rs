@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 
 use crate::graph::EventGraph;
 use crate::scene::Scene;
+use crate::strict_json::{StrictJsonError, strict_json};
 use crate::table::Tables;
 
 /// Version of the file format of executables; another one is not read.
@@ -52,6 +53,10 @@ struct ExecutableFile<'a> {
 
 #[derive(Deserialize)]
 struct StoredFile {
+    #[serde(rename = "kind")]
+    _kind: String,
+    #[serde(rename = "format")]
+    _format: u32,
     programs: Vec<Executable>,
 }
 
@@ -109,8 +114,8 @@ impl Executable {
         if head.format != FORMAT {
             return Err(ExecutableError::OtherFormat(head.format));
         }
-        let damaged = |error: serde_json::Error| ExecutableError::Damaged(error.to_string());
-        let file: StoredFile = serde_json::from_slice(bytes).map_err(damaged)?;
+        let damaged = |error: StrictJsonError| ExecutableError::Damaged(error.to_string());
+        let file: StoredFile = strict_json(bytes).map_err(damaged)?;
         for program in &file.programs {
             program.validate().map_err(ExecutableError::Damaged)?;
         }

@@ -16,6 +16,7 @@ mod plate;
 pub mod record;
 pub mod scene;
 pub mod state;
+mod strict_json;
 pub mod structure;
 pub mod suggest;
 pub mod table;
@@ -27,6 +28,7 @@ pub use executable::{Executable, ExecutableError, FORMAT, sha256};
 pub use face::Face;
 pub use invisible::{is_invisible, visible, visible_lines};
 pub use json::Json;
+pub use strict_json::{StrictJsonError, strict_json};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

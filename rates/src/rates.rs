@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
-use stochc_ir::{Cell, Face};
+use stochc_ir::{Cell, Face, StrictJsonError, strict_json};
 
 use crate::head_start::HeadStart;
 use crate::law::{DEPLETION, Parameters, Surroundings};
@@ -185,12 +185,27 @@ impl Rates {
     /// # Errors
     /// If it is no such file, or one that makes no sense, in words.
     pub fn from_text(text: &str) -> Result<Rates, String> {
-        serde_json::from_str(text).map_err(|error| error.to_string())
+        match strict_json::<Rates>(text.as_bytes()) {
+            Ok(rates) => Ok(rates),
+            // An earlier form may have more.
+            Err(StrictJsonError::UnknownField(_)) if !is_of_this_format(text) => {
+                serde_json::from_str(text).map_err(|error| error.to_string())
+            }
+            Err(error) => Err(error.to_string()),
+        }
     }
 }
 
 // All numbers are finite: `Stored` sees to that.
 impl Eq for Rates {}
+
+fn is_of_this_format(text: &str) -> bool {
+    #[derive(Deserialize)]
+    struct Version {
+        format: u32,
+    }
+    serde_json::from_str(text).is_ok_and(|version: Version| version.format == FORMAT)
+}
 
 /// Rates that nobody has looked at yet.
 #[derive(Deserialize)]
@@ -391,6 +406,8 @@ mod tests {
                 missing.contains(&row) || missing.contains(&column)
             });
             old["format"] = format.into();
+            // An earlier form may have had more.
+            old["more"] = 1.into();
             let mut expected = rates.clone();
             for &place in missing {
                 expected.parameters.0[place] = 0.0;
@@ -419,5 +436,12 @@ mod tests {
             spoil(&mut rates);
             assert!(Rates::from_text(&rates.to_text()).is_err());
         }
+    }
+
+    #[test]
+    fn a_field_that_means_nothing_is_refused() {
+        let text = BUILT_IN[0].replacen("\"seed\"", "\"sead\": 1, \"seed\"", 1);
+        let refused = Rates::from_text(&text).expect_err("nobody reads it");
+        assert!(refused.contains("`sead`"), "{refused}");
     }
 }

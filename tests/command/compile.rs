@@ -158,6 +158,10 @@ fn a_damaged_executable_is_refused() {
             text.replacen("\"faces\":1", "\"faces\":7", 1),
             "has no 7 faces",
         ),
+        (
+            text.replacen("\"faces\":1", "\"faces\":1,\"fases\":2", 1),
+            "nothing is known of its field `programs.0.tables.fases`",
+        ),
     ] {
         std::fs::write(&program, edited).unwrap();
         let said = stochc_with("simulate", &[&program]);
