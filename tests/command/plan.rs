@@ -268,6 +268,15 @@ fn what_cannot_be_planned_is_told_with_a_way_out() {
         "{}",
         said.err
     );
+    let drawn = path(Path::new(folder), "drawn");
+    fs::write(&drawn, "#\n").unwrap();
+    let said = stochc_with("plan", &[&drawn]);
+    assert_eq!(said.status, 1, "{}", said.err);
+    assert!(
+        said.err.contains("files of voxels end in `.txt`"),
+        "{}",
+        said.err
+    );
     let said = stochc("plan examples/line.sa --shape none --scene nope");
     assert_eq!(said.status, 1, "{}", said.err);
     let said = stochc("plan examples/five_tower.sa --scene nope");

@@ -19,7 +19,7 @@ use observation::Observations;
 /// Programs to observe: a name and a text each.
 ///
 /// What grows tells more than a block beside a structure that stands: that misleads by 5 to 10 %.
-pub const PROGRAMS: [(&str, &str); 19] = [
+pub const PROGRAMS: [(&str, &str); 25] = [
     ("towers", include_str!("programs/towers.sa")),
     ("wall", include_str!("programs/wall.sa")),
     ("corner", include_str!("programs/corner.sa")),
@@ -39,6 +39,12 @@ pub const PROGRAMS: [(&str, &str); 19] = [
     ("alone", include_str!("programs/alone.sa")),
     ("apart", include_str!("programs/apart.sa")),
     ("row", include_str!("programs/row.sa")),
+    ("hook", include_str!("programs/hook.sa")),
+    ("crossbar", include_str!("programs/crossbar.sa")),
+    ("winding", include_str!("programs/winding.sa")),
+    ("posts", include_str!("programs/posts.sa")),
+    ("sheet", include_str!("programs/sheet.sa")),
+    ("fin", include_str!("programs/fin.sa")),
 ];
 
 /// What was observed of a scene.

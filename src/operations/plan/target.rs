@@ -64,11 +64,20 @@ fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> 
                 true => {
                     "help: `--complete` plans what a program claims and does not build\n".to_owned()
                 }
-                false => String::new(),
+                false if is_named_as_program(options.target) => String::new(),
+                false => "help: it is read as a program; files of voxels end in `.txt` or `.vox`\n"
+                    .to_owned(),
             },
         });
     }
     Goal::of_program(&checked, options.shape).map_err(|reason| refused(options.target, &reason))
+}
+
+/// Whether a file is named as programs are.
+fn is_named_as_program(target: &str) -> bool {
+    Path::new(target)
+        .extension()
+        .is_some_and(|kind| kind == "sa")
 }
 
 /// The program of these options, right or wrong.
