@@ -100,9 +100,20 @@ fn a_block_that_is_let_go_docks_once() {
 fn faces_beside_each_other_are_half_known() {
     agree(
         &[
-            "benches/rates/sixteen.sa",
             "benches/rates/races/overtaken.sa",
+            "benches/rates/races/stair.sa",
         ],
         Interaction::Racing,
+    );
+}
+
+#[test]
+fn chains_that_take_many_blocks_leave_few_to_the_last() {
+    agree(
+        &[
+            "benches/rates/scarce/nine_of_8.sa",
+            "benches/rates/scarce/twenty_five_of_8.sa",
+        ],
+        Interaction::Scarce,
     );
 }

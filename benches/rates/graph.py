@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How far `stochc estimate` without runs is off runs by the same rates, by what a program leaves to chance.
 
-`graph.py STOCHC [RUNS]` estimates the programs of this folder, of races/, releases/ and examples/ both ways, RUNS runs (6000) each, with a seed of its own, and writes the table of
+`graph.py STOCHC [RUNS]` estimates the programs of this folder, of races/, releases/, scarce/ and examples/ both ways, RUNS runs (6000) each, with a seed of its own, and writes the table of
 docs/rates.md.
 """
 import json
@@ -19,7 +19,7 @@ def estimate(stochc, program, *options):
 
 
 def main(stochc, runs=6000):
-    others = [program for folder in ("races", "releases") for program in sorted((HERE / folder).glob("*.sa"))]
+    others = [program for folder in ("races", "releases", "scarce") for program in sorted((HERE / folder).glob("*.sa"))]
     examples = [HERE.parent.parent / "examples" / f"{name}.sa" for name in EXAMPLES]
     rows = {}
     for seed, program in enumerate(sorted(HERE.glob("*.sa")) + others + examples, 77):
@@ -29,7 +29,7 @@ def main(stochc, runs=6000):
         rows.setdefault(drawn["method"]["interaction"], []).append((drawn["program"], off, chance))
         print(program.stem, drawn["method"]["interaction"], {name: f"{value:+.1%}" for name, value in off.items()}, f"{chance:.1%}", file=sys.stderr)
     print("| captures | programs | mean off by, at most | 10 % | median | 90 % | chance, ± |\n|---|--:|--:|--:|--:|--:|--:|")
-    for kind in ("apart", "releases", "racing"):
+    for kind in ("apart", "releases", "racing", "scarce"):
         found = rows.get(kind, [])
         worst = {name: max((abs(off[name]) for _, off, _ in found), default=0) for name in ("mean", "p10", "median", "p90")}
         cells = " | ".join(f"{100 * value:.1f} %" for value in worst.values())

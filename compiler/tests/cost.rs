@@ -198,8 +198,18 @@ fn what_a_sum_leaves_out_is_known() {
     let released = "assembly a { seed plate 9 x 1 { A at (1, 0) } phase p { A.up -> S } phase q { release S } }";
     assert_eq!(interaction(released), Interaction::Releases);
     // Sixteen of 300 at once.
-    let many = include_str!("../../benches/rates/sixteen.sa");
-    assert_eq!(interaction(many), Interaction::Racing);
+    let at_once = "assembly a { seed plate 46 x 1 { for i in 0..15 { A[i] at (3 * i, 0) } }
+        phase p { for i in 0..15 { A[i].up -> S[i] } } }";
+    assert_eq!(interaction(at_once), Interaction::Racing);
+    // Two chains of 31 blocks: one may have all of its own when the other has none.
+    let towers = |height: u32| {
+        format!(
+            "assembly a {{ seed plate 9 x 1 {{ A at (1, 0) B at (7, 0) }}
+             phase p {{ A.up ->> S[1..{height}] B.up ->> T[1..{height}] }} }}"
+        )
+    };
+    assert_eq!(interaction(&towers(30)), Interaction::Apart);
+    assert_eq!(interaction(&towers(31)), Interaction::Scarce);
 }
 
 #[test]

@@ -13,6 +13,9 @@ pub enum Interaction {
     /// Faces wait beside each other, and nobody knows which captures first; or so many wait at once that free blocks become scarce
     /// meanwhile.
     Racing,
+    /// Captures that do not wait for each other take so many of the free blocks that the last chain has far fewer left than if all had taken equally
+    /// long.
+    Scarce,
 }
 
 impl Interaction {
@@ -20,8 +23,9 @@ impl Interaction {
     pub fn error(self) -> f64 {
         match self {
             Interaction::Apart => 0.016,
-            Interaction::Releases => 0.009,
-            Interaction::Racing => 0.09,
+            Interaction::Releases => 0.06,
+            Interaction::Racing => 0.12,
+            Interaction::Scarce => 0.16,
         }
     }
 
@@ -32,6 +36,9 @@ impl Interaction {
             Interaction::Releases => "blocks are released, and may dock nearby",
             Interaction::Racing => {
                 "faces wait beside each other, or for more than 3 % of the free blocks at once"
+            }
+            Interaction::Scarce => {
+                "beside the longest chain of a phase more than 10 % of the free blocks are captured"
             }
         }
     }

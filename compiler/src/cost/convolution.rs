@@ -346,6 +346,7 @@ mod tests {
                 docking: 1e-9,
             },
             is_one_of_many: false,
+            is_scarce: false,
             head_starts: Vec::new(),
         })
     }
@@ -458,6 +459,7 @@ mod tests {
             Some(CaptureWait {
                 wait,
                 is_one_of_many: false,
+                is_scarce: false,
                 head_starts: Vec::new(),
             });
             3

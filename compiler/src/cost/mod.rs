@@ -134,9 +134,14 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
 
 fn interaction(program: &Program, waits: &[Option<CaptureWait>], has_race: bool) -> Interaction {
     let is_release = |event: &crate::plan::PlanEvent| event.kind == EventKind::Release;
-    match has_race || waits.iter().flatten().any(|wait| wait.is_one_of_many) {
-        true => Interaction::Racing,
-        false if program.plan.events.iter().any(is_release) => Interaction::Releases,
-        false => Interaction::Apart,
+    let any = |is: fn(&CaptureWait) -> bool| waits.iter().flatten().any(is);
+    if any(|wait| wait.is_scarce) {
+        Interaction::Scarce
+    } else if has_race || any(|wait| wait.is_one_of_many) {
+        Interaction::Racing
+    } else if program.plan.events.iter().any(is_release) {
+        Interaction::Releases
+    } else {
+        Interaction::Apart
     }
 }

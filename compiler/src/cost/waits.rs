@@ -12,6 +12,10 @@ use crate::plan::EventId;
 /// The part of the free blocks that may be missing at the end of a turn, and half of it be taken for all.
 const FEW: f64 = 0.03;
 
+/// The part of the free blocks that other chains may take during a phase. How many they have taken when its turn comes to the chain that ends last is not
+/// what they have if all captures take equally long.
+const SCARCE: f64 = 0.1;
+
 /// What a capture waits for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureWait {
@@ -19,6 +23,8 @@ pub struct CaptureWait {
     pub wait: Wait,
     /// Whether more than [`FEW`] of the free blocks are waited for in its turn.
     pub is_one_of_many: bool,
+    /// Whether more than [`SCARCE`] of the free blocks are captured in its phase beside its longest chain.
+    pub is_scarce: bool,
     /// What blocks may do that are released near the open face, in this phase or the one before.
     pub head_starts: Vec<(EventId, ReleaseNearby)>,
 }
@@ -44,6 +50,9 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
         let open: FxHashMap<(u32, Cell), Face> = captures()
             .map(|(event, way)| ((event.level, event.cell), way))
             .collect();
+        let depth = captures().map(|(event, _)| event.level).max().unwrap_or(0);
+        let beside = captures().count() as f64 - f64::from(depth);
+        let is_scarce = beside > SCARCE * (f64::from(count) - before as f64);
         for (event, way) in captures().filter(|_| !phase.planted) {
             let &PhaseEvent { cell, level, .. } = event;
             // Half of those that have their turn at the same time are gone as well.
@@ -64,6 +73,7 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             waits[event.id.0 as usize] = Some(CaptureWait {
                 wait: without.between(with),
                 is_one_of_many: mates as f64 > FEW * f64::from(count),
+                is_scarce,
                 head_starts: head_starts(of_releases, &released, cell, way),
             });
         }

@@ -71,7 +71,7 @@ fn origin(estimate: &CompletionEstimate) -> String {
     };
     if estimate.stopped > 0 {
         text += &format!(
-            " {} of them did not complete, and count for nothing here.",
+            " {} of these did not complete, and count only in the parts of the time below.",
             estimate.stopped
         );
     }
@@ -84,10 +84,10 @@ pub fn left_out(interaction: Interaction, leaves_out_messages: bool) -> String {
     match leaves_out_messages {
         true => format!(
             "{meaning}. The time that messages take in this scene is left out as well: runs by rates have it \
-             (`stochc estimate --runs N`). Without that, means are within {error} of runs by rates."
+             (`stochc estimate --runs N`). In such programs without messages, means differed from those runs by at most {error}."
         ),
         false => format!(
-            "{meaning}. Where that is so, means are within {error} of runs by rates (`stochc estimate --runs N`)."
+            "{meaning}. In such programs, means differed from runs by rates (`stochc estimate --runs N`) by at most {error}."
         ),
     }
 }
