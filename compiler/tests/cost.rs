@@ -198,18 +198,19 @@ fn what_a_sum_leaves_out_is_known() {
     let released = "assembly a { seed plate 9 x 1 { A at (1, 0) } phase p { A.up -> S } phase q { release S } }";
     assert_eq!(interaction(released), Interaction::Releases);
     // Sixteen of 300 at once.
-    let at_once = "assembly a { seed plate 46 x 1 { for i in 0..15 { A[i] at (3 * i, 0) } }
-        phase p { for i in 0..15 { A[i].up -> S[i] } } }";
+    let at_once = "assembly a {
+        seed plate 10 x 10 { for i in 0..3 { for j in 0..3 { A[i, j] at (3 * i, 3 * j) } } }
+        phase p { for i in 0..3 { for j in 0..3 { A[i, j].up -> S[i, j] } } } }";
     assert_eq!(interaction(at_once), Interaction::Racing);
-    // Two chains of 31 blocks: one may have all of its own when the other has none.
+    // Four chains: three of them may have all of their blocks, 30 or 33 of 300, when one has none.
     let towers = |height: u32| {
         format!(
-            "assembly a {{ seed plate 9 x 1 {{ A at (1, 0) B at (7, 0) }}
-             phase p {{ A.up ->> S[1..{height}] B.up ->> T[1..{height}] }} }}"
+            "assembly a {{ seed plate 7 x 7 {{ for i in 0..1 {{ for j in 0..1 {{ A[i, j] at (6 * i, 6 * j) }} }} }}
+             phase p {{ for i in 0..1 {{ for j in 0..1 {{ A[i, j].up ->> T[i, j, 1..{height}] }} }} }} }}"
         )
     };
-    assert_eq!(interaction(&towers(30)), Interaction::Apart);
-    assert_eq!(interaction(&towers(31)), Interaction::Scarce);
+    assert_eq!(interaction(&towers(10)), Interaction::Apart);
+    assert_eq!(interaction(&towers(11)), Interaction::Scarce);
 }
 
 #[test]
