@@ -111,9 +111,12 @@ fn faces_beside_each_other_are_half_known() {
 fn chains_that_take_many_blocks_leave_few_to_the_last() {
     agree(
         &[
+            "benches/rates/sixteen.sa",
             "benches/rates/scarce/nine_of_8.sa",
+            "benches/rates/scarce/nine_of_16.sa",
+            "benches/rates/scarce/sixteen_of_10.sa",
             "benches/rates/scarce/twenty_five_of_8.sa",
         ],
-        Interaction::Scarce,
+        Interaction::Apart,
     );
 }

@@ -29,7 +29,7 @@ def main(stochc, runs=6000):
         rows.setdefault(drawn["method"]["interaction"], []).append((drawn["program"], off, chance))
         print(program.stem, drawn["method"]["interaction"], {name: f"{value:+.1%}" for name, value in off.items()}, f"{chance:.1%}", file=sys.stderr)
     print("| captures | programs | mean off by, at most | 10 % | median | 90 % | chance, ± |\n|---|--:|--:|--:|--:|--:|--:|")
-    for kind in ("apart", "releases", "racing", "scarce"):
+    for kind in ("apart", "releases", "racing"):
         found = rows.get(kind, [])
         worst = {name: max((abs(off[name]) for _, off, _ in found), default=0) for name in ("mean", "p10", "median", "p90")}
         cells = " | ".join(f"{100 * value:.1f} %" for value in worst.values())

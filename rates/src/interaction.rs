@@ -10,12 +10,8 @@ pub enum Interaction {
     Apart,
     /// Blocks are released, and may dock at an open face nearby.
     Releases,
-    /// Faces wait beside each other, and nobody knows which captures first; or so many wait at once that free blocks become scarce
-    /// meanwhile.
+    /// Faces wait beside each other, and nobody knows which captures first.
     Racing,
-    /// Captures that do not wait for each other take so many of the free blocks that the last chain has far fewer left than if all had taken equally
-    /// long.
-    Scarce,
 }
 
 impl Interaction {
@@ -25,7 +21,6 @@ impl Interaction {
             Interaction::Apart => 0.016,
             Interaction::Releases => 0.06,
             Interaction::Racing => 0.12,
-            Interaction::Scarce => 0.16,
         }
     }
 
@@ -34,12 +29,7 @@ impl Interaction {
         match self {
             Interaction::Apart => "no faces wait beside each other, and no block is released",
             Interaction::Releases => "blocks are released, and may dock nearby",
-            Interaction::Racing => {
-                "faces wait beside each other, or for more than 3 % of the free blocks at once"
-            }
-            Interaction::Scarce => {
-                "beside the longest chain of a phase more than 10 % of the free blocks are captured"
-            }
+            Interaction::Racing => "faces wait beside each other",
         }
     }
 }

@@ -345,7 +345,7 @@ mod tests {
                 rate: 1.0 / mean,
                 docking: 1e-9,
             },
-            is_one_of_many: false,
+            free: 1.0,
             is_scarce: false,
             head_starts: Vec::new(),
         })
@@ -458,7 +458,7 @@ mod tests {
         let waits = vec![
             Some(CaptureWait {
                 wait,
-                is_one_of_many: false,
+                free: 1.0,
                 is_scarce: false,
                 head_starts: Vec::new(),
             });

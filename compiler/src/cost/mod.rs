@@ -9,6 +9,7 @@ mod head_starts;
 mod occupancy;
 mod phase_events;
 mod sampling;
+mod scarcity;
 mod schedule;
 mod steps;
 mod waits;
@@ -19,6 +20,7 @@ use stochc_rates::{Interaction, Rates, Times};
 
 use crate::Program;
 use crate::plan::{EventId, EventKind};
+use scarcity::Scarcity;
 use waits::CaptureWait;
 
 /// What is known of a program without running it.
@@ -99,7 +101,8 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         return Some(cost);
     }
     let (steps, timeouts) = (steps::steps(program, order), steps::timeouts(program));
-    let sampled = sampling::sample(program, &steps, &timeouts, &waits);
+    let scarcity = Scarcity::of(program, &waits, rates);
+    let sampled = sampling::sample(program, &steps, &timeouts, &waits, scarcity.as_ref());
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
     cost.total = Times::of_most(complete, sampled.draws.len());
@@ -107,14 +110,18 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
         phase.times = times;
     }
-    if let Some((phases, total)) = convolution::exact_times(&steps, &timeouts, &waits) {
+    let exact = match scarcity {
+        None => convolution::exact_times(&steps, &timeouts, &waits),
+        Some(_) => None,
+    };
+    if let Some((phases, total)) = exact {
         cost.total = Some(total);
         for (phase, times) in cost.phases.iter_mut().zip(phases) {
             phase.times = Some(times);
         }
         cost.is_exact = true;
     }
-    cost.interaction = interaction(program, &waits, sampled.has_race);
+    cost.interaction = interaction(program, sampled.has_race);
     let captures = waits.iter().zip(sampled.shares).zip(sampled.waits);
     cost.captures = (0..)
         .map(EventId)
@@ -132,16 +139,11 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     Some(cost)
 }
 
-fn interaction(program: &Program, waits: &[Option<CaptureWait>], has_race: bool) -> Interaction {
+fn interaction(program: &Program, has_race: bool) -> Interaction {
     let is_release = |event: &crate::plan::PlanEvent| event.kind == EventKind::Release;
-    let any = |is: fn(&CaptureWait) -> bool| waits.iter().flatten().any(is);
-    if any(|wait| wait.is_scarce) {
-        Interaction::Scarce
-    } else if has_race || any(|wait| wait.is_one_of_many) {
-        Interaction::Racing
-    } else if program.plan.events.iter().any(is_release) {
-        Interaction::Releases
-    } else {
-        Interaction::Apart
+    match has_race {
+        true => Interaction::Racing,
+        false if program.plan.events.iter().any(is_release) => Interaction::Releases,
+        false => Interaction::Apart,
     }
 }

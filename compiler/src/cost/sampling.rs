@@ -8,6 +8,7 @@ use stochc_rates::Times;
 
 use super::drawn_times::{DrawnTimes, NOBODY, exponential};
 use super::head_starts::TimedPhase;
+use super::scarcity::Scarcity;
 use super::steps::Step;
 use super::waits::{CaptureWait, within};
 use crate::Program;
@@ -51,6 +52,7 @@ pub fn sample(
     steps: &[Vec<Step>],
     timeouts: &[f64],
     waits: &[Option<CaptureWait>],
+    scarcity: Option<&Scarcity<'_>>,
 ) -> Sampled {
     let count = waits.iter().flatten().count().max(1);
     let times = (DRAWN / count).clamp(LEAST, MOST);
@@ -66,14 +68,19 @@ pub fn sample(
     let mut has_race = false;
     for number in 0..times {
         let mut total = 0.0;
+        let mut taken = 0.0;
         let mut is_complete = true;
         drawn.clear();
         let phases = steps.iter().zip(&timed).zip(&mut durations).zip(timeouts);
         for (((steps, timed), durations), timeout) in phases {
-            match timed {
-                Some(timed) => timed.draw(total, &mut drawn, &mut rng),
-                None => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
+            match (timed, scarcity) {
+                (Some(timed), _) => timed.draw(total, &mut drawn, &mut rng),
+                (None, Some(scarcity)) => {
+                    scarcity.draw(steps, waits, (total, taken), &mut drawn, &mut rng);
+                }
+                (None, None) => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
             }
+            taken += scarcity.map_or(0.0, |scarcity| scarcity.taken_by(steps));
             let mut latest = (total, NOBODY);
             for &Step { event, .. } in steps {
                 let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);

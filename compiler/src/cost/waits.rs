@@ -14,16 +14,16 @@ const FEW: f64 = 0.03;
 
 /// The part of the free blocks that other chains may take during a phase. How many they have taken when its turn comes to the chain that ends last is not
 /// what they have if all captures take equally long.
-const SCARCE: f64 = 0.1;
+const MANY: f64 = 0.1;
 
 /// What a capture waits for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureWait {
     /// In the structure as it stands when its turn comes and all captures take equally long, those of the same turn half there.
     pub wait: Wait,
-    /// Whether more than [`FEW`] of the free blocks are waited for in its turn.
-    pub is_one_of_many: bool,
-    /// Whether more than [`SCARCE`] of the free blocks are captured in its phase beside its longest chain.
+    /// The part of the blocks that is free in that structure.
+    pub free: f64,
+    /// Whether more than [`FEW`] of the free blocks are waited for in its turn, or more than [`MANY`] are captured in its phase beside its longest chain.
     pub is_scarce: bool,
     /// What blocks may do that are released near the open face, in this phase or the one before.
     pub head_starts: Vec<(EventId, ReleaseNearby)>,
@@ -52,19 +52,20 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             .collect();
         let depth = captures().map(|(event, _)| event.level).max().unwrap_or(0);
         let beside = captures().count() as f64 - f64::from(depth);
-        let is_scarce = beside > SCARCE * (f64::from(count) - before as f64);
+        let is_scarce = beside > MANY * (f64::from(count) - before as f64);
         for (event, way) in captures().filter(|_| !phase.planted) {
             let &PhaseEvent { cell, level, .. } = event;
             // Half of those that have their turn at the same time are gone as well.
             let mates = bound[level as usize + 1] - bound[level as usize] - 1;
             let taken = bound[level as usize] as f64 + mates.max(0) as f64 / 2.0;
+            let free = 1.0 - taken / f64::from(count.max(1));
             let wait = |with_mates: bool| {
                 let is_full = |near| near != cell && occupancy.is_full(near, level, with_mates);
                 let way_into = |near| open.get(&(level, near)).copied().filter(|_| !with_mates);
                 let near = Neighbourhood::of(cell, is_full);
                 let around = rates.surroundings(cell, way, near, way_into);
                 rates.wait(&Surroundings {
-                    free: 1.0 - taken / f64::from(count.max(1)),
+                    free,
                     cold: cold && level == 1,
                     ..around
                 })
@@ -72,8 +73,8 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             let [without, with] = [false, true].map(wait);
             waits[event.id.0 as usize] = Some(CaptureWait {
                 wait: without.between(with),
-                is_one_of_many: mates as f64 > FEW * f64::from(count),
-                is_scarce,
+                free,
+                is_scarce: is_scarce || mates as f64 > FEW * f64::from(count),
                 head_starts: head_starts(of_releases, &released, cell, way),
             });
         }
