@@ -92,7 +92,7 @@ fn times_without_chance_are_those_that_are_drawn() {
         include_str!("../../examples/closed_platform.sa"),
         include_str!("../../benches/rates/mast.sa"),
         include_str!("../../benches/rates/uneven.sa"),
-        include_str!("../../benches/rates/sixteen.sa"),
+        include_str!("../../benches/rates/twins.sa"),
     ] {
         let (_, cost, _) = program(text);
         let times = cost.total.unwrap();

@@ -11,7 +11,7 @@ use super::waits::CaptureWait;
 use crate::Program;
 use crate::plan::{EventId, EventKind};
 
-/// Times that a drawing is corrected: by how much the next one changes a mean is below 0.1 %, if nearly all blocks are taken.
+/// Times that a drawing is corrected: all that would follow change a mean by 0.1 % where two thirds of the blocks are taken, and by nothing where half of them are.
 const CORRECTIONS: usize = 3;
 
 /// What is known of the free blocks of a program that makes them scarce.
