@@ -8,7 +8,7 @@ use stochc_rates::Times;
 
 use super::drawn_times::{DrawnTimes, NOBODY, exponential};
 use super::head_starts::TimedPhase;
-use super::scarcity::Scarcity;
+use super::scarcity::{Course, Scarcity};
 use super::steps::Step;
 use super::waits::{CaptureWait, within};
 use crate::Program;
@@ -66,17 +66,19 @@ pub fn sample(
     let mut decided = vec![0.0; waits.len()];
     let mut waited = vec![(0.0, 0_u32); waits.len()];
     let mut has_race = false;
+    let mut courses = vec![Course::new(); steps.len()];
     for number in 0..times {
         let mut total = 0.0;
         let mut taken = 0.0;
         let mut is_complete = true;
         drawn.clear();
         let phases = steps.iter().zip(&timed).zip(&mut durations).zip(timeouts);
-        for (((steps, timed), durations), timeout) in phases {
+        for ((((steps, timed), durations), timeout), course) in phases.zip(&mut courses) {
             match (timed, scarcity) {
                 (Some(timed), _) => timed.draw(total, &mut drawn, &mut rng),
                 (None, Some(scarcity)) => {
-                    scarcity.draw(steps, waits, (total, taken), &mut drawn, &mut rng);
+                    let chance = (&mut drawn, &mut rng);
+                    scarcity.draw(steps, waits, (total, taken), course, chance);
                 }
                 (None, None) => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
             }

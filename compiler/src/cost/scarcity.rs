@@ -14,6 +14,12 @@ use crate::plan::{EventId, EventKind};
 /// Times that a drawing is corrected: all that would follow change a mean by 0.1 % where two thirds of the blocks are taken, and by nothing where half of them are.
 const CORRECTIONS: usize = 3;
 
+/// Events of a phase beyond which all drawings take blocks alike, so that one correction by the drawing before is enough.
+const MANY: usize = 5000;
+
+/// When events change how many blocks are taken, from the beginning of a phase, and how many that are then.
+pub type Course = Vec<(f64, f64)>;
+
 /// What is known of the free blocks of a program that makes them scarce.
 pub struct Scarcity<'a> {
     parameters: &'a Parameters,
@@ -53,29 +59,38 @@ impl<'a> Scarcity<'a> {
         taken.sum()
     }
 
-    /// Draws when the events of a phase happen that began when so many blocks were taken.
+    /// Draws when the events of a phase happen that began when so many blocks were taken; `course`: of the drawing before, and then of this one.
     pub fn draw(
         &self,
         steps: &[Step],
         waits: &[Option<CaptureWait>],
         (began, taken): (f64, f64),
-        times: &mut DrawnTimes,
-        rng: &mut ChaCha8Rng,
+        course: &mut Course,
+        (times, rng): (&mut DrawnTimes, &mut ChaCha8Rng),
     ) {
         let hazards: Vec<f64> = steps.iter().map(|_| exponential(rng)).collect();
-        // When it changes how many are taken, and how many that are then.
-        let mut course: Vec<(f64, f64)> = Vec::with_capacity(steps.len());
-        for correction in 0..=CORRECTIONS {
+        if steps.len() <= MANY {
+            course.clear();
+        }
+        let corrections = match course.is_empty() {
+            true => 0..=CORRECTIONS,
+            false => 1..=1,
+        };
+        for correction in corrections {
             for (step, &hazard) in steps.iter().zip(&hazards) {
                 let event = step.event as usize;
-                let half = (times.ends[event] - times.starts[event]) / 2.0;
+                let known = Some((times.ends[event] - times.starts[event]) / 2.0);
                 let start = times.begin(step, began);
                 times.ends[event] = start;
                 if let Some(CaptureWait { wait, free, .. }) = &waits[event] {
                     let rate = match correction {
                         0 => wait.rate,
                         _ => {
-                            let left = 1.0 - at(&course, start + half, taken) / self.count;
+                            // Of the correction before, or about as long as it will be.
+                            let half = known.filter(|half| half.is_finite());
+                            let half = half.unwrap_or((hazard / wait.rate + wait.docking) / 2.0);
+                            let middle = start + half - began;
+                            let left = 1.0 - at(course, middle, taken) / self.count;
                             // There is one at least: the one that is captured.
                             let left = left.max(1.0 / self.count);
                             let of_free = |part| self.parameters.of_free(part);
@@ -87,10 +102,10 @@ impl<'a> Scarcity<'a> {
             }
             let changes = steps.iter().map(|step| step.event as usize);
             course.clear();
-            course.extend(changes.map(|event| (times.ends[event], self.taken[event])));
+            course.extend(changes.map(|event| (times.ends[event] - began, self.taken[event])));
             course.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
             let mut sum = taken;
-            for (_, taken) in &mut course {
+            for (_, taken) in course.iter_mut() {
                 sum += *taken;
                 *taken = sum;
             }
