@@ -14,7 +14,7 @@ use crate::plan::{EventId, EventKind};
 /// Times that a drawing is corrected: all that would follow change a mean by 0.1 % where two thirds of the blocks are taken, and by nothing where half of them are.
 const CORRECTIONS: usize = 3;
 
-/// Events of a phase beyond which all drawings take blocks alike, so that one correction by the drawing before is enough.
+/// Events of a phase beyond which all drawings take blocks alike, so that two corrections that begin with the drawing before are enough.
 const MANY: usize = 5000;
 
 /// When events change how many blocks are taken, from the beginning of a phase, and how many that are then.
@@ -74,7 +74,7 @@ impl<'a> Scarcity<'a> {
         }
         let corrections = match course.is_empty() {
             true => 0..=CORRECTIONS,
-            false => 1..=1,
+            false => 1..=2,
         };
         for correction in corrections {
             for (step, &hazard) in steps.iter().zip(&hazards) {
