@@ -20,7 +20,6 @@ use stochc_rates::{Interaction, Rates, Times};
 
 use crate::Program;
 use crate::plan::{EventId, EventKind};
-use scarcity::Scarcity;
 use waits::CaptureWait;
 
 /// What is known of a program without running it.
@@ -101,8 +100,12 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         return Some(cost);
     }
     let (steps, timeouts) = (steps::steps(program, order), steps::timeouts(program));
-    let scarcity = Scarcity::of(program, &waits, rates);
-    let sampled = sampling::sample(program, &steps, &timeouts, &waits, scarcity.as_ref());
+    let scarce = scarcity::scarce_phases(program, &steps, &waits, rates);
+    let exact = match scarce {
+        None => convolution::exact_times(&steps, &timeouts, &waits),
+        Some(_) => None,
+    };
+    let sampled = sampling::sample(program, &steps, &timeouts, &waits, scarce);
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
     cost.total = Times::of_most(complete, sampled.draws.len());
@@ -110,10 +113,6 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
         phase.times = times;
     }
-    let exact = match scarcity {
-        None => convolution::exact_times(&steps, &timeouts, &waits),
-        Some(_) => None,
-    };
     if let Some((phases, total)) = exact {
         cost.total = Some(total);
         for (phase, times) in cost.phases.iter_mut().zip(phases) {

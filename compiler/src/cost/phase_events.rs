@@ -26,6 +26,11 @@ impl PhaseEvent {
     }
 }
 
+/// How many blocks fewer are free after an event.
+pub fn taken_by(kind: EventKind) -> i64 {
+    if kind == EventKind::Release { -1 } else { 1 }
+}
+
 /// The events of a phase, in source order; `levels` of all events.
 pub fn phase_events(program: &Program, phase: &PlanPhase, levels: &[u32]) -> Vec<PhaseEvent> {
     let (plan, layout) = (&program.plan, &program.layout);
@@ -57,7 +62,7 @@ pub fn bound(before: i64, events: &[PhaseEvent]) -> Vec<i64> {
     let mut bound = vec![0; levels.map_or(1, |levels| levels as usize + 2)];
     bound[0] = before;
     for event in events {
-        bound[event.level as usize + 1] += if event.is_release() { -1 } else { 1 };
+        bound[event.level as usize + 1] += taken_by(event.kind);
     }
     let mut sum = 0;
     for bound in &mut bound {

@@ -8,7 +8,7 @@ use stochc_rates::Times;
 
 use super::drawn_times::{DrawnTimes, NOBODY, exponential};
 use super::head_starts::TimedPhase;
-use super::scarcity::{Course, Scarcity};
+use super::scarcity::ScarcePhase;
 use super::steps::Step;
 use super::waits::{CaptureWait, within};
 use crate::Program;
@@ -52,7 +52,7 @@ pub fn sample(
     steps: &[Vec<Step>],
     timeouts: &[f64],
     waits: &[Option<CaptureWait>],
-    scarcity: Option<&Scarcity<'_>>,
+    mut scarce: Option<Vec<ScarcePhase<'_>>>,
 ) -> Sampled {
     let count = waits.iter().flatten().count().max(1);
     let times = (DRAWN / count).clamp(LEAST, MOST);
@@ -66,23 +66,17 @@ pub fn sample(
     let mut decided = vec![0.0; waits.len()];
     let mut waited = vec![(0.0, 0_u32); waits.len()];
     let mut has_race = false;
-    let mut courses = vec![Course::new(); steps.len()];
     for number in 0..times {
         let mut total = 0.0;
-        let mut taken = 0.0;
         let mut is_complete = true;
         drawn.clear();
         let phases = steps.iter().zip(&timed).zip(&mut durations).zip(timeouts);
-        for ((((steps, timed), durations), timeout), course) in phases.zip(&mut courses) {
-            match (timed, scarcity) {
+        for (phase, (((steps, timed), durations), timeout)) in phases.enumerate() {
+            match (timed, &mut scarce) {
                 (Some(timed), _) => timed.draw(total, &mut drawn, &mut rng),
-                (None, Some(scarcity)) => {
-                    let chance = (&mut drawn, &mut rng);
-                    scarcity.draw(steps, waits, (total, taken), course, chance);
-                }
+                (None, Some(scarce)) => scarce[phase].draw(total, &mut drawn, &mut rng),
                 (None, None) => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
             }
-            taken += scarcity.map_or(0.0, |scarcity| scarcity.taken_by(steps));
             let mut latest = (total, NOBODY);
             for &Step { event, .. } in steps {
                 let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);

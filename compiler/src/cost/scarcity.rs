@@ -6,10 +6,11 @@ use rand_chacha::ChaCha8Rng;
 use stochc_rates::{Parameters, Rates, Wait};
 
 use super::drawn_times::{DrawnTimes, exponential};
+use super::phase_events::taken_by;
 use super::steps::Step;
 use super::waits::CaptureWait;
 use crate::Program;
-use crate::plan::{EventId, EventKind};
+use crate::plan::EventId;
 
 /// Times that a drawing is corrected: all that would follow change a mean by 0.1 % where two thirds of the blocks are taken, and by nothing where half of them are.
 const CORRECTIONS: usize = 3;
@@ -17,82 +18,78 @@ const CORRECTIONS: usize = 3;
 /// Events of a phase beyond which all drawings take blocks alike, so that two corrections that begin with the drawing before are enough.
 const MANY: usize = 5000;
 
-/// When events change how many blocks are taken, from the beginning of a phase, and how many that are then.
-pub type Course = Vec<(f64, f64)>;
-
-/// What is known of the free blocks of a program that makes them scarce.
-pub struct Scarcity<'a> {
+/// The steps of a phase in a program whose free blocks are scarce.
+pub struct ScarcePhase<'a> {
+    steps: &'a [Step],
+    waits: &'a [Option<CaptureWait>],
     parameters: &'a Parameters,
-    /// Blocks that are free at the beginning.
+    /// Blocks that are free at the beginning of the program.
     count: f64,
-    /// By how many blocks each event leaves fewer of them.
+    /// By how many blocks each step leaves fewer of them.
     taken: Vec<f64>,
+    /// How many are taken when the phase begins.
+    before: f64,
+    /// When steps change how many are taken, from the beginning of the phase, and how many that are then: of the last drawing.
+    course: Vec<(f64, f64)>,
 }
 
-impl<'a> Scarcity<'a> {
-    /// `None`: there are enough of them.
-    pub fn of(
-        program: &Program,
-        waits: &[Option<CaptureWait>],
-        rates: &'a Rates,
-    ) -> Option<Scarcity<'a>> {
-        let is_scarce = waits.iter().flatten().any(|wait| wait.is_scarce);
-        let scene = program.scene.as_ref().filter(|_| is_scarce)?;
-        let events = (0..waits.len()).map(|event| {
-            let is_known = program.layout.cells[event].is_some();
-            match program.plan.event(EventId(event as u32)).kind {
-                _ if !is_known => 0.0,
-                EventKind::Release => -1.0,
-                _ => 1.0,
-            }
-        });
-        Some(Scarcity {
+/// The phases of a program; `None`: there are enough blocks.
+pub fn scarce_phases<'a>(
+    program: &Program,
+    steps: &'a [Vec<Step>],
+    waits: &'a [Option<CaptureWait>],
+    rates: &'a Rates,
+) -> Option<Vec<ScarcePhase<'a>>> {
+    let is_scarce = waits.iter().flatten().any(|wait| wait.is_scarce);
+    let scene = program.scene.as_ref().filter(|_| is_scarce)?;
+    let taken = |step: &Step| match program.layout.cells[step.event as usize] {
+        Some(_) => taken_by(program.plan.event(EventId(step.event)).kind) as f64,
+        None => 0.0,
+    };
+    let mut before = 0.0;
+    let phases = steps.iter().map(|steps| {
+        let phase = ScarcePhase {
+            steps,
+            waits,
             parameters: &rates.parameters,
             count: f64::from(scene.free.count.max(1)),
-            taken: events.collect(),
-        })
-    }
+            taken: steps.iter().map(taken).collect(),
+            before,
+            course: Vec::new(),
+        };
+        before += phase.taken.iter().sum::<f64>();
+        phase
+    });
+    Some(phases.collect())
+}
 
-    /// How many blocks the events of a phase take.
-    pub fn taken_by(&self, steps: &[Step]) -> f64 {
-        let taken = steps.iter().map(|step| self.taken[step.event as usize]);
-        taken.sum()
-    }
-
-    /// Draws when the events of a phase happen that began when so many blocks were taken; `course`: of the drawing before, and then of this one.
-    pub fn draw(
-        &self,
-        steps: &[Step],
-        waits: &[Option<CaptureWait>],
-        (began, taken): (f64, f64),
-        course: &mut Course,
-        (times, rng): (&mut DrawnTimes, &mut ChaCha8Rng),
-    ) {
-        let hazards: Vec<f64> = steps.iter().map(|_| exponential(rng)).collect();
-        if steps.len() <= MANY {
-            course.clear();
+impl ScarcePhase<'_> {
+    /// Draws when the events of the phase happen that began at a time.
+    pub fn draw(&mut self, began: f64, times: &mut DrawnTimes, rng: &mut ChaCha8Rng) {
+        let hazards: Vec<f64> = self.steps.iter().map(|_| exponential(rng)).collect();
+        if self.steps.len() <= MANY {
+            self.course.clear();
         }
-        let corrections = match course.is_empty() {
+        let corrections = match self.course.is_empty() {
             true => 0..=CORRECTIONS,
             false => 1..=2,
         };
         for correction in corrections {
-            for (step, &hazard) in steps.iter().zip(&hazards) {
+            for (step, &hazard) in self.steps.iter().zip(&hazards) {
                 let event = step.event as usize;
-                let known = Some((times.ends[event] - times.starts[event]) / 2.0);
+                let half = (times.ends[event] - times.starts[event]) / 2.0;
                 let start = times.begin(step, began);
                 times.ends[event] = start;
-                if let Some(CaptureWait { wait, free, .. }) = &waits[event] {
+                if let Some(CaptureWait { wait, free, .. }) = &self.waits[event] {
                     let rate = match correction {
                         0 => wait.rate,
                         _ => {
                             // Of the correction before, or about as long as it will be.
-                            let half = known.filter(|half| half.is_finite());
-                            let half = half.unwrap_or((hazard / wait.rate + wait.docking) / 2.0);
-                            let middle = start + half - began;
-                            let left = 1.0 - at(course, middle, taken) / self.count;
-                            // There is one at least: the one that is captured.
-                            let left = left.max(1.0 / self.count);
+                            let half = match half.is_finite() {
+                                true => half,
+                                false => (hazard / wait.rate + wait.docking) / 2.0,
+                            };
+                            let left = self.free_at(start + half - began);
                             let of_free = |part| self.parameters.of_free(part);
                             wait.rate * of_free(left) / of_free(*free)
                         }
@@ -100,23 +97,31 @@ impl<'a> Scarcity<'a> {
                     times.ends[event] += Wait { rate, ..*wait }.time_of(hazard);
                 }
             }
-            let changes = steps.iter().map(|step| step.event as usize);
-            course.clear();
-            course.extend(changes.map(|event| (times.ends[event] - began, self.taken[event])));
-            course.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-            let mut sum = taken;
-            for (_, taken) in course.iter_mut() {
-                sum += *taken;
-                *taken = sum;
-            }
+            self.follow(began, times);
         }
     }
-}
 
-/// How many blocks are taken at a time.
-fn at(course: &[(f64, f64)], time: f64, at_first: f64) -> f64 {
-    match course.partition_point(|&(when, _)| when <= time) {
-        0 => at_first,
-        after => course[after - 1].1,
+    /// The part of the blocks that is free at a time from the beginning of the phase: one block at least, the one that is captured.
+    fn free_at(&self, time: f64) -> f64 {
+        let taken = match self.course.partition_point(|&(when, _)| when <= time) {
+            0 => self.before,
+            after => self.course[after - 1].1,
+        };
+        (1.0 - taken / self.count).max(1.0 / self.count)
+    }
+
+    /// Takes over how many blocks are taken when, from a drawing.
+    fn follow(&mut self, began: f64, times: &DrawnTimes) {
+        let changes = self.steps.iter().zip(&self.taken);
+        let changes =
+            changes.map(|(step, taken)| (times.ends[step.event as usize] - began, *taken));
+        self.course.clear();
+        self.course.extend(changes);
+        self.course.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut sum = self.before;
+        for (_, taken) in &mut self.course {
+            sum += *taken;
+            *taken = sum;
+        }
     }
 }
