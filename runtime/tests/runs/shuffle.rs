@@ -231,13 +231,15 @@ impl Towers {
     }
 }
 
-/// By the square of a program, an event of the large one would take 16 times as long as one of the small one.
+/// By the square of a program, an event of the large one would take 64 times as long as one of the small one. It takes two to
+/// ten times as long: the small one stays in the cache of one core, and a busy machine leaves little of the others to the large
+/// one.
 #[test]
 fn an_event_takes_about_as_long_in_a_large_program_as_in_a_small_one() {
-    let programs = [11, 44].map(Towers::on_a_plate_of);
+    let programs = [11, 88].map(Towers::on_a_plate_of);
     // In turn, so that what else the machine does slows both, and the shortest of several, which it slows least.
-    let [small, large] = (0..9).fold([f64::INFINITY; 2], |least, _| {
+    let [small, large] = (0..5).fold([f64::INFINITY; 2], |least, _| {
         std::array::from_fn(|i| least[i].min(programs[i].time_per_event()))
     });
-    assert!(large < 6.0 * small, "{large} s and {small} s");
+    assert!(large < 30.0 * small, "{large} s and {small} s");
 }
