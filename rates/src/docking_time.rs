@@ -3,6 +3,17 @@
 /// Stages of a docking: its time has the Erlang distribution of this shape.
 pub const STAGES: i32 = 2;
 
+/// Stages below which sums of powers have more digits than differences: 10 of them at least.
+const SMALL: f64 = 0.05;
+
+/// a + b x + c x^2 and so on.
+fn sum_of_powers<const N: usize>(x: f64, factors: [f64; N]) -> f64 {
+    factors
+        .iter()
+        .rev()
+        .fold(0.0, |sum, factor| sum * x + factor)
+}
+
 /// The distribution function of a docking time, in units of its mean.
 pub(crate) fn docked(time: f64) -> f64 {
     let x = f64::from(STAGES) * time;
@@ -17,16 +28,31 @@ pub(crate) fn summed(time: f64) -> f64 {
 
 /// The same after x stages, by e^-x.
 fn docked_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
-    // 1 - e^-x (1 + x), without the loss of digits where x is small.
-    match x < 1e-3 {
-        true => x * x * (0.5 - x / 3.0),
+    match x < SMALL {
+        true => {
+            x * x
+                * sum_of_powers(
+                    x,
+                    [1. / 2., -1. / 3., 1. / 8., -1. / 30., 1. / 144., -1. / 840.],
+                )
+        }
         false => 1.0 - decay() * (1.0 + x),
     }
 }
 
 fn summed_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
-    let integral = match x < 1e-2 {
-        true => x * x * x * (1.0 / 6.0 - x / 12.0 + x * x / 40.0),
+    let integral = match x < SMALL {
+        true => {
+            let factors = [
+                1. / 6.,
+                -1. / 12.,
+                1. / 40.,
+                -1. / 180.,
+                1. / 1008.,
+                -1. / 6720.,
+            ];
+            x * x * x * sum_of_powers(x, factors)
+        }
         false => x - 2.0 + decay() * (x + 2.0),
     };
     integral / f64::from(STAGES)
@@ -41,8 +67,11 @@ pub(crate) fn when_summed(value: f64) -> f64 {
         return value;
     }
     // summed(t) >= t - 1; and where t is small, with two stages, 2 t^3 / 3 (1 - t).
-    let small = libm::cbrt(1.5 * value);
-    let mut time = (value + 1.0).min(small + small * small);
+    let mut time = value + 1.0;
+    if value < 1.0 {
+        let small = libm::cbrt(1.5 * value);
+        time = time.min(small + small * small);
+    }
     for _ in 0..60 {
         let x = f64::from(STAGES) * time;
         let decay = libm::exp(-x);

@@ -1,4 +1,4 @@
-//! When a summed hazard comes to a value, nearly: within bounds that take a few multiplications instead of some steps of
+//! When a summed hazard comes to a value, nearly, or within bounds: that takes a few multiplications instead of some steps of
 //! Newton's, each with an exponential.
 use std::sync::LazyLock;
 
@@ -10,20 +10,15 @@ const PART_BITS: u32 = 5;
 /// The bits of a value that say where in its part it is.
 const WITHIN_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PART_BITS;
 
-/// The values of the table.
+/// The values of the table; larger ones need none.
 const LEAST: f64 = 1.0 / 128.0;
-const MOST: f64 = 4.25;
+const MOST: f64 = 8.0;
 
 /// Parts between them.
 const PARTS: usize = part(MOST) - part(LEAST);
 
 /// By how much the table may be off, of itself: thirty times what it is.
 const ERROR: f64 = 1e-7;
-
-/// From [`MOST`] on, by how much more or less than one the time is above its value: nobody is left who has come and not docked. What
-/// Newton's first guess leaves of an error there, is smaller.
-const BELOW_ONE: f64 = 3e-4;
-const ABOVE_ONE: f64 = 1e-4;
 
 /// Of values from here on, single bits are larger than that.
 const HUGE: f64 = 1e6;
@@ -34,14 +29,24 @@ static CUBICS: LazyLock<[[f64; 4]; PARTS]> =
 
 /// Bounds of [`when_summed`].
 pub(crate) fn bounds(value: f64) -> (f64, f64) {
-    if (LEAST..MOST).contains(&value) {
-        let time = near(value);
+    if (LEAST..HUGE).contains(&value) {
+        let time = about_when_summed(value);
         (time * (1.0 - ERROR), time * (1.0 + ERROR))
-    } else if (MOST..HUGE).contains(&value) {
-        (value + (1.0 - BELOW_ONE), value + (1.0 + ABOVE_ONE))
     } else {
         let time = when_summed(value);
         (time, time)
+    }
+}
+
+/// [`when_summed`], to [`ERROR`] of itself.
+pub(crate) fn about_when_summed(value: f64) -> f64 {
+    if (LEAST..MOST).contains(&value) {
+        near(value)
+    } else if (MOST..HUGE).contains(&value) {
+        // Nobody is left who has come and not docked.
+        value + 1.0
+    } else {
+        when_summed(value)
     }
 }
 
@@ -96,6 +101,11 @@ mod tests {
         while value < 1e12 {
             let (low, high) = bounds(value);
             let time = when_summed(value);
+            let about = about_when_summed(value);
+            assert!(
+                (about - time).abs() <= ERROR * time,
+                "{value}: {about} {time}"
+            );
             assert!(low <= time && time <= high, "{value}: {low} {time} {high}");
             value *= 1.0001;
         }

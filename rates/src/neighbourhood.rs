@@ -32,9 +32,19 @@ impl Neighbourhood {
 
     /// That of a cell, by which cells above the plate are full: everything below is ground.
     pub fn of(cell: Cell, is_full: impl Fn(Cell) -> bool) -> Neighbourhood {
-        let mut found = Neighbourhood::on_ground(cell);
-        for offset in all() {
-            if !found.is_blocked(offset) && cell.offset(offset).is_some_and(&is_full) {
+        Neighbourhood::of_interest(Neighbourhood::of_cells(all()), cell, is_full)
+    }
+
+    /// The part of it that is of interest: nothing is asked of the other cells.
+    pub fn of_interest(
+        which: Neighbourhood,
+        cell: Cell,
+        is_full: impl Fn(Cell) -> bool,
+    ) -> Neighbourhood {
+        let mut found = Neighbourhood::on_ground(cell).within(which);
+        for place in which.without(found).places() {
+            let offset = offset(place);
+            if cell.offset(offset).is_some_and(&is_full) {
                 found.block(offset);
             }
         }
@@ -94,6 +104,12 @@ impl Neighbourhood {
         Neighbourhood(self.0 | other.0)
     }
 
+    /// What is blocked here and not there.
+    #[must_use]
+    fn without(self, other: Neighbourhood) -> Neighbourhood {
+        Neighbourhood(self.0 & !other.0)
+    }
+
     /// What is blocked here and of interest there.
     #[must_use]
     pub fn within(self, other: Neighbourhood) -> Neighbourhood {
@@ -116,6 +132,12 @@ pub(crate) fn place(offset: [i32; 3]) -> usize {
     (x + EDGE * (y + EDGE * z)) as usize
 }
 
+/// The cell of a place.
+fn offset(place: usize) -> [i32; 3] {
+    let place = place as i32;
+    [place, place / EDGE, place / (EDGE * EDGE)].map(|part| part % EDGE - SIGHT)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,7 +152,14 @@ mod tests {
                 let near = Cell::new(7 + dx, dy - 3, z + dz);
                 let expected = near.z < 1 || is_full(near);
                 assert_eq!(found.is_blocked([dx, dy, dz]), expected, "{near}");
+                assert_eq!(offset(place([dx, dy, dz])), [dx, dy, dz]);
             }
+            let some = Neighbourhood::of_cells(all().filter(|[dx, ..]| *dx > 0));
+            let part = Neighbourhood::of_interest(some, cell, |near| {
+                assert!(near.x > 7, "nobody wants to know");
+                is_full(near)
+            });
+            assert_eq!(part, found.within(some));
         }
         let edge = Cell::new(i32::MAX, i32::MIN, i32::MAX);
         let found = Neighbourhood::of(edge, |_| true);

@@ -1,8 +1,10 @@
 //! How long an open face waits.
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Serialize};
 
 use crate::docking_time::{STAGES, docked, summed, when_summed};
-use crate::inverse::bounds;
+use crate::inverse::{about_when_summed, bounds};
 
 /// The wait of an open face in surroundings that stay as they are.
 ///
@@ -70,6 +72,11 @@ impl Wait {
         self.docking * when_summed(cumulative_hazard / (self.rate * self.docking))
     }
 
+    /// [`Wait::time_of`], to 1e-7 of itself, which takes less time.
+    pub fn about_time_of(self, cumulative_hazard: f64) -> f64 {
+        self.docking * about_when_summed(cumulative_hazard / (self.rate * self.docking))
+    }
+
     /// Bounds of [`Wait::time_of`], which take less time.
     pub fn time_bounds(self, cumulative_hazard: f64) -> (f64, f64) {
         let (low, high) = bounds(cumulative_hazard / (self.rate * self.docking));
@@ -86,8 +93,8 @@ impl Wait {
         // E f(T) with the summed hazard exponential of mean 1, by Gauss and Laguerre's nodes would miss the root at 0; equal parts of
         // the probability do not, and their middles are good to the second order.
         let (mut mean, mut square) = (0.0, 0.0);
-        for exponential in middles() {
-            let time = self.time_of(exponential);
+        for &exponential in MIDDLES.iter() {
+            let time = self.about_time_of(exponential);
             mean += time;
             square += time * time;
         }
@@ -106,18 +113,18 @@ impl Wait {
 const PARTS: usize = 256;
 
 /// The mean of an exponential variable of mean 1 within each of [`PARTS`] equal parts of its probability.
-fn middles() -> impl Iterator<Item = f64> {
+static MIDDLES: LazyLock<[f64; PARTS]> = LazyLock::new(|| {
     // The integral of -ln(1 - p) from p = 0.
     let integral = |p: f64| match p < 1.0 {
         true => p + (1.0 - p) * libm::log1p(-p),
         false => 1.0,
     };
     let parts = PARTS as f64;
-    (0..PARTS).map(move |part| {
+    std::array::from_fn(|part| {
         let (from, to) = (part as f64 / parts, (part + 1) as f64 / parts);
         (integral(to) - integral(from)) * parts
     })
-}
+});
 
 #[cfg(test)]
 mod tests {
@@ -130,21 +137,23 @@ mod tests {
 
     #[test]
     fn the_inverse_undoes_the_sum() {
-        for value in [1e-12, 1e-6, 1e-3, 0.1, 0.5, 1.0, 3.0, 1e3, 1e9] {
+        let mut value = 1e-12;
+        while value < 1e9 {
             let time = when_summed(value);
             let again = summed(time);
             assert!(
                 (again - value).abs() <= 1e-9 * value,
                 "{value}: {time} {again}"
             );
+            value *= 1.01;
         }
     }
 
     #[test]
     fn functions_are_smooth_where_they_change_their_form() {
-        for (function, x) in [(docked as fn(f64) -> f64, 0.5e-3), (summed, 0.5e-2)] {
+        for (function, x) in [(docked as fn(f64) -> f64, 0.025), (summed, 0.025)] {
             let (below, above) = (function(x * (1.0 - 1e-9)), function(x * (1.0 + 1e-9)));
-            assert!((above - below).abs() < 1e-6 * below, "{below} {above}");
+            assert!((above - below).abs() < 1e-8 * below, "{below} {above}");
         }
     }
 

@@ -49,13 +49,15 @@ pub fn exact_times(
     });
     let phases: Vec<Distribution> = phases.collect::<Option<_>>()?;
     let times = phases.iter().map(Distribution::times).collect();
-    let total = match phases.as_slice() {
+    let lasting = phases.iter().filter(|phase| phase.range() > 0.0);
+    let lasting: Vec<&Distribution> = lasting.collect();
+    let total = match lasting.as_slice() {
+        [] => Distribution::none().times(),
         [phase] => phase.times(),
         _ => {
-            let range = phases.iter().map(Distribution::range).sum::<f64>().max(1.0);
-            let lasting = phases.iter().filter(|phase| phase.range() > 0.0);
-            let lasting = lasting.map(|phase| phase.resampled(range));
-            let sum = lasting.reduce(|sum, phase| sum.plus(&phase, usize::MAX));
+            let range = lasting.iter().map(|phase| phase.range()).sum::<f64>();
+            let resampled = lasting.iter().map(|phase| phase.resampled(range));
+            let sum = resampled.reduce(|sum, phase| sum.plus(&phase, usize::MAX));
             sum.unwrap_or_else(Distribution::none).times()
         }
     };

@@ -108,7 +108,7 @@ impl PhaseDraw<'_, '_> {
         let Some(wait) = &self.phase.waits[of.event as usize] else {
             return self.schedule(opens, step, None);
         };
-        let end = opens + wait.wait.time_of(exponential(self.rng));
+        let end = opens + wait.wait.about_time_of(exponential(self.rng));
         self.schedule(end, step, None);
         for (release, nearby) in &wait.head_starts {
             if self.times.has_happened(release.0) {

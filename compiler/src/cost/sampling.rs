@@ -147,7 +147,9 @@ fn draw_in_order(
     for step in steps {
         let start = times.begin(step, began);
         let wait = waits[step.event as usize].as_ref();
-        let end = wait.map_or(start, |wait| start + wait.wait.time_of(exponential(rng)));
+        let end = wait.map_or(start, |wait| {
+            start + wait.wait.about_time_of(exponential(rng))
+        });
         times.ends[step.event as usize] = end;
     }
 }

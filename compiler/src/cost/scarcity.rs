@@ -29,9 +29,21 @@ pub struct ScarcePhase<'a> {
     taken: Vec<f64>,
     /// How many are taken when the phase begins.
     before: f64,
-    /// When steps change how many are taken, from the beginning of the phase, and how many that are then: of the last drawing.
-    course: Vec<(f64, f64)>,
+    /// How many are taken when, of the last drawing.
+    course: Course,
 }
+
+/// How many blocks are taken over time.
+#[derive(Default)]
+struct Course {
+    /// The length of a part \[tick\].
+    part: f64,
+    /// At the ends of all parts, the beginning of the first included; between them evenly. Empty: nobody has said.
+    taken: Vec<f64>,
+}
+
+/// Parts of a phase in which the number of free blocks is told.
+const PARTS: usize = 1024;
 
 /// The phases of a program; `None`: there are enough blocks.
 pub fn scarce_phases<'a>(
@@ -55,7 +67,7 @@ pub fn scarce_phases<'a>(
             count: f64::from(scene.free.count.max(1)),
             taken: steps.iter().map(taken).collect(),
             before,
-            course: Vec::new(),
+            course: Course::default(),
         };
         before += phase.taken.iter().sum::<f64>();
         phase
@@ -68,9 +80,9 @@ impl ScarcePhase<'_> {
     pub fn draw(&mut self, began: f64, times: &mut DrawnTimes, rng: &mut ChaCha8Rng) {
         let hazards: Vec<f64> = self.steps.iter().map(|_| exponential(rng)).collect();
         if self.steps.len() <= MANY {
-            self.course.clear();
+            self.course.taken.clear();
         }
-        let corrections = match self.course.is_empty() {
+        let corrections = match self.course.taken.is_empty() {
             true => 0..=CORRECTIONS,
             false => 1..=2,
         };
@@ -94,7 +106,7 @@ impl ScarcePhase<'_> {
                             wait.rate * of_free(left) / of_free(*free)
                         }
                     };
-                    times.ends[event] += Wait { rate, ..*wait }.time_of(hazard);
+                    times.ends[event] += Wait { rate, ..*wait }.about_time_of(hazard);
                 }
             }
             self.follow(began, times);
@@ -103,25 +115,38 @@ impl ScarcePhase<'_> {
 
     /// The part of the blocks that is free at a time from the beginning of the phase: one block at least, the one that is captured.
     fn free_at(&self, time: f64) -> f64 {
-        let taken = match self.course.partition_point(|&(when, _)| when <= time) {
-            0 => self.before,
-            after => self.course[after - 1].1,
-        };
-        (1.0 - taken / self.count).max(1.0 / self.count)
+        (1.0 - self.course.taken_at(time) / self.count).max(1.0 / self.count)
     }
 
     /// Takes over how many blocks are taken when, from a drawing.
     fn follow(&mut self, began: f64, times: &DrawnTimes) {
-        let changes = self.steps.iter().zip(&self.taken);
-        let changes =
-            changes.map(|(step, taken)| (times.ends[step.event as usize] - began, *taken));
-        self.course.clear();
-        self.course.extend(changes);
-        self.course.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let mut sum = self.before;
-        for (_, taken) in &mut self.course {
+        let when = |step: &Step| times.ends[step.event as usize] - began;
+        let longest = self.steps.iter().map(when).fold(0.0, f64::max);
+        let part = (longest / PARTS as f64).max(f64::MIN_POSITIVE);
+        let Course { taken, .. } = &mut self.course;
+        taken.clear();
+        taken.resize(PARTS + 1, 0.0);
+        taken[0] = self.before;
+        for (step, of_step) in self.steps.iter().zip(&self.taken) {
+            // What happens at once is over before the first part.
+            let end = (when(step) / part).ceil() as usize;
+            taken[end.min(PARTS)] += of_step;
+        }
+        let mut sum = 0.0;
+        for taken in taken {
             sum += *taken;
             *taken = sum;
         }
+        self.course.part = part;
+    }
+}
+
+impl Course {
+    /// How many are taken at a time.
+    fn taken_at(&self, time: f64) -> f64 {
+        let at = time / self.part;
+        let number = (at as usize).min(PARTS - 1);
+        let [from, to] = [number, number + 1].map(|end| self.taken[end]);
+        from + (to - from) * (at - number as f64).min(1.0)
     }
 }

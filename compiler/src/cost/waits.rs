@@ -2,7 +2,9 @@
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Face, offsets_within};
-use stochc_rates::{HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait};
+use stochc_rates::{
+    HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait, feature_cells,
+};
 
 use super::occupancy::Occupancy;
 use super::phase_events::{PhaseEvent, bound, phase_events};
@@ -59,10 +61,11 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             let mates = bound[level as usize + 1] - bound[level as usize] - 1;
             let taken = bound[level as usize] as f64 + mates.max(0) as f64 / 2.0;
             let free = 1.0 - taken / f64::from(count.max(1));
-            let wait = |with_mates: bool| {
+            let near = |which: Neighbourhood, with_mates: bool| {
                 let is_full = |near| near != cell && occupancy.is_full(near, level, with_mates);
-                let way_into = |near| open.get(&(level, near)).copied().filter(|_| !with_mates);
-                let near = Neighbourhood::of(cell, is_full);
+                Neighbourhood::of_interest(which, cell, is_full)
+            };
+            let wait = |near: Neighbourhood, way_into: &dyn Fn(Cell) -> Option<Face>| {
                 let around = rates.surroundings(cell, way, near, way_into);
                 rates.wait(&Surroundings {
                     free,
@@ -70,7 +73,11 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
                     ..around
                 })
             };
-            let [without, with] = [false, true].map(wait);
+            let with_mates = near(feature_cells(way), true);
+            // What is full without them is so with them.
+            let alone = near(with_mates, false);
+            let without = wait(alone, &|near| open.get(&(level, near)).copied());
+            let with = wait(with_mates, &|_| None);
             waits[event.id.0 as usize] = Some(CaptureWait {
                 wait: without.between(with),
                 free,
