@@ -45,6 +45,12 @@ impl ProgramPlan {
         let phase = self.phases.get(number)?;
         phase.events.contains(&event.0).then_some(number)
     }
+
+    /// What the phase of an event is called; nothing, if it is in none.
+    pub fn phase_name(&self, event: EventId) -> &str {
+        let phase = self.phase_of(event);
+        phase.map_or("", |number| &self.phases[number].name)
+    }
 }
 
 /// An instance of a pattern.

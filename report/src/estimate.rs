@@ -66,6 +66,8 @@ pub struct PhaseEstimate {
 pub struct Share {
     /// As the program writes it.
     pub event: String,
+    /// The phase that it is of.
+    pub phase: String,
     /// The part of all time in which nothing but it was waited for.
     pub share: f64,
 }
@@ -125,8 +127,16 @@ fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
         .filter(|(_, ticks)| *ticks > 0)
         .map(|(event, ticks)| {
             let share = ticks as f64 / all.max(1) as f64;
+            let phase = program.phases()[event.phase.0 as usize].name.clone();
             let event = event.text(program);
-            (ticks, Share { event, share })
+            (
+                ticks,
+                Share {
+                    event,
+                    phase,
+                    share,
+                },
+            )
         })
         .collect();
     shares.sort_by_key(|(ticks, _)| std::cmp::Reverse(*ticks));

@@ -108,6 +108,7 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
         shares: shares
             .map(|capture| Share {
                 event: planned.plan.describe(capture.event, &symbols),
+                phase: planned.plan.phase_name(capture.event).to_owned(),
                 share: capture.share,
             })
             .collect(),

@@ -5,7 +5,7 @@ use stochc_runtime::rates::{Interaction, Times};
 
 use super::rates::{KNOWN_BIAS, first_guess};
 use crate::estimate::{CompletionEstimate, Method};
-use crate::text::{TextColumn, TextTable, paragraph};
+use crate::text::{TextColumn, TextTable, event_labels, paragraph};
 
 /// The times of programs and of their phases, and the `most` events of each that decide most of them; `width` is that of the
 /// terminal, in characters.
@@ -127,9 +127,13 @@ fn times(estimate: &CompletionEstimate) -> TextTable {
 
 fn shares(estimate: &CompletionEstimate, most: usize) -> TextTable {
     let shown = &estimate.shares[..most.min(estimate.shares.len())];
+    let events = estimate.shares.iter();
+    let events: Vec<_> = events
+        .map(|share| (share.event.clone(), share.phase.clone()))
+        .collect();
     TextTable {
         label: "waited for, and for nothing else".to_owned(),
-        labels: shown.iter().map(|share| share.event.clone()).collect(),
+        labels: event_labels(&events, most),
         columns: vec![TextColumn::figures(
             "of the time",
             shown.iter().map(|share| percent(share.share)).collect(),

@@ -1,4 +1,5 @@
 //! Plain text: columns, paragraphs, curves and sentences.
+mod event_label;
 mod line;
 mod pairwise;
 mod paragraph;
@@ -6,6 +7,7 @@ mod short;
 mod strip;
 mod table;
 
+pub use event_label::event_labels;
 pub use line::aligned;
 pub use pairwise::{method, probability, sentence};
 pub use paragraph::paragraph;

@@ -3,7 +3,7 @@ use stochc_compiler::cost::{Cost, PhaseCost, estimate};
 use stochc_compiler::{Program, Symbols};
 use stochc_ensemble::text::percent;
 use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out};
-use stochc_report::text::{TextColumn, TextTable, paragraph};
+use stochc_report::text::{TextColumn, TextTable, event_labels, paragraph};
 use stochc_runtime::rates::{Rates, Times};
 use stochc_runtime::world::rate::RateWorld;
 
@@ -153,12 +153,14 @@ fn by_phase(program: &Program, cost: &Cost) -> TextTable {
 
 fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> TextTable {
     let shown = &cost.captures[..cost.captures.len().min(most)];
-    let label = |event| program.plan.describe(event, symbols);
+    let plan = &program.plan;
+    let event = |of| (plan.describe(of, symbols), plan.phase_name(of).to_owned());
+    let events: Vec<_> = cost.captures.iter().map(|it| event(it.event)).collect();
     let shares = shown.iter().map(|it| percent(it.share)).collect();
     let waits = shown.iter().map(|it| format!("{:.0}", it.wait)).collect();
     TextTable {
         label: "capture".to_owned(),
-        labels: shown.iter().map(|it| label(it.event)).collect(),
+        labels: event_labels(&events, most),
         columns: vec![
             TextColumn::figures("of the time", shares),
             TextColumn::figures("mean wait", waits),
@@ -167,8 +169,8 @@ fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) ->
     }
 }
 
-const DEPTH_AND_WIDTH: &str =
-    "depth: captures one after the other; width: captures side by side, at most.";
+const DEPTH_AND_WIDTH: &str = "depth: captures one after the other; width: captures side by side, at most, if all take equally \
+    long.";
 
 const TIMES: &str = "of the time: the part of it in which nothing but this capture is waited for; \
     mean wait: ticks from when its face opens.";
