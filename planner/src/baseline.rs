@@ -130,26 +130,35 @@ impl Schedule {
         waiting: &Waiting,
     ) {
         let first = self.first_phase;
-        // What comes in the second phase is not there in the first one, and keeps its waits.
+        // What comes in the second phase is not there in the first one, and keeps its waits; what stands has waited.
         let mut level: Vec<u32> = vec![u32::MAX; sites.len()];
-        for (&site, before) in self.order.iter().zip(&waiting.before).take(first) {
+        let standing = sites.existing_count();
+        for &site in &self.order[..standing] {
+            level[site as usize] = 0;
+        }
+        let captures = || {
+            let captures = self.order.iter().zip(&waiting.before).take(first);
+            captures.skip(standing)
+        };
+        for (&site, before) in captures() {
             let others = before
                 .iter()
                 .map(|&other| level[self.order[other as usize] as usize] + 1);
-            level[site as usize] = others.max().unwrap_or(0);
+            level[site as usize] = others.max().unwrap_or(1);
         }
-        let mut earlier = vec![0u32; sites.len() + 1];
+        let mut earlier = vec![0u32; sites.len() + 2];
         let levels = level.iter().filter(|level| **level != u32::MAX);
         levels.for_each(|&level| earlier[level as usize + 1] += 1);
         for i in 1..earlier.len() {
             earlier[i] += earlier[i - 1];
         }
-        for (&site, before) in self.order.iter().zip(&waiting.before).take(first) {
+        let (mut means, mut ends) = (self.mean.clone(), self.end.clone());
+        for (&site, before) in captures() {
             let here = level[site as usize];
             let bound = f64::from(earlier[here as usize]) / f64::from(hardware.free.max(1));
             let moment = Moment {
                 free: 1.0 - bound,
-                is_first: here == 0,
+                is_first: here == 1 && sites.target.is_at_rest(),
             };
             let mean =
                 waits.mean(
@@ -167,12 +176,13 @@ impl Schedule {
                         },
                     },
                 );
-            self.mean[site as usize] = mean as f32;
+            means[site as usize] = mean as f32;
             let start = before
                 .iter()
-                .map(|&other| self.end[self.order[other as usize] as usize]);
-            self.end[site as usize] = start.fold(0.0, f32::max) + mean as f32;
+                .map(|&other| ends[self.order[other as usize] as usize]);
+            ends[site as usize] = start.fold(0.0, f32::max) + mean as f32;
         }
+        (self.mean, self.end) = (means, ends);
     }
 }
 

@@ -1,7 +1,7 @@
 //! A plan in words and as a picture.
 use std::fmt::Write as _;
 
-use stochc_ir::{Cell, CellBounds};
+use stochc_ir::{Cell, CellBounds, counted};
 
 use crate::capture::Capture;
 use crate::plan::{Alternative, BuildPlan};
@@ -24,10 +24,10 @@ pub fn explanation(plan: &BuildPlan) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(
         out,
-        "{} captures, at most {} faces open at the same time\n\
+        "{}, at most {} open at the same time\n\
          estimate: {:.0} ticks on average, nine of ten runs within {:.0}{}",
-        captures.len(),
-        plan.widest,
+        counted(captures.len(), "capture"),
+        counted(plan.widest, "face"),
         plan.estimate.mean,
         plan.estimate.p90,
         plan.estimate.caveat(),

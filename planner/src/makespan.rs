@@ -31,16 +31,19 @@ pub struct PlanEstimate {
     /// Whether waits are taken to be as in the default scene, because nobody has measured those of this one: plans are ranked by such times,
     /// which may be off by a factor of fifty.
     pub is_typical: bool,
+    /// Whether they are by a first guess of the rates of the scene.
+    pub is_first_guess: bool,
 }
 
 impl PlanEstimate {
     /// What it rests on, where that has to be told.
     pub fn caveat(&self) -> &'static str {
-        match self.is_typical {
-            true => {
+        match (self.is_typical, self.is_first_guess) {
+            (true, _) => {
                 ", if waits were those of the default scene: nobody has measured them in this one"
             }
-            false => "",
+            (_, true) => ", by a first guess of its waits: nobody has measured them in this scene",
+            (false, false) => "",
         }
     }
 
@@ -181,6 +184,7 @@ impl Samples {
             mean: sum / self.runs as f64,
             p90: f64::from(ends[place]),
             is_typical: false,
+            is_first_guess: false,
         }
     }
 

@@ -1,4 +1,5 @@
 //! How long a face waits for its block.
+use std::borrow::Cow;
 use std::cell::RefCell;
 
 use rustc_hash::FxHashMap;
@@ -33,7 +34,7 @@ pub struct Moment {
 /// The law of rates, with what was measured of a scene if anything was.
 #[derive(Debug)]
 pub struct RateLaw<'a> {
-    measured: Option<&'a Rates>,
+    rates: Option<Cow<'a, Rates>>,
     /// Whether blocks are known to pass gaps.
     has_passable_gaps: bool,
     /// Surroundings that have been asked for before, by layer, direction and the cells in sight that are full.
@@ -53,28 +54,28 @@ const HIGHEST: i32 = 30;
 const STEPS: f64 = 100.0;
 
 impl<'a> RateLaw<'a> {
-    /// For a scene, by given rates or those that come with the program; where it has not been measured, typical rates rank plans, though
-    /// they may be off by a factor.
+    /// For a scene, by given rates, those that come with the program, or a first guess; where there is none, typical rates rank plans,
+    /// though they may be off by a factor.
     pub fn of(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
         RateLaw {
             has_passable_gaps: Rates::pass_gaps(scene),
-            ..RateLaw::new(Rates::known(known, scene))
+            ..RateLaw::new(Rates::known_or_guessed(known, scene))
         }
     }
 
     /// By rates of a scene; `None`: typical ones.
-    pub fn new(measured: Option<&'a Rates>) -> RateLaw<'a> {
+    pub fn new(rates: Option<Cow<'a, Rates>>) -> RateLaw<'a> {
         RateLaw {
-            measured,
+            rates,
             has_passable_gaps: false,
             seen: RefCell::default(),
             scaled: RefCell::default(),
         }
     }
 
-    /// The rates of the scene, if they are known.
-    pub fn rates(&self) -> Option<&'a Rates> {
-        self.measured
+    /// The rates of the scene, if they are known or guessed.
+    pub fn rates(&self) -> Option<&Rates> {
+        self.rates.as_deref()
     }
 
     /// Whether blocks are known to pass gaps.
@@ -148,12 +149,12 @@ impl<'a> RateLaw<'a> {
         let mut seen = self.seen.borrow_mut();
         let seen = seen
             .entry((cell.z, way, near))
-            .or_insert_with(|| match self.measured {
+            .or_insert_with(|| match self.rates() {
                 Some(rates) => rates.surroundings(cell, way, near, |_| None),
                 None => around(cell, way, near, |_| None),
             });
         let parameters = self
-            .measured
+            .rates()
             .map_or(Parameters::TYPICAL, |rates| rates.parameters);
         parameters.wait(&Surroundings {
             free: moment.free,

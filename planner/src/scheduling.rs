@@ -382,7 +382,7 @@ impl ScheduleState<'_> {
         let moment = Moment {
             free: 1.0 - bound,
             // Where blocks stand, the gas has been moving.
-            is_first: now == 0.0 && job.sites.existing_count() == 0,
+            is_first: now == 0.0 && job.sites.target.is_at_rest(),
         };
         let only = job.roles.and_then(|roles| roles.way(site));
         let is_own = move |parent: u32| match &self.phase {

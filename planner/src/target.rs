@@ -20,6 +20,8 @@ pub struct Target {
     plate: Plate,
     /// The blocks of the plate that may capture, sorted; `None`: all of them.
     seeds: Option<Vec<(i32, i32)>>,
+    /// Whether its first captures begin with the run, when the gas is at rest.
+    is_at_rest: bool,
 }
 
 /// A block of a target that is there before anything is captured.
@@ -93,6 +95,7 @@ impl Target {
         let target = Target {
             cells,
             existing,
+            is_at_rest: released.is_empty(),
             released,
             plate,
             seeds,
@@ -106,6 +109,20 @@ impl Target {
     /// The same plate with other cells; `None`: they cannot be built.
     pub(crate) fn with_cells(&self, cells: Vec<Cell>, free: u32) -> Option<Target> {
         Target::new(cells, self.plate.clone(), self.seeds.clone(), free).ok()
+    }
+
+    /// The same where other captures come before its first.
+    #[must_use]
+    pub fn behind_others(self) -> Target {
+        Target {
+            is_at_rest: false,
+            ..self
+        }
+    }
+
+    /// Whether its first captures begin with the run, when the gas is at rest.
+    pub fn is_at_rest(&self) -> bool {
+        self.is_at_rest
     }
 
     /// Its cells, sorted.

@@ -93,8 +93,13 @@ impl fmt::Display for TargetError {
                 }
                 write!(
                     f,
-                    "{}, hang together with no block of the plate that may capture",
-                    listed(first)
+                    "{}, {} together with no block of the plate that may capture",
+                    listed(first),
+                    if parts.len() == 1 && first.len() == 1 {
+                        "hangs"
+                    } else {
+                        "hang"
+                    }
                 )
             }
             TargetError::TooFewBlocks { needed, free } => write!(
@@ -116,7 +121,9 @@ impl TargetError {
     /// What to do about it, if anything is known.
     pub fn help(&self) -> Option<String> {
         match self {
-            TargetError::Empty => Some("draw a `#` for each block".to_owned()),
+            TargetError::Empty => {
+                Some("it needs a block at least: a `#` in a drawing, a voxel in a model".to_owned())
+            }
             TargetError::BelowPlate(_) => {
                 Some("layer 1 rests on the plate: move the target up".to_owned())
             }

@@ -15,7 +15,7 @@ use stochc_planner::{
 };
 use stochc_rates::Rates;
 
-use super::{Planned, Unplanned, shapes};
+use super::{Planned, Unplanned, estimated_part, shapes};
 use crate::check_texts;
 
 /// What is missing in a program.
@@ -32,6 +32,9 @@ pub struct Completion {
     word: String,
     /// Claims that are not true, this one included.
     untrue: usize,
+    /// The program that is completed, and the number of the phase in which it is, once that is written.
+    assembly: String,
+    phase: usize,
     change: Change,
 }
 
@@ -115,7 +118,16 @@ impl Completion {
             ),
             hardware.free,
         );
-        let target = target.map_err(NotCompleted::Impossible)?;
+        let mut target = target.map_err(NotCompleted::Impossible)?;
+        let phases = &program.plan.phases;
+        let is_behind = !phases[claim.phase].events.is_empty();
+        let phase = claim.phase + usize::from(is_behind);
+        if phases[..phase]
+            .iter()
+            .any(|it| !it.planted && !it.events.is_empty())
+        {
+            target = target.behind_others();
+        }
         let is_new = |word: &String| symbols.get(word).is_none();
         let new = |plain: &str| {
             let others = (2..).map(|number| format!("{plain}{number}"));
@@ -130,6 +142,8 @@ impl Completion {
                 .collect(),
             word: new("B"),
             untrue,
+            assembly: program.plan.name.clone(),
+            phase,
             target,
             hardware,
             scene,
@@ -154,7 +168,7 @@ impl Completion {
     pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let law = RateLaw::of(&self.scene, rates);
         let found = plan(&self.target, self.hardware, &law, search).map_err(Unplanned::Refused)?;
-        let plan = found.plain;
+        let mut plan = found.plain;
         let name = |cell: Cell| self.names.get(&cell).cloned();
         let rest = continuation(&plan, &self.word, name);
         let (_, text) = &self.texts[0];
@@ -180,10 +194,15 @@ impl Completion {
             .chain(others.map(|(name, text)| (name.as_str(), text.as_str())))
             .collect();
         let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
-        match untrue_claims(&checked).is_some_and(|untrue| untrue < self.untrue) {
-            true => Ok(Planned { plan, text }),
-            false => Err(Unplanned::Wrong(Box::new(checked))),
+        if untrue_claims(&checked).is_none_or(|untrue| untrue >= self.untrue) {
+            return Err(Unplanned::Wrong(Box::new(checked)));
         }
+        let mut programs = checked.programs.iter();
+        let program = programs.find(|it| it.plan.name == self.assembly);
+        plan.estimate = estimated_part(program, &law, plan.estimate, |cost| {
+            cost.phases.get(self.phase)?.times
+        });
+        Ok(Planned { plan, text })
     }
 }
 

@@ -5,10 +5,11 @@ mod repair;
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
+use stochc_compiler::cost::{self, Cost};
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{PlanSeed, ProgramPlan};
 use stochc_compiler::scene::{DEFAULT, built_in};
-use stochc_compiler::{Checked, FileId, LintLevels, Program, cost, shape_cells};
+use stochc_compiler::{Checked, FileId, LintLevels, Program, shape_cells};
 use stochc_grammar::tree::{Item, ItemKind, Shape, Tree};
 use stochc_grammar::{Symbols, print};
 use stochc_ir::Cell;
@@ -18,7 +19,7 @@ use stochc_planner::{
     Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Target,
     TargetError, baseline_plans, declaration, draft, plan, program,
 };
-use stochc_rates::Rates;
+use stochc_rates::{Rates, Times};
 
 use crate::{check_text, check_texts};
 pub use completion::{Completion, NotCompleted};
@@ -260,7 +261,6 @@ impl Goal {
         let mut reader = stochc_grammar::Symbols::new();
         let parsed = stochc_grammar::parse(&self.scenes, &mut reader);
         let mut wanted: BTreeSet<&str> = self.scene.iter().map(String::as_str).collect();
-        let mut items: Vec<Item> = Vec::new();
         // Whoever is built on another is declared behind it or before it; a round for each is enough.
         for _ in 0..parsed.tree.items.len() {
             for item in &parsed.tree.items {
@@ -272,14 +272,12 @@ impl Goal {
                 }
             }
         }
-        for item in &parsed.tree.items {
-            if let ItemKind::Scene(scene) = &item.kind
-                && wanted.contains(reader.word(scene.name.symbol))
-            {
-                items.push(item.clone());
-            }
-        }
-        print(&Tree { items }, &reader)
+        let is_needed = |item: &&Item| match &item.kind {
+            ItemKind::Scene(scene) => wanted.contains(reader.word(scene.name.symbol)),
+            _ => false,
+        };
+        let needed = parsed.tree.items.iter().filter(is_needed);
+        needed.map(|item| as_written(item, &self.scenes)).collect()
     }
 
     /// The smallest plate under all cells of the lowest layer.
@@ -326,7 +324,7 @@ impl Goal {
             let objective = search.objective;
             for (baseline, mut plan) in baseline_plans(&target, hardware, &law, search.seed) {
                 let checked = self.check(&target, &plan, &[]);
-                let estimate = estimated(&checked, &law).unwrap_or(plan.estimate);
+                let estimate = estimated(&checked, &law, plan.estimate);
                 let mut findings = checked.diagnostics.iter();
                 let finding = findings.next().map(|it| it.code.name());
                 let is_better = estimate.of(objective) < best.plan.estimate.of(objective);
@@ -412,10 +410,7 @@ impl Goal {
             let found = checked(&self.text(target, &plan, &allowed));
             return Err(Unplanned::Wrong(Box::new(found)));
         }
-        plan.estimate = estimated(&found, law).unwrap_or(PlanEstimate {
-            is_typical: law.rates().is_none(),
-            ..plan.estimate
-        });
+        plan.estimate = estimated(&found, law, plan.estimate);
         let text = self.text(target, &plan, &allowed);
         Ok(Planned { plan, text })
     }
@@ -425,14 +420,32 @@ fn checked(text: &str) -> Checked {
     check_texts(&[(NAME, text)], &LintLevels::default(), "", &[])
 }
 
-/// How long the program takes, as `check --cost` says; `None`: the rates of its scene are not known, or it is wrong.
-fn estimated(checked: &Checked, law: &RateLaw<'_>) -> Option<PlanEstimate> {
-    let total = cost::estimate(checked.programs.first()?, law.rates())?.total?;
-    Some(PlanEstimate {
-        mean: total.mean,
-        p90: total.p90,
-        is_typical: false,
-    })
+/// How long a program takes, as `check --cost` says, or as was found when it was looked for.
+fn estimated(checked: &Checked, law: &RateLaw<'_>, found: PlanEstimate) -> PlanEstimate {
+    let total = |cost: Cost| cost.total;
+    estimated_part(checked.programs.first(), law, found, total)
+}
+
+/// How long a part of a program takes, as `check --cost` says; where that says nothing, because nobody knows the rates of its scene or it is wrong, as was found when
+/// it was looked for.
+fn estimated_part(
+    program: Option<&Program>,
+    law: &RateLaw<'_>,
+    found: PlanEstimate,
+    part: impl FnOnce(Cost) -> Option<Times>,
+) -> PlanEstimate {
+    let rates = law.rates();
+    let cost = program.and_then(|program| cost::estimate(program, rates));
+    let (mean, p90) = match cost.and_then(part) {
+        Some(times) => (times.mean, times.p90),
+        None => (found.mean, found.p90),
+    };
+    PlanEstimate {
+        mean,
+        p90,
+        is_typical: rates.is_none(),
+        is_first_guess: rates.is_some_and(Rates::is_guess),
+    }
 }
 
 /// The shapes of all files, those within assemblies as well.
@@ -451,11 +464,26 @@ fn shapes(checked: &Checked) -> Vec<DeclaredShape<'_>> {
     found
 }
 
-/// The scenes that a program declares, as text.
+/// The scenes that a program declares, as it has written them.
 fn declared_scenes(checked: &Checked) -> String {
-    let items = checked.trees().flat_map(|(_, tree)| &tree.items);
-    let scenes = items.filter(|item| matches!(item.kind, ItemKind::Scene(_)));
-    scenes.map(|item| printed(item, &checked.symbols)).collect()
+    let mut scenes = String::new();
+    for (file, tree) in checked.trees() {
+        let items = tree.items.iter();
+        for item in items.filter(|item| matches!(item.kind, ItemKind::Scene(_))) {
+            scenes += &as_written(item, &checked.sources.file(file).text);
+        }
+    }
+    scenes
+}
+
+/// An item of a text, with its documentation and its comments.
+fn as_written(item: &Item, text: &str) -> String {
+    let docs = item.docs.0.iter().flat_map(|lines| lines.iter());
+    let docs: String = docs
+        .map(|line| format!("{}\n", format!("/// {line}").trim_end()))
+        .collect();
+    let written = text.get(item.span.start as usize..item.span.end as usize);
+    format!("{docs}{}\n", written.unwrap_or_default())
 }
 
 fn printed(item: &Item, symbols: &Symbols) -> String {

@@ -25,7 +25,7 @@ fn parts_in_the_air_are_refused_with_a_bridge() {
     let (_, text) = error(&drawn("# . . #\n\n# . . .\n\n# . # .\n"));
     assert_eq!(
         text,
-        "1 cell of the target: (2, 0, 3), hang together with no block of the plate that may capture; \
+        "1 cell of the target: (2, 0, 3), hangs together with no block of the plate that may capture; \
          with 1 cell more, (1, 0, 3), the first part would be held; or let a block of the plate under it \
          capture"
     );
@@ -61,7 +61,10 @@ fn seeds_count() {
 #[test]
 fn other_reasons() {
     let (_, text) = error(&drawn(""));
-    assert_eq!(text, "the target has no cells; draw a `#` for each block");
+    assert_eq!(
+        text,
+        "the target has no cells; it needs a block at least: a `#` in a drawing, a voxel in a model"
+    );
     let mut goal = drawn("#\n");
     goal.cells.push(Cell::new(0, 0, 0));
     let (_, text) = error(&goal);

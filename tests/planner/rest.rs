@@ -9,7 +9,10 @@ use stochc::ir::record::{Outcome, RunRecord};
 use stochc::planner::PlanSearch;
 use stochc::planning::{Completion, ExistingStructure, Goal, NotCompleted, Planned, Unplanned};
 use stochc_compiler::Checked;
+use stochc_compiler::cost::estimate;
+use stochc_compiler::plan::EventId;
 use stochc_ir::Executable;
+use stochc_rates::Rates;
 use stochc_runtime::{Model, Settings, run};
 
 use crate::random::grown;
@@ -67,6 +70,80 @@ fn ran(executable: &Executable, model: Model, max_ticks: Option<u64>) -> RunReco
     let mut watch = |_, _| ControlFlow::Continue(());
     let (tables, scene) = (&executable.tables, &executable.scene);
     run(tables, scene, &settings, 3, 0, &mut watch).expect("it runs")
+}
+
+/// What the planner takes for the wait in a gap, where blocks jam.
+const JAM: f64 = 15_000.0;
+
+/// What a plan says of its time is what `check --cost` says of the phase in which it is written; `None`: of the whole program.
+fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
+    let program = &whole.programs[0];
+    let rates = Rates::known_or_guessed(&[], program.scene.as_ref().unwrap());
+    let cost = estimate(program, rates.as_deref()).unwrap();
+    let mut phases = program.plan.phases.iter().zip(&cost.phases);
+    let times = match phase {
+        Some(name) => {
+            phases
+                .find(|(phase, _)| phase.name == name)
+                .unwrap()
+                .1
+                .times
+        }
+        None => cost.total,
+    };
+    let times = times.unwrap();
+    let plan = &planned.plan;
+    assert_eq!(
+        [plan.estimate.mean, plan.estimate.p90],
+        [times.mean, times.p90]
+    );
+    assert!(plan.widest <= plan.captures.len(), "{plan:?}");
+    // All that stands has been waited for.
+    if let [only] = &plan.captures[..]
+        && only.wait < JAM
+    {
+        assert!((f64::from(only.decides) - 1.0).abs() < 1e-3, "{only:?}");
+        let cell = |event: EventId| program.layout.cells[event.0 as usize];
+        let mut captures = cost.captures.iter();
+        let same = captures
+            .find(|it| cell(it.event) == Some(only.cell))
+            .unwrap();
+        assert!(
+            (only.wait / same.wait - 1.0).abs() < 0.01,
+            "{only:?} {same:?}"
+        );
+    }
+}
+
+#[test]
+fn what_stands_is_waited_for_no_more() {
+    let second = PART.replace("yields arch", "R.up -> rest\n        yields arch");
+    let by_hand = "\
+shape two { layer 1..2 { # . # } }
+assembly h {
+    seed plate 3 x 1 { A at (0, 0) B at (2, 0) A.up ->> X[1..2] }
+    phase p { yields two }
+}
+";
+    let one = "\
+shape s { layer 1 { # # } }
+scene few from hemisphere { free 200 uniform }
+assembly a in few {
+    seed plate 2 x 1 { A at (0, 0) B at (1, 0) A.up -> W }
+    phase p { yields s }
+}
+";
+    for (text, phase) in [
+        (PART, "rest"),
+        (&second, "rest2"),
+        (by_hand, "p"),
+        (one, "p"),
+    ] {
+        let planned = completed(text).unwrap();
+        let whole = check_text("whole.sa", &planned.text);
+        has_the_times_of(&planned, &whole, Some(phase));
+        assert_eq!(planned.plan.estimate.is_first_guess, text == one);
+    }
 }
 
 #[test]
@@ -261,6 +338,7 @@ proptest! {
             Ok(planned) => {
                 let whole = check_text("rest.sa", &planned.text);
                 prop_assert!(whole.diagnostics.is_empty(), "{:?}\n{}", whole.diagnostics, planned.text);
+                has_the_times_of(&planned, &whole, None);
                 let record = ran(&self::executable(whole), Model::Shuffle, None);
                 prop_assert_eq!(record.outcome, Outcome::Completed);
                 prop_assert_eq!(record.blocks_used as usize, shape.len());
@@ -292,6 +370,7 @@ proptest! {
         let planned = completed(&text).map_err(|error| TestCaseError::fail(format!("{error:?}\n{text}")))?;
         let whole = check_text("whole.sa", &planned.text);
         prop_assert!(!whole.has_errors(), "{:?}\n{}", whole.diagnostics, planned.text);
+        has_the_times_of(&planned, &whole, Some("grow"));
         let record = ran(&self::executable(whole), Model::Shuffle, None);
         prop_assert_eq!(record.outcome, Outcome::Completed);
         prop_assert_eq!(record.blocks_used as usize, shape.len());

@@ -149,7 +149,7 @@ impl SerialState<'_> {
         let bound = schedule.order.len() as f64 / f64::from(job.hardware.free.max(1));
         let moment = Moment {
             free: 1.0 - bound,
-            is_first: start == 0.0 && job.sites.existing_count() == 0,
+            is_first: start == 0.0 && job.sites.target.is_at_rest(),
         };
         job.waits.mean(job.sites.cell(site), way, moment, stands) as f32
     }
