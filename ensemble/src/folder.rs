@@ -511,12 +511,7 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         if name == MANIFEST {
             let file = path.join(MANIFEST);
             let bytes = files::read_file(&file, budget::MANIFEST).map_err(FolderError::of(file))?;
-            if let (Some(checksums), _) = FolderChecksums::read(path)
-                && checksums.damage(path, MANIFEST, false).is_some()
-            {
-                let path = path.to_owned();
-                return Err(FolderError::Damaged { path });
-            }
+            as_written(path)?;
             let json = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
             if (1..OLDEST).contains(&Manifest::format(&json).map_err(unreadable)?) {
                 let path = path.to_owned();
@@ -529,6 +524,31 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     match foreign {
         false => Ok(None),
         true => Err(without_manifest(path, FolderError::NotResults)),
+    }
+}
+
+/// Holds a manifest against what was written, if it lies in a folder of results.
+///
+/// # Errors
+/// If it is not as it was written.
+pub fn check_manifest(file: &Path) -> Result<(), FolderError> {
+    match (file.parent(), file.file_name()) {
+        (Some(folder), Some(name)) if name == MANIFEST => as_written(folder),
+        _ => Ok(()),
+    }
+}
+
+/// Holds the manifest of a folder against its checksum, if that is known.
+fn as_written(folder: &Path) -> Result<(), FolderError> {
+    match FolderChecksums::read(folder) {
+        (Some(checksums), _) if checksums.damage(folder, MANIFEST, false).is_some() => {
+            let path = match folder.as_os_str().is_empty() {
+                true => PathBuf::from("."),
+                false => folder.to_owned(),
+            };
+            Err(FolderError::Damaged { path })
+        }
+        _ => Ok(()),
     }
 }
 

@@ -83,7 +83,9 @@ pub use comparison::{Comparison, ComparisonTally, Pair, PhaseTime, ProgramSummar
 pub use executor::RunCancelled;
 pub use file_names::CHECKPOINTS;
 pub use finished::Finished;
-pub use folder::{Contents, Folder, FolderState, Further, FurtherFiles, Resume, survey};
+pub use folder::{
+    Contents, Folder, FolderState, Further, FurtherFiles, Resume, check_manifest, survey,
+};
 pub use folder_error::FolderError;
 pub use journal_error::JournalError;
 pub use manifest::{

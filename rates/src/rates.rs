@@ -189,11 +189,15 @@ impl Rates {
             Ok(rates) => Ok(rates),
             // An earlier form may have more.
             Err(StrictJsonError::UnknownField(_)) if !is_of_this_format(text) => {
-                serde_json::from_str(text).map_err(|error| error.to_string())
+                serde_json::from_str(text).map_err(no_rates)
             }
-            Err(error) => Err(error.to_string()),
+            Err(error) => Err(no_rates(error)),
         }
     }
+}
+
+fn no_rates(error: impl std::fmt::Display) -> String {
+    format!("it holds no rates as `stochc calibrate` writes them: {error}")
 }
 
 // All numbers are finite: `Stored` sees to that.

@@ -20,7 +20,7 @@ use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
 use crate::operations::chosen_run::index;
-use crate::operations::programs::verdict;
+use crate::operations::programs::{nothing_to_run, verdict};
 
 /// What `compile` is given.
 #[derive(Debug, Args)]
@@ -101,6 +101,9 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
         return Ok(verdict(&checked));
     }
     let (stage, form) = (options.emit, options.format);
+    if stage == EmittedStage::Executable && checked.programs.is_empty() {
+        return Err(nothing_to_run(&options.file));
+    }
     if stage == EmittedStage::Ast && options.program.is_some() {
         return Err(Failure::usage(
             "the syntax tree is of the whole file, and not of a `--program`",

@@ -44,6 +44,9 @@ fn read(
         return Err(Failure::usage(reason));
     }
     match executables(file) {
+        Some(Ok(found)) if found.is_empty() => {
+            Err(Failure::usage(format!("`{file}` holds no program to run")))
+        }
         Some(Ok(found)) => Ok(compiled(found)),
         Some(Err(reason)) => Err(Failure::usage(format!("`{file}`: {reason}"))),
         None => accept(file, crate::check_within(file, levels, imports), host),
@@ -73,9 +76,7 @@ pub fn accept(
         return Err(Failure::silent(verdict(&checked)));
     }
     if checked.programs.is_empty() {
-        return Err(Failure::usage(format!(
-            "`{file}` declares no assembly or aggregate to run"
-        )));
+        return Err(nothing_to_run(file));
     }
     let sources: Vec<Source> = (checked.sources.files().iter())
         .map(|file| Source {
@@ -89,6 +90,11 @@ pub fn accept(
         Some(EnsembleProgram::new(&name, sources.clone(), executable))
     });
     Ok(complete.collect())
+}
+
+/// Nothing is wrong in a file, and nothing can be run of it.
+pub fn nothing_to_run(file: &str) -> Failure {
+    Failure::usage(format!("`{file}` declares no assembly or aggregate to run"))
 }
 
 /// Compiles texts that were kept, for the assembly of a name, with the numbers that are varied.

@@ -69,6 +69,12 @@ fn a_manifest_beyond_all_bounds_is_refused() {
         manifest[key] = value;
         manifest
     };
+    fs::write(&file, of("seed", json!(2)).to_string()).unwrap();
+    let said = stochc_with("simulate --manifest", &[&file]);
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(said.err.contains("its checksum differs"), "{}", said.err);
+    // Elsewhere it is somebody's own.
+    let file = path(folder.path(), "manifest.json");
     let program = &sound["programs"][0];
     for (manifest, reason) in [
         (of("runs", json!(10_000_001)), "at most 10000000"),

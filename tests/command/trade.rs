@@ -343,7 +343,8 @@ fn an_accuracy_is_measured_where_nothing_is_known() {
         }
         4 => {
             assert!(
-                said.err.contains("a larger `--budget` helps")
+                said.err
+                    .contains("more time helps: `--budget`, or `stochc trade --resume`")
                     || said.err.contains("known to be within"),
                 "{}",
                 said.err

@@ -29,11 +29,12 @@ impl Renderer {
 
     /// One finding, ending in a newline.
     pub fn render(&self, diagnostic: &Diagnostic, sources: &Sources) -> String {
-        let picture = Picture::new(diagnostic, sources);
         let mut out = String::new();
-        // Writing to a string cannot fail; a span that cannot be shown leaves the title.
-        if self.handler.render_report(&mut out, &picture).is_err() {
-            out = format!("{}: {}\n", diagnostic.code, diagnostic.message());
+        for picture in Picture::of(diagnostic, sources) {
+            // Writing to a string cannot fail; a span that cannot be shown leaves the title.
+            if self.handler.render_report(&mut out, &picture).is_err() {
+                return format!("{}: {}\n", diagnostic.code, diagnostic.message());
+            }
         }
         out
     }
@@ -43,16 +44,16 @@ impl Renderer {
 #[derive(Debug)]
 struct Picture<'a> {
     code: Option<&'static str>,
-    severity: Severity,
+    severity: miette::Severity,
     title: String,
     help: Option<String>,
     excerpt: Option<Excerpt<'a>>,
     labels: Vec<LabeledSpan>,
-    related: Vec<Picture<'a>>,
 }
 
 impl<'a> Picture<'a> {
-    fn new(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Picture<'a> {
+    /// The finding in the file that it is of, and then what it points at in others.
+    fn of(diagnostic: &'a Diagnostic, sources: &'a Sources) -> impl Iterator<Item = Picture<'a>> {
         let home = diagnostic.labels.first().map(|label| label.location.file);
         let mut elsewhere: Vec<FileId> = (diagnostic.labels.iter())
             .map(|label| label.location.file)
@@ -67,26 +68,26 @@ impl<'a> Picture<'a> {
                 .filter(|label| label.location.file == file);
             of_file.map(labeled).collect()
         };
-        Picture {
+        let first = Picture {
             code: Some(diagnostic.code.name()),
-            severity: diagnostic.severity,
+            severity: match diagnostic.severity {
+                Severity::Error => miette::Severity::Error,
+                Severity::Warning => miette::Severity::Warning,
+            },
             title: visible(&diagnostic.message()),
             help: advice(diagnostic).as_deref().map(visible),
             excerpt: home.map(|file| Excerpt(sources.file(file))),
             labels: home.map(part).unwrap_or_default(),
-            related: elsewhere
-                .into_iter()
-                .map(|file| Picture {
-                    code: None,
-                    severity: diagnostic.severity,
-                    title: format!("in {}", stochc_ir::visible(&sources.file(file).name)),
-                    help: None,
-                    excerpt: Some(Excerpt(sources.file(file))),
-                    labels: part(file),
-                    related: Vec::new(),
-                })
-                .collect(),
-        }
+        };
+        let others = elsewhere.into_iter().map(move |file| Picture {
+            code: None,
+            severity: miette::Severity::Advice,
+            title: format!("in {}", stochc_ir::visible(&sources.file(file).name)),
+            help: None,
+            excerpt: Some(Excerpt(sources.file(file))),
+            labels: part(file),
+        });
+        std::iter::once(first).chain(others)
     }
 }
 
@@ -156,10 +157,7 @@ impl MietteDiagnostic for Picture<'_> {
     }
 
     fn severity(&self) -> Option<miette::Severity> {
-        Some(match self.severity {
-            Severity::Error => miette::Severity::Error,
-            Severity::Warning => miette::Severity::Warning,
-        })
+        Some(self.severity)
     }
 
     fn help<'b>(&'b self) -> Option<Box<dyn std::fmt::Display + 'b>> {
@@ -172,14 +170,6 @@ impl MietteDiagnostic for Picture<'_> {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         Some(Box::new(self.labels.iter().cloned()))
-    }
-
-    fn related<'b>(&'b self) -> Option<Box<dyn Iterator<Item = &'b dyn MietteDiagnostic> + 'b>> {
-        let related = self
-            .related
-            .iter()
-            .map(|picture| picture as &dyn MietteDiagnostic);
-        (!self.related.is_empty()).then(|| Box::new(related) as Box<_>)
     }
 }
 

@@ -36,7 +36,7 @@ impl Expander<'_, '_> {
                     let diagnostic = Diagnostic::new(Code::Arithmetic, "a division by zero")
                         .label(self.location(sides.1.span), "this is 0")
                         .label(self.location(sides.0.span), "divided by it")
-                        .help("begin the range of its counter at 1, or add to it");
+                        .help("divide by another number: where it is a counter, begin its range at 1, or add to it");
                     self.diagnostics.push(diagnostic);
                     return None;
                 }

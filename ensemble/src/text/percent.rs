@@ -6,7 +6,9 @@ use crate::statistics::Relative;
 /// # Errors
 /// What to type instead.
 pub fn share(text: &str) -> Result<f64, String> {
-    let malformed = || "give a percentage between 0 and 100, such as 5%".to_owned();
+    let malformed = || {
+        "give a percentage between 0 and 100 with its sign, such as 5%, or a part of 1, such as 0.05".to_owned()
+    };
     let (number, unit) = match text.strip_suffix('%') {
         Some(number) => (number.trim_end(), 100.0),
         None => (text, 1.0),

@@ -42,11 +42,15 @@ pub fn choose(
 ) -> Result<Choice, String> {
     let asked = percent(accuracy);
     let Some(reference) = &trade.reference else {
-        return Err("too few runs were made for a reference; a larger `--budget` helps".into());
+        return Err("too few runs were made for a reference; more time helps: `--budget`, or `stochc trade --resume` for a trade that is there".into());
     };
     let own = &trade.candidates[reference.candidate];
     let doubling = (reference.doublings.last()).and_then(|last| last.bound(programs));
-    let open = |what: String| Err(format!("{what}; a larger `--budget` helps"));
+    let open = |what: String| {
+        Err(format!(
+            "{what}; more time helps: `--budget`, or `stochc trade --resume` for a trade that is there"
+        ))
+    };
     match convergence(&reference.doublings, programs, accuracy) {
         Convergence::Converged => {}
         Convergence::NotConverged => {

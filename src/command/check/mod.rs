@@ -72,7 +72,9 @@ pub struct CheckArguments {
 /// A number of captures to show.
 fn at_least_one(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|&number: &usize| number > 0);
-    number.ok_or_else(|| "give a whole number from 1".to_owned())
+    number.ok_or_else(|| {
+        "give a whole number from 1, or the file before it: `FILE --cost`".to_owned()
+    })
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.

@@ -1,6 +1,6 @@
 //! Files or a manifest to programs that are ready to run.
 use stochc_compiler::LintLevels;
-use stochc_ensemble::{Manifest, OLDEST, survey, this_build};
+use stochc_ensemble::{Manifest, OLDEST, check_manifest, survey, this_build};
 use stochc_files::budget::MANIFEST;
 use stochc_files::read_file;
 use stochc_runtime::rates::Rates;
@@ -94,6 +94,7 @@ fn from_manifest(
     let shown = path.display();
     let bytes = read_file(path, MANIFEST)
         .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
+    check_manifest(path).map_err(Failure::usage)?;
     let text = String::from_utf8_lossy(&bytes);
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
     let mut manifest = match Manifest::format(&text).map_err(refuse)? {

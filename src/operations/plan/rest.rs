@@ -29,6 +29,11 @@ pub struct RunEnd<'a> {
 /// # Errors
 /// If it cannot be read, is wrong, or nothing is missing in it.
 pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completion, Failure> {
+    if target::is_of_voxels(options.target) {
+        return Err(Failure::usage(
+            "`--complete` is for programs: a file of voxels is one shape",
+        ));
+    }
     let checked = target::checked(options)?;
     Completion::of(&checked, options.shape).map_err(|error| match error {
         NotCompleted::Wrong => {

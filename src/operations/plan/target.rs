@@ -19,8 +19,7 @@ use crate::planning::Goal;
 /// The target of these options.
 pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let target = options.target;
-    let kind = Path::new(target).extension().and_then(|kind| kind.to_str());
-    match kind.map(str::to_ascii_lowercase).as_deref() {
+    match kind(target).as_deref() {
         Some("vox") => voxels(options, magica_voxel),
         Some("txt") => voxels(options, |bytes| {
             let text = std::str::from_utf8(bytes);
@@ -32,6 +31,17 @@ pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure>
         }),
         _ => program(options, host),
     }
+}
+
+/// Whether a file is named as those of voxels are.
+pub fn is_of_voxels(target: &str) -> bool {
+    matches!(kind(target).as_deref(), Some("vox" | "txt"))
+}
+
+/// What the name of a file ends in, in small letters.
+fn kind(target: &str) -> Option<String> {
+    let kind = Path::new(target).extension()?.to_str()?;
+    Some(kind.to_ascii_lowercase())
 }
 
 fn voxels(
