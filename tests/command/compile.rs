@@ -1,3 +1,5 @@
+use std::fs;
+
 use serde_json::Value;
 
 use crate::stochc::{path, stochc, stochc_with, tables};
@@ -38,7 +40,7 @@ fn the_printed_tree_is_a_program_again() {
     let folder = tempfile::tempdir().unwrap();
     let file = crate::stochc::path(folder.path(), "printed.sa");
     let tree = emit("ast", "text");
-    std::fs::write(&file, &tree).unwrap();
+    fs::write(&file, &tree).unwrap();
     let again = crate::stochc::stochc_with("compile --emit ast", &[&file]);
     assert_eq!((again.status, again.out), (0, tree));
 }
@@ -71,7 +73,7 @@ fn one_of_several_programs_is_shown_if_it_is_named() {
             "assembly {name} {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> {name}_block }} }}\n"
         )
     };
-    std::fs::write(&file, format!("{}{}", of("a"), of("b"))).unwrap();
+    fs::write(&file, format!("{}{}", of("a"), of("b"))).unwrap();
     for stage in ["graph", "table"] {
         let both = stochc_with(&format!("compile --emit {stage}"), &[&file]);
         let one = stochc_with(&format!("compile --emit {stage} --program b"), &[&file]);
@@ -119,10 +121,7 @@ fn an_executable_is_simulated_without_its_text() {
     let compile = "compile --emit executable tests/fixtures/importing.sa";
     let said = stochc_with(compile, &["--out", &program]);
     assert_eq!((said.status, said.out.as_str()), (0, ""), "{}", said.err);
-    assert_eq!(
-        stochc(compile).out,
-        std::fs::read_to_string(&program).unwrap()
-    );
+    assert_eq!(stochc(compile).out, fs::read_to_string(&program).unwrap());
     let options = ["--model", "shuffle", "--runs", "5", "--quiet", "--out"];
     let simulate = |file: &str, out: &str| {
         let said = stochc_with("simulate", &[&[file], &options[..], &[out]].concat());
@@ -142,12 +141,30 @@ fn an_executable_is_simulated_without_its_text() {
 }
 
 #[test]
+fn an_executable_of_nothing_is_neither_written_nor_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let [empty, out, none] =
+        ["empty.sa", "out.json", "none.json"].map(|it| path(folder.path(), it));
+    fs::write(&empty, "").unwrap();
+    let said = stochc_with("compile --emit executable", &[&empty, "--out", &out]);
+    assert_eq!(said.status, 2, "{}", said.err);
+    assert!(said.err.contains("declares no assembly"), "{}", said.err);
+    let nothing = r#"{"kind":"stochc executable","format":1,"programs":[]}"#;
+    fs::write(&none, nothing).unwrap();
+    for command in ["estimate", "simulate --runs 1"] {
+        let said = stochc_with(command, &[&none]);
+        assert_eq!(said.status, 2, "{}", said.err);
+        assert!(said.err.contains("holds no program"), "{}", said.err);
+    }
+}
+
+#[test]
 fn a_damaged_executable_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let program = path(folder.path(), "X");
     let compile = "compile --emit executable tests/fixtures/tower.sa --out";
     stochc_with(compile, &[&program]);
-    let text = std::fs::read_to_string(&program).unwrap();
+    let text = fs::read_to_string(&program).unwrap();
     for (edited, reason) in [
         (
             text.replacen("\"format\":1", "\"format\":2", 1),
@@ -163,7 +180,7 @@ fn a_damaged_executable_is_refused() {
             "nothing is known of its field `programs.0.tables.fases`",
         ),
     ] {
-        std::fs::write(&program, edited).unwrap();
+        fs::write(&program, edited).unwrap();
         let said = stochc_with("simulate", &[&program]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{reason}");
         assert!(said.err.contains(reason), "{}", said.err);

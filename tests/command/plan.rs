@@ -282,10 +282,42 @@ fn what_cannot_be_planned_is_told_with_a_way_out() {
     let said = stochc("plan examples/five_tower.sa --scene nope");
     assert_eq!(said.status, 2, "{}", said.err);
     assert!(
-        said.err.contains("no scene is called `nope`"),
+        said.err
+            .contains("no scene is called `nope`; `hemisphere`, "),
         "{}",
         said.err
     );
+    let folder = tempfile::tempdir().unwrap();
+    let voxels = path(folder.path(), "one.txt");
+    fs::write(&voxels, "#\n").unwrap();
+    let said = stochc_with("plan --complete", &[&voxels]);
+    assert_eq!(said.status, 2, "{}", said.err);
+    assert!(
+        said.err.contains("a file of voxels is one shape"),
+        "{}",
+        said.err
+    );
+}
+
+/// What a scene says to people comes along with it.
+#[test]
+fn a_scene_is_copied_as_it_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "\
+/// The tank in the cellar.
+scene lab from hemisphere {   // measured in May
+    free 200 uniform   // counted
+    enclosure hemisphere { radius 5m  wall 250 N/m }
+}
+";
+    let program = "shape s { layer 1 { # # } }
+assembly a in lab { seed plate 2 x 1 { A at (0, 0) } phase rest { A.up -> B.east -> C yields s } }
+";
+    let file = path(folder.path(), "lab.sa");
+    fs::write(&file, format!("{scene}{program}")).unwrap();
+    let said = stochc_with("plan --quiet", &[&file]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains(scene), "{}", said.out);
 }
 
 /// A text may begin with a mark of its encoding, as a program may.

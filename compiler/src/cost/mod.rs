@@ -16,7 +16,8 @@ mod waits;
 
 pub use sampling::Draw;
 
-use stochc_rates::{Interaction, Rates, Times};
+use rustc_hash::FxHashMap;
+use stochc_rates::{Interaction, Rates, Times, Wait};
 
 use crate::Program;
 use crate::plan::{EventId, EventKind};
@@ -122,6 +123,12 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     }
     cost.interaction = interaction(program, sampled.has_race);
     let captures = waits.iter().zip(sampled.shares).zip(sampled.waits);
+    // Many captures have the same surroundings.
+    let mut means: FxHashMap<[u64; 2], f64> = FxHashMap::default();
+    let mut mean = |wait: &Wait| {
+        let bits = [wait.rate, wait.docking].map(f64::to_bits);
+        *means.entry(bits).or_insert_with(|| wait.mean())
+    };
     cost.captures = (0..)
         .map(EventId)
         .zip(captures)
@@ -130,7 +137,7 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
                 wait, head_starts, ..
             } = wait.as_ref()?;
             let drawn = drawn.filter(|_| !head_starts.is_empty());
-            let wait = drawn.unwrap_or_else(|| wait.mean());
+            let wait = drawn.unwrap_or_else(|| mean(wait));
             Some(CaptureCost { event, wait, share })
         })
         .collect();

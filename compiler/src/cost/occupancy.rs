@@ -17,6 +17,15 @@ struct OccupancyInterval {
 #[derive(Debug, Default)]
 pub struct Occupancy {
     intervals: FxHashMap<Cell, SmallVec<[OccupancyInterval; 1]>>,
+    /// Which cells have any, a bit for each of a cube of them: most of those that are asked for are empty, and next to each other.
+    cubes: FxHashMap<[i32; 3], u64>,
+}
+
+/// The cube of 4 x 4 x 4 cells that one is in, and its bit there.
+fn cube(cell: Cell) -> ([i32; 3], u64) {
+    let at = [cell.x, cell.y, cell.z];
+    let [x, y, z] = at.map(|at| at & 3);
+    (at.map(|at| at >> 2), 1 << (x + 4 * y + 16 * z))
 }
 
 impl Occupancy {
@@ -24,6 +33,8 @@ impl Occupancy {
     pub fn begin(&mut self, events: &[PhaseEvent]) {
         for event in events.iter().filter(|event| !event.is_release()) {
             let intervals = self.intervals.entry(event.cell).or_default();
+            let (cube, bit) = cube(event.cell);
+            *self.cubes.entry(cube).or_default() |= bit;
             intervals.push(OccupancyInterval {
                 since: event.level,
                 until: u32::MAX,
@@ -42,6 +53,10 @@ impl Occupancy {
 
     /// Whether a block is in a cell when the captures of a level wait; `with_mates`: those of the same level count as well.
     pub fn is_full(&self, cell: Cell, level: u32, with_mates: bool) -> bool {
+        let (cube, bit) = cube(cell);
+        if self.cubes.get(&cube).is_none_or(|bits| bits & bit == 0) {
+            return false;
+        }
         let intervals = self.intervals.get(&cell).into_iter().flatten();
         let mut intervals = intervals.filter(|interval| level <= interval.until);
         intervals.any(|interval| interval.since < level || (with_mates && interval.since == level))
@@ -60,7 +75,11 @@ impl Occupancy {
                         until: u32::MAX,
                     }];
                 }
-                false => drop(self.intervals.remove(&event.cell)),
+                false => {
+                    self.intervals.remove(&event.cell);
+                    let (cube, bit) = cube(event.cell);
+                    *self.cubes.entry(cube).or_default() &= !bit;
+                }
             }
         }
     }
