@@ -22,7 +22,7 @@ pub struct Cli {
 }
 
 const EXIT_STATUS: &str = "\
-Exit status: 0 success, 1 the program has errors, 2 the command line is wrong, a file cannot be \
+Exit status: 0 success, 1 the program has errors or the model cannot run it, 2 the command line is wrong, a file cannot be \
 read or written or there is no memory left, 3 a run did not complete or pieces are missing, 4 no setting is known to be accurate enough, 130 interrupted.";
 
 /// The subcommands.
