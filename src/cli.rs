@@ -1,5 +1,5 @@
 //! The command line.
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use stochc_ir::is_invisible;
 
 use crate::command::interrupt::outlive_file_limit;
@@ -93,6 +93,20 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
         ))),
         None => error.exit(),
     }
+}
+
+/// What the command line says. Numbers below 0 are values and no options, so that each is refused by what it is for.
+///
+/// # Errors
+/// If it says nothing that can be done.
+pub fn parse() -> Result<Cli, clap::Error> {
+    let negative = |arg: clap::Arg| {
+        let takes_values = arg.get_action().takes_values();
+        arg.allow_negative_numbers(takes_values)
+    };
+    let mut command = Cli::command().mut_subcommands(|it| it.mut_args(negative));
+    let matches = command.try_get_matches_from_mut(std::env::args_os())?;
+    Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
 }
 
 /// Does what the command line says; what is left to say is in the failure.

@@ -2,13 +2,12 @@
 use std::io::Write as _;
 use std::process::ExitCode;
 
-use clap::Parser as _;
-use stochc::cli::{Cli, print_backtraces_ourselves, report_usage_error, run};
+use stochc::cli::{parse, print_backtraces_ourselves, report_usage_error, run};
 
 /// The one place where failures are told, and the process ends.
 fn main() -> ExitCode {
     print_backtraces_ourselves();
-    let done = Cli::try_parse().map_or_else(report_usage_error, run);
+    let done = parse().map_or_else(report_usage_error, run);
     let exit = done.unwrap_or_else(|failure| {
         // Nobody listening is no reason for another status.
         let _ = std::io::stderr()

@@ -37,7 +37,7 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "TICKS", default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = SEED, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = SEED)]
     seed: u64,
     #[command(flatten)]
     work: WorkOptions,

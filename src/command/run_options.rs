@@ -20,7 +20,7 @@ pub struct WorkOptions {
 #[derive(Clone, Copy, Debug, Args)]
 pub struct SeedOption {
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }
 

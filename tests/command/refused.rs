@@ -25,6 +25,8 @@ fn wrong_command_lines_are_told_of() {
         "simulate --threads 0 tests/fixtures/tower.sa",
         "simulate --threads 100000 tests/fixtures/tower.sa",
         "simulate --seed -1 tests/fixtures/tower.sa",
+        "plan --budget -5 tests/fixtures/tower.sa",
+        "shard tests/fixtures -1",
         "simulate --model magic tests/fixtures/tower.sa",
         "simulate --resume tests/fixtures/tower.sa",
         "simulate --run 1 --runs 2 tests/fixtures/tower.sa",
@@ -37,6 +39,8 @@ fn wrong_command_lines_are_told_of() {
             "{line}: {}",
             said.err
         );
+        // A number below 0 is no option.
+        assert!(!said.err.contains("as a value, use"), "{}", said.err);
     }
     assert!(
         stochc("simulate --seed -1 tests/fixtures/tower.sa")
