@@ -342,11 +342,14 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
             true => Change {
                 removed: span.start..span.start,
                 at: span.start,
-                around: [String::new(), "\n".to_owned()],
+                around: [String::new(), String::new()],
             },
             false => Change {
                 removed: span,
-                at: phase.span.end as usize,
+                at: behind(
+                    &checked.sources.file(FileId(0)).text,
+                    phase.span.end as usize,
+                ),
                 around: [
                     format!("\nphase {new} {{\n"),
                     format!("yields {}\n}}\n", claim.name),
@@ -354,4 +357,13 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
             },
         },
     )
+}
+
+/// The place behind one, or behind the comment with which its line ends.
+fn behind(text: &str, at: usize) -> usize {
+    let line = text[at..].split('\n').next().unwrap_or_default();
+    match line.trim_start().starts_with("//") {
+        true => at + line.len(),
+        false => at,
+    }
 }

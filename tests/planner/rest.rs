@@ -159,7 +159,10 @@ fn what_is_missing_is_written_into_the_phase_that_claims_it() {
 
 #[test]
 fn a_phase_with_captures_keeps_them_and_gives_its_claim_to_one_behind() {
-    let text = PART.replace("yields arch", "R.up -> rest\n        yields arch");
+    let text = PART.replace(
+        "yields arch\n    }",
+        "R.up -> rest\n        yields arch\n    } // both feet",
+    );
     let planned = completed(&text).unwrap();
     insta::assert_snapshot!(planned.text);
     let checked = check_text("whole.sa", &planned.text);
