@@ -136,11 +136,9 @@ impl Schedule {
         for &site in &self.order[..standing] {
             level[site as usize] = 0;
         }
-        let captures = || {
-            let captures = self.order.iter().zip(&waiting.before).take(first);
-            captures.skip(standing)
-        };
-        for (&site, before) in captures() {
+        let captures = self.order.iter().copied().zip(&waiting.before);
+        let captures: Vec<_> = captures.take(first).skip(standing).collect();
+        for &(site, before) in &captures {
             let others = before
                 .iter()
                 .map(|&other| level[self.order[other as usize] as usize] + 1);
@@ -152,8 +150,7 @@ impl Schedule {
         for i in 1..earlier.len() {
             earlier[i] += earlier[i - 1];
         }
-        let (mut means, mut ends) = (self.mean.clone(), self.end.clone());
-        for (&site, before) in captures() {
+        for (site, before) in captures {
             let here = level[site as usize];
             let bound = f64::from(earlier[here as usize]) / f64::from(hardware.free.max(1));
             let moment = Moment {
@@ -176,13 +173,12 @@ impl Schedule {
                         },
                     },
                 );
-            means[site as usize] = mean as f32;
+            self.mean[site as usize] = mean as f32;
             let start = before
                 .iter()
-                .map(|&other| ends[self.order[other as usize] as usize]);
-            ends[site as usize] = start.fold(0.0, f32::max) + mean as f32;
+                .map(|&other| self.end[self.order[other as usize] as usize]);
+            self.end[site as usize] = start.fold(0.0, f32::max) + mean as f32;
         }
-        (self.mean, self.end) = (means, ends);
     }
 }
 

@@ -381,7 +381,6 @@ impl ScheduleState<'_> {
         let bound = f64::from(self.anchored) / f64::from(job.hardware.free.max(1));
         let moment = Moment {
             free: 1.0 - bound,
-            // Where blocks stand, the gas has been moving.
             is_first: now == 0.0 && job.sites.target.is_at_rest(),
         };
         let only = job.roles.and_then(|roles| roles.way(site));

@@ -72,6 +72,13 @@ struct Claim<'a> {
     there: Vec<(ExistingBlock, RoleId)>,
 }
 
+impl Claim<'_> {
+    /// Whether nothing happens in its phase, so that the rest is written there, and not in a phase behind.
+    fn fills_phase(&self) -> bool {
+        self.program.plan.phases[self.phase].events.is_empty()
+    }
+}
+
 impl Completion {
     /// Of the first phase that claims a shape, or the one of this name, and does not build it.
     ///
@@ -120,8 +127,7 @@ impl Completion {
         );
         let mut target = target.map_err(NotCompleted::Impossible)?;
         let phases = &program.plan.phases;
-        let is_behind = !phases[claim.phase].events.is_empty();
-        let phase = claim.phase + usize::from(is_behind);
+        let phase = claim.phase + usize::from(!claim.fills_phase());
         if phases[..phase]
             .iter()
             .any(|it| !it.planted && !it.events.is_empty())
@@ -337,26 +343,24 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
     });
     let (phase, yields) = found.ok_or_else(elsewhere)?;
     let span = yields.span.start as usize..yields.span.end as usize;
-    Ok(
-        match claim.program.plan.phases[claim.phase].events.is_empty() {
-            true => Change {
-                removed: span.start..span.start,
-                at: span.start,
-                around: [String::new(), String::new()],
-            },
-            false => Change {
-                removed: span,
-                at: behind(
-                    &checked.sources.file(FileId(0)).text,
-                    phase.span.end as usize,
-                ),
-                around: [
-                    format!("\nphase {new} {{\n"),
-                    format!("yields {}\n}}\n", claim.name),
-                ],
-            },
+    Ok(match claim.fills_phase() {
+        true => Change {
+            removed: span.start..span.start,
+            at: span.start,
+            around: [String::new(), String::new()],
         },
-    )
+        false => Change {
+            removed: span,
+            at: behind(
+                &checked.sources.file(FileId(0)).text,
+                phase.span.end as usize,
+            ),
+            around: [
+                format!("\nphase {new} {{\n"),
+                format!("yields {}\n}}\n", claim.name),
+            ],
+        },
+    })
 }
 
 /// The place behind one, or behind the comment with which its line ends.

@@ -179,7 +179,7 @@ impl Forest {
 }
 
 /// A wait, to be told apart from others.
-fn bits(wait: Wait) -> [u64; 2] {
+pub fn bits(wait: Wait) -> [u64; 2] {
     [wait.rate, wait.docking].map(f64::to_bits)
 }
 

@@ -21,6 +21,7 @@ use stochc_rates::{Interaction, Rates, Times, Wait};
 
 use crate::Program;
 use crate::plan::{EventId, EventKind};
+use convolution::bits;
 use waits::CaptureWait;
 
 /// What is known of a program without running it.
@@ -126,8 +127,8 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     // Many captures have the same surroundings.
     let mut means: FxHashMap<[u64; 2], f64> = FxHashMap::default();
     let mut mean = |wait: &Wait| {
-        let bits = [wait.rate, wait.docking].map(f64::to_bits);
-        *means.entry(bits).or_insert_with(|| wait.mean())
+        let mean = means.entry(bits(*wait));
+        *mean.or_insert_with(|| wait.mean())
     };
     cost.captures = (0..)
         .map(EventId)

@@ -25,6 +25,10 @@ pub enum Among {
     Runs,
 }
 
+/// What helps where too little was measured.
+const MORE_TIME: &str =
+    "more time helps: `--budget`, or `stochc trade --resume` for a trade that is there";
+
 /// Chooses for some programs of a trade, by their indices in it.
 ///
 /// A candidate is accurate enough if no program's mean is further from the reference's than `accuracy`,
@@ -42,15 +46,13 @@ pub fn choose(
 ) -> Result<Choice, String> {
     let asked = percent(accuracy);
     let Some(reference) = &trade.reference else {
-        return Err("too few runs were made for a reference; more time helps: `--budget`, or `stochc trade --resume` for a trade that is there".into());
+        return Err(format!(
+            "too few runs were made for a reference; {MORE_TIME}"
+        ));
     };
     let own = &trade.candidates[reference.candidate];
     let doubling = (reference.doublings.last()).and_then(|last| last.bound(programs));
-    let open = |what: String| {
-        Err(format!(
-            "{what}; more time helps: `--budget`, or `stochc trade --resume` for a trade that is there"
-        ))
-    };
+    let open = |what: String| Err(format!("{what}; {MORE_TIME}"));
     match convergence(&reference.doublings, programs, accuracy) {
         Convergence::Converged => {}
         Convergence::NotConverged => {

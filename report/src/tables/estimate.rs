@@ -127,13 +127,17 @@ fn times(estimate: &CompletionEstimate) -> TextTable {
 
 fn shares(estimate: &CompletionEstimate, most: usize) -> TextTable {
     let shown = &estimate.shares[..most.min(estimate.shares.len())];
-    let events = estimate.shares.iter();
-    let events: Vec<_> = events
-        .map(|share| (share.event.clone(), share.phase.clone()))
-        .collect();
+    let all = estimate.shares.iter().map(|share| share.event.as_str());
+    let labelled = shown.iter().map(|share| {
+        (
+            share.event.as_str(),
+            share.event.clone(),
+            share.phase.as_str(),
+        )
+    });
     TextTable {
         label: "waited for, and for nothing else".to_owned(),
-        labels: event_labels(&events, most),
+        labels: event_labels(all, labelled),
         columns: vec![TextColumn::figures(
             "of the time",
             shown.iter().map(|share| percent(share.share)).collect(),

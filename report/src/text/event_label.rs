@@ -1,18 +1,22 @@
 //! Events that a program has more than once.
 use std::collections::HashMap;
+use std::hash::Hash;
 
-/// What the first `most` of a program's events are called in a table: as the program writes them, and with the phase where it has
-/// another of the same words. Events are their words, and their phases.
-pub fn event_labels(events: &[(String, String)], most: usize) -> Vec<String> {
-    let mut counts: HashMap<&str, usize> = HashMap::new();
-    for (words, _) in events {
-        *counts.entry(words).or_default() += 1;
+/// What events are called in a table: as the program writes them, and with their phase where another of `all` does the same. Those that are
+/// `shown` are what they do, the words of that, and their phases.
+pub fn event_labels<'a, A: Eq + Hash>(
+    all: impl IntoIterator<Item = A>,
+    shown: impl IntoIterator<Item = (A, String, &'a str)>,
+) -> Vec<String> {
+    let mut counts: HashMap<A, usize> = HashMap::new();
+    for action in all {
+        *counts.entry(action).or_default() += 1;
     }
-    let shown = events.iter().take(most);
-    shown
-        .map(|(words, phase)| match counts[words.as_str()] {
-            1 => words.clone(),
-            _ => format!("{words} (phase {phase})"),
+    let labels = shown.into_iter();
+    labels
+        .map(|(action, words, phase)| match counts.get(&action) {
+            Some(2..) => format!("{words} (phase {phase})"),
+            _ => words,
         })
         .collect()
 }
@@ -26,8 +30,9 @@ mod tests {
             ("A.up -> C", "one"),
             ("A.up -> B", "two"),
         ];
-        let events = events.map(|(words, phase)| (words.to_owned(), phase.to_owned()));
-        let labels = super::event_labels(&events, 2);
+        let all = events.map(|(words, _)| words);
+        let shown = events.map(|(words, phase)| (words, words.to_owned(), phase));
+        let labels = super::event_labels(all, shown.into_iter().take(2));
         assert_eq!(labels, ["A.up -> B (phase one)", "A.up -> C"]);
     }
 }

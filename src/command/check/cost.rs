@@ -1,5 +1,5 @@
 //! What `check --cost` says of a program.
-use stochc_compiler::cost::{Cost, PhaseCost, estimate};
+use stochc_compiler::cost::{CaptureCost, Cost, PhaseCost, estimate};
 use stochc_compiler::{Program, Symbols};
 use stochc_ensemble::text::percent;
 use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out};
@@ -154,13 +154,16 @@ fn by_phase(program: &Program, cost: &Cost) -> TextTable {
 fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> TextTable {
     let shown = &cost.captures[..cost.captures.len().min(most)];
     let plan = &program.plan;
-    let event = |of| (plan.describe(of, symbols), plan.phase_name(of).to_owned());
-    let events: Vec<_> = cost.captures.iter().map(|it| event(it.event)).collect();
+    let action = |capture: &CaptureCost| plan.event(capture.event).action();
+    let labelled = shown.iter().map(|it| {
+        let words = plan.describe(it.event, symbols);
+        (action(it), words, plan.phase_name(it.event))
+    });
     let shares = shown.iter().map(|it| percent(it.share)).collect();
     let waits = shown.iter().map(|it| format!("{:.0}", it.wait)).collect();
     TextTable {
         label: "capture".to_owned(),
-        labels: event_labels(&events, most),
+        labels: event_labels(cost.captures.iter().map(action), labelled),
         columns: vec![
             TextColumn::figures("of the time", shares),
             TextColumn::figures("mean wait", waits),
