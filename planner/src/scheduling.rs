@@ -4,6 +4,7 @@
 //! and no face is open that [jams together with it](crate::crowding).
 mod adaptive;
 mod exact;
+mod insertion;
 mod phase;
 mod priorities;
 mod programs;

@@ -160,6 +160,13 @@ const WAYS: u64 = 2000;
 /// Other urgencies that are tried in a row after that.
 const URGENCIES: u64 = 150;
 
+/// Schedules of small targets, each with other ways in and by other priorities, from which it is begun: changes one by one seldom lead from one to what
+/// another leads to.
+const STARTS: u64 = 8;
+
+/// Other places in the order of small targets that are tried in a row after that; larger ones have not been seen to gain by them.
+const INSERTIONS: u64 = 150;
+
 /// Schedules that are tried with the ways in that look worse, at most.
 const MOST_FIRST: u64 = 1500;
 
@@ -271,13 +278,14 @@ fn heuristic(
     best.sort_by(|a, b| b.value.total_cmp(&a.value));
     let left = search.rounds.saturating_sub(rounds);
     let share = (left / (best.len() as u64 + 1)).min(MOST_FIRST);
-    let reschedule = |best: ScheduleCandidate, rounds: &mut u64, most: u64, rng: &mut _| {
+    let reschedule = |best: ScheduleCandidate, by, rounds: &mut u64, most: u64, rng: &mut _| {
         let job = SchedulingJob::new(sites, &best.disassembly, &best.corridors, hardware, waits);
         let search = PlanSearch {
             rounds: most.min(search.rounds),
             ..search
         };
-        let (scheduled, made) = improved(&job, &samples, best.scheduled, *rounds, search, rng);
+        let by = (&job, by);
+        let (scheduled, made) = improved(by, &samples, best.scheduled, *rounds, search, rng);
         *rounds = made;
         ScheduleCandidate {
             value: search.value(&scheduled.estimate, &best.disassembly),
@@ -285,14 +293,31 @@ fn heuristic(
             ..best
         }
     };
+    let (starts, insertions) = match sites.len() <= MOST_SITES {
+        true => (STARTS, INSERTIONS),
+        false => (1, 0),
+    };
     let mut found: Option<ScheduleCandidate> = None;
-    for best in best {
-        let most = rounds + share;
-        let best = reschedule(best, &mut rounds, most, &mut rng);
-        found = match found {
-            Some(found) if found.value <= best.value => Some(found),
-            _ => Some(best),
-        };
+    for first in best {
+        let has_gaps = first.has_gaps;
+        let mut next = Some(first);
+        for _ in 0..starts {
+            let from = match next.take() {
+                Some(first) => Ok(first),
+                None => {
+                    let order = (0..sites.len()).map(|_| rng.random()).collect();
+                    let any = Priorities::random(sites.len(), &mut rng);
+                    candidate(order, any, has_gaps, search.enough)
+                }
+            };
+            let Ok(from) = from else { break };
+            let most = rounds + share / starts;
+            let best = reschedule(from, ScheduleMove::Priorities, &mut rounds, most, &mut rng);
+            found = match found {
+                Some(found) if found.value <= best.value => Some(found),
+                _ => Some(best),
+            };
+        }
     }
     let mut found = found.expect("there is one candidate at least");
     // Other ways in, and then other urgencies, by turns.
@@ -309,8 +334,13 @@ fn heuristic(
                 Err(_) => break,
             }
         }
-        let most = rounds + URGENCIES;
-        found = reschedule(found, &mut rounds, most, &mut rng);
+        for (by, tries) in [
+            (ScheduleMove::Priorities, URGENCIES),
+            (ScheduleMove::Insertion, insertions),
+        ] {
+            let most = rounds + tries;
+            found = reschedule(found, by, &mut rounds, most, &mut rng);
+        }
     }
     Ok(FoundSchedule {
         disassembly: found.disassembly,
@@ -488,11 +518,20 @@ fn branch_and_bound(
     })
 }
 
-/// The best schedule of a job that is found by changing priorities, and the rounds that were made by then. What is a bit longer than the best is
+/// How a schedule is changed to get another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScheduleMove {
+    /// It is made anew by other priorities.
+    Priorities,
+    /// Some of its sites open at other places of the order, or are captured by other faces.
+    Insertion,
+}
+
+/// The best schedule of a job that is found by changing it in such a way, and the rounds that were made by then. What is a bit longer than the best is
 /// gone on from as well at first, and less and less so (G. Dueck and T. Scheuer, *Threshold accepting*, Journal of Computational Physics 90,
 /// 1990).
 pub fn improved(
-    job: &SchedulingJob<'_>,
+    (job, by): (&SchedulingJob<'_>, ScheduleMove),
     samples: &Samples,
     mut best: PrioritizedSchedule,
     mut rounds: u64,
@@ -508,9 +547,15 @@ pub fn improved(
     while rounds < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
         (search.tried)(rounds, value(&best));
-        let may_be_serial = job.has_serial();
-        let priorities = current.priorities.changed(&critical, may_be_serial, rng);
-        let schedule = match job.any(&priorities, search.enough) {
+        let mut priorities = current.priorities.clone();
+        let schedule = match by {
+            ScheduleMove::Priorities => {
+                priorities = priorities.changed(&critical, job.has_serial(), rng);
+                job.any(&priorities, search.enough)
+            }
+            ScheduleMove::Insertion => Ok(job.reinserted(&current.schedule, &critical, rng)),
+        };
+        let schedule = match schedule {
             Ok(Some(schedule)) => schedule,
             Ok(None) => continue,
             Err(_) => break,

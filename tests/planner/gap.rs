@@ -93,7 +93,7 @@ fn all_schedules_of_small_shapes_are_looked_at() {
 }
 
 /// Shapes by which the search was not chosen.
-const OTHERS: u32 = 1000;
+const OTHERS: u32 = 5000;
 
 /// The numbers of docs/planner.md.
 #[test]

@@ -16,7 +16,7 @@ use crate::rate_law::RateLaw;
 use crate::scaffold::{Scaffolding, SiteRoles};
 use crate::schedule::Schedule;
 use crate::scheduling::{Priorities, SchedulingJob, estimated};
-use crate::search::{FoundSchedule, PlanSearch, PrioritizedSchedule, improved};
+use crate::search::{FoundSchedule, PlanSearch, PrioritizedSchedule, ScheduleMove, improved};
 use crate::sites::Sites;
 use crate::{Hardware, Target};
 use leaf_peeling::peel_leaves;
@@ -315,7 +315,8 @@ impl Study<'_> {
             ..self.how
         };
         let tried = how.rounds - self.tries;
-        let (found, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
+        let by = (&job, ScheduleMove::Priorities);
+        let (found, rounds) = improved(by, &samples, start, tried, how, &mut rng);
         let value = how.value(&found.estimate, &disassembly);
         let scaffolded = Scaffolded {
             found: FoundSchedule {

@@ -2,11 +2,13 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
+use super::exact::MOST_SITES;
+
 /// Of all sites of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Priorities {
-    /// Of each site, how urgent it is beside what its tail says: 0 to 1 (J. C. Bean, *Genetic algorithms and random keys for sequencing and
-    /// optimization*, ORSA Journal on Computing 6, 1994).
+    /// Of each site, how urgent it is beside what its tail says: mostly 0 to 1 (J. C. Bean, *Genetic algorithms and random keys for sequencing and
+    /// optimization*, ORSA Journal on Computing 6, 1994), and above -0.5.
     keys: Vec<f32>,
     /// Of each site, how many better ways into it are left out.
     skipped: Vec<u8>,
@@ -25,6 +27,13 @@ impl Priorities {
             is_serial: false,
             is_settled: false,
         }
+    }
+
+    /// Any.
+    pub fn random(sites: usize, rng: &mut ChaCha8Rng) -> Priorities {
+        let critical = vec![1.0; sites];
+        let even = Priorities::even(sites);
+        (0..sites).fold(even, |other, _| other.changed(&critical, true, rng))
     }
 
     /// How urgent a site is with such a tail \[ticks\].
@@ -56,14 +65,10 @@ impl Priorities {
         const WAYS: u32 = 4;
         const PLACING: u32 = 8;
         let mut other = self.clone();
-        let sites = self.keys.len();
         other.is_serial ^= may_be_serial && rng.random_range(0..PLACING) == 0;
         other.is_settled ^= may_be_serial && rng.random_range(0..PLACING) == 0;
         for _ in 0..rng.random_range(1..=MOST) {
-            // Of three at random, the most critical.
-            let mut three = (0..3).map(|_| rng.random_range(0..sites));
-            let first = three.next().expect("three are drawn");
-            let site = three.fold(first, |a, b| if critical[b] > critical[a] { b } else { a });
+            let site = critical_site(critical, rng) as usize;
             if rng.random_range(0..WAYS) == 0 {
                 let skipped = &mut other.skipped[site];
                 *skipped = match *skipped {
@@ -71,9 +76,30 @@ impl Priorities {
                     _ => 0,
                 };
             } else {
-                other.keys[site] = rng.random();
+                other.keys[site] = key(critical.len(), rng);
             }
         }
         other
     }
+}
+
+/// How urgent one of so many sites is beside what its tail says. Of a small target, one change in as many makes it far more or far less urgent
+/// than tails ever do, so that what comes last by them may come first.
+fn key(sites: usize, rng: &mut ChaCha8Rng) -> f32 {
+    const OFTENEST: u32 = 4;
+    const MOST: f32 = 7.0;
+    const LEAST: f32 = -0.45;
+    let is_far = sites <= MOST_SITES && rng.random_ratio(1, OFTENEST.max(sites as u32));
+    match is_far {
+        false => rng.random(),
+        true if rng.random() => 1.0 + MOST * rng.random::<f32>(),
+        true => LEAST * rng.random::<f32>(),
+    }
+}
+
+/// Of three sites at random, the one that decides most often when a run ends.
+pub fn critical_site(critical: &[f32], rng: &mut ChaCha8Rng) -> u32 {
+    let mut three = (0..3).map(|_| rng.random_range(0..critical.len()));
+    let first = three.next().expect("three are drawn");
+    three.fold(first, |a, b| if critical[b] > critical[a] { b } else { a }) as u32
 }
