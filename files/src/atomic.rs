@@ -445,6 +445,15 @@ pub fn make_own_folder(path: &Path) -> io::Result<()> {
 pub fn make_folder(path: &Path) -> io::Result<()> {
     let is_new = |folder: &&Path| *folder != Path::new("") && !folder.exists();
     let new: Vec<&Path> = path.ancestors().take_while(is_new).collect();
+    if let Some(link) = new.iter().find(|folder| look(folder).is_ok()) {
+        let link = link.display();
+        return Err(io::Error::new(
+            io::ErrorKind::NotFound,
+            format!(
+                "`{link}` is a link that leads nowhere; remove it, or make the folder that it leads to"
+            ),
+        ));
+    }
     disk::ask(path, Call::MakeFolder, || fs::create_dir_all(path))?;
     new.into_iter()
         .try_for_each(|it| sync_folder(folder_of(it)))
@@ -496,6 +505,24 @@ mod tests {
         assert_eq!(error.kind(), io::ErrorKind::AlreadyExists);
         assert_eq!(fs::read(&path).unwrap(), b"mine");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_that_leads_nowhere_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink(folder.path().join("gone"), &link).unwrap();
+        for path in [link.clone(), link.join("below")] {
+            let error = make_folder(&path).unwrap_err().to_string();
+            assert!(
+                error.contains("link` is a link that leads nowhere"),
+                "{error}"
+            );
+        }
+        fs::create_dir(folder.path().join("gone")).unwrap();
+        make_folder(&link.join("below")).unwrap();
+        assert!(folder.path().join("gone/below").is_dir());
     }
 
     #[test]

@@ -193,7 +193,7 @@ impl Printer<'_> {
     fn terms(&mut self, terms: &[Term]) {
         let mut fresh = true;
         let mut valued = false;
-        for term in terms {
+        for (i, term) in terms.iter().enumerate() {
             // On the same line, a word such as `s` would be part of the unit before it.
             let taken = matches!(term, Term::Word(name) if is_unit(self.symbols.word(name.symbol)));
             if fresh || (valued && taken) {
@@ -205,11 +205,15 @@ impl Printer<'_> {
             valued = matches!(term, Term::Quantity(_) | Term::Range(..));
             match term {
                 Term::Word(name) => self.out.push_str(&self.word(name.symbol)),
-                Term::Quantity(quantity) => self.quantity(quantity),
+                Term::Quantity(quantity) => {
+                    self.quantity(quantity);
+                    self.end_of_value(quantity, terms.get(i + 1));
+                }
                 Term::Range(first, second) => {
                     self.quantity(first);
                     self.out.push_str(" .. ");
                     self.quantity(second);
+                    self.end_of_value(second, terms.get(i + 1));
                 }
                 Term::Block(terms, _) => {
                     self.out.push('{');
@@ -220,6 +224,17 @@ impl Printer<'_> {
             }
         }
         self.out.push('\n');
+    }
+
+    /// Before another value, a unit `tick` would be the clause of that name.
+    fn end_of_value(&mut self, quantity: &Quantity, next: Option<&Term>) {
+        let is_tick = quantity
+            .unit
+            .last()
+            .is_some_and(|it| it.symbol == "tick" && it.power == 1);
+        if is_tick && matches!(next, Some(Term::Quantity(_) | Term::Range(..))) {
+            self.out.push_str("^1");
+        }
     }
 
     fn quantity(&mut self, quantity: &Quantity) {

@@ -67,6 +67,20 @@ fn a_scene_s_word_behind_a_value_is_no_unit() {
 }
 
 #[test]
+fn a_value_in_ticks_before_another_is_no_clause() {
+    for text in [
+        "scene s { wait 3 tick^1 4 }",
+        "scene s { wait 0 .. 3 tick^1 4 .. 5 s }",
+    ] {
+        let mut symbols = Symbols::new();
+        let parsed = parse(text, &mut symbols);
+        assert_eq!(parsed.errors, []);
+        let printed = print(&parsed.tree, &symbols);
+        assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
+    }
+}
+
+#[test]
 fn allow_and_deny_are_names_as_well() {
     let text = "pattern allow(deny) { deny.up -> allow.up -> deny2 }
         assembly a {

@@ -124,10 +124,11 @@ mod tests {
                     prop_assert_eq!(schedule.order.len() as u32, count);
                     for site in 0..count {
                         let parent = schedule.parent(job.sites, site);
-                        prop_assert!(match parent {
+                        let is_held = match parent {
                             NONE => schedule.way[site as usize] == Face::Up && job.sites.is_on_seed(site),
                             parent => rank(parent) < rank(site),
-                        });
+                        };
+                        prop_assert!(is_held);
                         let waiting = &job.corridors.waiting[site as usize];
                         prop_assert!(waiting.iter().all(|&other| rank(other) > rank(site)));
                     }

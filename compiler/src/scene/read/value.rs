@@ -17,15 +17,19 @@ impl<'a> SceneReader<'a, '_> {
     ) -> Option<()> {
         let quantity = self.quantity(number.kind.dimension)?;
         let value = self.value(quantity, number.kind.dimension)?;
-        if number.range.contains(value) {
-            said.numbers.push((number, value));
-            return Some(());
+        if let Some(rule) = number.range.violated(value) {
+            self.out_of_range(quantity, &rule);
+            return None;
         }
-        let label = format!("must be {}", number.range.rule());
+        said.numbers.push((number, value));
+        Some(())
+    }
+
+    fn out_of_range(&mut self, quantity: &Quantity, rule: &str) {
         let location = self.location(quantity.span);
         let diagnostic = Diagnostic::new(Code::WrongValue, "a value out of its range");
+        let label = format!("must be {rule}");
         report(self.diagnostics, diagnostic.label(location, label));
-        None
     }
 
     /// A value for both ends of a range, or one for each.
@@ -42,7 +46,16 @@ impl<'a> SceneReader<'a, '_> {
         self.place = last.span;
         let dimension = high.kind.dimension;
         let (from, to) = (self.value(first, dimension)?, self.value(last, dimension)?);
-        if low.range.contains(from) && from <= to {
+        if from >= 0.0 && from <= to {
+            for (quantity, rule) in [
+                (first, low.range.violated(from)),
+                (last, high.range.violated(to)),
+            ] {
+                if let Some(rule) = rule {
+                    self.out_of_range(quantity, &rule);
+                    return None;
+                }
+            }
             said.numbers.extend([(high, to), (low, from)]);
             return Some(());
         }

@@ -72,8 +72,20 @@ impl<'a> From<&'a mut u32> for Accessor<'a> {
 }
 
 impl Range {
-    /// Whether a value in SI units is in it.
-    pub fn contains(self, value: f64) -> bool {
+    /// What is computed with, in SI units, beside 0: products of a few of these are numbers still.
+    const COMPUTABLE: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+
+    /// What a value that somebody gives in SI units has to be and is not; `None`: it is in the range.
+    pub fn violated(self, value: f64) -> Option<String> {
+        let is_open = matches!(self, Range::Positive | Range::AtLeast(_));
+        if is_open && value > 0.0 && !Range::COMPUTABLE.contains(&value) {
+            let (least, most) = (Range::COMPUTABLE.start(), Range::COMPUTABLE.end());
+            return Some(format!("from {least:e} to {most:e} in SI units"));
+        }
+        (!self.contains(value)).then(|| self.rule())
+    }
+
+    fn contains(self, value: f64) -> bool {
         match self {
             Range::Positive => (f64::MIN_POSITIVE..=f64::MAX).contains(&value),
             Range::AtLeast(least) => (least..=f64::MAX).contains(&value),
@@ -144,10 +156,13 @@ impl SchemaNumber {
                 found: found.noun(),
             });
         }
-        self.check(value)?;
-        Ok(value)
+        match self.range.violated(value) {
+            None => Ok(value),
+            Some(rule) => Err(self.out_of_range(value, rule)),
+        }
     }
 
+    /// What has been computed before may be out of what is computed with now.
     pub(in crate::scene) fn check(&self, value: f64) -> Result<(), ScalarError> {
         match self.range.contains(value) {
             true => Ok(()),

@@ -90,6 +90,12 @@ fn what_is_wrong_with_a_contact_is_told_of() {
         reported("contact { stiffness 0 N/m  damping -1 kg/s  friction 0.2 }"),
         [range(), range()]
     );
+    assert_eq!(
+        reported("contact { stiffness 1e60 N/m  damping 1e-60 kg/s  friction 0.2 }"),
+        [range(), range()]
+    );
+    let (stiffest, _) = scene("contact { stiffness 1e40 N/m  damping 0 kg/s  friction 0.2 }");
+    assert_ne!(stiffest, None);
     let dimension = |example: &str| (Code::WrongDimension, format!("expected {example}"));
     assert_eq!(
         reported("contact { stiffness 25 N  damping 5 N/m  friction 0.2 }"),
