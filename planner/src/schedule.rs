@@ -58,6 +58,19 @@ impl Schedule {
         (self.rank[here] < place).then(|| (self.way[here], self.end[here]))
     }
 
+    /// The sites that one holds, once all have a way.
+    pub fn children(&self, sites: &Sites<'_>, parent: u32) -> impl Iterator<Item = u32> {
+        let adjacent = sites.adjacent(parent);
+        adjacent.filter(move |&other| self.parent(sites, other) == parent)
+    }
+
+    /// Says of each site its place in the order, after that has changed.
+    pub(crate) fn set_ranks(&mut self) {
+        for (rank, &site) in (0..).zip(&self.order) {
+            self.rank[site as usize] = rank;
+        }
+    }
+
     /// The place in the order of what has to be there in the same phase to hold a site; `None`: it is there before.
     pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
         let parent = self.parent(sites, site);
@@ -79,10 +92,8 @@ impl Schedule {
             return None;
         }
         let parent = Some(self.parent(sites, site)).filter(|&parent| parent != NONE)?;
-        let siblings = sites
-            .adjacent(parent)
-            .filter(|&other| self.parent(sites, other) == parent)
-            .filter(|&other| self.is_same_phase(site, other));
+        let siblings = self.children(sites, parent);
+        let siblings = siblings.filter(|&other| self.is_same_phase(site, other));
         let ranks = siblings.map(|other| self.rank[other as usize]);
         ranks.filter(|&rank| rank < self.rank[site as usize]).max()
     }

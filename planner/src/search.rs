@@ -157,15 +157,15 @@ const VARIANTS: u64 = 8;
 /// Other ways in that are tried around the best ones in a row, times cells: the same effort for targets of all sizes.
 const WAYS: u64 = 2000;
 
-/// Other urgencies that are tried in a row after that.
-const URGENCIES: u64 = 150;
+/// How schedules are changed after that, and how often in a row; the last in small targets alone: larger ones have not been seen to gain by it.
+const MOVES: [(ScheduleMove, u64); 2] = [
+    (ScheduleMove::Priorities, 150),
+    (ScheduleMove::Insertion, 150),
+];
 
 /// Schedules of small targets, each with other ways in and by other priorities, from which it is begun: changes one by one seldom lead from one to what
 /// another leads to.
 const STARTS: u64 = 8;
-
-/// Other places in the order of small targets that are tried in a row after that; larger ones have not been seen to gain by them.
-const INSERTIONS: u64 = 150;
 
 /// Schedules that are tried with the ways in that look worse, at most.
 const MOST_FIRST: u64 = 1500;
@@ -293,9 +293,10 @@ fn heuristic(
             ..best
         }
     };
-    let (starts, insertions) = match sites.len() <= MOST_SITES {
-        true => (STARTS, INSERTIONS),
-        false => (1, 0),
+    // No more starts than there are tries for them.
+    let (starts, moves) = match sites.len() <= MOST_SITES {
+        true => (share.clamp(1, STARTS), &MOVES[..]),
+        false => (1, &MOVES[..1]),
     };
     let mut found: Option<ScheduleCandidate> = None;
     for first in best {
@@ -334,10 +335,7 @@ fn heuristic(
                 Err(_) => break,
             }
         }
-        for (by, tries) in [
-            (ScheduleMove::Priorities, URGENCIES),
-            (ScheduleMove::Insertion, insertions),
-        ] {
+        for &(by, tries) in moves {
             let most = rounds + tries;
             found = reschedule(found, by, &mut rounds, most, &mut rng);
         }
@@ -547,13 +545,16 @@ pub fn improved(
     while rounds < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
         (search.tried)(rounds, value(&best));
-        let mut priorities = current.priorities.clone();
-        let schedule = match by {
+        let (priorities, schedule) = match by {
             ScheduleMove::Priorities => {
-                priorities = priorities.changed(&critical, job.has_serial(), rng);
-                job.any(&priorities, search.enough)
+                let priorities = current.priorities.changed(&critical, job.has_serial(), rng);
+                let schedule = job.any(&priorities, search.enough);
+                (priorities, schedule)
             }
-            ScheduleMove::Insertion => Ok(job.reinserted(&current.schedule, &critical, rng)),
+            ScheduleMove::Insertion => {
+                let schedule = job.reinserted(&current.schedule, &critical, rng);
+                (current.priorities.clone(), Ok(schedule))
+            }
         };
         let schedule = match schedule {
             Ok(Some(schedule)) => schedule,

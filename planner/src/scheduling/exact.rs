@@ -230,9 +230,7 @@ fn before(state: &ScheduleState<'_>, site: u32) -> Vec<u32> {
     let crowding = state.job.crowding();
     let crowd = crowding.waits(site, way, |near| schedule.before(near, rank(site)));
     before.extend(crowd.into_iter().map(rank));
-    let first = corridors.waiting.iter().zip(0u32..);
-    let in_way = first.filter(|(waiting, _)| waiting.contains(&site));
-    before.extend(in_way.map(|(_, first)| rank(first)));
+    before.extend(corridors.before(site).map(rank));
     before
 }
 

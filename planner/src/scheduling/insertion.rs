@@ -29,7 +29,7 @@ impl SchedulingJob<'_> {
             let site = critical_site(critical, rng);
             if !self.sites.is_existing(site) {
                 has_changed |= match rng.random_range(0..WAYS) {
-                    0 => self.turn(&mut schedule, site, rng),
+                    0 => self.recapture(&mut schedule, site, rng),
                     _ => self.insert(&mut schedule, site, rng),
                 };
             }
@@ -43,7 +43,7 @@ impl SchedulingJob<'_> {
     }
 
     /// Has another face capture a site, of what comes before it; whether there is one.
-    fn turn(&self, schedule: &mut Schedule, site: u32, rng: &mut ChaCha8Rng) -> bool {
+    fn recapture(&self, schedule: &mut Schedule, site: u32, rng: &mut ChaCha8Rng) -> bool {
         let here = site as usize;
         let comes_before = |parent: u32| schedule.rank[parent as usize] < schedule.rank[here];
         let is_other =
@@ -61,13 +61,10 @@ impl SchedulingJob<'_> {
         let rank = |site: u32| schedule.rank[site as usize] as usize;
         let from = rank(site);
         let parent = Some(schedule.parent(self.sites, site)).filter(|&parent| parent != NONE);
-        let lists = self.corridors.waiting.iter().zip(0..);
-        let in_way = lists.filter(|(waiting, _)| waiting.contains(&site));
-        let before = in_way.map(|(_, other)| other).chain(parent);
+        let before = self.corridors.before(site).chain(parent);
         let first = before.map(|other| rank(other) + 1).max();
         let first = first.unwrap_or(0).max(self.sites.existing_count());
-        let held = self.sites.adjacent(site);
-        let held = held.filter(|&other| schedule.parent(self.sites, other) == site);
+        let held = schedule.children(self.sites, site);
         let behind = held.chain(self.corridors.waiting[site as usize].iter().copied());
         let end = behind.map(rank).min().unwrap_or(schedule.order.len());
         let to = rng.random_range(first..end);
@@ -75,13 +72,7 @@ impl SchedulingJob<'_> {
             true => schedule.order[to..=from].rotate_right(1),
             false => schedule.order[from..=to].rotate_left(1),
         }
-        let moved = from.min(to)..from.max(to) + 1;
-        for (&site, rank) in schedule.order[moved.clone()]
-            .iter()
-            .zip(moved.start as u32..)
-        {
-            schedule.rank[site as usize] = rank;
-        }
+        schedule.set_ranks();
         to != from
     }
 }

@@ -171,9 +171,7 @@ impl SerialState<'_> {
         let start = &self.start;
         self.schedule.order[existing..]
             .sort_by(|&a, &b| start[a as usize].total_cmp(&start[b as usize]));
-        for (rank, &site) in (0..).zip(&self.schedule.order) {
-            self.schedule.rank[site as usize] = rank;
-        }
+        self.schedule.set_ranks();
         self.schedule
     }
 }

@@ -17,19 +17,21 @@ impl<'a> SceneReader<'a, '_> {
     ) -> Option<()> {
         let quantity = self.quantity(number.kind.dimension)?;
         let value = self.value(quantity, number.kind.dimension)?;
-        if let Some(rule) = number.range.violated(value) {
-            self.out_of_range(quantity, &rule);
-            return None;
-        }
+        self.within(number, quantity, value)?;
         said.numbers.push((number, value));
         Some(())
     }
 
-    fn out_of_range(&mut self, quantity: &Quantity, rule: &str) {
+    /// `None`, and a diagnostic: the value of a quantity is out of the range of a number.
+    fn within(&mut self, number: &SchemaNumber, quantity: &Quantity, value: f64) -> Option<()> {
+        let Some(rule) = number.range.violated(value) else {
+            return Some(());
+        };
         let location = self.location(quantity.span);
         let diagnostic = Diagnostic::new(Code::WrongValue, "a value out of its range");
         let label = format!("must be {rule}");
         report(self.diagnostics, diagnostic.label(location, label));
+        None
     }
 
     /// A value for both ends of a range, or one for each.
@@ -46,16 +48,9 @@ impl<'a> SceneReader<'a, '_> {
         self.place = last.span;
         let dimension = high.kind.dimension;
         let (from, to) = (self.value(first, dimension)?, self.value(last, dimension)?);
-        if from >= 0.0 && from <= to {
-            for (quantity, rule) in [
-                (first, low.range.violated(from)),
-                (last, high.range.violated(to)),
-            ] {
-                if let Some(rule) = rule {
-                    self.out_of_range(quantity, &rule);
-                    return None;
-                }
-            }
+        if low.range.contains(from) && from <= to {
+            self.within(low, first, from)?;
+            self.within(high, last, to)?;
             said.numbers.extend([(high, to), (low, from)]);
             return Some(());
         }

@@ -85,7 +85,8 @@ impl Range {
         (!self.contains(value)).then(|| self.rule())
     }
 
-    fn contains(self, value: f64) -> bool {
+    /// Whether a value in SI units is in it, computed with or not.
+    pub fn contains(self, value: f64) -> bool {
         match self {
             Range::Positive => (f64::MIN_POSITIVE..=f64::MAX).contains(&value),
             Range::AtLeast(least) => (least..=f64::MAX).contains(&value),
