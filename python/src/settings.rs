@@ -71,6 +71,7 @@ impl Computed {
             max_ticks: Some(self.max_ticks),
             ..Settings::default().with_steps(steps)
         };
+        self.are_used(&settings)?;
         let mut settings = settings.resolved();
         if settings.model == Model::Rate {
             let scenes = programs.iter().map(|program| &program.scene);
@@ -78,6 +79,28 @@ impl Computed {
             settings.rates = rates::of_scenes(&given, programs, threads, host)?;
         }
         Ok(settings)
+    }
+
+    /// Refuses what is set and the model has no use for.
+    fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
+        let is_set = [
+            ("substeps", settings.steps() != Substeps::DEFAULT),
+            ("solver-iterations", self.solver_iterations.is_some()),
+            ("precision", settings.precision != Precision::default()),
+            ("reduce", self.reduce.is_some()),
+            ("rates", !self.rates.is_empty()),
+        ];
+        let model = settings.model;
+        let unused = is_set
+            .iter()
+            .find(|(option, is)| *is && !model.uses(option));
+        unused.map_or(Ok(()), |(option, _)| {
+            Err(Failure::usage(format!(
+                "{}: the model `{}` has no use for it",
+                option.replace('-', "_"),
+                model.name()
+            )))
+        })
     }
 }
 

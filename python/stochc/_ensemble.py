@@ -367,7 +367,7 @@ def simulate(
 
     Raises:
         ProgramError: a program is wrong, or cannot be simulated.
-        UsageError: an argument is wrong, or a folder cannot be used.
+        UsageError: an argument is wrong or of no use to the model, or a folder cannot be used.
 
     >>> import stochc
     >>> print(stochc.simulate(stochc.EXAMPLE, runs=2, model="shuffle", progress=False).complete)

@@ -42,7 +42,9 @@ def test_strange_options(name: str, tmp_path: Path) -> None:
     for number, value in enumerate(STRANGE):
         if name == "threads" and value is None:
             continue
-        options: dict[str, Any] = {"runs": 1, "model": "shuffle", "max_ticks": 100, name: value}
+        # What changes how `rigid` computes is refused with `shuffle`.
+        model = "rigid" if name in ("substeps", "solver_iterations", "precision", "reduce") else "shuffle"
+        options: dict[str, Any] = {"runs": 1, "model": model, "max_ticks": 100, name: value}
         if name in ("resume", "mixed_builds", "record"):
             options["out"] = tmp_path / f"{name}-{number}"
         try:
@@ -87,6 +89,10 @@ def test_messages_say_the_way_out(tmp_path: Path) -> None:
         ({"runs": HUGE}, "runs: give a whole number"),
         ({"model": "none"}, "choose `rigid`, `rapier`, `rate`, `shuffle`"),
         ({"substeps": "1/3/5"}, "substeps: say from 1 to"),
+        ({"model": "rate", "precision": "double"}, "precision: the model `rate` has no use for it"),
+        ({"model": "shuffle", "substeps": 4}, "substeps: the model `shuffle` has no use for it"),
+        ({"model": "rapier", "reduce": "spheres"}, "reduce: the model `rapier` has no use for it"),
+        ({"rates": ["lively.rates"]}, "rates: the model `rigid` has no use for it"),
         ({"record": "all"}, "record: name a folder with `out`"),
         ({"allow": "no-such-code"}, "no finding has the code `no-such-code`"),
         ({"sweep": {"no_such": 1}}, "no_such"),

@@ -182,6 +182,16 @@ impl Model {
             }
         }
     }
+
+    /// Whether an option of `simulate` about how runs are computed changes anything for it.
+    pub fn uses(self, option: &str) -> bool {
+        match self {
+            Model::Rigid => option != "rates",
+            Model::Rapier => matches!(option, "substeps" | "solver-iterations"),
+            Model::Rate => option == "rates",
+            Model::Shuffle => false,
+        }
+    }
 }
 
 impl Reduction {
@@ -321,19 +331,28 @@ impl Settings {
         };
         let values = |of: &Settings| {
             [
-                ("the model", of.model.name().to_owned()),
-                ("the number of substeps", of.steps().to_string()),
-                ("the limit of ticks", limit(of)),
-                ("`solver-iterations`", of.iterations().to_string()),
-                ("`precision`", of.precision.name().to_owned()),
-                ("`reduce`", reduction(of)),
-                ("the fingerprint of the rates", rates(of)),
+                ("", "the model", of.model.name().to_owned()),
+                ("substeps", "the number of substeps", of.steps().to_string()),
+                ("", "the limit of ticks", limit(of)),
+                (
+                    "solver-iterations",
+                    "`solver-iterations`",
+                    of.iterations().to_string(),
+                ),
+                ("precision", "`precision`", of.precision.name().to_owned()),
+                ("reduce", "`reduce`", reduction(of)),
+                ("rates", "the fingerprint of the rates", rates(of)),
             ]
         };
+        // What only one of two models has a use for comes with the model.
+        let is_same = self.model == other.model;
+        let uses = |option: &str| self.model.uses(option) && other.model.uses(option);
+        let counts = |option: &str| is_same || option.is_empty() || uses(option);
         let pairs = values(self).into_iter().zip(values(other));
-        let differ = pairs.filter(|((_, here), (_, there))| here != there);
+        let differ =
+            pairs.filter(|((option, _, here), (_, _, there))| counts(option) && here != there);
         differ
-            .map(|((what, here), (_, there))| (what, here, there))
+            .map(|((_, what, here), (_, _, there))| (what, here, there))
             .collect()
     }
 }
@@ -360,5 +379,34 @@ mod tests {
         ] {
             assert!(text.parse::<Substeps>().is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn settings_of_other_models_differ_in_what_both_use() {
+        let of = |model: Model| {
+            Settings {
+                model,
+                ..Settings::default()
+            }
+            .resolved()
+        };
+        let named = |one: Model, other: Model| -> Vec<&str> {
+            let found = of(one).differences(&of(other));
+            found.iter().map(|(what, _, _)| *what).collect()
+        };
+        assert_eq!(named(Model::Rigid, Model::Shuffle), ["the model"]);
+        assert_eq!(named(Model::Rigid, Model::Rate), ["the model"]);
+        let both = ["the model", "the number of substeps", "`solver-iterations`"];
+        assert_eq!(named(Model::Rigid, Model::Rapier), both);
+        let double = Settings {
+            precision: Precision::Double,
+            ..of(Model::Shuffle)
+        };
+        let found = of(Model::Shuffle).differences(&double);
+        assert_eq!(
+            found.len(),
+            1,
+            "it is an ensemble of its own, and that is said"
+        );
     }
 }

@@ -24,8 +24,8 @@ pub struct EstimateArguments {
     files: Vec<String>,
     #[command(flatten)]
     rates: RatesOption,
-    /// Make N runs by rates of each program, by the seed, instead of adding up the waits of its captures, which
-    /// always has the same random numbers
+    /// Make N runs by rates of each program (2 to 10,000,000), by the seed, instead of adding up the waits of its
+    /// captures, which always has the same random numbers
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_RUNS))]
     runs: Option<u64>,
     /// Show so many of the captures that decide the time

@@ -38,13 +38,13 @@ pub struct FitArguments {
     /// Predict the times of this program, and do not use them
     #[arg(long, value_name = "PROGRAM")]
     hold_out: Vec<String>,
-    /// Simulate at so many points in each round [default: three for each coefficient of the polynomials]
+    /// Simulate at so many points in each round, 8 to 200 [default: three for each coefficient of the polynomials]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=200))]
     points: Option<u16>,
-    /// Rounds, each within what the one before has left
+    /// Rounds, 1 to 10, each within what the one before has left
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=10))]
     rounds: u8,
-    /// Runs of each program at each point
+    /// Runs of each program at each point, 4 to 10,000
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     runs: u64,
     /// Steps of the model in each tick; `1/8`: one, and eight for blocks near magnetized faces

@@ -30,18 +30,16 @@ fn are_used(options: &SimulateArguments) -> Result<(), Failure> {
         ("precision", options.precision != Precision::default()),
         ("reduce", options.reduce.is_some()),
     ];
-    let is_used = |option: &str| match model {
-        Model::Rigid => true,
-        Model::Rapier => matches!(option, "substeps" | "solver-iterations"),
-        Model::Rate | Model::Shuffle => false,
-    };
-    if let Some((option, _)) = is_set.iter().find(|(option, is)| *is && !is_used(option)) {
+    if let Some((option, _)) = is_set
+        .iter()
+        .find(|(option, is)| *is && !model.uses(option))
+    {
         return Err(Failure::usage(format!(
             "the model `{}` has no `--{option}`; `--model rigid` has it",
             model.name()
         )));
     }
-    let takes_rates = model == Model::Rate || options.replan.is_some();
+    let takes_rates = model.uses("rates") || options.replan.is_some();
     if !options.rates.is_empty() && !takes_rates {
         return Err(Failure::usage(format!(
             "the model `{}` has no use for `--rates`; they are for `--model rate`",
