@@ -175,23 +175,24 @@ impl PoseChunk {
             return Err(damaged());
         }
         let planes = inflate(rest, 2 * count).ok_or_else(damaged)?;
-        let count = count as usize;
+        let (count, frames) = (count as usize, frames as usize);
         if planes.len() != 2 * count {
             return Err(damaged());
         }
-        let mut numbers = Vec::with_capacity(count);
-        for series in 0..count / frames as usize {
+        let (low, high) = planes.split_at(count);
+        let mut numbers = vec![0; count];
+        for (nth, series) in numbers.chunks_exact_mut(frames).enumerate() {
             let (mut before, mut change) = (0u16, 0u16);
-            for frame in 0..frames as usize {
-                let at = series * frames as usize + frame;
-                let second = unzigzag(u16::from_le_bytes([planes[at], planes[count + at]]));
+            for (frame, number) in series.iter_mut().enumerate() {
+                let at = nth * frames + frame;
+                let second = unzigzag(u16::from_le_bytes([low[at], high[at]]));
                 let delta = match frame {
                     0 | 1 => second,
                     _ => second.wrapping_add(change),
                 };
                 before = before.wrapping_add(delta);
                 change = delta;
-                numbers.push(before);
+                *number = before;
             }
         }
         Ok(PoseChunk {
