@@ -106,13 +106,16 @@ pub enum Timeout {
 }
 
 impl Timeout {
+    /// Beyond this a double does not count ticks one by one.
+    const MOST_TICKS: f64 = 9e15;
+
     /// The time that a quantity stands for, if it is a positive time.
     pub fn of(quantity: &Quantity) -> Option<Timeout> {
         let (value, dimension) = to_si(quantity);
-        /// Beyond this a double does not count ticks one by one.
-        const MOST: f64 = 9e15;
         match dimension {
-            Dimension::TICKS if (1.0..MOST).contains(&value) && value.fract() == 0.0 => {
+            Dimension::TICKS
+                if (1.0..Timeout::MOST_TICKS).contains(&value) && value.fract() == 0.0 =>
+            {
                 Some(Timeout::Ticks(value as u64))
             }
             Dimension::TIME if value > 0.0 => Some(Timeout::Seconds(value)),
@@ -125,11 +128,13 @@ impl Timeout {
         to_si(quantity).1 == Dimension::TICKS
     }
 
-    /// In ticks of a clock \[s\], at least one.
+    /// In ticks of a clock \[s\], at least one and at most 9e15.
     pub fn ticks(self, tick: f64) -> u64 {
         match self {
             Timeout::Ticks(ticks) => ticks,
-            Timeout::Seconds(seconds) => ((seconds / tick).round() as u64).max(1),
+            Timeout::Seconds(seconds) => {
+                (seconds / tick).round().clamp(1.0, Timeout::MOST_TICKS) as u64
+            }
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Which files of a results folder are sound, and saving what can be saved of it.
-use std::io::BufReader;
+use std::io::{self, BufReader};
 use std::path::Path;
 
 use stochc_files::atomic::{Replaces, move_aside, replace};
@@ -10,8 +10,9 @@ use super::file_names::{CHECKSUMS_FILE, JOURNAL, MANIFEST, RECORDINGS, SHARDS, S
 use super::folder::{keep_sound_lines, lock, without_manifest, write_manifest};
 use super::folder_checksums::FolderChecksums;
 use super::journal::read as read_journal;
+use super::journal_error::JournalError;
 use super::manifest::OLDEST;
-use super::recording::{Outline, VERSION, path as recording_path};
+use super::recording::{Outline, RecordingError, VERSION, path as recording_path};
 use super::shards::{self, Cut};
 use super::text::visible;
 use super::{Folder, FolderError, Further, Manifest, Records, Resume};
@@ -22,7 +23,7 @@ pub use super::file_names::DAMAGED;
 /// Holds every file of a results folder against its checksums, and changes nothing.
 ///
 /// # Errors
-/// When there are no results, or they cannot be looked at.
+/// When there are no results, or they cannot be looked at, for want of memory as well.
 pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     let in_manifest = FolderError::of(path.join(MANIFEST));
     let mut files = Vec::new();
@@ -76,6 +77,9 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
                 finished = stored.finished;
                 Integrity::of(damage, stored.is_sealed)
             }
+            Err(JournalError::Io(error)) if is_short_of_memory(&error) => {
+                return Err(FolderError::of(journal)(error));
+            }
             Err(error) => Integrity::Damaged(vec![error.to_string()]),
         };
         report(JOURNAL, health);
@@ -107,8 +111,9 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         files.push(FileIntegrity { name, health });
     };
     for (program, run) in recordings(&manifest, path) {
+        let name = format!("{RECORDINGS}/{program}-{run}.rec");
         let health = recording(path, &manifest, &finished, (program, run));
-        report(&format!("{RECORDINGS}/{program}-{run}.rec"), health);
+        report(&name, health.map_err(FolderError::of(path.join(&name)))?);
     }
     Ok(files)
 }
@@ -230,12 +235,17 @@ fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
     found
 }
 
+/// Whether a file could not be looked at, which says nothing about the file.
+fn is_short_of_memory(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::OutOfMemory
+}
+
 fn recording(
     path: &Path,
     manifest: &Manifest,
     finished: &Records,
     (program, run): (usize, u64),
-) -> Integrity {
+) -> io::Result<Integrity> {
     let name = visible(&format!("{RECORDINGS}/{program}-{run}.rec"));
     let damaged =
         |reason: &dyn std::fmt::Display| Integrity::Damaged(vec![format!("`{name}`: {reason}")]);
@@ -245,18 +255,23 @@ fn recording(
     });
     let file = match opened {
         Ok(file) => file,
-        Err(error) => return damaged(&error),
+        Err(error) if is_short_of_memory(&error) => return Err(error),
+        Err(error) => return Ok(damaged(&error)),
     };
     let recording = match Outline::read(BufReader::new(file), manifest.programs[program].tables()) {
         Ok(recording) => recording,
-        Err(error) => return damaged(&error),
+        Err(RecordingError::Io(error)) if is_short_of_memory(&error) => return Err(error),
+        Err(error) => return Ok(damaged(&error)),
     };
     let known = match finished.get(program, run) {
         Ok(known) => known,
-        Err(error) => return damaged(&error),
+        Err(JournalError::Io(error)) if is_short_of_memory(&error) => return Err(error),
+        Err(error) => return Ok(damaged(&error)),
     };
-    match recording.is_of(manifest, known.as_ref(), program, run) {
-        false => damaged(&"it is the recording of another run"),
-        true => Integrity::of(Vec::new(), recording.version() == VERSION),
-    }
+    Ok(
+        match recording.is_of(manifest, known.as_ref(), program, run) {
+            false => damaged(&"it is the recording of another run"),
+            true => Integrity::of(Vec::new(), recording.version() == VERSION),
+        },
+    )
 }

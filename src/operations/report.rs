@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use stochc_ensemble::{Manifest, recording};
 use stochc_files::address::address;
 use stochc_files::atomic::{self, Draft, Replaces, begins_with};
-use stochc_files::{budget, open, read_file};
+use stochc_files::{budget, disk, open, read_file};
 use stochc_ir::visible;
 use stochc_report::ensemble_report::{
     CHAINS, Figures, Input, MARK, Report, ReportError, ReportLocation, report,
@@ -156,8 +156,13 @@ fn claim(page: &Path) -> Result<Beside, String> {
             "`{shown}` is a link; remove it, or choose another name with `--out`"
         ));
     }
-    match std::fs::read_dir(&folder).map(Iterator::count) {
-        Ok(1..) if earlier.is_empty() => {
+    match disk::list(&folder) {
+        // A report that was stopped has left a file that it was writing.
+        Ok(there)
+            if earlier.is_empty()
+                && !there.is_empty()
+                && !there.iter().any(|it| is_partial(it)) =>
+        {
             return Err(format!(
                 "`{shown}` holds other files; choose another name with `--out`"
             ));
@@ -167,6 +172,12 @@ fn claim(page: &Path) -> Result<Beside, String> {
         Err(error) => return Err(format!("cannot use `{shown}`: {error}")),
     }
     Ok(Beside { folder, earlier })
+}
+
+/// Whether a file has not got its name yet.
+fn is_partial(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().starts_with(atomic::PARTIAL)
 }
 
 impl Beside {
@@ -180,13 +191,10 @@ impl Beside {
     }
 }
 
-/// Writes the figures, and last the page that refers to them; figures of an earlier report that
-/// this one does not have go.
+/// Writes the figures, and then the page that refers to them; figures of an earlier report that
+/// this one does not have go. `chains` gets its name last: without a page it says whose the folder is.
 fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Result<()> {
     let Beside { folder, earlier } = beside;
-    if report.has_chains {
-        chains.keep()?;
-    }
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
@@ -205,7 +213,11 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
         atomic::replace(&folder.join(name), content, Replaces::Ordinary)?;
     }
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
-    atomic::replace(page, report.page.as_bytes(), ours)
+    atomic::replace(page, report.page.as_bytes(), ours)?;
+    match report.has_chains {
+        true => chains.keep(),
+        false => Ok(()),
+    }
 }
 
 /// The address of a run's replay as seen from the page: beside the page of a single folder, or in

@@ -165,3 +165,20 @@ fn every_command_of_ensembles_has_a_limit() {
         said.err
     );
 }
+
+#[test]
+fn what_there_is_no_memory_to_look_at_is_not_called_damaged() {
+    let place = tempfile::tempdir().unwrap();
+    let out = path(place.path(), "recorded");
+    let line = "simulate examples/line.sa --runs 2 --record all --quiet --out";
+    assert_eq!(stochc_with(line, &[&out]).status, 0);
+    let mut short = 0;
+    for limit in ["1MiB", "2MiB", "3MiB", "4MiB", "6MiB", "8MiB"] {
+        let said = stochc_with("verify", &[&out, "--memory", limit]);
+        let all = [said.out.as_str(), &said.err].concat();
+        assert!(!all.contains("damaged"), "{limit}: {all}");
+        short += usize::from(said.status == 2);
+    }
+    assert!(short > 0, "nothing was short of memory");
+    assert_eq!(stochc_with("verify", &[&out]).status, 0);
+}

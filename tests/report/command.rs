@@ -217,6 +217,24 @@ fn a_report_needs_no_text() {
 }
 
 #[test]
+fn a_report_that_was_stopped_is_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = simulated(folder.path(), "out", &[]);
+    // What a kill leaves: some figures, a file without its name, and no page.
+    let figures = Path::new(&out).join("report-figures");
+    fs::create_dir(&figures).unwrap();
+    fs::write(figures.join("survival.svg"), "<svg").unwrap();
+    let draft = figures.join(".stochc-partial-9f3a");
+    fs::write(&draft, "program,").unwrap();
+    let said = stochc_with("report", &[&out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(!draft.exists() && Path::new(&out).join("report.html").exists());
+    let figure = fs::read_to_string(figures.join("survival.svg")).unwrap();
+    assert!(figure.ends_with("</svg>\n"), "{figure}");
+    assert!(figures.join("chains.csv").exists());
+}
+
+#[test]
 fn other_peoples_files_stay() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);

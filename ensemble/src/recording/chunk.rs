@@ -146,7 +146,8 @@ impl PoseChunk {
 
     /// The counterpart of [`PoseChunk::to_bytes`].
     pub fn from_bytes(bytes: &[u8], bodies: u32) -> Result<PoseChunk, RecordingError> {
-        let damaged = || RecordingError::Damaged("its places");
+        const PLACES: &str = "its places";
+        let damaged = || RecordingError::Damaged(PLACES);
         let mut rest = bytes;
         let mut take = |count: usize| {
             let (head, tail) = rest.split_at_checked(count).ok_or_else(damaged)?;
@@ -174,7 +175,7 @@ impl PoseChunk {
         if frames == 0 || unpacked(bodies, frames) > RECORDING_PART || !ticks.is_sorted() {
             return Err(damaged());
         }
-        let planes = inflate(rest, 2 * count).ok_or_else(damaged)?;
+        let planes = inflate(rest, 2 * count, PLACES)?;
         let (count, frames) = (count as usize, frames as usize);
         if planes.len() != 2 * count {
             return Err(damaged());

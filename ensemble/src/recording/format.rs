@@ -216,10 +216,20 @@ pub(super) fn deflate(bytes: &[u8]) -> io::Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// The counterpart of [`deflate`], for at most `limit` bytes; `None`: it is damaged, or longer.
-pub(super) fn inflate(bytes: &[u8], limit: u64) -> Option<Vec<u8>> {
+/// The counterpart of [`deflate`], for at most `limit` bytes of a part.
+///
+/// # Errors
+/// [`RecordingError::Damaged`] where they are damaged, or more; where there is no memory for them, that of reading.
+pub(super) fn inflate(
+    bytes: &[u8],
+    limit: u64,
+    part: &'static str,
+) -> Result<Vec<u8>, RecordingError> {
     let mut inflated = Vec::new();
     let decoder = ZlibDecoder::new(bytes);
-    decoder.take(limit + 1).read_to_end(&mut inflated).ok()?;
-    (inflated.len() as u64 <= limit).then_some(inflated)
+    match decoder.take(limit + 1).read_to_end(&mut inflated) {
+        Ok(_) if inflated.len() as u64 <= limit => Ok(inflated),
+        Err(error) if error.kind() == io::ErrorKind::OutOfMemory => Err(error.into()),
+        _ => Err(RecordingError::Damaged(part)),
+    }
 }

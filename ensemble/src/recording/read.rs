@@ -163,8 +163,8 @@ fn walk(
                 each(&header, Content::Places(chunk))?;
             }
             EVENTS => {
-                let damaged = || RecordingError::Damaged("its events");
-                let json = inflate(&payload, RECORDING_PART).ok_or_else(damaged)?;
+                const EVENT_LIST: &str = "its events";
+                let json = inflate(&payload, RECORDING_PART, EVENT_LIST)?;
                 let mut broken = None;
                 let mut row = |row: &RawValue| {
                     let event = seeds.event(row)?;
@@ -180,13 +180,14 @@ fn walk(
                 match (read, broken) {
                     (Ok(()), _) => {}
                     (Err(_), Some(error)) => return Err(error),
-                    (Err(_), None) => return Err(damaged()),
+                    (Err(_), None) => return Err(RecordingError::Damaged(EVENT_LIST)),
                 }
             }
             DONE => {
-                let damaged = || RecordingError::Damaged("its record");
-                let json = inflate(&payload, most).ok_or_else(damaged)?;
-                let record: RunRecord = serde_json::from_slice(&json).map_err(|_| damaged())?;
+                const RECORD: &str = "its record";
+                let json = inflate(&payload, most, RECORD)?;
+                let record: RunRecord =
+                    serde_json::from_slice(&json).map_err(|_| RecordingError::Damaged(RECORD))?;
                 if latest > record.ticks {
                     return Err(RecordingError::Damaged("something happens after its end"));
                 }

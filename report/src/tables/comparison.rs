@@ -92,6 +92,11 @@ pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
     comparison.pairs.iter().map(told).collect()
 }
 
+/// What is not true of times if one phase of several has a timeout that runs use up.
+pub(crate) const STOPPED_FOR_BEING_SLOW: &str = "Some runs were stopped by the timeout of one of several phases, \
+    that is for being slow: mean, ± and median take it that they would have gone on like the others, and comparisons \
+    as well, so that such a program looks faster than it is. The number of completed runs tells how many made it.";
+
 /// What the figures mean.
 fn notes(comparison: &Comparison) -> Vec<String> {
     let mut ticks: Vec<f64> = comparison
@@ -118,6 +123,10 @@ fn notes(comparison: &Comparison) -> Vec<String> {
                     of min(time, horizon), a lower bound; the median is Kaplan and Meier's, \
                     and SD, CV and the longest time are unknown.";
         notes.push(note.to_owned());
+    }
+    let mut programs = comparison.programs.iter();
+    if programs.any(|c| c.timed_out > 0 && c.phases > 1) {
+        notes.push(STOPPED_FOR_BEING_SLOW.to_owned());
     }
     notes
 }

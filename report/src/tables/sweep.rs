@@ -82,6 +82,9 @@ fn notes(sweep: &Sweep) -> Vec<String> {
         let note = "≥: some runs were stopped before they completed, so that the mean is one of \
                     min(time, horizon), a lower bound; the median is Kaplan and Meier's.";
         notes.push(note.to_owned());
+        let note = "Where a timeout of one of several phases has stopped them, that is for being slow, points look \
+                    faster than they are.";
+        notes.push(note.to_owned());
     }
     notes
 }

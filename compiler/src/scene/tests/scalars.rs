@@ -319,6 +319,7 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
     };
     assert_eq!(timeout(&[]), Some(500));
     assert_eq!(timeout(&[("tick", 0.1)]), Some(100));
+    assert_eq!(timeout(&[("tick", 1e-40)]), Some(9_000_000_000_000_000));
     let codes = |changes: &[(&str, f64)]| {
         let checked = checked(changes);
         assert!(checked.programs[0].tables.is_none(), "{changes:?}");

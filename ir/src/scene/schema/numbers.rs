@@ -95,5 +95,5 @@ numbers! {
     ANCHOR_TILT ["bond.anchor.tilt"] ANGLE Acute, "α" "tilt": "and when they are less than this from facing each other", |s| Some((&mut s.bond.as_mut()?.anchor_mut().tilt).into());
 
     HOP ["messages.hop" "messages"] TICKS Whole(0, 1_000_000), "h" "hop": "from a block to its parent or child", |s| Some((&mut s.messages.as_mut()?.hop).into());
-    LOSS ["messages.loss"] NUMBER Between(0.0, 1.0), "p" "loss": "chance that a hop gets lost, and that its acknowledgement does; either is mended by another hop, 2 h + 1 ticks after the one before", |s| Some(Optional(&mut s.messages.as_mut()?.loss));
+    LOSS ["messages.loss"] NUMBER Between(0.0, 0.99), "p" "loss": "chance that a hop gets lost, and that its acknowledgement does; either is mended by another hop, 2 h + 1 ticks after the one before", |s| Some(Optional(&mut s.messages.as_mut()?.loss));
 }

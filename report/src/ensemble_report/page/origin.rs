@@ -174,7 +174,8 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
             "<strong>Stopped</strong> runs are censored: their times are longer than the tick at \
              which they were stopped, and nobody knows by how much. The curves take them into \
              account (Kaplan and Meier; intervals by Greenwood's formula for log(−log S)); means \
-             are then those of min(time, horizon), lower bounds."
+             are then those of min(time, horizon), lower bounds. That takes it that no run is stopped for \
+             being slow. The timeout of one of several phases does that: such a program looks faster than it is."
                 .to_owned(),
             "<strong>What decided</strong> a run is found by walking back from its last event to \
              the one that it waited for last, and so on to the beginning. These waits fill the run \
