@@ -23,6 +23,31 @@ fn a_folder_tells_what_was_told_when_it_was_filled() {
 }
 
 #[test]
+fn what_a_timeout_of_one_of_several_phases_does_to_times_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let two = |timeout: &str| {
+        format!(
+            "assembly two {{ seed plate 1 x 1 {{ M at (0, 0) }}\n\
+             phase first {timeout} {{ M.up -> A }}\nphase second {{ A.up -> B }} }}\n"
+        )
+    };
+    let one = "assembly one { seed plate 1 x 1 { M at (0, 0) } phase only timeout 300 ticks { M.up ->> T[1..2] } }";
+    for (text, is_told) in [
+        (two("timeout 300 ticks"), true),
+        (two(""), false),
+        // All runs are stopped at the same time.
+        (one.to_owned(), false),
+    ] {
+        let file = path(folder.path(), "timeout.sa");
+        fs::write(&file, &text).unwrap();
+        let said = stochc_with("simulate --quiet --model rate --runs 20", &[&file]);
+        assert!([0, 3].contains(&said.status), "{}", said.err);
+        let told = said.out.contains("that is for being slow");
+        assert_eq!(told, is_told, "{}", said.out);
+    }
+}
+
+#[test]
 fn what_holds_no_results_is_told_of() {
     let folder = tempfile::tempdir().unwrap();
     let missing = path(folder.path(), "missing");

@@ -93,7 +93,7 @@ pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
 }
 
 /// What is not true of times if one phase of several has a timeout that runs use up.
-pub(crate) const STOPPED_FOR_BEING_SLOW: &str = "Some runs were stopped by the timeout of one of several phases, \
+const STOPPED_FOR_BEING_SLOW: &str = "Some runs were stopped by the timeout of one of several phases, \
     that is for being slow: mean, ± and median take it that they would have gone on like the others, and comparisons \
     as well, so that such a program looks faster than it is. The number of completed runs tells how many made it.";
 
