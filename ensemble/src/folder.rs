@@ -519,7 +519,7 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
             }
             return Manifest::from_json(&json).map(Some).map_err(unreadable);
         }
-        foreign |= name != LOCK && !name.to_string_lossy().starts_with(atomic::PARTIAL);
+        foreign |= name != LOCK && !atomic::is_partial(&entry);
     }
     match foreign {
         false => Ok(None),

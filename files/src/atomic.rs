@@ -15,7 +15,7 @@ use super::disk::{self, Call, Lock, look};
 use super::{is_ordinary, open, open_own, read_file};
 
 /// How the files begin that are still being written; a kill may leave one behind.
-pub const PARTIAL: &str = ".stochc-partial-";
+const PARTIAL: &str = ".stochc-partial-";
 
 /// How a copy of a text begins while its file is written over; a kill may leave one behind, and nobody removes it.
 const SAVED: &str = ".stochc-saved-";
@@ -355,14 +355,19 @@ fn of_system(error: io::Error) -> io::Error {
     }
 }
 
+/// Whether a file is one that is still being written, or that a kill has left.
+pub fn is_partial(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().starts_with(PARTIAL)
+}
+
 /// Removes what kills have left in a folder of files that were being written.
 ///
 /// # Errors
 /// Those of the file system.
 pub fn clear_partial(folder: &Path) -> io::Result<()> {
     for path in disk::list(folder)? {
-        let name = path.file_name().unwrap_or_default();
-        if !name.to_string_lossy().starts_with(PARTIAL) {
+        if !is_partial(&path) {
             continue;
         }
         let file = match open_own(&path, File::options().read(true)) {

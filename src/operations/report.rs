@@ -161,7 +161,7 @@ fn claim(page: &Path) -> Result<Beside, String> {
         Ok(there)
             if earlier.is_empty()
                 && !there.is_empty()
-                && !there.iter().any(|it| is_partial(it)) =>
+                && !there.iter().any(|it| atomic::is_partial(it)) =>
         {
             return Err(format!(
                 "`{shown}` holds other files; choose another name with `--out`"
@@ -172,12 +172,6 @@ fn claim(page: &Path) -> Result<Beside, String> {
         Err(error) => return Err(format!("cannot use `{shown}`: {error}")),
     }
     Ok(Beside { folder, earlier })
-}
-
-/// Whether a file has not got its name yet.
-fn is_partial(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default();
-    name.to_string_lossy().starts_with(atomic::PARTIAL)
 }
 
 impl Beside {
