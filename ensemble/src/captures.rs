@@ -110,7 +110,8 @@ impl CaptureTally {
 
     fn sum_up(self) -> Option<Waits> {
         let all = self.times.to_vec();
-        let is_known = self.entries.value().is_some() || !all.iter().any(|time| time.completed);
+        let is_known =
+            self.entries.value().is_some() || !all.iter().any(|time| time.is_completed());
         let total: f64 = all.iter().map(|time| time.time).sum();
         Some(Waits {
             time: Time::of(&all)?,
@@ -126,7 +127,7 @@ impl CaptureTally {
 
 /// The tenth and the ninetieth percentile of waits, some of which may be censored.
 fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
-    if waits.iter().all(|wait| wait.completed) {
+    if waits.iter().all(|wait| wait.is_completed()) {
         let ended: Vec<f64> = waits.iter().map(|wait| wait.time).collect();
         return quantile(&ended, 0.1).zip(quantile(&ended, 0.9));
     }

@@ -215,7 +215,7 @@ impl Time {
     pub fn of(observations: &[Observation]) -> Option<Time> {
         let completed: Vec<f64> = observations
             .iter()
-            .filter(|o| o.completed)
+            .filter(|o| o.is_completed())
             .map(|o| o.time)
             .collect();
         let summary = Summary::of(&completed);

@@ -1,14 +1,27 @@
 //! What a run says of a time: the one place where outcomes become observations.
-use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::record::{Limit, Outcome, RunRecord};
 
-use crate::statistics::Observation;
+use crate::statistics::{Observation, Status};
 
-/// The time to completion of a run in ticks, censored where it was stopped; a failed run has none.
+/// The time to completion of a run in ticks; a failed run has none.
+///
+/// It is censored where the run reached its limit of ticks. A run that the timeout of a phase has ended never completes: the
+/// timeout ends just those that are slow, so that the others do not stand for it.
 pub fn completion_time(record: &RunRecord) -> Option<Observation> {
-    let ticks = record.ticks as f64;
-    match record.outcome {
-        Outcome::Completed => Some(Observation::completed(ticks)),
-        Outcome::TimedOut { .. } => Some(Observation::censored(ticks)),
+    Some(Observation {
+        time: record.ticks as f64,
+        status: status(&record.outcome)?,
+    })
+}
+
+/// What the end of a run says of all that it had not reached; `None`: it failed.
+pub fn status(outcome: &Outcome) -> Option<Status> {
+    match outcome {
+        Outcome::Completed => Some(Status::Completed),
+        Outcome::TimedOut { by, .. } => Some(match by {
+            Limit::Timeout => Status::Competing,
+            Limit::MaxTicks => Status::Censored,
+        }),
         Outcome::Failed { .. } => None,
     }
 }
@@ -26,5 +39,46 @@ pub fn phase_time(record: &RunRecord, phase: usize) -> Option<Observation> {
             }
             None => None,
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::record::{Limit, Outcome, RunRecord};
+    use stochc_ir::table::PhaseId;
+
+    use super::{completion_time, phase_time};
+    use crate::statistics::Observation;
+
+    /// Stopped in its second phase, after 30 ticks of it.
+    #[test]
+    fn a_timeout_ends_a_run_for_ever_and_the_limit_of_ticks_only_hides_its_time() {
+        let stopped = |by| RunRecord {
+            ticks: 100,
+            phase_ticks: vec![70],
+            outcome: Outcome::TimedOut {
+                phase: PhaseId(1),
+                by,
+            },
+            run: 0,
+            blocks_used: 0,
+            hops: 0,
+            unplanned: 0,
+            bonds: vec![],
+            waiting: vec![],
+            releases: vec![],
+            unplanned_bonds: vec![],
+        };
+        let [timeout, limit] = [Limit::Timeout, Limit::MaxTicks].map(stopped);
+        assert_eq!(
+            completion_time(&timeout),
+            Some(Observation::competing(100.0))
+        );
+        assert_eq!(completion_time(&limit), Some(Observation::censored(100.0)));
+        for run in [timeout, limit] {
+            assert_eq!(phase_time(&run, 0), Some(Observation::completed(70.0)));
+            assert_eq!(phase_time(&run, 1), Some(Observation::censored(30.0)));
+            assert_eq!(phase_time(&run, 2), None);
+        }
     }
 }

@@ -201,15 +201,18 @@ impl Outcomes {
             plans,
         } = chain;
         let limit = max_ticks.unwrap_or(u64::MAX);
-        let Some(Observation { time, completed }) = completion_time(record) else {
+        let Some(Observation { time, status }) = completion_time(record) else {
             // Its physics has failed.
             self.plain.remove(&run);
             return None;
         };
         let end = elapsed.saturating_add(time as u64);
-        let whole = match completed && end <= limit {
-            true => Observation::completed(end as f64),
-            false => Observation::censored(end.min(limit) as f64),
+        let whole = match end <= limit {
+            true => Observation {
+                time: end as f64,
+                status,
+            },
+            false => Observation::censored(limit as f64),
         };
         if plans == 0 {
             self.plain.insert(run, whole);

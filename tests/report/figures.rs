@@ -98,10 +98,7 @@ fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
     }
     let points = all.into_iter().map(|point| {
         let mean = 1000.0 * point[0].powf(power);
-        let times = [0.9, 1.0, 1.1].map(|share| Observation {
-            time: share * mean,
-            completed: true,
-        });
+        let times = [0.9, 1.0, 1.1].map(|share| Observation::completed(share * mean));
         SweepPoint {
             name: format!("line {point:?}"),
             program: "line".into(),

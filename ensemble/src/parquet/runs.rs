@@ -36,8 +36,8 @@ pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, ()>> 
             "outcome",
             "",
             "`completed`; `timed_out`: stopped by the timeout of a phase; `max_ticks`: stopped by the \
-             limit of ticks, `--max-ticks`; `failed`: the physics broke down. The times of \
-             stopped runs are censored, those of failed ones mean nothing",
+             limit of ticks, `--max-ticks`; `failed`: the physics broke down. At \
+             the limit the time is censored, after a timeout infinite, and of failed runs it means nothing",
             text(|row: &R<'a>| outcome(&row.run.record.outcome)),
         ),
         ColumnDefinition::new(

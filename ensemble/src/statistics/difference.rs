@@ -143,6 +143,7 @@ mod tests {
 
     use super::*;
     use crate::statistics::Observation;
+    use crate::statistics::tests::observation;
 
     fn runs(seed: u64, times: impl IntoIterator<Item = Observation>) -> Runs {
         Runs {
@@ -265,12 +266,7 @@ mod tests {
     }
 
     fn times() -> impl Strategy<Value = Vec<Observation>> {
-        let time = (1_u32..500, proptest::bool::weighted(0.8));
-        let time = time.prop_map(|(time, completed)| Observation {
-            time: time.into(),
-            completed,
-        });
-        proptest::collection::vec(time, 2..30)
+        proptest::collection::vec(observation(1..500), 2..30)
     }
 
     proptest! {

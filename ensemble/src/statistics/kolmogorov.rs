@@ -1,7 +1,7 @@
 //! How far two distributions are apart: the two-sample test of Kolmogorov and Smirnov.
 use serde::{Deserialize, Serialize};
 
-use super::Observation;
+use super::{Observation, Status};
 
 /// The distance of two samples, and whether chance explains it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,16 +18,19 @@ pub struct Distance {
 /// Compares the distributions of two samples; `None`: one of them is empty.
 ///
 /// A censored time says nothing about what comes after it, so that the two curves are compared up
-/// to the first of either sample, where both are still exact.
+/// to the first of either sample, where both are still exact. Of runs that never complete both are known for ever.
 pub fn distance(first: &[Observation], second: &[Observation]) -> Option<Distance> {
     if first.is_empty() || second.is_empty() {
         return None;
     }
-    let censored = first.iter().chain(second).filter(|o| !o.completed);
+    let censored = first
+        .iter()
+        .chain(second)
+        .filter(|o| o.status == Status::Censored);
     let horizon = censored.map(|o| o.time).min_by(f64::total_cmp);
     let known = |sample: &[Observation]| {
         let within = |time: f64| horizon.is_none_or(|horizon| time <= horizon);
-        let times = sample.iter().filter(|o| o.completed && within(o.time));
+        let times = sample.iter().filter(|o| o.is_completed() && within(o.time));
         let mut times: Vec<f64> = times.map(|o| o.time).collect();
         times.sort_by(f64::total_cmp);
         times

@@ -53,7 +53,7 @@ pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Optio
     let values = |curve: &KaplanMeier, sample: &[Observation]| {
         if sample
             .iter()
-            .all(|run| run.completed && run.time <= horizon)
+            .all(|run| run.is_completed() && run.time <= horizon)
         {
             // To the bit.
             return sample.iter().map(|run| run.time).collect();

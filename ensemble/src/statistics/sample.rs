@@ -1,5 +1,5 @@
 //! Many times in little memory.
-use super::Observation;
+use super::{Observation, Status};
 
 /// Times in the order in which they were told: 4 bytes for each while all of them are whole and short, as ticks mostly are.
 #[derive(Clone, Debug)]
@@ -7,10 +7,10 @@ pub struct TimeSample(StoredTimes);
 
 #[derive(Clone, Debug)]
 enum StoredTimes {
-    /// Twice the time, and one more if it is censored.
+    /// Four times the time, and the number of its status.
     Short(Vec<u32>),
-    /// The time, with a minus if it is censored.
-    Any(Vec<f64>),
+    /// Each time and its status.
+    Any(Vec<f64>, Vec<Status>),
 }
 
 impl Default for TimeSample {
@@ -27,10 +27,15 @@ impl TimeSample {
                 times.push(short);
                 return;
             }
-            self.0 = StoredTimes::Any(times.iter().map(|&short| signed(long(short))).collect());
+            let all = times.iter().copied().map(long);
+            self.0 = StoredTimes::Any(
+                all.clone().map(|it| it.time).collect(),
+                all.map(|it| it.status).collect(),
+            );
         }
-        if let StoredTimes::Any(times) = &mut self.0 {
-            times.push(signed(observation));
+        if let StoredTimes::Any(times, statuses) = &mut self.0 {
+            times.push(observation.time);
+            statuses.push(observation.status);
         }
     }
 
@@ -38,7 +43,7 @@ impl TimeSample {
     pub fn len(&self) -> usize {
         match &self.0 {
             StoredTimes::Short(times) => times.len(),
-            StoredTimes::Any(times) => times.len(),
+            StoredTimes::Any(times, _) => times.len(),
         }
     }
 
@@ -49,15 +54,13 @@ impl TimeSample {
 
     /// Each time.
     pub fn iter(&self) -> impl Iterator<Item = Observation> {
-        let (shorts, others): (&[u32], &[f64]) = match &self.0 {
-            StoredTimes::Short(times) => (times, &[]),
-            StoredTimes::Any(times) => (&[], times),
+        let (shorts, times, statuses): (&[u32], &[f64], &[Status]) = match &self.0 {
+            StoredTimes::Short(times) => (times, &[], &[]),
+            StoredTimes::Any(times, statuses) => (&[], times, statuses),
         };
-        let others = others.iter().map(|&time| Observation {
-            time: time.abs(),
-            completed: time.is_sign_positive(),
-        });
-        shorts.iter().map(|&short| long(short)).chain(others)
+        let others = times.iter().zip(statuses);
+        let others = others.map(|(&time, &status)| Observation { time, status });
+        shorts.iter().copied().map(long).chain(others)
     }
 
     /// All of them, for as long as somebody works with them.
@@ -66,23 +69,19 @@ impl TimeSample {
     }
 }
 
+/// By their numbers.
+const STATUSES: [Status; 3] = [Status::Completed, Status::Censored, Status::Competing];
+
 fn short(observation: Observation) -> Option<u32> {
     let time = observation.time;
     let is_short = time.fract() == 0.0 && (0.0..f64::from(1 << 30)).contains(&time);
-    is_short.then(|| (time as u32) << 1 | u32::from(!observation.completed))
+    is_short.then_some((time as u32) << 2 | observation.status as u32)
 }
 
 fn long(short: u32) -> Observation {
     Observation {
-        time: f64::from(short >> 1),
-        completed: short & 1 == 0,
-    }
-}
-
-fn signed(observation: Observation) -> f64 {
-    match observation.completed {
-        true => observation.time.abs(),
-        false => -observation.time.abs(),
+        time: f64::from(short >> 2),
+        status: STATUSES[(short & 3) as usize],
     }
 }
 
@@ -94,8 +93,8 @@ mod tests {
 
     fn observation() -> impl Strategy<Value = Observation> {
         let time = prop_oneof![(0u32..=u32::MAX).prop_map(f64::from), 0.0..1e300, Just(0.0),];
-        let both = (time, proptest::bool::ANY);
-        both.prop_map(|(time, completed)| Observation { time, completed })
+        let both = (time, prop::sample::select(&STATUSES));
+        both.prop_map(|(time, status)| Observation { time, status })
     }
 
     proptest! {

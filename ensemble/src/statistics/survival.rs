@@ -1,4 +1,4 @@
-//! Times of which some are censored: the estimator of Kaplan and Meier (1958).
+//! Times of which some are censored: the estimator of Kaplan and Meier (1958), and the cumulative incidence where events compete.
 use super::Observation;
 use super::distribution::normal_quantile;
 
@@ -6,14 +6,17 @@ use super::distribution::normal_quantile;
 ///
 /// S(t) is the product of 1 - d/n over the times up to t at which d of the n runs that were still
 /// under observation completed. A run censored at the same time counts as still under observation.
-/// The estimate takes for granted that a run is not stopped because it was about to be slow or
-/// fast: true of a limit on the run's ticks, an approximation for the timeout of a later phase,
-/// since its clock starts when the earlier phases end.
+/// The estimate takes for granted that a run is not censored because it was about to be slow or
+/// fast: true of a limit on the run's ticks. Runs that never complete ([`Status::Competing`]) are not
+/// censored, they count as under observation for ever: 1 - S is then the cumulative incidence of completion
+/// (R. J. Gray, Ann. Stat. 16 (1988), 1141-1154; with the same limit for all runs, the estimator of Aalen and Johansen).
+///
+/// [`Status::Competing`]: super::Status::Competing
 #[derive(Clone, Debug, PartialEq)]
 pub struct KaplanMeier {
     steps: Vec<SurvivalStep>,
     last: f64,
-    /// Whether any observation is censored.
+    /// Whether any observation is not of a completed run.
     is_censored: bool,
 }
 
@@ -32,7 +35,7 @@ struct SurvivalStep {
 pub struct SurvivalPoint {
     /// The time, in the unit of the observations.
     pub time: f64,
-    /// Runs that were still under observation just before it.
+    /// Runs that were still under observation just before it, and those that never complete.
     pub at_risk: usize,
     /// Runs that completed at it.
     pub completed: usize,
@@ -67,13 +70,13 @@ impl KaplanMeier {
     /// Estimates from observations in any order; `None`: there are none.
     pub fn of(observations: &[Observation]) -> Option<KaplanMeier> {
         let mut sorted = observations.to_vec();
-        sorted.sort_by(|a, b| a.time.total_cmp(&b.time));
-        let last = sorted.last()?.time;
+        sorted.sort_by(|a, b| a.at_risk_until().total_cmp(&b.at_risk_until()));
+        let last = observations.iter().map(|o| o.time).max_by(f64::total_cmp)?;
         let mut steps = Vec::new();
         let mut share = 1.0;
         let mut at_risk = sorted.len();
-        for same_time in sorted.chunk_by(|a, b| a.time == b.time) {
-            let completed = same_time.iter().filter(|o| o.completed).count();
+        for same_time in sorted.chunk_by(|a, b| a.at_risk_until() == b.at_risk_until()) {
+            let completed = same_time.iter().filter(|o| o.is_completed()).count();
             if completed > 0 {
                 share *= (at_risk - completed) as f64 / at_risk as f64;
                 steps.push(SurvivalStep {
@@ -88,11 +91,11 @@ impl KaplanMeier {
         Some(KaplanMeier {
             steps,
             last,
-            is_censored: observations.iter().any(|o| !o.completed),
+            is_censored: !observations.iter().all(|o| o.is_completed()),
         })
     }
 
-    /// The last time seen, of a completed run or a censored one: a horizon for the mean.
+    /// The last time seen, of a completed run or another: a horizon for the mean.
     pub fn last(&self) -> f64 {
         self.last
     }
@@ -210,11 +213,11 @@ impl KaplanMeier {
             })
             .collect();
         let contribution = |run: &Observation| {
-            let passed = steps.partition_point(|step| step.time <= run.time);
+            let passed = steps.partition_point(|step| step.time <= run.at_risk_until());
             let Some(last) = passed.checked_sub(1) else {
                 return mean;
             };
-            let lost = match run.completed && steps[last].time == run.time {
+            let lost = match run.is_completed() && steps[last].time == run.time {
                 true => loss[last],
                 false => 0.0,
             };
@@ -238,8 +241,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::statistics::Summary;
-    use crate::statistics::median;
+    use crate::statistics::tests::observation;
+    use crate::statistics::{Status, Summary, median};
 
     /// Remission of leukaemia under 6-mercaptopurine, weeks (Freireich et al. 1963): the first
     /// nine completed, the other twelve are censored.
@@ -252,9 +255,9 @@ mod tests {
         let observations: Vec<_> = TREATED
             .iter()
             .enumerate()
-            .map(|(i, &time)| Observation {
-                time,
-                completed: i < 9,
+            .map(|(i, &time)| match i < 9 {
+                true => Observation::completed(time),
+                false => Observation::censored(time),
             })
             .collect();
         KaplanMeier::of(&observations).unwrap()
@@ -325,6 +328,40 @@ mod tests {
         assert_eq!(of(&[20.0; 2]), [Some(2.0), Some(6.0), None]);
     }
 
+    /// Ten runs, of which every second one is ended after 5 for being slow: as if it took for ever, and not as if it would
+    /// have gone on like the five that were faster.
+    #[test]
+    fn runs_that_never_complete_are_not_taken_for_others() {
+        let fast = [6.0, 7.0, 8.0, 9.0, 10.0].map(Observation::completed);
+        let of = |slow: Observation| {
+            let runs: Vec<_> = fast.into_iter().chain([slow; 5]).collect();
+            let curve = KaplanMeier::of(&runs).unwrap();
+            (curve.incomplete(10.0), curve.restricted_mean(10.0).mean)
+        };
+        assert_eq!(of(Observation::competing(5.0)), (0.5, 9.0));
+        assert_eq!(of(Observation::censored(5.0)), (0.0, 8.0));
+    }
+
+    proptest! {
+        #[test]
+        fn runs_that_never_complete_count_as_endless(
+            runs in prop::collection::vec(observation(1..60), 1..40), horizon in 1_u32..80,
+        ) {
+            let known: Vec<_> = runs.into_iter().filter(|o| o.status != Status::Censored).collect();
+            let Some(curve) = KaplanMeier::of(&known) else { return Ok(()) };
+            let times: Vec<f64> = known.iter().map(|o| o.at_risk_until()).collect();
+            let mean = curve.restricted_mean(horizon.into());
+            let cut: Vec<f64> = times.iter().map(|time| time.min(mean.horizon)).collect();
+            prop_assert!((mean.mean - Summary::of(&cut).unwrap().mean).abs() < 1e-9);
+            let mut sorted = times;
+            sorted.sort_by(f64::total_cmp);
+            let (low, high) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
+            // Of exactly one half, the last that completed.
+            let plain = if high.is_finite() { f64::midpoint(low, high) } else { low };
+            prop_assert_eq!(curve.median(), Some(plain).filter(|time| time.is_finite()));
+        }
+    }
+
     proptest! {
         #[test]
         fn without_censoring_it_is_the_plain_median_and_mean(
@@ -350,7 +387,7 @@ mod tests {
                 times.into_iter().map(|t| Observation::completed(f64::from(t))).collect();
             let before = KaplanMeier::of(&observations).unwrap();
             let i = which.index(observations.len());
-            observations[i].completed = false;
+            observations[i].status = Status::Censored;
             let after = KaplanMeier::of(&observations).unwrap();
             for t in 0..100 {
                 let t = f64::from(t);
@@ -374,13 +411,9 @@ mod tests {
     proptest! {
         #[test]
         fn contributions_make_the_mean_and_its_error(
-            times in proptest::collection::vec((1_u32..60, proptest::bool::ANY), 2..40),
+            runs in proptest::collection::vec(observation(1..60), 2..40),
             share in 0.2_f64..1.2,
         ) {
-            let runs: Vec<Observation> = times
-                .iter()
-                .map(|&(time, completed)| Observation { time: time.into(), completed })
-                .collect();
             let curve = KaplanMeier::of(&runs).unwrap();
             let horizon = curve.last() * share;
             let known = curve.restricted_mean(horizon);

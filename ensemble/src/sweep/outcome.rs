@@ -245,7 +245,7 @@ impl PointTally {
         tick: f64,
     ) -> SweepPoint {
         let times = self.times.to_vec();
-        let completed = times.iter().filter(|time| time.completed).count();
+        let completed = times.iter().filter(|time| time.is_completed()).count();
         let any = (self.captures > 0).then_some(self.captures as f64);
         let finished = self.finished;
         SweepPoint {

@@ -98,7 +98,8 @@ impl Trade {
 /// The finest candidate that has at least two completed runs of each program.
 fn reference(outcomes: &[CandidateOutcome], times: &[Vec<Vec<Observation>>]) -> Option<Reference> {
     let known = |i: &usize| {
-        let enough = |times: &Vec<Observation>| times.iter().filter(|o| o.completed).count() > 1;
+        let enough =
+            |times: &Vec<Observation>| times.iter().filter(|o| o.is_completed()).count() > 1;
         refines(&outcomes[*i].settings) && times[*i].iter().all(enough)
     };
     let substeps = |i: usize| outcomes[i].settings.substeps;
@@ -203,7 +204,7 @@ fn cell(
     ProgramResult {
         runs: sample.len(),
         completed: sample.count(End::Completed),
-        censored: sample.count(End::Censored),
+        censored: sample.count(End::Censored) + sample.count(End::TimedOut),
         failed: sample.count(End::Failed),
         mean: time.as_ref().map(|time| time.mean),
         half_width: time.as_ref().and_then(|time| time.half_width),

@@ -57,7 +57,7 @@ fn sample(draws: &[Draw], cost: f64) -> Sample {
         run,
         end: match draw.is_complete {
             true => End::Completed,
-            false => End::Censored,
+            false => End::TimedOut,
         },
         ticks: draw.ticks.round() as u64,
         cpu: cost,

@@ -2,8 +2,8 @@
 use serde::{Deserialize, Serialize};
 use stochc_ir::record::RunRecord;
 
-use crate::completion_time;
-use crate::statistics::{Observation, Runs, median};
+use crate::statistics::{Observation, Runs, Status, median};
+use crate::status;
 
 /// One run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,8 @@ pub enum End {
     Completed,
     /// Stopped before that.
     Censored,
+    /// Ended by the timeout of a phase, so that it never completes.
+    TimedOut,
     /// Its physics broke down.
     Failed,
 }
@@ -37,9 +39,10 @@ impl Measured {
     pub fn new(record: &RunRecord, cpu: f64, wall: f64) -> Measured {
         Measured {
             run: record.run,
-            end: match completion_time(record) {
-                Some(time) if time.completed => End::Completed,
-                Some(_) => End::Censored,
+            end: match status(&record.outcome) {
+                Some(Status::Completed) => End::Completed,
+                Some(Status::Censored) => End::Censored,
+                Some(Status::Competing) => End::TimedOut,
                 None => End::Failed,
             },
             ticks: record.ticks,
@@ -101,6 +104,7 @@ impl Sample {
             let time = match run.end {
                 End::Completed => Observation::completed(ticks),
                 End::Censored => Observation::censored(ticks),
+                End::TimedOut => Observation::competing(ticks),
                 End::Failed => return None,
             };
             Some((run.run, time))

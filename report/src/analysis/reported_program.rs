@@ -6,7 +6,7 @@ use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
 use stochc_ensemble::text::Tick;
 use stochc_ensemble::{
     EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_time,
-    phase_time,
+    phase_time, status,
 };
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
@@ -230,8 +230,8 @@ impl<'a> ReportedProgram<'a> {
     fn choose(&mut self, finished: &Records) -> Result<(), ReportError> {
         let mut runs = self.times.clone();
         runs.sort_by(|(_, a), (_, b)| {
-            let times = a.time.total_cmp(&b.time);
-            times.then(b.completed.cmp(&a.completed))
+            let times = a.at_risk_until().total_cmp(&b.at_risk_until());
+            times.then(b.is_completed().cmp(&a.is_completed()))
         });
         let places = match runs.len() {
             0 => vec![],
@@ -250,16 +250,19 @@ impl<'a> ReportedProgram<'a> {
 
     /// Adds when the largest group had reached each of its sizes; a failed run says nothing.
     fn add_sizes(&mut self, record: &RunRecord) {
-        if matches!(record.outcome, Outcome::Failed { .. }) {
+        let Some(status) = status(&record.outcome) else {
             return;
-        }
+        };
         let mut tick: u64 = 0;
         for (size, times) in self.size_times.iter_mut().enumerate() {
             let ticks = record.phase_ticks.get(size);
             tick = tick.saturating_add(ticks.copied().unwrap_or(0));
-            times.push(Observation {
-                time: if ticks.is_some() { tick } else { record.ticks } as f64,
-                completed: ticks.is_some(),
+            times.push(match ticks {
+                Some(_) => Observation::completed(tick as f64),
+                None => Observation {
+                    time: record.ticks as f64,
+                    status,
+                },
             });
         }
     }
@@ -300,7 +303,11 @@ impl<'a> ReportedProgram<'a> {
 
     /// How many runs completed, were stopped, and failed.
     pub fn counts(&self) -> (usize, usize, usize) {
-        let completed = self.times.iter().filter(|(_, time)| time.completed).count();
+        let completed = self
+            .times
+            .iter()
+            .filter(|(_, time)| time.is_completed())
+            .count();
         (completed, self.times.len() - completed, self.failed)
     }
 

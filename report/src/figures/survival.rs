@@ -97,7 +97,7 @@ pub(crate) fn survival(
             out.curve("casing", &points, dashes);
         }
         out.curve(colours.class(*i), &points, dashes);
-        let stopped = curve.times.iter().filter(|time| !time.completed);
+        let stopped = curve.times.iter().filter(|time| !time.is_completed());
         let mut stopped: Vec<f64> = stopped.map(|time| time.time).collect();
         if stopped.len() > MARKS {
             // Of those that cannot be told apart, one.
@@ -149,7 +149,11 @@ fn column(x: &Scale, time: f64) -> i64 {
 }
 
 fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier) -> String {
-    let stopped = curve.times.iter().filter(|time| !time.completed).count();
+    let stopped = curve
+        .times
+        .iter()
+        .filter(|time| !time.is_completed())
+        .count();
     let half = match estimate.median() {
         Some(median) => format!("half complete at {}", number(median)),
         None => "fewer than half complete".to_owned(),

@@ -43,7 +43,7 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
         let cv = c.time.as_ref().and_then(|time| time.cv);
         cv.map_or(NONE.into(), |cv| format!("{cv:.2}"))
     });
-    rows.add("Timed out (censored)", |c| c.timed_out.to_string());
+    rows.add("Timed out", |c| c.timed_out.to_string());
     if comparison.programs.iter().any(|c| c.stopped > 0) {
         rows.add("At --max-ticks (censored)", |c| c.stopped.to_string());
     }
@@ -92,10 +92,8 @@ pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
     comparison.pairs.iter().map(told).collect()
 }
 
-/// What is not true of times if one phase of several has a timeout that runs use up.
-const STOPPED_FOR_BEING_SLOW: &str = "Some runs were stopped by the timeout of one of several phases, \
-    that is for being slow: mean, ± and median take it that they would have gone on like the others, and comparisons \
-    as well, so that such a program looks faster than it is. The number of completed runs tells how many made it.";
+/// What tables say of runs that a timeout has ended.
+pub(super) const NEVER_COMPLETES: &str = "Runs that a timeout of their program has ended never complete: they count as incomplete to the end.";
 
 /// What the figures mean.
 fn notes(comparison: &Comparison) -> Vec<String> {
@@ -124,9 +122,8 @@ fn notes(comparison: &Comparison) -> Vec<String> {
                     and SD, CV and the longest time are unknown.";
         notes.push(note.to_owned());
     }
-    let mut programs = comparison.programs.iter();
-    if programs.any(|c| c.timed_out > 0 && c.phases > 1) {
-        notes.push(STOPPED_FOR_BEING_SLOW.to_owned());
+    if comparison.programs.iter().any(|c| c.timed_out > 0) {
+        notes.push(NEVER_COMPLETES.to_owned());
     }
     notes
 }

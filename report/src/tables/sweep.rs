@@ -2,7 +2,7 @@
 use stochc_ensemble::sweep::{Sweep, SweepPoint};
 use stochc_ensemble::text::{number, percent};
 
-use super::comparison::{mean, ticks};
+use super::comparison::{NEVER_COMPLETES, mean, ticks};
 use crate::text::{TextColumn, TextTable, paragraph};
 
 /// In place of a figure that does not exist.
@@ -82,9 +82,7 @@ fn notes(sweep: &Sweep) -> Vec<String> {
         let note = "≥: some runs were stopped before they completed, so that the mean is one of \
                     min(time, horizon), a lower bound; the median is Kaplan and Meier's.";
         notes.push(note.to_owned());
-        let note = "Where a timeout of one of several phases has stopped them, that is for being slow, points look \
-                    faster than they are.";
-        notes.push(note.to_owned());
+        notes.push(NEVER_COMPLETES.to_owned());
     }
     notes
 }

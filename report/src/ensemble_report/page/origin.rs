@@ -171,11 +171,11 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
              the reach of its pull (<em>entries</em>), and one docks; its <em>docking</em> time \
              counts from its last entry."
                 .to_owned(),
-            "<strong>Stopped</strong> runs are censored: their times are longer than the tick at \
-             which they were stopped, and nobody knows by how much. The curves take them into \
+            "<strong>Stopped</strong> runs are censored by <code>--max-ticks</code>: their times are longer than the tick at \
+             which they were stopped, and nobody knows by how much. Those that a timeout of their program has ended never \
+             complete. The curves take both into \
              account (Kaplan and Meier; intervals by Greenwood's formula for log(−log S)); means \
-             are then those of min(time, horizon), lower bounds. That takes it that no run is stopped for \
-             being slow. The timeout of one of several phases does that: such a program looks faster than it is."
+             are then those of min(time, horizon), lower bounds."
                 .to_owned(),
             "<strong>What decided</strong> a run is found by walking back from its last event to \
              the one that it waited for last, and so on to the beginning. These waits fill the run \

@@ -117,7 +117,9 @@ fn sizes(
         let mut row = vec![HtmlCell::Marked(name(&curve.name))];
         let count = |completed: bool| {
             let times = curve.times.iter();
-            let count = times.filter(|time| time.completed == completed).count();
+            let count = times
+                .filter(|time| time.is_completed() == completed)
+                .count();
             HtmlCell::Number(count.to_string())
         };
         row.extend([count(true), count(false)]);
@@ -194,7 +196,7 @@ pub(super) fn phases(
         let count = |completed: bool| {
             let count = observed
                 .iter()
-                .filter(|time| time.completed == completed)
+                .filter(|time| time.is_completed() == completed)
                 .count();
             HtmlCell::Number(count.to_string())
         };
