@@ -1,4 +1,7 @@
 //! The command line.
+use std::num::{IntErrorKind, ParseIntError};
+
+use clap::error::ContextKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use stochc_ir::is_invisible;
 
@@ -105,8 +108,30 @@ pub fn parse() -> Result<Cli, clap::Error> {
         arg.allow_negative_numbers(takes_values)
     };
     let mut command = Cli::command().mut_subcommands(|it| it.mut_args(negative));
-    let matches = command.try_get_matches_from_mut(std::env::args_os())?;
+    let matches = command
+        .try_get_matches_from_mut(std::env::args_os())
+        .map_err(about_numbers)?;
     Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+}
+
+/// The error of what should be a whole number, in words for people; others as they are.
+fn about_numbers(error: clap::Error) -> clap::Error {
+    let source = std::error::Error::source(&error);
+    let Some(number) = source.and_then(|it| it.downcast_ref::<ParseIntError>()) else {
+        return error;
+    };
+    let words = match number.kind() {
+        IntErrorKind::PosOverflow => "the number is too large",
+        _ => "a whole number is needed, with digits alone",
+    };
+    let of = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+    let [value, option] = [ContextKind::InvalidValue, ContextKind::InvalidArg].map(of);
+    clap::Error::raw(
+        error.kind(),
+        format!(
+            "invalid value '{value}' for '{option}': {words}\n\nFor more information, try '--help'.\n"
+        ),
+    )
 }
 
 /// Does what the command line says; what is left to say is in the failure.

@@ -77,6 +77,8 @@ pub enum SyntaxErrorKind {
     DanglingDoc,
     /// More than [`crate::MAX_ERRORS`] errors; the rest of the file was not read.
     TooMany,
+    /// The file is JSON; the span is its first bracket.
+    Json,
     /// A file of 4 GiB or more.
     FileTooLarge,
 }

@@ -1,9 +1,10 @@
 //! `stochc calibrate`.
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use stochc_compiler::scene::built_in;
+use stochc_compiler::scene::{BUILT_IN, built_in};
 use stochc_ir::scene::Scene;
+use stochc_ir::visible;
 use stochc_report::tables::rates_to_text;
 use stochc_runtime::{Settings, Substeps};
 
@@ -75,6 +76,14 @@ pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
 fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure> {
     if let Some(scene) = built_in(&options.target) {
         return Ok(scene);
+    }
+    if !Path::new(&options.target).exists() {
+        let scenes: Vec<&str> = BUILT_IN.iter().map(|&(name, _)| name).collect();
+        return Err(Failure::usage(format!(
+            "there is no file `{}`, and no built-in scene of that name; these are {}",
+            visible(&options.target),
+            scenes.join(", ")
+        )));
     }
     let files = std::slice::from_ref(&options.target);
     let programs = programs(

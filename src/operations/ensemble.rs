@@ -137,6 +137,10 @@ pub fn make(
             let folder = Folder::open(out, manifest, how.resume).map_err(Failure::usage)?;
             warn_of_damage(out, folder.damage(), host);
             match folder.state() {
+                FolderState::New if how.resume != Resume::No => host.warn(&format!(
+                    "there is nothing to resume in `{}`; all runs are made\n",
+                    visible(&out.to_string_lossy())
+                )),
                 FolderState::New => {}
                 FolderState::Finished => host.warn(&format!(
                     "`{}` is finished already\n",

@@ -450,3 +450,48 @@ fn too_many_orders_are_told_of_and_some_are_tried() {
 ";
     assert!(said.out.ends_with(tried), "{}", said.out);
 }
+
+/// What `stochc` has written is no program, however many of its lines could be told about.
+#[test]
+fn json_is_told_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "hemisphere.sa");
+    fs::copy("rates/src/data/hemisphere.rates", &file).unwrap();
+    let said = stochc_with("check", &[&file]);
+    assert_eq!(said.status, 1);
+    assert!(
+        said.err.contains("the file is JSON, and no program"),
+        "{}",
+        said.err
+    );
+    assert!(said.err.contains("rates by `--rates`"), "{}", said.err);
+    assert!(said.err.contains("\n1 error\n"), "{}", said.err);
+}
+
+/// In words for people, not in those of a parser.
+#[test]
+fn numbers_of_the_command_line_are_told_of_in_words() {
+    for (number, words) in [
+        ("abc", "a whole number is needed, with digits alone"),
+        ("1.5", "a whole number is needed, with digits alone"),
+        ("99999999999999999999999", "the number is too large"),
+        ("0", "0 is not in 1..=10000000"),
+    ] {
+        let said = stochc_with("simulate tests/fixtures/tower.sa --runs", &[number]);
+        let expected = format!("error: invalid value '{number}' for '--runs <RUNS>': {words}\n");
+        assert_eq!(said.status, 2);
+        assert!(said.err.starts_with(&expected), "{}", said.err);
+    }
+}
+
+#[test]
+fn a_scene_that_is_not_built_in_is_told_with_those_that_are() {
+    let said = stochc("calibrate hemispere");
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("no file `hemispere`"), "{}", said.err);
+    assert!(
+        said.err.contains("hemisphere, hemisphere_soft"),
+        "{}",
+        said.err
+    );
+}

@@ -255,3 +255,15 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
         fs::remove_dir_all(&out).unwrap();
     }
 }
+
+/// Who has mistyped the folder learns of it before the runs are made.
+#[test]
+fn a_folder_without_runs_to_resume_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let told = format!("there is nothing to resume in `{out}`; all runs are made\n");
+    let said = stochc_with(TOWER, &["--runs", "2", "--out", &out, "--resume"]);
+    assert_eq!((said.status, said.err.as_str()), (0, told.as_str()));
+    let said = stochc_with(TOWER, &["--runs", "4", "--out", &out, "--resume"]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+}

@@ -122,6 +122,9 @@ impl Diagnostic {
             )
             .label(location, "reading stopped here")
             .help("fix the errors above first"),
+            K::Json => Diagnostic::new(Code::Syntax, "the file is JSON, and no program")
+                .label(location, "begins here")
+                .help("what `stochc` has written is read by the option that it is for: rates by `--rates`, a manifest by `--manifest`"),
             K::FileTooLarge => Diagnostic::new(Code::FileTooLarge, "a file of 4 GiB or more")
                 .help("split it into several files and `import` them"),
         }

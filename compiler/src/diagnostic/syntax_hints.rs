@@ -96,6 +96,10 @@ impl SyntaxHint<'_> {
         }
         let help = match self.found {
             _ if self.size().is_some() => "blanks stand round the `x` of a size: `3 x 1`",
+            "\u{d7}" => "a size is written with the letter `x`: `3 x 1`",
+            found if found.starts_with(|c: char| c.is_alphabetic() && !c.is_ascii()) => {
+                "a name has the letters `a` to `z` and `A` to `Z`, digits and `_`"
+            }
             ";" => "remove it: nothing stands between two statements",
             "/" => "a comment runs from `//` to the end of its line",
             "#" if !self.is_row() => "a comment runs from `//` to the end of its line",

@@ -84,6 +84,13 @@ pub(crate) fn parse_recorded(text: &str, symbols: &mut Symbols) -> (Parsed, Reco
     (parsed, record.unwrap_or_default())
 }
 
+/// Where a text begins that is JSON and not a program: a program never has a bracket first, and a quotation mark or another one behind it.
+fn json_begins(text: &str) -> Option<usize> {
+    let inside = text.trim_start().strip_prefix(['{', '['])?;
+    let is_json = inside.trim_start().starts_with(['"', '{', '[']);
+    is_json.then(|| text.len() - text.trim_start().len())
+}
+
 fn read<'t>(
     text: &'t str,
     symbols: &mut Symbols,
@@ -106,6 +113,8 @@ fn read<'t>(
     };
     if text.len() >= u32::MAX as usize {
         parser.error(SyntaxErrorKind::FileTooLarge, Span::new(0, 0));
+    } else if let Some(at) = json_begins(text) {
+        parser.error(SyntaxErrorKind::Json, Span::new(at as u32, at as u32 + 1));
     } else {
         parser.file();
     }

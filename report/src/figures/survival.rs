@@ -4,7 +4,7 @@ use stochc_ensemble::text::{number, percent_number};
 
 use super::EDGE;
 use crate::svg::letters::{fitted, width};
-use crate::svg::{Colours, DASHES, Drawing, LINE, Medium, PlotAxis, Scale, plot_height};
+use crate::svg::{Colours, Drawing, LINE, Medium, PlotAxis, Scale, dashes, plot_height};
 
 /// What one curve is of.
 #[derive(Clone, Debug)]
@@ -92,7 +92,7 @@ pub(crate) fn survival(
         if let Some(&(_, share)) = points.last() {
             points.push((x.at(estimate.last()), share));
         }
-        let dashes = DASHES[i % DASHES.len()];
+        let dashes = dashes(*i);
         if colours == Colours::Phases {
             out.curve("casing", &points, dashes);
         }

@@ -12,7 +12,12 @@ use super::Medium;
 const COLOURS: usize = 6;
 
 /// Dashes of their lines, so that colour is never the only difference.
-pub(crate) const DASHES: [&str; COLOURS] = ["", "7 3", "2 3", "9 3 2 3", "4 4", "1 4"];
+const DASHES: [&str; COLOURS] = ["", "7 3", "2 3", "9 3 2 3", "4 4", "1 4"];
+
+/// The dashes of number `i` of what is compared: the second that has a colour has others than the first.
+pub(crate) fn dashes(i: usize) -> &'static str {
+    DASHES[(i + i / COLOURS) % COLOURS]
+}
 
 /// A colour, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -287,6 +292,13 @@ pub(crate) fn phase(i: usize) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_of_one_colour_have_dashes_of_their_own() {
+        let lines = (0..COLOURS * COLOURS).map(|i| (class(i), dashes(i)));
+        let mut seen = std::collections::BTreeSet::new();
+        assert!(lines.into_iter().all(|line| seen.insert(line)));
+    }
 
     #[test]
     fn a_later_rule_counts_whatever_the_order_of_the_classes() {

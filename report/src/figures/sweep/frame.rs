@@ -5,7 +5,7 @@ use stochc_ensemble::text::number;
 use crate::figures::EDGE;
 use crate::svg::letters::fitted;
 use crate::svg::{
-    DASHES, Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class, plot_height,
+    Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class, dashes, plot_height,
 };
 
 /// A figure with its axes, and where values are drawn in it.
@@ -117,7 +117,7 @@ impl<'a> Panel<'a> {
         let keys: Vec<LegendEntry> = (curves.iter().enumerate())
             .map(|(i, curve)| LegendEntry {
                 class: class(i).to_owned(),
-                sample: LegendSymbol::Line(DASHES[i % DASHES.len()]),
+                sample: LegendSymbol::Line(dashes(i)),
                 meaning: fitted(&curve.name, 500.0),
             })
             .collect();

@@ -3,7 +3,7 @@ use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::percent_number;
 
 use super::frame::{AxesFrame, Panel, YScale, aside, description};
-use crate::svg::{DASHES, Drawing, PlotAxis, Style, class};
+use crate::svg::{Drawing, PlotAxis, Style, class, dashes};
 
 /// Shares with their 95 % intervals; `None`: no run is finished.
 pub(super) fn share(panel: &Panel) -> Option<Drawing> {
@@ -31,7 +31,7 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
             .iter()
             .map(|(at, share, _)| (*at, y.at(*share)))
             .collect();
-        out.curve(class(i), &places, DASHES[i % DASHES.len()]);
+        out.curve(class(i), &places, dashes(i));
         for (at, share, point) in known {
             if let Some((low, high)) = point.share_interval {
                 out.stroke(

@@ -4,7 +4,7 @@ use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::number;
 
 use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, description};
-use crate::svg::{DASHES, Drawing, PlotAxis, Style, class};
+use crate::svg::{Drawing, PlotAxis, Style, class, dashes};
 
 /// Means with their 95 % intervals, and medians; `None`: no run has a time.
 pub(super) fn times(panel: &Panel) -> Option<Drawing> {
@@ -49,7 +49,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
             Some((place(*value), y.at(time.mean)))
         };
         let places: Vec<_> = curve.points.iter().filter_map(mean).collect();
-        out.curve(class(i), &places, DASHES[i % DASHES.len()]);
+        out.curve(class(i), &places, dashes(i));
         for (value, point) in &curve.points {
             let (at, tooltip) = (
                 place(*value),
