@@ -83,18 +83,15 @@ impl Computed {
 
     /// Refuses what is set and the model has no use for.
     fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
-        let is_set = [
+        let model = settings.model;
+        let unused = model.unused(&[
             ("substeps", settings.steps() != Substeps::DEFAULT),
             ("solver-iterations", self.solver_iterations.is_some()),
             ("precision", settings.precision != Precision::default()),
             ("reduce", self.reduce.is_some()),
             ("rates", !self.rates.is_empty()),
-        ];
-        let model = settings.model;
-        let unused = is_set
-            .iter()
-            .find(|(option, is)| *is && !model.uses(option));
-        unused.map_or(Ok(()), |(option, _)| {
+        ]);
+        unused.map_or(Ok(()), |option| {
             Err(Failure::usage(format!(
                 "{}: the model `{}` has no use for it",
                 option.replace('-', "_"),

@@ -192,6 +192,12 @@ impl Model {
             Model::Shuffle => false,
         }
     }
+
+    /// The first of the options that are set of which it has no use.
+    pub fn unused<'o>(self, options: &[(&'o str, bool)]) -> Option<&'o str> {
+        let unused = |(option, is_set): &&(&str, bool)| *is_set && !self.uses(option);
+        options.iter().find(unused).map(|&(option, _)| option)
+    }
 }
 
 impl Reduction {

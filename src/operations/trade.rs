@@ -93,8 +93,8 @@ fn cannot_go_on(out: &Path, error: &FolderError) -> Failure {
     let shown = out.display();
     Failure::usage(match error {
         FolderError::Journal(JournalError::Foreign) => format!(
-            "`{shown}` holds the trade of other programs, of another seed or of another build of `stochc`; choose \
-             another folder"
+            "`{shown}` holds the trade of other programs, of another seed or of another build of `stochc`, \
+             or the first line of its journal is damaged; choose another folder"
         ),
         error => error.to_string(),
     })

@@ -24,16 +24,13 @@ pub fn prepare(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest,
 /// Refuses settings that the model has no use for.
 fn are_used(options: &SimulateArguments) -> Result<(), Failure> {
     let model = options.model;
-    let is_set = [
+    let unused = model.unused(&[
         ("substeps", options.substeps.is_some()),
         ("solver-iterations", options.solver_iterations.is_some()),
         ("precision", options.precision != Precision::default()),
         ("reduce", options.reduce.is_some()),
-    ];
-    if let Some((option, _)) = is_set
-        .iter()
-        .find(|(option, is)| *is && !model.uses(option))
-    {
+    ]);
+    if let Some(option) = unused {
         return Err(Failure::usage(format!(
             "the model `{}` has no `--{option}`; `--model rigid` has it",
             model.name()
