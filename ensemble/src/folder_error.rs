@@ -113,6 +113,12 @@ pub enum FolderError {
          before, its `--shards` too, writes it anew and keeps the pieces"
     )]
     LostCut(PathBuf),
+    /// The manifest is damaged beyond repair.
+    #[error(
+        "`manifest.json` in `{0}` is damaged beyond repair, in more than one bit, and without it nobody can go on with its runs; put a copy of \
+         it back, or make the runs again in another folder. Tables that are sound can be read as they are"
+    )]
+    LostManifest(PathBuf),
     /// The same ensemble, with more runs than asked for.
     #[error(
         "`{path}` is an ensemble of {there} runs of each program, more than the {asked} asked for; \

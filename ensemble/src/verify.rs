@@ -139,9 +139,12 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         false => manifest(path).map_err(of(MANIFEST))?,
         true => saved(path).map_err(of(MANIFEST))?,
     };
-    let manifest = manifest.map_err(|reason| FolderError::Unreadable {
-        path: path.to_owned(),
-        reason,
+    let manifest = manifest.map_err(|reason| match is_damaged(MANIFEST) {
+        true => FolderError::LostManifest(path.to_owned()),
+        false => FolderError::Unreadable {
+            path: path.to_owned(),
+            reason,
+        },
     })?;
     if is_damaged(MANIFEST) {
         aside(MANIFEST)?;
