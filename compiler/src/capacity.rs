@@ -1,4 +1,5 @@
 //! Whether the scene has the blocks and the room.
+use stochc_ir::counted;
 use stochc_ir::scene::room::NoRoom;
 use stochc_ir::scene::{BondKind, Scene};
 
@@ -39,7 +40,10 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
         diagnostics.push(
             Diagnostic::new(
                 Code::TooFewBlocks,
-                format!("the aggregate needs {size} free blocks, the scene has {free}"),
+                format!(
+                    "the aggregate needs {}, the scene has {free}",
+                    counted(size as usize, "free block")
+                ),
             )
             .label(
                 phase.location,
@@ -94,7 +98,10 @@ pub fn check(
         diagnostics.push(
             Diagnostic::new(
                 Code::TooFewBlocks,
-                format!("the structure needs {size} free blocks, the scene has {free}"),
+                format!(
+                    "the structure needs {}, the scene has {free}",
+                    counted(size as usize, "free block")
+                ),
             )
             .label(
                 phase.location,

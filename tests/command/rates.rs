@@ -66,8 +66,8 @@ fn rates_are_measured_kept_and_used() {
         &[&here("small.sa"), "--out", &here("runs")],
     );
     assert_eq!((resumed.status, resumed.err.as_str()), (0, ""));
-    // Rates of another scene are of no use, and say so.
-    let line = "scene other from hemisphere { free 61 uniform }
+    // Rates of another scene are of no use, and say so. Of that one there is a first guess, so that nothing is measured.
+    let line = "scene other from hemisphere { free 200 uniform }
         assembly line in other { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..3] } }";
     fs::write(here("other.sa"), line).unwrap();
     let unused = format!("`{}` is not used", here("one.rates"));

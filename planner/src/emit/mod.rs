@@ -73,7 +73,10 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
         out,
         "/// {}, up to {} open at the same time: about {:.0} ticks, in nine of ten runs within {:.0}{}.\n\
          /// A block is called by its cell, and a block of the plate by its place there.",
-        counted(plan.all_captures().count(), "capture"),
+        counted(
+            plan.captures.len() + later.as_ref().map_or(0, Vec::len),
+            "capture"
+        ),
         counted(plan.widest, "face"),
         plan.estimate.mean,
         plan.estimate.p90,
