@@ -128,6 +128,11 @@ impl Timeout {
         to_si(quantity).1 == Dimension::TICKS
     }
 
+    /// Whether a quantity is in ticks, or a time.
+    pub fn is_a_time(quantity: &Quantity) -> bool {
+        [Dimension::TICKS, Dimension::TIME].contains(&to_si(quantity).1)
+    }
+
     /// In ticks of a clock \[s\], at least one and at most 9e15.
     pub fn ticks(self, tick: f64) -> u64 {
         match self {

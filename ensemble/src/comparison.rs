@@ -181,8 +181,16 @@ impl<'a> ComparisonTally<'a> {
     /// The figures.
     pub fn finish(self) -> Comparison {
         let manifest = self.manifest;
-        let programs = manifest.programs.iter().zip(&self.programs);
-        let columns = programs.map(|(program, tally)| tally.column(manifest, program));
+        let programs = || manifest.programs.iter().zip(&self.programs);
+        let last = |(program, tally): (&EnsembleProgram, &ProgramTally)| {
+            let last = last_seen(tally.times.iter().map(|&(_, time)| time));
+            last * self.clock.tick(program)
+        };
+        let last = programs().map(last).fold(0.0, f64::max);
+        let columns = programs().map(|(program, tally)| {
+            let horizon = last / self.clock.tick(program);
+            tally.column(manifest, program, horizon)
+        });
         let columns = columns.collect();
         let programs = manifest.programs.iter().zip(self.programs);
         let sides: Vec<ComparedProgram> = programs
@@ -210,9 +218,21 @@ impl<'a> ComparisonTally<'a> {
     }
 }
 
+/// The last time that was seen of any run; 0 without runs.
+pub fn last_seen(observations: impl IntoIterator<Item = Observation>) -> f64 {
+    let times = observations.into_iter().map(|observation| observation.time);
+    times.fold(0.0, f64::max)
+}
+
 impl Time {
     /// Sums up times of which some may be cut short; `None`: there are none.
     pub fn of(observations: &[Observation]) -> Option<Time> {
+        Time::beside(observations, 0.0)
+    }
+
+    /// The same beside other samples, of which the last time [seen](last_seen) is `horizon`: if runs never complete and none is censored,
+    /// times count up to there. Who is stopped early would look fast otherwise.
+    pub fn beside(observations: &[Observation], horizon: f64) -> Option<Time> {
         let completed: Vec<f64> = observations
             .iter()
             .filter(|o| o.is_completed())
@@ -236,7 +256,7 @@ impl Time {
             });
         }
         let curve = KaplanMeier::of(observations)?;
-        let mean = curve.restricted_mean(curve.last());
+        let mean = curve.restricted_mean(curve.last().max(horizon));
         Some(Time {
             completed: completed.len(),
             censored,
@@ -253,9 +273,14 @@ impl Time {
 }
 
 impl ProgramTally {
-    fn column(&self, manifest: &Manifest, program: &EnsembleProgram) -> ProgramSummary {
+    fn column(
+        &self,
+        manifest: &Manifest,
+        program: &EnsembleProgram,
+        horizon: f64,
+    ) -> ProgramSummary {
         let times: Vec<Observation> = self.times.iter().map(|&(_, time)| time).collect();
-        let time = Time::of(&times);
+        let time = Time::beside(&times, horizon);
         drop(times);
         // What is attached by hand takes no time.
         let phases = program.phases().iter().enumerate();

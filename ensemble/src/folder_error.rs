@@ -115,7 +115,7 @@ pub enum FolderError {
     LostCut(PathBuf),
     /// The manifest is damaged beyond repair.
     #[error(
-        "`manifest.json` in `{0}` is damaged beyond repair, in more than one bit, and without it nobody can go on with its runs; put a copy of \
+        "`manifest.json` in `{0}` is damaged beyond repair, and without it nobody can go on with its runs; put a copy of \
          it back, or make the runs again in another folder. Tables that are sound can be read as they are"
     )]
     LostManifest(PathBuf),

@@ -79,7 +79,9 @@ mod views;
 pub use build::{other_build, this_build};
 pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, captures};
 pub use checkpoint::{Checkpoints, Interval};
-pub use comparison::{Comparison, ComparisonTally, Pair, PhaseTime, ProgramSummary, Time};
+pub use comparison::{
+    Comparison, ComparisonTally, Pair, PhaseTime, ProgramSummary, Time, last_seen,
+};
 pub use executor::RunCancelled;
 pub use file_names::CHECKPOINTS;
 pub use finished::Finished;

@@ -1,7 +1,7 @@
 //! What runs gain if the rest of them is planned anew where nothing docks for long.
 use serde::Serialize;
-use stochc_ensemble::Time;
 use stochc_ensemble::statistics::{Difference, Observation, Runs, compare};
+use stochc_ensemble::{Time, last_seen};
 
 /// The runs of a program, as they are and with plans in between.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,14 +37,15 @@ impl Replanning {
             times.iter().map(|(run, pair)| (*run, pair[side])).collect()
         };
         let [plain, replanned] = [side(0), side(1)].map(|times| Runs::of(0, times, 1.0));
+        let last = last_seen(times.iter().flat_map(|(_, pair)| *pair));
         Replanning {
             program: program.to_owned(),
             after,
             runs: times.len(),
             plans,
             not_planned,
-            plain: Time::of(&plain.observations()),
-            replanned: Time::of(&replanned.observations()),
+            plain: Time::beside(&plain.observations(), last),
+            replanned: Time::beside(&replanned.observations(), last),
             difference: compare(&plain, &replanned),
         }
     }

@@ -129,7 +129,10 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// Leaves the programs that are shown. A picture is of one; those of aggregates would be empty.
+/// Why nothing is drawn of an aggregate.
+const NO_PICTURE: &str = "an aggregate has no picture: chance decides what it looks like";
+
+/// Leaves the programs that are shown. A picture is of one, and of no aggregate.
 fn choose(
     programs: &mut Vec<Program>,
     name: Option<&str>,
@@ -139,7 +142,11 @@ fn choose(
         if form != EmittedFormat::Svg {
             return Ok(());
         }
+        let all = programs.len();
         programs.retain(|program| program.plan.aggregate.is_none());
+        if programs.is_empty() && all > 0 {
+            return Err(NO_PICTURE.to_owned());
+        }
         if programs.len() <= 1 {
             return Ok(());
         }
@@ -150,7 +157,10 @@ fn choose(
         None => format!("a picture is of one program, and {error}"),
     })?;
     *programs = vec![programs.swap_remove(place)];
-    Ok(())
+    match form == EmittedFormat::Svg && programs[0].plan.aggregate.is_some() {
+        true => Err(NO_PICTURE.to_owned()),
+        false => Ok(()),
+    }
 }
 
 fn emit(

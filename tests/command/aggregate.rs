@@ -55,6 +55,15 @@ fn every_stage_of_it_can_be_shown() {
     assert_eq!(program["aggregate"], 4);
     assert_eq!(program["plate"]["width"], 0);
     assert_eq!(program["blocks"].as_array().unwrap().len(), 0);
+    let said = stochc(&format!(
+        "compile --emit structure --format svg --program four {FILE}"
+    ));
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(
+        said.err.contains("an aggregate has no picture"),
+        "{}",
+        said.err
+    );
 }
 
 #[test]

@@ -56,6 +56,42 @@ fn a_timeout_of_one_of_several_phases_makes_no_program_faster() {
     assert!(words.contains("has ended never complete"), "{}", said.out);
 }
 
+/// A program that is stopped early in most runs, beside one that always completes later: who never completes takes longer.
+#[test]
+fn a_program_that_mostly_times_out_is_not_the_faster_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "assembly quick_or_never { seed plate 1 x 1 { M at (0, 0) }\n\
+                phase a timeout 900 ticks { M.up -> A.up -> B } }\n\
+                assembly always { seed plate 1 x 1 { M at (0, 0) } phase a { M.up -> A.up -> B.up -> C } }\n";
+    let file = path(folder.path(), "both.sa");
+    fs::write(&file, text).unwrap();
+    let command = "simulate --quiet --model rate --runs 200 --format json";
+    let said = stochc_with(command, &[&file]);
+    let found: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!(
+        found["pairs"][0]["difference"]["longer"], "first",
+        "{}",
+        said.out
+    );
+    let time = |program: usize, figure: &str| found["programs"][program]["time"][figure].as_f64();
+    // Both count up to the last time that was seen in either.
+    assert_eq!(time(0, "horizon"), time(1, "max"));
+    assert!(time(0, "mean") > time(1, "mean"), "{}", said.out);
+    // A sweep has the same: five ticks of 10 ms are in time, and of 40 ms there is time for one.
+    let limited = "assembly limited { seed plate 1 x 1 { M at (0, 0) } phase a timeout 50 ms { M.up ->> T[1..5] } }";
+    let slow = path(folder.path(), "limited.sa");
+    fs::write(&slow, limited).unwrap();
+    let out = path(folder.path(), "out");
+    let sweep = "simulate --quiet --model shuffle --runs 3 --sweep";
+    stochc_with(sweep, &["tick=10,40 ms", &slow, "--out", &out]);
+    let json = fs::read_to_string(path(folder.path(), "out/sweep.json")).unwrap();
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let time = |point: usize, figure: &str| found["points"][point]["time"][figure].as_f64();
+    assert!(time(0, "max").is_some(), "{json}");
+    assert_eq!(time(1, "horizon"), time(0, "max"), "{json}");
+    assert_eq!(time(1, "mean"), time(0, "max"), "{json}");
+}
+
 #[test]
 fn what_holds_no_results_is_told_of() {
     let folder = tempfile::tempdir().unwrap();

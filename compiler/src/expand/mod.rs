@@ -626,6 +626,13 @@ impl<'a> Expander<'a, '_> {
                     "not a whole number below 9e15",
                     "write a whole number of ticks such as `40000 ticks`, or seconds".to_owned(),
                 )
+            } else if !Timeout::is_a_time(quantity) {
+                (
+                    "a timeout is a time",
+                    "not a time",
+                    "write a number of ticks such as `40000 ticks`, or seconds; minutes are `min`"
+                        .to_owned(),
+                )
             } else {
                 (
                     "a timeout is a positive time",

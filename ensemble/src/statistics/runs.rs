@@ -1,5 +1,5 @@
 //! Runs by their number: what can be put in pairs.
-use super::{KaplanMeier, Observation};
+use super::{KaplanMeier, Observation, Status};
 
 /// The times of a program's runs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,11 +45,16 @@ pub(super) struct Comparable {
 }
 
 /// Values whose means are those of both samples, restricted to the last time up to which both are
-/// known; `None`: a sample is empty.
+/// known, and to the last one seen in either if some runs never complete; `None`: a sample is empty.
 pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Option<Comparable> {
     let curves = [KaplanMeier::of(first)?, KaplanMeier::of(second)?];
     let reach = curves.iter().map(KaplanMeier::reach);
-    let horizon = reach.fold(f64::INFINITY, f64::min);
+    let mut horizon = reach.fold(f64::INFINITY, f64::min);
+    let mut all = first.iter().chain(second);
+    if all.any(|run| run.status == Status::Competing) {
+        // What never completes is known to do so for ever, and its mean has to end somewhere.
+        horizon = horizon.min(curves[0].last().max(curves[1].last()));
+    }
     let values = |curve: &KaplanMeier, sample: &[Observation]| {
         if sample
             .iter()
@@ -64,4 +69,29 @@ pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Optio
         values: [values(&curves[0], first), values(&curves[1], second)],
         horizon: horizon.is_finite().then_some(horizon),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn horizon(first: &[Observation], second: &[Observation]) -> Option<f64> {
+        comparable(first, second).unwrap().horizon
+    }
+
+    /// What is known of runs that never complete is known for ever: times count up to the last that was seen in either sample, or to
+    /// where one of them is not known any more.
+    #[test]
+    fn times_count_as_far_as_both_samples_are_known() {
+        let done = [1.0, 5.0].map(Observation::completed);
+        let never = [Observation::completed(2.0), Observation::competing(3.0)];
+        let hidden = [Observation::completed(2.0), Observation::censored(4.0)];
+        assert_eq!(horizon(&done, &done), None);
+        assert_eq!(horizon(&done, &never), Some(5.0));
+        assert_eq!(horizon(&done, &hidden), Some(4.0));
+        assert_eq!(horizon(&never, &hidden), Some(4.0));
+        assert_eq!(horizon(&never, &never), Some(3.0));
+        let values = comparable(&done, &never).unwrap().values;
+        assert_eq!(values, [[1.0, 5.0], [2.0, 5.0]]);
+    }
 }

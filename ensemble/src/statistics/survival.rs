@@ -1,6 +1,6 @@
 //! Times of which some are censored: the estimator of Kaplan and Meier (1958), and the cumulative incidence where events compete.
-use super::Observation;
 use super::distribution::normal_quantile;
+use super::{Observation, Status};
 
 /// The share of runs that are still incomplete, as a function of time.
 ///
@@ -16,8 +16,8 @@ use super::distribution::normal_quantile;
 pub struct KaplanMeier {
     steps: Vec<SurvivalStep>,
     last: f64,
-    /// Whether any observation is not of a completed run.
-    is_censored: bool,
+    /// Up to where the curve is known.
+    reach: f64,
 }
 
 /// A time at which runs completed.
@@ -91,7 +91,10 @@ impl KaplanMeier {
         Some(KaplanMeier {
             steps,
             last,
-            is_censored: !observations.iter().all(|o| o.is_completed()),
+            reach: match observations.iter().any(|o| o.status == Status::Censored) {
+                true => last,
+                false => f64::INFINITY,
+            },
         })
     }
 
@@ -160,9 +163,9 @@ impl KaplanMeier {
     }
 
     /// The mean of min(time, horizon): the area under the curve up to `horizon`, which is brought
-    /// down to the last time seen, beyond which nothing is known.
+    /// down to where the curve is known, or to the last time seen if there is no other end.
     pub fn restricted_mean(&self, horizon: f64) -> RestrictedMean {
-        let horizon = horizon.min(self.last);
+        let horizon = self.known_until(horizon);
         let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
         // From the right, so that the area after each step is at hand for Greenwood's sum.
         let mut area = 0.0;
@@ -191,7 +194,7 @@ impl KaplanMeier {
     /// (2004), 335-350), by the estimate's influence function, so that their squares add up to
     /// Greenwood's sum.
     pub fn contributions(&self, observations: &[Observation], horizon: f64) -> Vec<f64> {
-        let horizon = horizon.min(self.last);
+        let horizon = self.known_until(horizon);
         let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
         let n = observations.len() as f64;
         // By how much a completion at a step brings the mean down, in all n runs.
@@ -226,13 +229,16 @@ impl KaplanMeier {
         observations.iter().map(contribution).collect()
     }
 
-    /// How far the curve is known \[time\]: without an end, if all runs completed. If the last one did and others were cut short, the
+    /// A horizon that is not beyond where the curve is known, and finite.
+    fn known_until(&self, horizon: f64) -> f64 {
+        let known = horizon.min(self.reach);
+        if known.is_finite() { known } else { self.last }
+    }
+
+    /// How far the curve is known \[time\]: without an end, if no run was censored. If the last one completed and others were cut short, the
     /// curve ends at 0, and what those would have taken is not known.
     pub fn reach(&self) -> f64 {
-        match self.is_censored {
-            false => f64::INFINITY,
-            true => self.last,
-        }
+        self.reach
     }
 }
 
@@ -242,7 +248,7 @@ mod tests {
 
     use super::*;
     use crate::statistics::tests::observation;
-    use crate::statistics::{Status, Summary, median};
+    use crate::statistics::{Summary, median};
 
     /// Remission of leukaemia under 6-mercaptopurine, weeks (Freireich et al. 1963): the first
     /// nine completed, the other twelve are censored.

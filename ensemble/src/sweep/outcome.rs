@@ -6,6 +6,7 @@ use crate::statistics::{TimeSample, share_interval};
 use crate::text::Tick;
 use crate::{
     EnsembleProgram, Finished, JournalError, Manifest, Records, Time, Varied, completion_time,
+    last_seen,
 };
 
 /// The unit of times where all scenes have ticks of one length.
@@ -131,6 +132,8 @@ impl<'a> SweepTally<'a> {
     /// What came of it.
     pub fn finish(self) -> Sweep {
         let axes = &self.axes;
+        let last = self.programs.iter().map(PointTally::last_seen);
+        let last = last.fold(0.0, f64::max);
         let programs = self.manifest.programs.iter().zip(self.programs);
         // A manifest that somebody has edited may hold others.
         let same = programs
@@ -149,6 +152,7 @@ impl<'a> SweepTally<'a> {
                 values.collect(),
                 self.manifest.runs,
                 program.scene.tick,
+                last,
             )
         };
         Sweep {
@@ -235,14 +239,20 @@ impl PointTally {
             .count();
     }
 
+    /// The last time that was seen of any of its runs, in the unit of the sweep.
+    pub fn last_seen(&self) -> f64 {
+        last_seen(self.times.iter())
+    }
+
     /// What became of the point, whose name is given with its values and without; `runs` were asked for, and a tick has so
-    /// many seconds.
+    /// many seconds. The last time that was seen at any point is `last`.
     pub fn finish(
         self,
         (name, program): (String, String),
         values: Vec<SweptValue>,
         runs: u64,
         tick: f64,
+        last: f64,
     ) -> SweepPoint {
         let times = self.times.to_vec();
         let completed = times.iter().filter(|time| time.is_completed()).count();
@@ -259,7 +269,7 @@ impl PointTally {
             failed: finished - times.len(),
             share: (finished > 0).then(|| completed as f64 / finished as f64),
             share_interval: share_interval(completed, finished),
-            time: Time::of(&times),
+            time: Time::beside(&times, last),
             captures: self.captures,
             released: any.map(|captures| self.released as f64 / captures),
             time_per_capture: any.map(|captures| self.spent / captures),

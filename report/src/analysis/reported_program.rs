@@ -357,3 +357,9 @@ impl Dots {
         self.count += 1;
     }
 }
+
+/// The last time that was seen of any run of any program, in the unit of a clock.
+pub fn last_seen(programs: &[ReportedProgram<'_>], clock: TimeUnit) -> f64 {
+    let times = programs.iter().flat_map(|it| it.times_by(clock));
+    stochc_ensemble::last_seen(times)
+}

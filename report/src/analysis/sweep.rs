@@ -49,6 +49,8 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
             continue;
         };
         let program = &subjects[group[0].0].program.name;
+        let last = group.iter().map(|(i, _)| subjects[*i].point.last_seen());
+        let last = last.fold(0.0, f64::max);
         let point = |(i, numbers): &SweepMember| {
             let (subject, value) = (&subjects[*i], *numbers.get(of)?);
             Some(subject.point.clone().finish(
@@ -56,6 +58,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
                 vec![SweptValue { value, si: value }],
                 subject.manifest.runs,
                 subject.program.scene.tick,
+                last,
             ))
         };
         let mut points: Vec<SweepPoint> = group.iter().filter_map(point).collect();

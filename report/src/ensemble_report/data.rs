@@ -6,7 +6,7 @@ use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
 use crate::analysis::maps::{AGES, Maps, SliceMap};
-use crate::analysis::reported_program::{FinishedRun, ReportedProgram};
+use crate::analysis::reported_program::{FinishedRun, ReportedProgram, last_seen};
 use crate::analysis::waits::ReportedCapture;
 
 fn maybe(value: Option<f64>) -> String {
@@ -70,7 +70,7 @@ pub(super) fn files(
     );
     let table = |name: &str| match name {
         "survival.csv" => survival(subjects),
-        "means.csv" => means(subjects),
+        "means.csv" => means(subjects, clock),
         "waits.csv" => captures(subjects, waits),
         "origins.csv" => origins(subjects, waits),
         "sizes.csv" => sizes(subjects),
@@ -144,7 +144,8 @@ fn survival(subjects: &[ReportedProgram]) -> String {
     table.finish()
 }
 
-fn means(subjects: &[ReportedProgram]) -> String {
+fn means(subjects: &[ReportedProgram], clock: TimeUnit) -> String {
+    let last = last_seen(subjects, clock);
     let mut table = CsvTable::new([
         "program",
         "phase",
@@ -158,10 +159,8 @@ fn means(subjects: &[ReportedProgram]) -> String {
         "min",
         "max",
     ]);
-    let mut add = |program: &str, phase: &str, times: &[Observation]| {
-        let Some(time) = Time::of(times) else {
-            return;
-        };
+    let mut add = |program: &str, phase: &str, time: Option<Time>| {
+        let Some(time) = time else { return };
         table.row([
             program.to_owned(),
             phase.to_owned(),
@@ -177,9 +176,11 @@ fn means(subjects: &[ReportedProgram]) -> String {
         ]);
     };
     for subject in subjects {
-        add(&subject.label, "", &subject.times());
+        let last = last / clock.tick(subject.program);
+        add(&subject.label, "", Time::beside(&subject.times(), last));
         for (i, phase) in subject.program.phases().iter().enumerate() {
-            add(&subject.label, &phase.name, &subject.phase_times(i));
+            let time = Time::of(&subject.phase_times(i));
+            add(&subject.label, &phase.name, time);
         }
     }
     table.finish()

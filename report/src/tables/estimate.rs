@@ -71,7 +71,8 @@ fn origin(estimate: &CompletionEstimate) -> String {
     };
     if estimate.stopped > 0 {
         text += &format!(
-            " {} of these did not complete, and count only in the parts of the time below.",
+            " {} of these did not complete, and count only in the parts of the time below: times are those of the others, the fast \
+             ones. `simulate --model rate` counts what a timeout has ended as never completing.",
             estimate.stopped
         );
     }

@@ -85,7 +85,7 @@ fn table(
             if let Some(stopped) = stopped(cost) {
                 text += &paragraph(
                     &format!(
-                        "A phase came to its timeout in {} of the times that were drawn; these count only in the parts of the time.",
+                        "A phase came to its timeout in {} of the times that were drawn; these count only in the parts of the time, and times are those of the others, the fast ones.",
                         percent(stopped)
                     ),
                     width,
