@@ -10,12 +10,12 @@ use crate::statistics::{Observation, Status};
 pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     Some(Observation {
         time: record.ticks as f64,
-        status: status(&record.outcome)?,
+        status: completion_status(&record.outcome)?,
     })
 }
 
 /// What the end of a run says of all that it had not reached; `None`: it failed.
-pub fn status(outcome: &Outcome) -> Option<Status> {
+pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     match outcome {
         Outcome::Completed => Some(Status::Completed),
         Outcome::TimedOut { by, .. } => Some(match by {

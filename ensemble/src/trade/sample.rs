@@ -2,8 +2,8 @@
 use serde::{Deserialize, Serialize};
 use stochc_ir::record::RunRecord;
 
+use crate::completion_status;
 use crate::statistics::{Observation, Runs, Status, median};
-use crate::status;
 
 /// One run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,7 +39,7 @@ impl Measured {
     pub fn new(record: &RunRecord, cpu: f64, wall: f64) -> Measured {
         Measured {
             run: record.run,
-            end: match status(&record.outcome) {
+            end: match completion_status(&record.outcome) {
                 Some(Status::Completed) => End::Completed,
                 Some(Status::Censored) => End::Censored,
                 Some(Status::Competing) => End::TimedOut,

@@ -86,9 +86,9 @@ pub(crate) fn parse_recorded(text: &str, symbols: &mut Symbols) -> (Parsed, Reco
 
 /// Where a text begins that is JSON and not a program: a program never has a bracket first, and a quotation mark or another one behind it.
 fn json_begins(text: &str) -> Option<usize> {
-    let inside = text.trim_start().strip_prefix(['{', '['])?;
-    let is_json = inside.trim_start().starts_with(['"', '{', '[']);
-    is_json.then(|| text.len() - text.trim_start().len())
+    let begun = text.trim_start();
+    let inside = begun.strip_prefix(['{', '['])?.trim_start();
+    (inside.starts_with(['"', '{', '['])).then(|| text.len() - begun.len())
 }
 
 fn read<'t>(

@@ -5,8 +5,8 @@ use stochc_ensemble::statistics::{Observation, TimeSample};
 use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
 use stochc_ensemble::text::Tick;
 use stochc_ensemble::{
-    EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_time,
-    phase_time, status,
+    EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_status,
+    completion_time, phase_time,
 };
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
@@ -250,7 +250,7 @@ impl<'a> ReportedProgram<'a> {
 
     /// Adds when the largest group had reached each of its sizes; a failed run says nothing.
     fn add_sizes(&mut self, record: &RunRecord) {
-        let Some(status) = status(&record.outcome) else {
+        let Some(status) = completion_status(&record.outcome) else {
             return;
         };
         let mut tick: u64 = 0;

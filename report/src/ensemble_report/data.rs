@@ -6,7 +6,7 @@ use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
 use crate::analysis::maps::{AGES, Maps, SliceMap};
-use crate::analysis::reported_program::{FinishedRun, ReportedProgram, last_seen};
+use crate::analysis::reported_program::{FinishedRun, ReportedProgram};
 use crate::analysis::waits::ReportedCapture;
 
 fn maybe(value: Option<f64>) -> String {
@@ -53,14 +53,14 @@ pub(super) fn names(
     there.map(|(name, _)| name).collect()
 }
 
-/// All tables of a report but for [`CHAINS`], in the order of [`names`].
+/// All tables of a report but for [`CHAINS`], in the order of [`names`]; the last time that was seen of any run is in the unit of its clock.
 pub(super) fn files(
     subjects: &[ReportedProgram],
     waits: &[Vec<ReportedCapture>],
     pairwise_tests: &[PairwiseTest],
     sweeps: &[Sweep],
     maps: &[Option<Maps>],
-    clock: TimeUnit,
+    (clock, last): (TimeUnit, f64),
 ) -> Vec<NamedFile> {
     let names = names(
         subjects,
@@ -70,7 +70,7 @@ pub(super) fn files(
     );
     let table = |name: &str| match name {
         "survival.csv" => survival(subjects),
-        "means.csv" => means(subjects, clock),
+        "means.csv" => means(subjects, (clock, last)),
         "waits.csv" => captures(subjects, waits),
         "origins.csv" => origins(subjects, waits),
         "sizes.csv" => sizes(subjects),
@@ -144,8 +144,8 @@ fn survival(subjects: &[ReportedProgram]) -> String {
     table.finish()
 }
 
-fn means(subjects: &[ReportedProgram], clock: TimeUnit) -> String {
-    let last = last_seen(subjects, clock);
+/// Means in ticks; the last time that was seen of any run, in the clock's unit, is `last`.
+fn means(subjects: &[ReportedProgram], (clock, last): (TimeUnit, f64)) -> String {
     let mut table = CsvTable::new([
         "program",
         "phase",

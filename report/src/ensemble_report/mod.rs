@@ -72,7 +72,15 @@ pub fn report(
         let input = &inputs[subject.folder];
         maps[number] = analysis::maps::maps(subject, input, surroundings.recordings)?;
     }
-    let tables = data::files(&subjects, &waits, &pairwise_tests, &sweeps, &maps, clock);
+    let last = reported_program::last_seen(&subjects, clock);
+    let tables = data::files(
+        &subjects,
+        &waits,
+        &pairwise_tests,
+        &sweeps,
+        &maps,
+        (clock, last),
+    );
     let tables = tables.into_iter();
     let mut files: Vec<_> = tables
         .map(|(name, text)| (name, text.into_bytes()))
@@ -81,6 +89,7 @@ pub fn report(
         inputs,
         subjects: &subjects,
         clock,
+        last,
         waits: &waits,
         maps: &maps,
         pairwise_tests: &pairwise_tests,

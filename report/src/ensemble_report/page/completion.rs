@@ -4,7 +4,7 @@ use stochc_ensemble::{PairwiseResult, PairwiseTest, Time};
 
 use super::common::{figures, show, tick};
 use super::{Parts, ROWS};
-use crate::analysis::reported_program::{FailedRun, ReportedProgram, last_seen};
+use crate::analysis::reported_program::{FailedRun, ReportedProgram};
 use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::ensemble_report::narrative::tick_of;
 use crate::figures as picture;
@@ -42,12 +42,8 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
                    curves), <code>|</code> a run that was stopped before it completed. At risk are the runs that still \
                    go on at a tick of the axis.";
     show(parts, out, drawings, figure, caption, &["survival.csv"]);
-    let last = last_seen(parts.subjects, parts.clock);
     let times: Vec<(&str, Time)> = (parts.detailed())
-        .filter_map(|(_, subject)| {
-            let time = Time::beside(&subject.times_by(parts.clock), last)?;
-            Some((subject.label.as_str(), time))
-        })
+        .filter_map(|(_, subject)| Some((subject.label.as_str(), parts.time(subject)?)))
         .collect();
     if times.len() > 1 {
         let caption = "Dots are means, lines their 95 % intervals; ≥ a lower bound, because runs \
@@ -58,7 +54,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     let rows: Vec<Vec<HtmlCell>> = (parts.subjects.iter())
         .map(|subject| {
             let (completed, stopped, failed) = subject.counts();
-            let time = Time::beside(&subject.times_by(parts.clock), last);
+            let time = parts.time(subject);
             let mut row = vec![HtmlCell::Marked(name(&subject.label))];
             row.extend([completed, stopped, failed].map(|n| HtmlCell::Number(n.to_string())));
             row.extend(figures(time.as_ref(), tick(parts)));

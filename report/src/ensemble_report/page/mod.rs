@@ -13,7 +13,7 @@ use origin::{methods, origin};
 use program::program;
 use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::text::escaped;
-use stochc_ensemble::{PairwiseTest, TimeUnit};
+use stochc_ensemble::{PairwiseTest, Time, TimeUnit};
 use summary::in_short;
 use sweeps::sweeps;
 
@@ -35,6 +35,8 @@ pub(super) struct Parts<'a> {
     pub inputs: &'a [Input],
     pub subjects: &'a [ReportedProgram<'a>],
     pub clock: TimeUnit,
+    /// The last time that was seen of any run of any program, in the clock's unit.
+    pub last: f64,
     pub waits: &'a [Vec<ReportedCapture>],
     /// Of the programs that are told of one by one.
     pub maps: &'a [Option<Maps>],
@@ -48,6 +50,11 @@ impl<'a> Parts<'a> {
     /// with many of them.
     fn detailed(&self) -> impl Iterator<Item = (usize, &'a ReportedProgram<'a>)> {
         detailed(self.subjects)
+    }
+
+    /// The time to completion of a program beside the others, in the clock's unit; `None`: there is none.
+    fn time(&self, subject: &ReportedProgram) -> Option<Time> {
+        Time::beside(&subject.times_by(self.clock), self.last)
     }
 }
 

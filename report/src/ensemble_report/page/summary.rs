@@ -1,18 +1,15 @@
 //! What comes first: the page in a few sentences.
-use stochc_ensemble::Time;
 use stochc_ensemble::text::whole_percent;
 
 use super::Parts;
 use super::common::{mean, sentence, tick};
 use super::warnings::warnings;
-use crate::analysis::reported_program::last_seen;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, code, name};
 
 pub(super) fn in_short(parts: &Parts, out: &mut Html) {
     let unit = parts.clock.unit();
     let mut items = Vec::new();
-    let last = last_seen(parts.subjects, parts.clock);
     for (number, subject) in parts.detailed() {
         let waits = &parts.waits[number];
         let (completed, stopped, failed) = subject.counts();
@@ -26,7 +23,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
                 item += &format!(", {n} {what}");
             }
         }
-        if let Some(time) = Time::beside(&subject.times_by(parts.clock), last) {
+        if let Some(time) = parts.time(subject) {
             let beside = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
             let beside = beside.unwrap_or_default();
             item += &format!(", in {} {unit}{beside} on average", mean(&time));
