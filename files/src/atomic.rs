@@ -450,7 +450,9 @@ pub fn make_own_folder(path: &Path) -> io::Result<()> {
 pub fn make_folder(path: &Path) -> io::Result<()> {
     let is_new = |folder: &&Path| *folder != Path::new("") && !folder.exists();
     let new: Vec<&Path> = path.ancestors().take_while(is_new).collect();
-    if let Some(link) = new.iter().find(|folder| look(folder).is_ok()) {
+    // A folder that somebody else has made meanwhile is no link.
+    let is_link = |folder: &&&Path| look(folder).is_ok_and(|it| it.is_symlink());
+    if let Some(link) = new.iter().find(is_link) {
         let link = link.display();
         return Err(io::Error::new(
             io::ErrorKind::NotFound,
@@ -528,6 +530,21 @@ mod tests {
         fs::create_dir(folder.path().join("gone")).unwrap();
         make_folder(&link.join("below")).unwrap();
         assert!(folder.path().join("gone/below").is_dir());
+    }
+
+    #[test]
+    fn folders_are_made_by_several_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        for round in 0..200 {
+            let path = folder.path().join(format!("{round}/results/recordings"));
+            std::thread::scope(|scope| {
+                let makers = [(); 4].map(|()| scope.spawn(|| make_folder(&path)));
+                for maker in makers {
+                    maker.join().unwrap().unwrap();
+                }
+            });
+            assert!(path.is_dir());
+        }
     }
 
     #[test]
