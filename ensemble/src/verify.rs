@@ -62,7 +62,14 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         false => saved(path).map_err(in_manifest)?,
     };
     report(MANIFEST, Integrity::of(damage, checksums.knows(MANIFEST)));
+    let known = checksums.names().filter(|it| *it != MANIFEST);
     let Ok(manifest) = manifest else {
+        // Only their checksums can be held against them.
+        for name in known {
+            let grows = name == JOURNAL;
+            let damage = checksums.damage(path, name, grows).into_iter().collect();
+            report(name, Integrity::of(damage, true));
+        }
         return Ok(files);
     };
     let mut finished = Records::default();
@@ -84,10 +91,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         };
         report(JOURNAL, health);
     }
-    for name in checksums
-        .names()
-        .filter(|it| ![MANIFEST, JOURNAL].contains(it))
-    {
+    for name in known.filter(|it| *it != JOURNAL) {
         let damage = checksums.damage(path, name, false).into_iter().collect();
         report(name, Integrity::of(damage, true));
     }

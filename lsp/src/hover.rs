@@ -237,14 +237,7 @@ fn phases(analysis: &Analysis, location: SourceLocation) -> String {
             let _ = write!(text, "- `{}`: {measured}", phase.name);
             let times = cost.as_ref().and_then(|cost| cost.phases[number].times);
             if let Some(times) = times.filter(|_| !phase.planted) {
-                let _ = write!(
-                    text,
-                    "; by {} {:.0} ticks on average, {:.0} to {:.0} in eight of ten runs",
-                    by(program),
-                    times.mean,
-                    times.p10,
-                    times.p90
-                );
+                let _ = write!(text, "; by {} {}", by(program), times.in_words());
             }
             text.push('\n');
         }

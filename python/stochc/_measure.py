@@ -31,7 +31,7 @@ class Estimates:
     def _repr_html_(self) -> str:
         rows: list[list[object]] = []
         for it in self.programs:
-            total: dict[str, float] = it["total"] or {}
+            total: dict[str, float | None] = it["total"] or {}
             times = [total.get(name) for name in ("mean", "half_width", "p10", "median", "p90")]
             rows.append([it["program"], *times])
         return _html.table(["program", "mean [ticks]", "±", "p10", "median", "p90"], rows)

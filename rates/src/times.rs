@@ -4,52 +4,62 @@ use serde::Serialize;
 /// Mean and quantiles of a time \[tick\], each with half of its 95 % interval, in which there is chance alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Times {
-    /// Its mean.
-    pub mean: f64,
+    /// Its mean; `None`: there are cases in which it never ends.
+    pub mean: Option<f64>,
     /// Of the mean.
-    pub half_width: f64,
-    /// In a tenth of all cases it is less.
-    pub p10: f64,
+    pub half_width: Option<f64>,
+    /// In a tenth of all cases it is less; `None`: in fewer.
+    pub p10: Option<f64>,
     /// Of that; `None`: there are too few cases to say.
     pub p10_half_width: Option<f64>,
-    /// In half of them.
-    pub median: f64,
+    /// In half of them, likewise.
+    pub median: Option<f64>,
     /// Likewise.
     pub median_half_width: Option<f64>,
-    /// In nine tenths.
-    pub p90: f64,
+    /// In nine tenths, likewise.
+    pub p90: Option<f64>,
     /// Likewise.
     pub p90_half_width: Option<f64>,
 }
 
 impl Times {
-    /// Of some times, in any order; `None`: there are none.
-    pub fn of(mut times: Vec<f64>) -> Option<Times> {
+    /// Of some times in any order, beside cases in which it `never` ends; `None`: those are more than nine tenths, or there are no cases.
+    pub fn of(mut times: Vec<f64>, never: usize) -> Option<Times> {
         times.sort_unstable_by(f64::total_cmp);
         let count = times.len() as f64;
         let mean = times.iter().sum::<f64>() / count;
         let squares: f64 = times.iter().map(|time| (time - mean).powi(2)).sum();
-        let at = |share| quantile(&times, share);
+        let half_width_of_mean = NORMAL * (squares / (count - 1.0).max(1.0) / count).sqrt();
+        let cases = Cases {
+            sorted: &times,
+            never,
+        };
         Some(Times {
-            mean,
-            half_width: NORMAL * (squares / (count - 1.0).max(1.0) / count).sqrt(),
-            p10: at(0.1)?,
-            p10_half_width: half_width(&times, 0.1),
-            median: at(0.5)?,
-            median_half_width: half_width(&times, 0.5),
-            p90: at(0.9)?,
-            p90_half_width: half_width(&times, 0.9),
+            mean: (never == 0).then_some(mean),
+            half_width: (never == 0).then_some(half_width_of_mean),
+            p10: Some(cases.quantile(0.1)?),
+            p10_half_width: cases.half_width(0.1),
+            median: cases.quantile(0.5),
+            median_half_width: cases.half_width(0.5),
+            p90: cases.quantile(0.9),
+            p90_half_width: cases.half_width(0.9),
         })
     }
 }
 
 impl Times {
-    /// The same of those that got there, if that is at least half of `all`.
-    pub fn of_most(times: Vec<f64>, all: usize) -> Option<Times> {
-        match 2 * times.len() >= all {
-            true => Times::of(times),
-            false => None,
+    /// As part of a sentence.
+    pub fn in_words(&self) -> String {
+        if let (Some(mean), Some(p10), Some(p90)) = (self.mean, self.p10, self.p90) {
+            return format!(
+                "{mean:.0} ticks on average, {p10:.0} to {p90:.0} in eight of ten runs"
+            );
         }
+        let within = [(self.p10, "one"), (self.median, "five"), (self.p90, "nine")];
+        let within = within
+            .into_iter()
+            .filter_map(|(time, runs)| Some(format!("at most {:.0} ticks in {runs}", time?)));
+        within.collect::<Vec<_>>().join(", ") + " of ten runs"
     }
 }
 
@@ -61,24 +71,36 @@ const NORMAL: f64 = 1.96;
 /// Between two values it goes in a straight line, by type 7 of R. J. Hyndman and Y. Fan, The
 /// American Statistician 50 (1996), 361-365, as numpy and R do by default.
 pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
-    let place = q.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
-    let (below, above) = (
-        sorted[place.floor() as usize],
-        sorted[place.ceil() as usize],
-    );
-    Some(below + (above - below) * place.fract())
+    Cases { sorted, never: 0 }.quantile(q)
 }
 
-/// Half of the interval of a quantile: how many values lie below it is binomial, whatever their distribution.
-fn half_width(sorted: &[f64], q: f64) -> Option<f64> {
-    let count = sorted.len() as f64;
-    let by = NORMAL * (q * (1.0 - q) / count).sqrt();
-    let is_within = q - by >= 0.0 && q + by <= 1.0;
-    let ends = [q - by, q + by].map(|share| quantile(sorted, share));
-    let [Some(low), Some(high)] = ends else {
-        return None;
-    };
-    is_within.then_some((high - low) / 2.0)
+/// Sorted times, and how many cases never end.
+#[derive(Clone, Copy)]
+struct Cases<'a> {
+    sorted: &'a [f64],
+    never: usize,
+}
+
+impl Cases<'_> {
+    fn count(self) -> usize {
+        self.sorted.len() + self.never
+    }
+
+    /// `None`: it is infinite, or there are no cases.
+    fn quantile(self, q: f64) -> Option<f64> {
+        let place = q.clamp(0.0, 1.0) * self.count().checked_sub(1)? as f64;
+        let at = |place: f64| self.sorted.get(place as usize).copied();
+        let (below, above) = (at(place.floor())?, at(place.ceil())?);
+        Some(below + (above - below) * place.fract())
+    }
+
+    /// Half of the interval of a quantile: how many values lie below it is binomial, whatever their distribution.
+    fn half_width(self, q: f64) -> Option<f64> {
+        let by = NORMAL * (q * (1.0 - q) / self.count() as f64).sqrt();
+        let is_within = q - by >= 0.0 && q + by <= 1.0;
+        let [low, high] = [q - by, q + by].map(|share| self.quantile(share));
+        is_within.then_some((high? - low?) / 2.0)
+    }
 }
 
 #[cfg(test)]
@@ -100,7 +122,7 @@ mod tests {
     #[test]
     fn intervals_are_those_of_order_statistics() {
         let n = 4000;
-        let times = Times::of((0..n).map(|i| f64::from(i) / f64::from(n)).collect()).unwrap();
+        let times = Times::of((0..n).map(|i| f64::from(i) / f64::from(n)).collect(), 0).unwrap();
         let root = f64::from(n).sqrt();
         for (found, error) in [
             (times.p10_half_width, 0.3),
@@ -110,14 +132,31 @@ mod tests {
             assert!((found.unwrap() / (1.96 * error / root) - 1.0).abs() < 1e-2);
         }
         let of_mean = 1.96 / 12_f64.sqrt() / root;
-        assert!((times.half_width / of_mean - 1.0).abs() < 1e-2);
-        assert_eq!(Times::of(Vec::new()), None);
+        assert!((times.half_width.unwrap() / of_mean - 1.0).abs() < 1e-2);
+        assert_eq!(Times::of(Vec::new(), 0), None);
     }
 
     #[test]
     fn of_a_few_values_nothing_is_known_of_the_outer_quantiles() {
-        let times = Times::of((0..20).map(f64::from).collect()).unwrap();
+        let times = Times::of((0..20).map(f64::from).collect(), 0).unwrap();
         assert_eq!((times.p10_half_width, times.p90_half_width), (None, None));
         assert!(times.median_half_width.is_some());
+    }
+
+    /// 70 times of 1 to 70 beside 30 that never come: quantiles are those of all hundred, and there is no mean.
+    #[test]
+    fn cases_that_never_end_are_slower_than_all_others() {
+        let times = Times::of((1..=70).map(f64::from).collect(), 30).unwrap();
+        assert_eq!((times.mean, times.half_width), (None, None));
+        assert!((times.p10.unwrap() - 10.9).abs() < 1e-9);
+        assert!((times.median.unwrap() - 50.5).abs() < 1e-9);
+        assert!(times.median_half_width.is_some());
+        assert_eq!((times.p90, times.p90_half_width), (None, None));
+        assert_eq!(
+            times.in_words(),
+            "at most 11 ticks in one, at most 50 ticks in five of ten runs"
+        );
+        let most = Times::of((1..=5).map(f64::from).collect(), 95);
+        assert_eq!(most, None);
     }
 }

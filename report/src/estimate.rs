@@ -15,11 +15,12 @@ pub struct CompletionEstimate {
     pub program: String,
     /// What the times are from.
     pub method: Method,
-    /// Draws or runs that completed; of others nothing is known but that they took longer.
+    /// Draws or runs that completed.
     pub completed: u64,
     /// Those that did not: a phase came to its timeout, or a run to its last tick.
     pub stopped: u64,
-    /// Of the whole program; `None`: less than half of them completed, or there is no block for a capture.
+    /// Of the whole program, those that did not complete being slower than all others; `None`: less than a tenth of them completed, or there
+    /// is no block for a capture.
     pub total: Option<Times>,
     /// Of each phase that is not planted.
     pub phases: Vec<PhaseEstimate>,
@@ -57,7 +58,8 @@ pub enum Method {
 pub struct PhaseEstimate {
     /// Its name.
     pub name: String,
-    /// In ticks; `None`: too few of them got there.
+    /// In ticks, of those that came to it; `None`: too few of them got to its end, or a run came to its last tick in it sooner than
+    /// others to its end.
     pub times: Option<Times>,
 }
 
@@ -79,36 +81,42 @@ impl CompletionEstimate {
         records: &[&RunRecord],
         is_compiled: bool,
     ) -> CompletionEstimate {
-        let times: Vec<f64> = (records.iter())
-            .filter_map(|record| completion_time(record))
-            .filter_map(Observation::completed_time)
-            .collect();
-        let completed = times.len() as u64;
-        let of_most = |times: Vec<f64>| Times::of_most(times, records.len());
+        let seen = records.iter().filter_map(|record| completion_time(record));
+        let seen: Vec<Observation> = seen.collect();
+        let completed = seen.iter().filter(|it| it.is_completed()).count();
         let phases = program
             .phases()
             .iter()
             .enumerate()
             .filter(|(_, phase)| !phase.planted);
         let phases = phases.map(|(number, phase)| {
-            let times = (records.iter())
-                .filter_map(|record| phase_time(record, number))
-                .filter_map(Observation::completed_time);
+            let seen = records
+                .iter()
+                .filter_map(|record| phase_time(record, number));
             PhaseEstimate {
                 name: phase.name.clone(),
-                times: of_most(times.collect()),
+                times: times(&seen.collect::<Vec<_>>()),
             }
         });
         CompletionEstimate {
             program: program.name.clone(),
             method: Method::Runs { is_compiled },
-            completed,
-            stopped: records.len() as u64 - completed,
-            total: of_most(times),
+            completed: completed as u64,
+            stopped: (seen.len() - completed) as u64,
+            total: times(&seen),
             phases: phases.collect(),
             shares: shares(program, records),
         }
     }
+}
+
+/// What observations come to, in which a run that did not complete is slower than all that did; `None` where that is not known.
+fn times(seen: &[Observation]) -> Option<Times> {
+    let times: Vec<f64> = seen.iter().filter_map(|it| it.completed_time()).collect();
+    let longest = times.iter().copied().fold(0.0, f64::max);
+    let is_slower = |it: &Observation| it.is_completed() || it.at_risk_until() >= longest;
+    let never = seen.len() - times.len();
+    (seen.iter().all(is_slower)).then(|| Times::of(times, never))?
 }
 
 /// Who was waited for along the critical paths.

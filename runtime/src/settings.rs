@@ -337,23 +337,31 @@ impl Settings {
         };
         let values = |of: &Settings| {
             [
-                ("", "the model", of.model.name().to_owned()),
-                ("substeps", "the number of substeps", of.steps().to_string()),
-                ("", "the limit of ticks", limit(of)),
+                (None, "the model", of.model.name().to_owned()),
                 (
-                    "solver-iterations",
+                    Some("substeps"),
+                    "the number of substeps",
+                    of.steps().to_string(),
+                ),
+                (None, "the limit of ticks", limit(of)),
+                (
+                    Some("solver-iterations"),
                     "`solver-iterations`",
                     of.iterations().to_string(),
                 ),
-                ("precision", "`precision`", of.precision.name().to_owned()),
-                ("reduce", "`reduce`", reduction(of)),
-                ("rates", "the fingerprint of the rates", rates(of)),
+                (
+                    Some("precision"),
+                    "`precision`",
+                    of.precision.name().to_owned(),
+                ),
+                (Some("reduce"), "`reduce`", reduction(of)),
+                (Some("rates"), "the fingerprint of the rates", rates(of)),
             ]
         };
-        // What only one of two models has a use for comes with the model.
+        // What only one of two models has a use for comes with the model; what is no option of one, every model uses.
         let is_same = self.model == other.model;
         let uses = |option: &str| self.model.uses(option) && other.model.uses(option);
-        let counts = |option: &str| is_same || option.is_empty() || uses(option);
+        let counts = |option: &Option<&str>| is_same || option.is_none_or(uses);
         let pairs = values(self).into_iter().zip(values(other));
         let differ =
             pairs.filter(|((option, _, here), (_, _, there))| counts(option) && here != there);

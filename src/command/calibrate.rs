@@ -2,7 +2,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use stochc_compiler::scene::{BUILT_IN, built_in};
+use stochc_compiler::scene::{built_in, built_in_names};
 use stochc_ir::scene::Scene;
 use stochc_ir::visible;
 use stochc_report::tables::rates_to_text;
@@ -78,11 +78,10 @@ fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure
         return Ok(scene);
     }
     if !Path::new(&options.target).exists() {
-        let scenes: Vec<&str> = BUILT_IN.iter().map(|&(name, _)| name).collect();
         return Err(Failure::usage(format!(
             "there is no file `{}`, and no built-in scene of that name; these are {}",
             visible(&options.target),
-            scenes.join(", ")
+            built_in_names()
         )));
     }
     let files = std::slice::from_ref(&options.target);

@@ -138,29 +138,27 @@ fn choose(
     name: Option<&str>,
     form: EmittedFormat,
 ) -> Result<(), String> {
-    if name.is_none() {
-        if form != EmittedFormat::Svg {
-            return Ok(());
-        }
-        let all = programs.len();
-        programs.retain(|program| program.plan.aggregate.is_none());
-        if programs.is_empty() && all > 0 {
-            return Err(NO_PICTURE.to_owned());
-        }
-        if programs.len() <= 1 {
-            return Ok(());
-        }
+    if name.is_some() {
+        only(programs, name)?;
     }
+    if form != EmittedFormat::Svg || programs.is_empty() {
+        return Ok(());
+    }
+    programs.retain(|program| program.plan.aggregate.is_none());
+    match programs.len() {
+        0 => Err(NO_PICTURE.to_owned()),
+        1 => Ok(()),
+        _ => only(programs, None)
+            .map_err(|error| format!("a picture is of one program, and {error}")),
+    }
+}
+
+/// Leaves the one program with a name, or the one there is.
+fn only(programs: &mut Vec<Program>, name: Option<&str>) -> Result<(), String> {
     let names: Vec<_> = programs.iter().map(|it| &*it.plan.name).collect();
-    let place = index(&names, name, "file").map_err(|error| match name {
-        Some(_) => error,
-        None => format!("a picture is of one program, and {error}"),
-    })?;
+    let place = index(&names, name, "file")?;
     *programs = vec![programs.swap_remove(place)];
-    match form == EmittedFormat::Svg && programs[0].plan.aggregate.is_some() {
-        true => Err(NO_PICTURE.to_owned()),
-        false => Ok(()),
-    }
+    Ok(())
 }
 
 fn emit(

@@ -436,10 +436,9 @@ fn estimated_part(
 ) -> PlanEstimate {
     let rates = law.rates();
     let cost = program.and_then(|program| cost::estimate(program, rates));
-    let (mean, p90) = match cost.and_then(part) {
-        Some(times) => (times.mean, times.p90),
-        None => (found.mean, found.p90),
-    };
+    let times = cost.and_then(part);
+    let known = times.and_then(|times| Some((times.mean?, times.p90?)));
+    let (mean, p90) = known.unwrap_or((found.mean, found.p90));
     PlanEstimate {
         mean,
         p90,

@@ -204,6 +204,50 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
     assert!(text.out.contains("has no plan"), "{}", text.out);
 }
 
+/// A third of all runs come to the timeout of the first phase: by the graph, by runs, and as `simulate` counts them.
+#[test]
+fn what_comes_to_a_timeout_is_slower_than_all_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    let text = "assembly a { seed plate 1 x 1 { M at (0, 0) }
+        phase first timeout 800 ticks { M.up -> A } phase second { A.up -> B } }";
+    fs::write(&file, text).unwrap();
+    let estimated = |more: &str| {
+        let command = format!("estimate --quiet --format json {more}");
+        let said = stochc_with(command.trim(), &[&file]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        said.json()[0].clone()
+    };
+    let [graph, runs] = ["", "--runs 1000"].map(estimated);
+    let command = "simulate --quiet --model rate --runs 1000 --format json";
+    let simulated = stochc_with(command, &[&file]).json();
+    let simulated = simulated["programs"][0]["time"]["median"].as_f64().unwrap();
+    for it in [&graph, &runs] {
+        let (completed, stopped) = (it["completed"].as_f64(), it["stopped"].as_f64());
+        let stopped = stopped.unwrap() / (completed.unwrap() + stopped.unwrap());
+        assert!((0.2..0.45).contains(&stopped), "{stopped}");
+        let total = &it["total"];
+        assert!(total["mean"].is_null() && total["p90"].is_null(), "{total}");
+        let median = total["median"].as_f64().unwrap();
+        // To some 3 % each, by chance.
+        assert!(
+            (median / simulated - 1.0).abs() < 0.12,
+            "{median} and {simulated}"
+        );
+        let [first, second] = [0, 1].map(|phase| &it["phases"][phase]["times"]);
+        assert!(first["mean"].is_null(), "{first}");
+        assert!(second["mean"].as_f64().is_some(), "{second}");
+    }
+    let [graph, runs] = [graph, runs].map(|it| it["total"]["p10"].as_f64().unwrap());
+    assert!((graph / runs - 1.0).abs() < 0.15, "{graph} and {runs}");
+    let text = stochc_with("estimate --quiet", &[&file]).out;
+    assert!(text.contains("slower than all others"), "{text}");
+    // Stopped in the second phase sooner than it may take: nobody knows its quantiles.
+    let cut = estimated("--runs 1000 --max-ticks 1500");
+    assert!(cut["phases"][1]["times"].is_null(), "{cut}");
+    assert!(cut["total"]["p10"].as_f64().is_some(), "{cut}");
+}
+
 #[test]
 fn scenes_that_nobody_has_measured_are_guessed_and_say_so() {
     let folder = tempfile::tempdir().unwrap();

@@ -129,6 +129,21 @@ fn a_manifest_that_is_lost_is_left_alone() {
     let error = repair(folder.path(), |_, _| Ok(Vec::new())).unwrap_err();
     assert!(matches!(error, FolderError::LostManifest(_)), "{error}");
     assert!(fs::read(&path).unwrap() == bytes);
+    // What else is sound and what is not is known by the checksums.
+    let table = folder.path().join("runs.parquet");
+    let mut bytes = fs::read(&table).unwrap();
+    bytes[50] ^= 0x10;
+    put(&table, &bytes);
+    assert_eq!(damaged(folder.path()), ["manifest.json", "runs.parquet"]);
+    let files = verify(folder.path()).unwrap();
+    let sound = |name: &str| {
+        let mut of_name = files.iter().filter(|it| it.name == name);
+        of_name.any(|it| it.health == Integrity::Sound)
+    };
+    assert!(
+        sound("journal.jsonl") && sound("bonds.parquet"),
+        "{files:?}"
+    );
 }
 
 /// As version 3 has written it: lines and files have no checksums.

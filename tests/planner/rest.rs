@@ -94,7 +94,7 @@ fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
     let times = times.unwrap();
     let plan = &planned.plan;
     assert_eq!(
-        [plan.estimate.mean, plan.estimate.p90],
+        [plan.estimate.mean, plan.estimate.p90].map(Some),
         [times.mean, times.p90]
     );
     assert!(plan.widest <= plan.captures.len(), "{plan:?}");

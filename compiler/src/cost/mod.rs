@@ -29,8 +29,8 @@ use waits::CaptureWait;
 pub struct Cost {
     /// The phases, in order.
     pub phases: Vec<PhaseCost>,
-    /// How long all of it takes, if a phase does not come to its timeout; `None`: there are no rates, there is a capture for which no block
-    /// is left, or a phase comes to its timeout more often than not.
+    /// How long all of it takes, which is for ever where a phase comes to its timeout; `None`: there are no rates, there is a capture for
+    /// which no block is left, or a phase comes to its timeout nine times in ten.
     pub total: Option<Times>,
     /// Whether there were rates.
     pub has_rates: bool,
@@ -47,7 +47,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Times that were drawn in which a phase came to its timeout: they count for nothing in the others.
+    /// Times that were drawn in which a phase came to its timeout.
     pub fn stopped(&self) -> usize {
         self.draws.iter().filter(|draw| !draw.is_complete).count()
     }
@@ -110,7 +110,8 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     let sampled = sampling::sample(program, &steps, &timeouts, &waits, scarce);
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
-    cost.total = Times::of_most(complete, sampled.draws.len());
+    let never = sampled.draws.len() - complete.len();
+    cost.total = Times::of(complete, never);
     cost.draws = sampled.draws;
     for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
         phase.times = times;

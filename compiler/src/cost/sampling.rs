@@ -34,7 +34,7 @@ pub struct Draw {
 
 /// What comes out.
 pub struct Sampled {
-    /// Of each phase; `None`: most draws did not come to its end.
+    /// Of each phase, of the draws that came to it; `None`: nine in ten of those did not come to its end.
     pub phases: Vec<Option<Times>>,
     /// Of the whole program.
     pub draws: Vec<Draw>,
@@ -62,6 +62,7 @@ pub fn sample(
         (steps.iter().map(|steps| TimedPhase::of(steps, waits))).collect();
     let mut drawn = DrawnTimes::new(waits.len());
     let mut durations = vec![Vec::with_capacity(times); program.plan.phases.len()];
+    let mut stopped = vec![0; program.plan.phases.len()];
     let mut draws = Vec::with_capacity(times);
     let mut decided = vec![0.0; waits.len()];
     let mut waited = vec![(0.0, 0_u32); waits.len()];
@@ -101,6 +102,7 @@ pub fn sample(
             }
             if latest.0 > stop {
                 total = stop;
+                stopped[phase] += 1;
                 is_complete = false;
                 break;
             }
@@ -123,10 +125,10 @@ pub fn sample(
     decided
         .iter_mut()
         .for_each(|ticks| *ticks /= all.max(f64::MIN_POSITIVE));
-    let phases = durations.into_iter();
+    let phases = durations.into_iter().zip(stopped);
     let waited = waited.into_iter();
     Sampled {
-        phases: phases.map(|them| Times::of_most(them, times)).collect(),
+        phases: phases.map(|(them, never)| Times::of(them, never)).collect(),
         draws,
         has_race,
         shares: decided,

@@ -79,6 +79,7 @@ pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
     if error <= 0.0 {
         return None;
     }
+    let error = (both.unseen.into_iter()).fold(error, f64::hypot);
     let p = t_two_sided(difference / error, freedom);
     Some(Difference {
         test,

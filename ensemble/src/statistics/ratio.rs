@@ -28,8 +28,10 @@ struct MeanEstimate {
 /// degrees of freedom of Welch and Satterthwaite. Where anything is censored, both means are
 /// restricted to the last time up to which both are known, and the ratio is that of the parts.
 pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relative> {
-    let [a, b] = comparable(first, second)?.values.map(MeanEstimate::of);
-    let (a, b) = (a?, b?);
+    let both = comparable(first, second)?;
+    let [a, b] = both.values;
+    let a = MeanEstimate::of(&a, both.unseen[0])?;
+    let b = MeanEstimate::of(&b, both.unseen[1])?;
     let ratio = a.mean / b.mean;
     if !ratio.is_finite() {
         return None;
@@ -52,11 +54,12 @@ pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relativ
 }
 
 impl MeanEstimate {
-    fn of(values: Vec<f64>) -> Option<MeanEstimate> {
-        let summary = Summary::of(&values)?;
+    fn of(values: &[f64], unseen: f64) -> Option<MeanEstimate> {
+        let summary = Summary::of(values)?;
+        let by_spread = |sd| sd / (summary.n as f64).sqrt();
         Some(MeanEstimate {
             mean: summary.mean,
-            error: summary.sd.map(|sd| sd / (summary.n as f64).sqrt()),
+            error: summary.sd.map(|sd| by_spread(sd).hypot(unseen)),
             freedom: (summary.n - 1) as f64,
         })
     }
@@ -108,6 +111,20 @@ mod tests {
     }
 
     /// (2 + 9) / 2 against (4 + 6) / 2: the second is known for ever, since both completed.
+    /// None of four completes before 300, where a twentieth of the others does: that is no difference.
+    #[test]
+    fn runs_that_show_nothing_exclude_little() {
+        let mut reference = vec![Observation::competing(300.0); 95];
+        reference.extend(completed(&[150.0; 5]));
+        let never = [Observation::competing(300.0); 4];
+        let found = relative(&never, &reference).unwrap();
+        assert!((found.value - (300.0 / 292.5 - 1.0)).abs() < 1e-12);
+        assert!(
+            !found.is_known() && found.half_width.unwrap() > 0.49,
+            "{found:?}"
+        );
+    }
+
     #[test]
     fn a_censored_mean_is_taken_as_far_as_it_is_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];

@@ -1,4 +1,5 @@
 //! Runs by their number: what can be put in pairs.
+use super::share::unseen_share_error;
 use super::{KaplanMeier, Observation, Status};
 
 /// The times of a program's runs.
@@ -40,6 +41,9 @@ impl Runs {
 pub(super) struct Comparable {
     /// One value for each time, in their order.
     pub values: [Vec<f64>; 2],
+    /// A further standard error of each mean. Where no run completes before the horizon, the values do not differ, and chance is in how many
+    /// others would: at worst these complete at once.
+    pub unseen: [f64; 2],
     /// Times count up to here; `None`: all are known.
     pub horizon: Option<f64>,
 }
@@ -65,8 +69,16 @@ pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Optio
         }
         curve.contributions(sample, horizon)
     };
+    let unseen = |sample: &[Observation]| {
+        let is_seen = |run: &Observation| run.is_completed() && run.time < horizon;
+        match horizon.is_finite() && !sample.iter().any(is_seen) {
+            true => horizon * unseen_share_error(sample.len()),
+            false => 0.0,
+        }
+    };
     Some(Comparable {
         values: [values(&curves[0], first), values(&curves[1], second)],
+        unseen: [unseen(first), unseen(second)],
         horizon: horizon.is_finite().then_some(horizon),
     })
 }
@@ -93,5 +105,18 @@ mod tests {
         assert_eq!(horizon(&never, &never), Some(3.0));
         let values = comparable(&done, &never).unwrap().values;
         assert_eq!(values, [[1.0, 5.0], [2.0, 5.0]]);
+    }
+
+    /// Of four runs none completes: up to 49 % of all might, by Wilson's interval.
+    #[test]
+    fn runs_that_never_complete_leave_open_how_many_would() {
+        let never = [Observation::competing(300.0); 4];
+        let done = [100.0, 200.0].map(Observation::completed);
+        let [unseen, seen] = comparable(&never, &done).unwrap().unseen;
+        assert!((1.96 * unseen / 300.0 - 0.49).abs() < 1e-3, "{unseen}");
+        assert_eq!(seen, 0.0);
+        let many = [Observation::competing(300.0); 400];
+        let [unseen, _] = comparable(&many, &done).unwrap().unseen;
+        assert!((1.96 * unseen / 300.0 - 0.0095).abs() < 1e-4, "{unseen}");
     }
 }

@@ -20,6 +20,11 @@ pub fn share_interval(k: usize, n: usize) -> Option<(f64, f64)> {
     Some((low, high))
 }
 
+/// The standard error of a share of which `n` runs have shown nothing: its [interval](share_interval) is 1.96 of these, not empty.
+pub fn unseen_share_error(n: usize) -> f64 {
+    share_interval(0, n).map_or(1.0, |(_, most)| most) / normal_quantile()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

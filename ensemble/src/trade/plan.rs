@@ -11,6 +11,7 @@ use stochc_runtime::Settings;
 use super::candidates::{candidates, refines, rigid};
 use super::convergence::{Doubling, is_settled};
 use super::sample::{End, Measured, Sample};
+use crate::statistics::unseen_share_error;
 
 /// Runs by which a program is first known at a candidate.
 pub const PILOT: u64 = 4;
@@ -512,13 +513,17 @@ impl ProgramRuns {
         (!self.runs.is_empty()).then(|| self.wall / self.runs.len() as f64)
     }
 
-    /// Variance of the times over their squared mean.
+    /// Variance of the times over their squared mean; where no run has completed, what chance may have hidden.
     fn spread(&self) -> f64 {
         let (n, mean, squares) = self.moments;
         if n < 2.0 || mean <= 0.0 {
             return 0.0;
         }
-        squares / (n - 1.0) / (mean * mean)
+        let is_completed = |run: &Measured| run.end == End::Completed;
+        match self.runs.iter().any(is_completed) {
+            true => squares / (n - 1.0) / (mean * mean),
+            false => n * unseen_share_error(n as usize).powi(2),
+        }
     }
 
     /// Ticks after which a run is given up, a number of two digits and zeros.

@@ -71,8 +71,7 @@ fn origin(estimate: &CompletionEstimate) -> String {
     };
     if estimate.stopped > 0 {
         text += &format!(
-            " {} of these did not complete, and count only in the parts of the time below: times are those of the others, the fast \
-             ones. `simulate --model rate` counts what a timeout has ended as never completing.",
+            " {} of these did not complete, so that there is no mean; they count as slower than all others.",
             estimate.stopped
         );
     }
@@ -99,11 +98,12 @@ fn times(estimate: &CompletionEstimate) -> TextTable {
     let phases = estimate.phases.iter().filter(|_| estimate.phases.len() > 1);
     let phases = phases.map(|phase| (format!("  {}", phase.name), phase.times));
     let rows: Vec<(String, Option<Times>)> = total.chain(phases).collect();
-    let column = |header: &str, value: &dyn Fn(&Times) -> (f64, Option<f64>)| {
+    let column = |header: &str, value: &dyn Fn(&Times) -> (Option<f64>, Option<f64>)| {
         let cell = |times: &Option<Times>| match times.as_ref().map(value) {
             None => "?".to_owned(),
-            Some((value, Some(half))) if half > 0.0 => format!("{value:.0} ± {half:.0}"),
-            Some((value, _)) => format!("{value:.0}"),
+            Some((None, _)) => "-".to_owned(),
+            Some((Some(value), Some(half))) if half > 0.0 => format!("{value:.0} ± {half:.0}"),
+            Some((Some(value), _)) => format!("{value:.0}"),
         };
         TextColumn::figures(header, rows.iter().map(|(_, times)| cell(times)).collect())
     };
@@ -116,7 +116,7 @@ fn times(estimate: &CompletionEstimate) -> TextTable {
             _ => "by rates".to_owned(),
         },
         columns: vec![
-            column("mean", &|it| (it.mean, Some(it.half_width))),
+            column("mean", &|it| (it.mean, it.half_width)),
             column("10 %", &|it| (it.p10, it.p10_half_width)),
             column("median", &|it| (it.median, it.median_half_width)),
             column("90 %", &|it| (it.p90, it.p90_half_width)),

@@ -34,22 +34,19 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     };
     let cost = estimate(program, Some(rates));
     let known = cost.as_ref().and_then(|cost| Some((cost, cost.total?)));
-    let Some((cost, total)) = known.filter(|(_, total)| total.mean > 0.0) else {
+    let Some((cost, total)) = known.filter(|(_, total)| total.mean != Some(0.0)) else {
         return String::new();
-    };
-    let completed = match stopped(cost) {
-        None => String::new(),
-        Some(stopped) => format!(" that complete ({} do)", percent(1.0 - stopped)),
     };
     let left_out = match cost.leaves_out_messages {
         true => ", without the time that messages take",
         false => "",
     };
-    format!(
-        "  by rates it takes {:.0} ticks on average, {:.0} to {:.0} in eight of ten runs{completed}{left_out}; `--cost` says what \
-         decides it\n",
-        total.mean, total.p10, total.p90
-    )
+    let never = match stopped(cost) {
+        None => String::new(),
+        Some(stopped) => format!(" ({} never complete)", percent(stopped)),
+    };
+    let takes = total.in_words();
+    format!("  by rates it takes {takes}{never}{left_out}; `--cost` says what decides it\n")
 }
 
 /// The part of the times that were drawn in which a phase came to its timeout; `None`: in none.
@@ -85,7 +82,8 @@ fn table(
             if let Some(stopped) = stopped(cost) {
                 text += &paragraph(
                     &format!(
-                        "A phase came to its timeout in {} of the times that were drawn; these count only in the parts of the time, and times are those of the others, the fast ones.",
+                        "A phase came to its timeout in {} of the times that were drawn: these never complete, so that there is no mean, and quantiles are \
+                         those of all.",
                         percent(stopped)
                     ),
                     width,
@@ -106,7 +104,7 @@ fn table(
 }
 
 /// A column of times.
-type Figure = (&'static str, fn(&Times) -> f64);
+type Figure = (&'static str, fn(&Times) -> Option<f64>);
 
 fn by_phase(program: &Program, cost: &Cost) -> TextTable {
     let phases = program.plan.phases.iter().zip(&cost.phases);
@@ -135,12 +133,11 @@ fn by_phase(program: &Program, cost: &Cost) -> TextTable {
             ("90 %", |times| times.p90),
         ];
         columns.extend(of.map(|(header, of)| {
-            let times = phases.iter().filter_map(|(_, cost)| cost.times);
-            let times = times.chain(is_many.then_some(total));
-            TextColumn::figures(
-                header,
-                times.map(|times| format!("{:.0}", of(&times))).collect(),
-            )
+            let times = phases.iter().map(|(_, cost)| cost.times);
+            let times = times.chain(is_many.then_some(Some(total)));
+            let ticks = times.map(|times| times.as_ref().and_then(of));
+            let cell = |ticks: Option<f64>| ticks.map_or("-".into(), |it| format!("{it:.0}"));
+            TextColumn::figures(header, ticks.map(cell).collect())
         }));
     }
     TextTable {
@@ -189,6 +186,6 @@ fn no_times(program: &Program, cost: &Cost) -> String {
         (None, true) if cost.draws.is_empty() => {
             "No times: no block is left for one of the captures.".to_owned()
         }
-        (None, true) => "No times: a phase comes to its timeout more often than not.".to_owned(),
+        (None, true) => "No times: nine times in ten or more, a phase comes to its timeout.".to_owned(),
     }
 }

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use stochc_compiler::scene::BUILT_IN;
+use stochc_compiler::scene::built_in_names;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
 use stochc_planner::{Objective, PlanSearch, TargetError};
@@ -86,7 +86,7 @@ fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
         Some(scene) => Err(Failure::usage(format!(
             "--scene: no scene is called `{}`; {} are built in, and `stochc plan FILE.sa` knows those of the program",
             visible(scene),
-            BUILT_IN.map(|(name, _)| format!("`{name}`")).join(", ")
+            built_in_names()
         ))),
     }
 }
