@@ -66,7 +66,7 @@ mod tests {
         let documents = Documents::default();
         let text = "let \u{b5} = 1\nlet n = 2\n";
         let path = documents.open("file:///x/a.sa".to_owned(), text.to_owned(), 1);
-        let mut reader = |path: &str| documents.read(path);
+        let mut reader = |path: &str| documents.read(path, Encoding::Utf16);
         let never = Cancellation::NEVER;
         let analysis = Analysis::of(&path, &mut reader, Encoding::Utf16, never);
         let mut analysis = analysis.unwrap();

@@ -24,6 +24,21 @@ pub struct Document {
     pub version: i32,
 }
 
+impl Document {
+    /// The text as the compiler and the layout see it. A mark of the byte order at its beginning, which the client counts as a
+    /// character, is as much space.
+    pub fn program_text(&self, encoding: Encoding) -> String {
+        let text = self.text.to_string();
+        match text.strip_prefix(MARK) {
+            Some(rest) => " ".repeat(encoding.width(MARK)) + rest,
+            None => text,
+        }
+    }
+}
+
+/// The mark of the byte order.
+const MARK: char = '\u{feff}';
+
 impl Documents {
     fn all(&self) -> MutexGuard<'_, BTreeMap<String, Document>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
@@ -90,9 +105,9 @@ impl Documents {
     /// # Errors
     ///
     /// Those of [`files::read`].
-    pub fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+    pub fn read(&self, path: &str, encoding: Encoding) -> Result<Vec<u8>, String> {
         if let Some(document) = self.get(path) {
-            return Ok(document.text.to_string().into_bytes());
+            return Ok(document.program_text(encoding).into_bytes());
         }
         files::read(path)
     }
@@ -174,6 +189,6 @@ mod tests {
         };
         let whole = Change::TextDocumentContentChangeWholeDocument(whole);
         documents.change("file:///x/a.sa", 1, vec![whole], Encoding::Utf16);
-        assert_eq!(documents.read(&path).unwrap(), b"new");
+        assert_eq!(documents.read(&path, Encoding::Utf16).unwrap(), b"new");
     }
 }

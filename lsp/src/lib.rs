@@ -18,6 +18,7 @@
 //! ```
 mod actions;
 mod analysis;
+mod client_process;
 mod definition;
 mod diagnostics;
 mod documents;

@@ -14,6 +14,16 @@ pub enum Encoding {
     Utf16,
 }
 
+impl Encoding {
+    /// What a character counts for.
+    pub fn width(self, character: char) -> usize {
+        match self {
+            Encoding::Utf8 => character.len_utf8(),
+            Encoding::Utf16 => character.len_utf16(),
+        }
+    }
+}
+
 /// A text with the places where its lines begin; a line ends with `\n`, `\r\n` or `\r`.
 #[derive(Clone, Debug)]
 pub struct LineIndex<'t> {
@@ -49,10 +59,7 @@ impl<'t> LineIndex<'t> {
         }
         let line = self.starts.partition_point(|&start| start <= at) - 1;
         let before = &self.text[self.starts[line]..at];
-        let character = match self.encoding {
-            Encoding::Utf8 => before.len(),
-            Encoding::Utf16 => before.chars().map(char::len_utf16).sum(),
-        };
+        let character: usize = before.chars().map(|it| self.encoding.width(it)).sum();
         Position {
             line: line as u32,
             character: character as u32,
@@ -78,10 +85,7 @@ impl<'t> LineIndex<'t> {
         let content = self.text[start..end].trim_end_matches(['\n', '\r']);
         let mut left = position.character as usize;
         for (i, c) in content.char_indices() {
-            let width = match self.encoding {
-                Encoding::Utf8 => c.len_utf8(),
-                Encoding::Utf16 => c.len_utf16(),
-            };
+            let width = self.encoding.width(c);
             if left < width {
                 return start + i;
             }

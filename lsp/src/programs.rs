@@ -193,6 +193,7 @@ impl Programs {
 /// Reads what a program asks for, and takes note of it.
 struct ProgramReader<'a> {
     documents: &'a Documents,
+    encoding: Encoding,
     reads: &'a Mutex<Reads>,
     bound: ImportFolders,
 }
@@ -201,7 +202,7 @@ impl Reader for ProgramReader<'_> {
     fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
         let reads = || self.reads.lock().unwrap_or_else(PoisonError::into_inner);
         reads().paths.insert(path.to_owned());
-        let text = self.documents.read(path);
+        let text = self.documents.read(path, self.encoding);
         reads().has_missing |= text.is_err();
         text
     }
@@ -227,6 +228,7 @@ fn check(
     let bound = ImportFolders::of(path, folders);
     let mut reader = ProgramReader {
         documents,
+        encoding,
         reads,
         bound,
     };

@@ -267,7 +267,7 @@ impl Query {
                 let it: DocumentFormattingParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Text, |context| {
                     let document = context.documents.get(&context.path).ok_or_else(not_open)?;
-                    let text = document.text.to_string();
+                    let text = document.program_text(context.encoding);
                     let lines = LineIndex::of(&text, context.encoding);
                     value(formatting::edits(&text, &lines)?)
                 })

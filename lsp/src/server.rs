@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use stochc_files::bound;
 
 use super::analysis::Analysis;
+use super::client_process;
 use super::documents::Documents;
 use super::jobs::{JobId, JobTrigger, Jobs};
 use super::position::Encoding;
@@ -58,6 +59,7 @@ pub struct Server<W> {
     output: W,
     stage: SessionStage,
     jobs: Jobs<Done>,
+    events: SyncSender<ServerEvent>,
     documents: Documents,
     encoding: Encoding,
     programs: Programs,
@@ -104,13 +106,15 @@ impl PendingRequest {
 impl<W: Write> Server<W> {
     /// Waits for a client; the ends of jobs come in with its messages.
     pub fn new(output: W, events: SyncSender<ServerEvent>) -> Server<W> {
+        let of_jobs = events.clone();
         Server {
             output,
             stage: SessionStage::Begun,
             jobs: Jobs::new(move |job, done| {
                 // Nobody listens after the end.
-                let _ = events.send(ServerEvent::Done(job, done));
+                let _ = of_jobs.send(ServerEvent::Done(job, done));
             }),
+            events,
             documents: Documents::default(),
             encoding: Encoding::default(),
             programs: Programs::default(),
@@ -376,6 +380,10 @@ impl<W: Write> Server<W> {
             self.encoding = Encoding::Utf8;
         }
         self.folders = folders(params);
+        let client = params["processId"].as_i64();
+        if let Some(client) = client.and_then(|id| i32::try_from(id).ok()) {
+            client_process::watch(client, self.events.clone());
+        }
         self.stage = SessionStage::Serving;
         let encoding = match self.encoding {
             Encoding::Utf8 => "utf-8",

@@ -207,7 +207,7 @@ def trade(
     programs: Programs,
     *,
     runs: int | None = None,
-    budget: float = 600.0,
+    budget: float | None = None,
     seed: int = 1,
     max_ticks: int | None = None,
     finest: int = 64,
@@ -222,7 +222,7 @@ def trade(
     Args:
         programs: programs, texts or files.
         runs: of each program at each setting, however long they take.
-        budget: time for all of it [s], if `runs` is not said.
+        budget: time for all of it [s], not beside `runs`; 600, if neither is said.
         seed: of the random numbers, the same at every setting.
         max_ticks: stop a run after so many ticks; 20 times the mean of the first runs, if not said.
         finest: refine the reference up to so many substeps.
@@ -232,6 +232,9 @@ def trade(
         allow_import: as in `check`.
         progress: as in `simulate`.
     """
+    if runs is not None:
+        _alone("runs", budget=budget)
+    budget = 600.0 if budget is None else budget
     if isinstance(budget, bool) or not isinstance(budget, (int, float)):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"budget: give seconds, not {told(budget)}")
     if not 0 < budget <= 1e9:

@@ -17,7 +17,7 @@ use super::results::ResultsFormat;
 use super::run_options::MeasuringOptions;
 use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::fit::{FitSetup, fit, matched, measured_times};
+use crate::operations::fit::{FitSetup, fit, matched, measured_times, of_scenes};
 use crate::operations::programs::programs;
 use crate::operations::trade::claim;
 
@@ -75,8 +75,9 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
     let measured = matched(programs, observed, &options.hold_out)?;
+    let priors = of_scenes(options.vary.clone(), &measured)?;
     let setup = FitSetup {
-        priors: &options.vary,
+        priors: &priors,
         points: options.points.map(usize::from),
         rounds: options.rounds.into(),
         runs: options.runs,
@@ -88,18 +89,17 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
         threads: options.measuring.work.threads,
         levels,
     };
-    setup.check(&measured)?;
     if let Some(out) = &options.out {
         claim(out, false).map_err(Failure::usage)?;
     }
     stop_on_interrupt()?;
     let fit = fit(&setup, &measured, unit, &host)?;
     match options.measuring.format {
-        ResultsFormat::Text => print(&fit_to_text(&fit, &options.vary, output_width()))?,
+        ResultsFormat::Text => print(&fit_to_text(&fit, &priors, output_width()))?,
         ResultsFormat::Json => print(&json(&fit))?,
     }
     if let Some(out) = &options.out {
-        keep(out, &fit, &options.vary, &options.figures.figures())?;
+        keep(out, &fit, &priors, &options.figures.figures())?;
     }
     Ok(Exit::Success)
 }

@@ -40,28 +40,23 @@ pub struct FitSetup<'a> {
     pub levels: &'a LintLevels,
 }
 
-impl FitSetup<'_> {
-    /// Sees that every number is one of the scenes of all programs.
-    ///
-    /// # Errors
-    /// If one is given twice, is none of a scene, or may have no value there that an end of its range is.
-    pub fn check(&self, measured: &[Known]) -> Result<(), Failure> {
-        for (i, prior) in self.priors.iter().enumerate() {
-            if self.priors[..i].iter().any(|other| other.of == prior.of) {
-                let twice = format!("--vary: `{}` is given twice", prior.of);
-                return Err(Failure::usage(twice));
-            }
+/// The numbers to find as those of the scenes of all programs.
+///
+/// # Errors
+/// If one is given twice, is none of a scene, may have no value there that an end of its range is, or only a few.
+pub fn of_scenes(mut priors: Vec<Prior>, measured: &[Known]) -> Result<Vec<Prior>, Failure> {
+    for (i, prior) in priors.iter().enumerate() {
+        if priors[..i].iter().any(|other| other.of == prior.of) {
+            let twice = format!("--vary: `{}` is given twice", prior.of);
+            return Err(Failure::usage(twice));
         }
-        for (program, _) in measured {
-            for prior in self.priors {
-                // Both ends have to be values that the scene may have.
-                for share in [0.0, 1.0] {
-                    (prior.varied(share, &program.scene)).map_err(Failure::usage)?;
-                }
-            }
-        }
-        Ok(())
     }
+    for (program, _) in measured {
+        let of_scene = |prior: Prior| prior.of_scene(&program.scene);
+        let known: Result<_, String> = priors.into_iter().map(of_scene).collect();
+        priors = known.map_err(|told| Failure::usage(format!("--vary: {told}")))?;
+    }
+    Ok(priors)
 }
 
 /// The times of a file (CSV), program by program.
@@ -84,8 +79,14 @@ pub fn matched(
     mut observed: Vec<Observed>,
     held_out: &[String],
 ) -> Result<Vec<Known>, Failure> {
-    let mut known = Vec::new();
+    let mut known: Vec<Known> = Vec::new();
     for program in programs {
+        if known.iter().any(|(it, _)| it.name == program.name) {
+            return Err(Failure::usage(format!(
+                "two programs are called `{}`, and the data cannot tell which they are of; leave one of their files out, or rename one",
+                program.name
+            )));
+        }
         let place = observed.iter().position(|it| it.program == program.name);
         let Some(place) = place else {
             let name = &program.name;
@@ -147,7 +148,11 @@ pub fn fit(
     let (mut posterior, mut stopped) = (None, 0);
     for round in 0..setup.rounds {
         let seed = setup.seed.wrapping_add(1_000_000 * round);
-        let design = Design::latin_hypercube(&ends, points, seed);
+        let mut design = Design::latin_hypercube(&ends, points, seed);
+        for point in &mut design.points {
+            let pairs = point.iter_mut().zip(priors);
+            pairs.for_each(|(share, prior)| *share = prior.possible(*share));
+        }
         let (new, lost) = simulated(setup, measured, unit, (&design, seed), host)?;
         stopped += lost;
         for (all, new) in all.iter_mut().zip(new) {
@@ -175,7 +180,10 @@ pub fn fit(
             })
             .collect();
         let found = Posterior::of(&ends, &known, seed);
-        ends = found.surroundings();
+        let surroundings = found.surroundings().into_iter().zip(priors);
+        ends = surroundings
+            .map(|(ends, prior)| prior.surroundings(ends))
+            .collect();
         let predictions = known.iter().map(|it| found.predict(it)).collect();
         posterior = Some((found, predictions));
     }

@@ -491,7 +491,7 @@ fn a_scene_that_is_not_built_in_is_told_with_those_that_are() {
     assert_eq!(said.status, 2);
     assert!(said.err.contains("no file `hemispere`"), "{}", said.err);
     assert!(
-        said.err.contains("hemisphere, hemisphere_soft"),
+        said.err.contains("`hemisphere`, `hemisphere_soft`"),
         "{}",
         said.err
     );

@@ -141,6 +141,13 @@ fn what_does_not_fit_together_is_told() {
             "no program is left to fit to",
         ),
         (good, "free=8..60", "--vary bond.pull=1..9,N", "bond.pull"),
+        (
+            good,
+            "free=8..9",
+            "",
+            "a whole number, and a fit needs a range of five",
+        ),
+        (good, "free=8.5..60", "", "must be a whole number"),
     ] {
         fs::write(&data, table).unwrap();
         let mut options = vec![&*file, "--data", &data, "--vary", vary];
@@ -149,6 +156,12 @@ fn what_does_not_fit_together_is_told() {
         assert_eq!(said.status, 2, "{vary} {more}: {}", said.err);
         assert!(said.err.contains(reason), "{reason}: {}", said.err);
     }
+    fs::write(&data, good).unwrap();
+    let twice = [&*file, &file, "--data", &data, "--vary", "free=8..60"];
+    let said = stochc_with("fit --quiet", &twice);
+    assert_eq!(said.status, 2, "{}", said.err);
+    let reason = "two programs are called `one`";
+    assert!(said.err.contains(reason), "{}", said.err);
     let said = stochc_with(
         "fit --quiet --vary free=8..60",
         &[&file, "--data", "no.csv"],
@@ -169,7 +182,7 @@ fn times_that_no_run_reaches_are_told_of() {
     );
     fs::write(&file, programs(8)).unwrap();
     fs::write(&data, "program,ticks\none,10\none,20\ntwo,20\ntwo,30\n").unwrap();
-    let options = [&*file, "--data", &data, "--vary", "free=8..9"];
+    let options = [&*file, "--data", &data, "--vary", "free=8..20"];
     let said = stochc_with("fit --quiet --runs 4 --points 8 --max-ticks 2", &options);
     assert_eq!(said.status, 3, "{}", said.err);
     assert!(

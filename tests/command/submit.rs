@@ -28,6 +28,31 @@ fn without_slurm_there_is_a_way_out() {
     assert!(!Path::new(&out).join("slurm").exists());
 }
 
+/// The commands are there, and nobody has told them of a cluster.
+#[cfg(unix)]
+#[test]
+fn without_a_configuration_there_is_a_way_out() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    stochc_with(TOWER, &["--shards", "4", "--out", &out]);
+    let squeue = folder.path().join("squeue");
+    let script =
+        "#!/bin/sh\necho 'squeue: fatal: Could not establish a configuration source' >&2\nexit 1\n";
+    fs::write(&squeue, script).unwrap();
+    fs::set_permissions(&squeue, fs::Permissions::from_mode(0o755)).unwrap();
+    let said = said(command(["submit", &out]).env("PATH", folder.path()));
+    assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
+    for what in [
+        "establish a configuration",
+        "do not work here",
+        "stochc status",
+    ] {
+        assert!(said.err.contains(what), "{what}: {}", said.err);
+    }
+    assert!(!said.err.contains("--partition"), "{}", said.err);
+}
+
 #[test]
 fn a_dry_run_shows_scripts_and_commands() {
     let folder = tempfile::tempdir().unwrap();

@@ -159,6 +159,11 @@ impl Client {
         self.child.wait().unwrap().code().unwrap()
     }
 
+    /// Waits until the server ends by itself; the exit status.
+    pub fn ended(&mut self) -> i32 {
+        self.child.wait().unwrap().code().unwrap()
+    }
+
     /// Hangs up; the exit status.
     pub fn hang_up(mut self) -> i32 {
         self.input = None;

@@ -334,6 +334,25 @@ fn formatting_touches_the_lines_that_change() {
     assert_eq!(answer["error"]["code"], -32803);
 }
 
+/// It counts as a character of the first line, and is dropped as `fmt` does.
+#[test]
+fn a_mark_of_the_byte_order_is_passed_over() {
+    let mut client = Client::new(&[]);
+    let text = "\u{feff}assembly a { seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up->A } }\n";
+    client.open(URI, text);
+    let params = json!({
+        "textDocument": { "uri": URI },
+        "options": { "tabSize": 4, "insertSpaces": true },
+    });
+    let answer = client.ask("textDocument/documentSymbol", params.clone());
+    let name = &answer["result"][0]["selectionRange"]["start"];
+    assert_eq!(*name, json!({ "line": 0, "character": 10 }));
+    let answer = client.ask("textDocument/formatting", params);
+    let laid_out = edited(text, &answer["result"]);
+    let bare = text.trim_start_matches('\u{feff}');
+    assert_eq!(laid_out, stochc_grammar::format(bare).unwrap());
+}
+
 #[test]
 fn a_wrong_program_is_answered_as_far_as_it_makes_sense() {
     let mut client = Client::new(&[]);

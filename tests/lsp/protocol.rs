@@ -15,6 +15,25 @@ fn the_exit_status_says_whether_the_client_said_goodbye() {
     assert_eq!(Client::start().hang_up(), 1);
 }
 
+/// The stream is open still, as where a process that the client has begun has it from it.
+#[cfg(unix)]
+#[test]
+fn the_server_ends_with_the_process_of_its_client() {
+    let mut process = std::process::Command::new("sleep")
+        .arg("600")
+        .spawn()
+        .unwrap();
+    let mut client = Client::start();
+    let params = json!({ "capabilities": {}, "processId": process.id() });
+    client.ask("initialize", params);
+    let hover = place(URI, "x", "x", 0);
+    let answer = client.ask("textDocument/hover", hover);
+    assert!(answer["error"]["code"].is_i64(), "it is served");
+    process.kill().unwrap();
+    process.wait().unwrap();
+    assert_eq!(client.ended(), 1);
+}
+
 #[test]
 fn requests_come_between_initialize_and_shutdown() {
     let mut client = Client::start();

@@ -103,12 +103,13 @@ impl Posterior {
         };
         // Evenly distributed, a tenth would be there; three times as many are a push.
         let is_crowded = |end| near(end) as f64 > 3.0 * LEAST * shares.len() as f64;
+        let (low, high) = prior.outward((low, high));
         Marginal {
             of: prior.of.clone(),
             unit: prior.unit.clone(),
-            median: prior.value(at(0.5)),
+            median: prior.value(prior.possible(at(0.5))),
             interval: (prior.value(low), prior.value(high)),
-            width: (high - low) / 0.95,
+            width: ((high - low) / 0.95).min(1.0),
             is_at_edge: is_crowded(0.0) || is_crowded(1.0),
         }
     }

@@ -17,7 +17,12 @@ pub struct Prior {
     pub unit: String,
     /// Whether its logarithm is evenly distributed, and not the number itself.
     pub is_logarithmic: bool,
+    /// Whether it can only be whole: known of a number of a [scene](Prior::of_scene).
+    pub is_whole: bool,
 }
+
+/// From the least to the most of whole numbers that a polynomial can go by.
+const LEAST_SPAN: f64 = 4.0;
 
 impl Prior {
     /// Reads `NAME=FROM..TO`, such as `bond.pull=2..12 N` or `drag.rate=0.1..10 /s log`.
@@ -50,6 +55,29 @@ impl Prior {
             to,
             unit,
             is_logarithmic,
+            is_whole: false,
+        })
+    }
+
+    /// The same as a number of a scene.
+    ///
+    /// # Errors
+    /// In words, when the scene has no such number, may not have one of the ends as its value, or there are too few whole
+    /// numbers between them.
+    pub fn of_scene(self, scene: &Scene) -> Result<Prior, String> {
+        let number = number(scene, &self.of)?;
+        for end in [self.from, self.to] {
+            varied(number, end, &self.unit)?;
+        }
+        if number.is_whole() && self.to - self.from < LEAST_SPAN {
+            return Err(format!(
+                "`{}` is a whole number, and a fit needs a range of five of them at least; `simulate --sweep` tries a few",
+                self.of
+            ));
+        }
+        Ok(Prior {
+            is_whole: number.is_whole(),
+            ..self
         })
     }
 
@@ -59,6 +87,47 @@ impl Prior {
             true => self.from * (self.to / self.from).powf(share),
             false => self.from + (self.to - self.from) * share,
         }
+    }
+
+    /// The part of the prior's probability below a value.
+    fn share(&self, value: f64) -> f64 {
+        let share = match self.is_logarithmic {
+            true => (value / self.from).ln() / (self.to / self.from).ln(),
+            false => (value - self.from) / (self.to - self.from),
+        };
+        share.clamp(0.0, 1.0)
+    }
+
+    /// The share at which there is a value that the number may have, nearest to `share`.
+    pub fn possible(&self, share: f64) -> f64 {
+        match self.is_whole {
+            true => self.share(self.value(share).round()),
+            false => share,
+        }
+    }
+
+    /// An interval of shares, up to values that the number may have.
+    pub fn outward(&self, (low, high): (f64, f64)) -> (f64, f64) {
+        match self.is_whole {
+            true => (
+                self.share(self.value(low).floor()),
+                self.share(self.value(high).ceil()),
+            ),
+            false => (low, high),
+        }
+    }
+
+    /// An interval of shares with enough values in it for a polynomial.
+    pub fn surroundings(&self, ends: (f64, f64)) -> (f64, f64) {
+        let (low, high) = self.outward(ends);
+        if !self.is_whole {
+            return (low, high);
+        }
+        let [from, to] = [low, high].map(|share| self.value(share).round());
+        let lacking = (LEAST_SPAN - (to - from)).max(0.0);
+        let from = (from - (lacking / 2.0).ceil()).max(self.from);
+        let to = to.max(from + LEAST_SPAN).min(self.to);
+        (self.share((to - LEAST_SPAN).min(from)), self.share(to))
     }
 
     /// The value there, for a scene.
@@ -98,6 +167,41 @@ mod tests {
         let scene = built_in("hemisphere").unwrap();
         let varied = prior.varied(0.5, &scene).unwrap();
         assert_eq!((varied.of.as_str(), varied.said), ("free", 500.0));
+    }
+
+    #[test]
+    fn whole_numbers_are_simulated_and_told_as_such() {
+        let scene = built_in("hemisphere").unwrap();
+        let of = |text: &str| Prior::parse(text).unwrap().of_scene(&scene);
+        for text in ["free=8..20", "free=8..2000 log"] {
+            let prior = of(text).unwrap();
+            for share in [0.0, 0.03, 0.49, 0.77, 1.0] {
+                let value = prior.value(prior.possible(share));
+                assert!((value - prior.value(share).round()).abs() < 1e-9, "{value}");
+                for (low, high) in [(share, share), (0.3 * share, 0.5 + 0.5 * share)] {
+                    let (below, above) = prior.outward((low, high));
+                    assert!(below <= low && high <= above, "{text} {low} {high}");
+                    let (from, to) = prior.surroundings((low, high));
+                    assert!(from <= below && above <= to, "{text} {low} {high}");
+                    let span = prior.value(to) - prior.value(from);
+                    assert!((0.0..=1.0).contains(&from) && to <= 1.0 && span > 3.999);
+                }
+            }
+        }
+        for text in [
+            "free=8..9",
+            "free=8.5..60",
+            "free=8..60.5",
+            "free=50..53 log",
+        ] {
+            let told = of(text).unwrap_err();
+            assert!(told.contains("whole number"), "{text}: {told}");
+        }
+        let pull = of("bond.pull=2..3 N").unwrap();
+        assert_eq!(
+            (pull.possible(0.123), pull.outward((0.1, 0.2))),
+            (0.123, (0.1, 0.2))
+        );
     }
 
     #[test]

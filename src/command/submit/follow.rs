@@ -285,6 +285,9 @@ impl Follower<'_> {
         let folder = self.folder();
         Trouble::Failure(match unanswered {
             Unanswered::Silent(said) => return Trouble::Silent(said),
+            Unanswered::Refused(said) if slurm::is_set_up_wrong(&said) => self.refused(&format!(
+                "Slurm's commands do not work here: {said}\nsubmit where they do; here, `stochc status {folder}` says how to make the pieces without them"
+            )),
             Unanswered::Refused(said) => self.refused(&format!(
                 "Slurm refuses: {said}\nlook at `--partition`, `--time` and `--sbatch`; `stochc submit {folder} --dry-run` shows what is submitted"
             )),

@@ -25,9 +25,14 @@ pub fn queue(ensemble: &SlurmEnsemble) -> Result<Queue, Unanswered> {
     match printed {
         Ok(printed) => Ok(ensemble.queue(&printed)),
         // Nothing is wrong with the question; the configuration may be.
-        Err(Unanswered::Refused(said)) if !said.contains("fatal:") => Err(Unanswered::Silent(said)),
+        Err(Unanswered::Refused(said)) if !is_set_up_wrong(&said) => Err(Unanswered::Silent(said)),
         Err(other) => Err(other),
     }
+}
+
+/// Whether a command has found no Slurm that it belongs to, whatever it is asked.
+pub fn is_set_up_wrong(said: &str) -> bool {
+    said.contains("fatal:")
 }
 
 /// How many jobs the site allows.
