@@ -61,7 +61,7 @@ def test_strange_options(name: str, tmp_path: Path) -> None:
         stochc.check, stochc.compile, stochc.compile_all, stochc.open, stochc.status, stochc.merge, stochc.report,
         stochc.replay, stochc.explain, stochc.plan, stochc.estimate, lambda it: stochc.simulate(it, runs=1),
         lambda it: stochc.shard(it, 0), lambda it: stochc.shard("/nowhere", it), lambda it: stochc.trade(it, runs=2),
-        lambda it: stochc.trade(stochc.EXAMPLE, budget=it, runs=it), lambda it: stochc.sweep(stochc.EXAMPLE, it),
+        lambda it: stochc.trade(stochc.EXAMPLE, budget=0 if it is None else it), lambda it: stochc.sweep(stochc.EXAMPLE, it),
         lambda it: stochc.sweep(stochc.EXAMPLE, {"free": it}, runs=1, model="shuffle"),
         lambda it: stochc.sweep(stochc.EXAMPLE, {it: 1}, runs=1, model="shuffle"),
         lambda it: stochc.prepare(stochc.EXAMPLE, "/nowhere/at/all", it),
@@ -105,6 +105,8 @@ def test_messages_say_the_way_out(tmp_path: Path) -> None:
                 raise
     with pytest.raises(TypeError, match="runs: give a whole number, not nan"):
         stochc.simulate(stochc.EXAMPLE, runs=math.nan)  # type: ignore[arg-type]
+    with pytest.raises(stochc.UsageError, match="budget: it makes no sense beside `runs`"):
+        stochc.trade(stochc.EXAMPLE, runs=2, budget=10)
 
 
 def test_messages_speak_of_options_as_python_does(tmp_path: Path) -> None:

@@ -106,6 +106,22 @@ fn what_times_leave_out_is_told() {
 }
 
 #[test]
+fn a_timeout_that_most_runs_come_to_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    let text =
+        "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p timeout 60 ticks { M.up -> A } }";
+    std::fs::write(&file, text).unwrap();
+    let said = stochc_with("check", &[&file]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let told = said.out.lines().last().unwrap();
+    assert!(
+        told.starts_with("  by rates a phase comes to its timeout in 9"),
+        "{told}"
+    );
+}
+
+#[test]
 fn times_need_the_rates_of_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let program = path(folder.path(), "slow.sa");

@@ -32,18 +32,21 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let (true, Some(rates)) = (program.plan.events.len() <= MOST_SUMMED, rates) else {
         return String::new();
     };
-    let cost = estimate(program, Some(rates));
-    let known = cost.as_ref().and_then(|cost| Some((cost, cost.total?)));
-    let Some((cost, total)) = known.filter(|(_, total)| total.mean != Some(0.0)) else {
+    let Some(cost) = estimate(program, Some(rates)) else {
         return String::new();
     };
+    let never = stopped(&cost).map(percent);
+    let total = match (cost.total, &never) {
+        (Some(total), _) if total.mean != Some(0.0) => total,
+        (None, Some(never)) => {
+            return format!("  by rates a phase comes to its timeout in {never} of all runs\n");
+        }
+        _ => return String::new(),
+    };
+    let never = never.map_or(String::new(), |never| format!(" ({never} never complete)"));
     let left_out = match cost.leaves_out_messages {
         true => ", without the time that messages take",
         false => "",
-    };
-    let never = match stopped(cost) {
-        None => String::new(),
-        Some(stopped) => format!(" ({} never complete)", percent(stopped)),
     };
     let takes = total.in_words();
     format!("  by rates it takes {takes}{never}{left_out}; `--cost` says what decides it\n")
