@@ -69,6 +69,15 @@ fn blocks_that_are_let_go_have_their_head_start() {
     );
 }
 
+#[test]
+fn messages_take_their_time() {
+    agree(&["tests/fixtures/messages/apart.sa"], Interaction::Apart);
+    agree(
+        &["tests/fixtures/messages/releases.sa"],
+        Interaction::Releases,
+    );
+}
+
 /// A face that takes the block takes it from all others.
 #[test]
 fn a_block_that_is_let_go_docks_once() {

@@ -239,16 +239,39 @@ fn a_capture_decides_the_time_until_a_timeout_as_well() {
     assert!((share - 1.0).abs() < 1e-9, "{share}");
 }
 
+/// Two towers of three: reports from the top of the last one, news over the plate to its foot, and requests to be let go.
 #[test]
-fn messages_that_take_time_are_known_to_be_left_out() {
-    let leaves_out = |messages: &str| {
+fn messages_take_time_by_hops() {
+    let mean = |messages: &str, body: &str| {
         let (_, cost, _) = program(&format!(
             "scene slow from hemisphere {{ {messages} }}
-            assembly one in slow {{ seed plate 1 x 1 {{ A at (0, 0) }} phase p {{ A.up -> B }} }}"
+            assembly a in slow {{ seed plate 9 x 1 {{ A at (0, 0) B at (8, 0) }} {body} }}"
         ));
-        cost.leaves_out_messages
+        cost.total.unwrap().mean.unwrap()
     };
-    assert!(!leaves_out("") && !leaves_out("messages { hop 0 ticks }"));
-    assert!(leaves_out("messages { hop 2 ticks }"));
-    assert!(leaves_out("messages { hop 0 ticks loss 1% }"));
+    let tower = "phase p { A.up ->> T[1..3] }";
+    let told = "phase p { A.up ->> T[1..3] B.up ->> U[1..3] after T[3] }";
+    let known = "phase p { A.up ->> T[1..3] T[1].north -> E after T[3] }";
+    let gone = "phase p { A.up ->> T[1..3] } phase q { release T[3] }";
+    let others =
+        "phase p { A.up ->> T[1..3] } phase q { release T[3] B.up -> U after release T[3] }";
+    for (body, hops) in [
+        (tower, 3.0),
+        (told, 3.0 + 3.0),
+        (known, 2.0 + 2.0),
+        (gone, 3.0 + 1.0 + 2.0),
+        (others, 3.0 + 1.0 + 2.0 + 1.0),
+    ] {
+        let none = mean("", body);
+        assert_eq!(mean("messages { hop 0 ticks }", body), none);
+        // As many as the sums of chains are off by chance are no hop.
+        let off = mean("messages { hop 10000 ticks }", body) - none;
+        assert!(
+            (off / 10000.0 - hops).abs() < 0.05,
+            "{body}: {off}, not {hops}"
+        );
+        // Half of all hops are made again, after 2 h + 1 ticks: once on average.
+        let lost = mean("messages { hop 10000 ticks loss 50% }", body) - none;
+        assert!((lost / 30001.0 - hops).abs() < 0.05, "{body}: {lost}");
+    }
 }

@@ -36,9 +36,6 @@ pub enum Method {
     Graph {
         /// What that leaves out.
         interaction: Interaction,
-        /// Whether messages take time in the scene, which is left out too.
-        #[serde(skip_serializing_if = "std::ops::Not::not")]
-        leaves_out_messages: bool,
         /// By how much means were off at most, beside runs by the same rates.
         error: f64,
         /// Whether the sums were worked out and not drawn: there is no chance in the times.

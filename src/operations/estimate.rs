@@ -91,7 +91,6 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
         program: program.name.clone(),
         method: Method::Graph {
             interaction: cost.interaction,
-            leaves_out_messages: cost.leaves_out_messages,
             error: cost.interaction.error(),
             is_exact: cost.is_exact,
             is_first_guess: rates.is_guess(),

@@ -114,9 +114,11 @@ impl Forest {
         let mut known: FxHashMap<(Option<[u64; 2]>, Vec<u32>), u32> = FxHashMap::default();
         let mut branches = Vec::new();
         // What waits comes behind what it waits for.
-        for (i, Step { event, before }) in steps.iter().enumerate().rev() {
+        for (i, step) in steps.iter().enumerate().rev() {
+            let Step { event, before, .. } = step;
             let of = waits[*event as usize].as_ref();
-            if before.len() > 1 || of.is_some_and(|of| !of.head_starts.is_empty()) {
+            let has_messages = step.messages.is_some();
+            if has_messages || before.len() > 1 || of.is_some_and(|of| !of.head_starts.is_empty()) {
                 return None;
             }
             let wait = of.map(|of| of.wait);
@@ -357,6 +359,7 @@ mod tests {
         let steps = (0..).zip(before);
         steps
             .map(|(event, before)| Step {
+                messages: None,
                 event,
                 before: before.to_vec(),
             })
@@ -390,6 +393,7 @@ mod tests {
         let phases = |events: &[u32]| -> Vec<Vec<Step>> {
             let step = |&event: &u32| {
                 vec![Step {
+                    messages: None,
                     event,
                     before: Vec::new(),
                 }]
@@ -442,6 +446,7 @@ mod tests {
         let mut later = steps(&[&[], &[0]]);
         later[0].event = 3;
         later[1] = Step {
+            messages: None,
             event: 4,
             before: vec![3],
         };

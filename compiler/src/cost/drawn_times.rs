@@ -42,14 +42,20 @@ impl DrawnTimes {
     }
 
     /// When a step can begin, of a phase that began at a time, as all that it waits for has happened.
-    pub fn begin(&mut self, Step { event, before }: &Step, began: f64) -> f64 {
+    pub fn begin(&mut self, step: &Step, began: f64) -> f64 {
+        let messages = step.messages.as_deref();
         let mut start = (began, NOBODY);
-        for &event in before {
-            if self.ends[event as usize] >= start.0 {
-                start = (self.ends[event as usize], event);
+        for (i, &event) in step.before.iter().enumerate() {
+            let heard = self.ends[event as usize] + messages.map_or(0.0, |it| it.news[i]);
+            if heard >= start.0 {
+                start = (heard, event);
             }
         }
-        (self.starts[*event as usize], self.last[*event as usize]) = start;
+        start.0 += messages.map_or(0.0, |it| it.request);
+        (
+            self.starts[step.event as usize],
+            self.last[step.event as usize],
+        ) = start;
         start.0
     }
 }

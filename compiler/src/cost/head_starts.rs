@@ -123,7 +123,9 @@ impl PhaseDraw<'_, '_> {
         for (other, nearby) in self.phase.near.get(&event).into_iter().flatten() {
             let capture = self.phase.steps[*other as usize].event;
             if self.missing[*other as usize] == 0 && !self.times.has_happened(capture) {
-                self.head_start(*other, event, nearby, time);
+                // Its face may have to hear of this first.
+                let opens = self.times.starts[capture as usize];
+                self.head_start(*other, event, nearby, time.max(opens));
             }
         }
         for &follower in &self.phase.followers[step as usize] {

@@ -1,11 +1,12 @@
 //! What can be said of a program's effort without running it.
 //!
 //! How deep and how wide its phases are follows from its graph alone. Times need the rates of a scene: each capture waits by
-//! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph. That is less than a
-//! run by rates knows: cells beside an open face fill while it waits, and messages take their time.
+//! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph, with the time that messages
+//! take. That is less than a run by rates knows: cells beside an open face fill while it waits.
 mod convolution;
 mod drawn_times;
 mod head_starts;
+mod message_times;
 mod occupancy;
 mod phase_events;
 mod sampling;
@@ -40,8 +41,6 @@ pub struct Cost {
     pub draws: Vec<Draw>,
     /// What times leave out.
     pub interaction: Interaction,
-    /// Whether messages take time in the scene, which is left out too.
-    pub leaves_out_messages: bool,
     /// The captures, the one first that decides most of the time; those of equal shares in source order. None without times.
     pub captures: Vec<CaptureCost>,
 }
@@ -89,9 +88,6 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         is_exact: false,
         draws: Vec::new(),
         interaction: Interaction::Apart,
-        leaves_out_messages: (program.scene.as_ref())
-            .and_then(|scene| scene.messages.as_ref())
-            .is_some_and(|it| it.hop > 0 || it.loss.is_some()),
         captures: Vec::new(),
     };
     let Some(rates) = rates else {

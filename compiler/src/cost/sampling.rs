@@ -79,12 +79,14 @@ pub fn sample(
                 (None, None) => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
             }
             let mut latest = (total, NOBODY);
-            for &Step { event, .. } in steps {
+            for step in steps {
+                let event = step.event;
                 let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);
                 let (sum, count) = &mut waited[event as usize];
                 (*sum, *count) = (*sum + (end - start), *count + 1);
-                if end >= latest.0 {
-                    latest = (end, event);
+                let heard = end + step.report();
+                if heard >= latest.0 {
+                    latest = (heard, event);
                 }
             }
             // What happens later is waited for until then.

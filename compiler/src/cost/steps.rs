@@ -3,9 +3,11 @@ use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 
+use super::message_times::{MessageTimes, StepMessages};
 use crate::Program;
+use crate::graph::LocatedDependency;
 use crate::order::{Order, needed};
-use crate::plan::Timeout;
+use crate::plan::{EventId, Timeout};
 
 /// Ticks after which each phase has failed.
 pub fn timeouts(program: &Program) -> Vec<f64> {
@@ -22,11 +24,21 @@ pub struct Step {
     pub event: u32,
     /// Of its phase.
     pub before: Vec<u32>,
+    /// `None`: no message takes any time.
+    pub messages: Option<Box<StepMessages>>,
+}
+
+impl Step {
+    /// How long its phase takes to hear that it was the last \[tick\].
+    pub fn report(&self) -> f64 {
+        self.messages.as_ref().map_or(0.0, |it| it.report)
+    }
 }
 
 /// The events of each phase, each behind what it waits for.
 pub fn steps(program: &Program, order: &Order) -> Vec<Vec<Step>> {
     let phases = &program.plan.phases;
+    let messages = MessageTimes::of(program);
     let mut steps: Vec<Vec<Step>> = phases.iter().map(|_| Vec::new()).collect();
     for &id in &order.events {
         let Some(phase) = program.plan.phase_of(id) else {
@@ -34,11 +46,15 @@ pub fn steps(program: &Program, order: &Order) -> Vec<Vec<Step>> {
         };
         let node = NodeIndex::new(id.0 as usize);
         let before = needed(&program.graph, &order.unneeded, node, Incoming)
-            .map(|edge| edge.source().index() as u32)
-            .filter(|event| phases[phase].events.contains(event));
+            .map(|edge| (EventId(edge.source().index() as u32), *edge.weight()))
+            .filter(|(event, _)| phases[phase].events.contains(&event.0));
+        let before: Vec<(EventId, LocatedDependency)> = before.collect();
+        // Those who attach blocks by hand send none.
+        let messages = (messages.as_ref()).filter(|_| !phases[phase].planted);
         steps[phase].push(Step {
             event: id.0,
-            before: before.collect(),
+            messages: messages.map(|it| Box::new(it.of_event(id, before.iter().copied()))),
+            before: before.into_iter().map(|(event, _)| event.0).collect(),
         });
     }
     steps

@@ -49,7 +49,6 @@ fn origin(estimate: &CompletionEstimate) -> String {
         (
             Method::Graph {
                 interaction,
-                leaves_out_messages,
                 is_exact,
                 ..
             },
@@ -59,10 +58,7 @@ fn origin(estimate: &CompletionEstimate) -> String {
                 true => "without chance".to_owned(),
                 false => format!("{all} times"),
             };
-            format!(
-                "Added up along the graph, {how}: {}",
-                left_out(interaction, leaves_out_messages)
-            )
+            format!("Added up along the graph, {how}: {}", left_out(interaction))
         }
         (Method::Runs { is_compiled: true }, _) => format!(
             "From {all} runs by rates: the file is compiled, and has no plan to add waits up along."
@@ -79,17 +75,11 @@ fn origin(estimate: &CompletionEstimate) -> String {
 }
 
 /// What waits that are added up along a graph leave out, and by how much that was off.
-pub fn left_out(interaction: Interaction, leaves_out_messages: bool) -> String {
+pub fn left_out(interaction: Interaction) -> String {
     let (meaning, error) = (interaction.meaning(), percent(interaction.error()));
-    match leaves_out_messages {
-        true => format!(
-            "{meaning}. The time that messages take in this scene is left out as well: runs by rates have it \
-             (`stochc estimate --runs N`). In such programs without messages, means differed from those runs by at most {error}."
-        ),
-        false => format!(
-            "{meaning}. In such programs, means differed from runs by rates (`stochc estimate --runs N`) by at most {error}."
-        ),
-    }
+    format!(
+        "{meaning}. In such programs, means differed from runs by rates (`stochc estimate --runs N`) by at most {error}."
+    )
 }
 
 fn times(estimate: &CompletionEstimate) -> TextTable {

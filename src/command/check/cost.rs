@@ -44,12 +44,8 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
         _ => return String::new(),
     };
     let never = never.map_or(String::new(), |never| format!(" ({never} never complete)"));
-    let left_out = match cost.leaves_out_messages {
-        true => ", without the time that messages take",
-        false => "",
-    };
     let takes = total.in_words();
-    format!("  by rates it takes {takes}{never}{left_out}; `--cost` says what decides it\n")
+    format!("  by rates it takes {takes}{never}; `--cost` says what decides it\n")
 }
 
 /// The part of the times that were drawn in which a phase came to its timeout; `None`: in none.
@@ -79,7 +75,7 @@ fn table(
     match cost.total {
         Some(_) => {
             text += &paragraph(TIMES, width);
-            let mut left_out = left_out(cost.interaction, cost.leaves_out_messages);
+            let mut left_out = left_out(cost.interaction);
             left_out[..1].make_ascii_uppercase();
             text += &paragraph(&left_out, width);
             if let Some(stopped) = stopped(cost) {

@@ -1,0 +1,183 @@
+//! How long the messages take that the order of a program needs: news between blocks, requests to be let go, reports to the plate.
+//! They go along the bonds, hop by hop, and who sends which is what [lowering](crate::lower) writes into the tables.
+use petgraph::Direction::{Incoming, Outgoing};
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+use rustc_hash::FxHashMap;
+use stochc_ir::scene::Messages;
+use stochc_ir::table::RoleId;
+
+use crate::Program;
+use crate::graph::LocatedDependency;
+use crate::plan::{EventId, EventKind};
+
+/// A block: the capture that anchored it; `None`: the plate.
+type Block = Option<EventId>;
+
+/// The messages of an event.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepMessages {
+    /// How long the news takes of each event that is waited for \[tick\].
+    pub news: Vec<f64>,
+    /// Of a release: how long the block takes to ask for it.
+    pub request: f64,
+    /// How long the phase takes to hear that this was the last.
+    pub report: f64,
+}
+
+/// The blocks of a program and the bonds between them.
+pub struct MessageTimes<'a> {
+    program: &'a Program,
+    /// A hop \[tick\].
+    hop: f64,
+    /// Of each capture: the block that captures; of each release: the one that lets go.
+    parents: Vec<Block>,
+    /// Of each event: the block that it is up to.
+    actors: Vec<Block>,
+    /// Of each capture: hops from its block to the plate.
+    depths: Vec<u32>,
+}
+
+impl<'a> MessageTimes<'a> {
+    /// `None`: messages take no time in the scene.
+    pub fn of(program: &'a Program) -> Option<MessageTimes<'a>> {
+        let messages = program.scene.as_ref()?.messages.as_ref()?;
+        let hop = mean_hop(messages);
+        let count = program.plan.events.len();
+        let mut times = MessageTimes {
+            program,
+            hop,
+            parents: vec![None; count],
+            actors: vec![None; count],
+            depths: vec![0; count],
+        };
+        times.look_through();
+        Some(times).filter(|_| hop > 0.0)
+    }
+
+    /// Finds out who hangs on whom, phase by phase.
+    fn look_through(&mut self) {
+        let Program {
+            plan,
+            layout,
+            graph,
+            ..
+        } = self.program;
+        let mut held: FxHashMap<RoleId, EventId> = FxHashMap::default();
+        for phase in &plan.phases {
+            for id in plan.events_of(phase) {
+                let event = plan.event(id);
+                let actor = match event.kind {
+                    EventKind::Capture { parent, .. } => parent,
+                    EventKind::Release => event.role,
+                };
+                let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
+                let anchored = edges.find(|it| *it.weight() == LocatedDependency::Anchored);
+                let since = anchored.map(|edge| graph[edge.source()]);
+                let block = since.or_else(|| held.get(&actor).copied());
+                self.actors[id.0 as usize] = block;
+                self.parents[id.0 as usize] = block;
+            }
+            for id in plan.events_of(phase) {
+                if plan.event(id).kind == EventKind::Release {
+                    let on = layout.parents[id.0 as usize];
+                    let parent = on.and_then(|on| self.parents[on.capture.0 as usize]);
+                    self.parents[id.0 as usize] = parent;
+                } else {
+                    self.measure(id);
+                    held.insert(plan.event(id).role, id);
+                }
+            }
+        }
+    }
+
+    /// Counts the hops from a block to the plate, and from those that it hangs on.
+    fn measure(&mut self, block: EventId) {
+        let mut way = Vec::new();
+        let mut at = Some(block);
+        while let Some(id) = at.filter(|id| self.depths[id.0 as usize] == 0) {
+            way.push(id);
+            at = self.parents[id.0 as usize];
+        }
+        let mut depth = self.depth(at);
+        for id in way.into_iter().rev() {
+            depth += 1;
+            self.depths[id.0 as usize] = depth;
+        }
+    }
+
+    fn depth(&self, block: Block) -> u32 {
+        block.map_or(0, |id| self.depths[id.0 as usize])
+    }
+
+    /// Hops between two blocks.
+    fn hops(&self, from: Block, to: Block) -> u32 {
+        let (mut a, mut b) = (from, to);
+        let mut hops = 0;
+        while a != b {
+            let deeper = match self.depth(a) >= self.depth(b) {
+                true => &mut a,
+                false => &mut b,
+            };
+            *deeper = deeper.and_then(|id| self.parents[id.0 as usize]);
+            hops += 1;
+        }
+        hops
+    }
+
+    /// Those of an event, which waits for others for such reasons.
+    pub fn of_event(
+        &self,
+        id: EventId,
+        before: impl Iterator<Item = (EventId, LocatedDependency)>,
+    ) -> StepMessages {
+        let of = |hops: u32| self.hop * f64::from(hops);
+        let is_release = self.program.plan.event(id).kind == EventKind::Release;
+        StepMessages {
+            news: before
+                .map(|(first, why)| of(self.news(first, id, why)))
+                .collect(),
+            request: of(u32::from(is_release)),
+            report: of(self.report(id, is_release)),
+        }
+    }
+
+    /// Hops from who sees an event to who waits for it.
+    fn news(&self, first: EventId, id: EventId, why: LocatedDependency) -> u32 {
+        let is_told = matches!(why, LocatedDependency::After(_) | LocatedDependency::Freed);
+        let actor = self.actors[id.0 as usize];
+        let witness = self.parents[first.0 as usize];
+        // A block sees what happens at its faces, and knows of its own anchoring.
+        if !is_told || actor == witness || actor == Some(first) {
+            return 0;
+        }
+        match self.program.plan.event(first).kind {
+            EventKind::Capture { .. } => self.hops(Some(first), actor),
+            EventKind::Release => self.hops(witness, actor),
+        }
+    }
+
+    /// Hops of the report that an event was the last of its branch; 0: others come behind it, and report.
+    fn report(&self, id: EventId, is_release: bool) -> u32 {
+        let goes_on = match is_release {
+            true => LocatedDependency::Emptied,
+            false => LocatedDependency::Anchored,
+        };
+        let graph = &self.program.graph;
+        let mut behind = graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing);
+        if behind.any(|edge| *edge.weight() == goes_on) {
+            return 0;
+        }
+        match is_release {
+            true => self.depth(self.parents[id.0 as usize]),
+            false => self.depth(Some(id)),
+        }
+    }
+}
+
+/// The mean time of a hop \[tick\]: if it gets lost, it is made again 2 h + 1 ticks later.
+fn mean_hop(messages: &Messages) -> f64 {
+    let hop = f64::from(messages.hop);
+    let lost = messages.loss.unwrap_or(0.0);
+    hop + (2.0 * hop + 1.0) * lost / (1.0 - lost)
+}
