@@ -9,8 +9,10 @@ use std::ops::ControlFlow;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use random::{Reuse, declare, declare_with};
+use stochc::compiler::cost;
 use stochc::compiler::scene::built_in;
 use stochc::ir::Cell;
+use stochc::ir::record::Outcome;
 use stochc::ir::scene::Messages;
 use stochc::ir::table::Tables;
 use stochc::protocol::explore::{
@@ -18,6 +20,7 @@ use stochc::protocol::explore::{
 };
 use stochc::runtime::control::Controller;
 use stochc::runtime::drive;
+use stochc::runtime::rates::Rates;
 use stochc::runtime::world::World;
 use stochc::runtime::world::rate::RateWorld;
 use stochc::runtime::world::shuffle::ShuffleWorld;
@@ -93,6 +96,46 @@ proptest! {
             drive(&tables, messages.as_ref(), &mut world, limit, (seed, 0), &mut go)
         };
         prop_assert_eq!(record(None), record(Some(0.0)));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    /// Hops that take a million ticks, beside which waits are nothing: a run takes as long as they do. News for a name that changes hands
+    /// meanwhile may make a detour, over the block that has lost it.
+    #[test]
+    fn messages_take_as_long_as_is_estimated(
+        choices in prop::collection::vec(any::<u32>(), 0..160),
+        reuse in prop::sample::select(vec![Reuse::Later, Reuse::AtOnce]),
+        faces in 1u8..=5,
+        seed: u64,
+    ) {
+        const HOP: u32 = 1_000_000;
+        let declared = declare_with(reuse, choices, faces);
+        let mut program = declared.program();
+        let Some(tables) = program.tables.clone() else {
+            return Ok(());
+        };
+        let messages = Messages { hop: HOP, loss: None };
+        let scene = program.scene.as_mut().expect("it has a scene");
+        scene.messages = Some(messages.clone());
+        let mut world = RateWorld::new(&tables, scene, &[], seed, 0).expect("its rates are known");
+        let mut go = |_, _| ControlFlow::Continue(());
+        let run = drive(&tables, Some(&messages), &mut world, None, (seed, 0), &mut go).unwrap();
+        prop_assert_eq!(&run.outcome, &Outcome::Completed);
+        let cost = cost::estimate(&program, Rates::built_in(program.scene.as_ref().unwrap()));
+        let cost = cost.expect("it has an order");
+        let hops = |ticks: f64| (ticks / f64::from(HOP)).round();
+        prop_assert!(!cost.draws.is_empty());
+        for draw in cost.draws {
+            let (estimated, run) = (hops(draw.ticks), hops(run.ticks as f64));
+            let is_right = match reuse {
+                Reuse::Later => estimated == run,
+                Reuse::AtOnce => estimated <= run && run <= 1.25 * estimated,
+            };
+            prop_assert!(is_right, "{estimated} and {run}: {}", declared.text);
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
+use stochc::compiler::Program;
 use stochc::compiler::diagnostic::Code;
 use stochc::ir::table::Tables;
 use stochc::ir::{Cell, Face};
@@ -323,14 +324,22 @@ impl Declared {
     /// # Panics
     /// If the compiler finds anything wrong.
     pub fn tables(&self) -> Tables {
+        // What chance can wall in still keeps to the protocol, in a world that knows no walls.
+        let program = self.program();
+        program.tables.or(program.stuck).unwrap()
+    }
+
+    /// It as the compiler understands it.
+    ///
+    /// # Panics
+    /// If the compiler finds anything wrong.
+    pub fn program(&self) -> Program {
         let mut reader = |_: &str| Ok(self.text.clone().into_bytes());
         let mut checked = stochc::compiler::check("random.sa", &mut reader, Default::default());
         let errors: Vec<_> = (checked.diagnostics.iter())
             .filter(|diagnostic| diagnostic.is_error() && diagnostic.code != Code::SealedCavity)
             .collect();
         assert!(errors.is_empty(), "{}\n{errors:#?}", self.text);
-        // What chance can wall in still keeps to the protocol, in a world that knows no walls.
-        let program = checked.programs.remove(0);
-        program.tables.or(program.stuck).unwrap()
+        checked.programs.remove(0)
     }
 }

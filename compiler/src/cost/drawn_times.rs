@@ -46,7 +46,8 @@ impl DrawnTimes {
         let messages = step.messages.as_deref();
         let mut start = (began, NOBODY);
         for (i, &event) in step.before.iter().enumerate() {
-            let heard = self.ends[event as usize] + messages.map_or(0.0, |it| it.news[i]);
+            let end = self.ends[event as usize];
+            let heard = messages.map_or(end, |it| it.news[i].heard(end, &self.ends));
             if heard >= start.0 {
                 start = (heard, event);
             }

@@ -9,20 +9,46 @@ use stochc_ir::table::RoleId;
 
 use crate::Program;
 use crate::graph::LocatedDependency;
-use crate::plan::{EventId, EventKind};
+use crate::plan::{EventId, EventKind, PlanPhase};
 
 /// A block: the capture that anchored it; `None`: the plate.
 type Block = Option<EventId>;
 
+/// A block by one of its names: the plate has one for each seed, and tells itself what one of them sees and another one waits for.
+type NamedBlock = (RoleId, Block);
+
 /// The messages of an event.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepMessages {
-    /// How long the news takes of each event that is waited for \[tick\].
-    pub news: Vec<f64>,
+    /// The news of each event that is waited for.
+    pub news: Vec<News>,
     /// Of a release: how long the block takes to ask for it.
     pub request: f64,
     /// How long the phase takes to hear that this was the last.
     pub report: f64,
+}
+
+/// The way of news to a block.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct News {
+    /// The hops between blocks that are there \[tick\].
+    delay: f64,
+    /// Then, one after the other, the captures of the phase that anchor the blocks on the way: where nobody has a name yet, news waits
+    /// at the block that will capture it.
+    handed_to: Vec<u32>,
+    /// A hop \[tick\].
+    hop: f64,
+}
+
+impl News {
+    /// When it is heard of what happened at a time; `ends`: when each event happens, those that it waits for at least.
+    pub fn heard(&self, happened: f64, ends: &[f64]) -> f64 {
+        let mut at = happened + self.delay;
+        for &capture in &self.handed_to {
+            at = at.max(ends[capture as usize]) + self.hop;
+        }
+        at
+    }
 }
 
 /// The blocks of a program and the bonds between them.
@@ -31,9 +57,9 @@ pub struct MessageTimes<'a> {
     /// A hop \[tick\].
     hop: f64,
     /// Of each capture: the block that captures; of each release: the one that lets go.
-    parents: Vec<Block>,
+    parents: Vec<NamedBlock>,
     /// Of each event: the block that it is up to.
-    actors: Vec<Block>,
+    actors: Vec<NamedBlock>,
     /// Of each capture: hops from its block to the plate.
     depths: Vec<u32>,
 }
@@ -47,8 +73,8 @@ impl<'a> MessageTimes<'a> {
         let mut times = MessageTimes {
             program,
             hop,
-            parents: vec![None; count],
-            actors: vec![None; count],
+            parents: vec![(RoleId(0), None); count],
+            actors: vec![(RoleId(0), None); count],
             depths: vec![0; count],
         };
         times.look_through();
@@ -75,14 +101,14 @@ impl<'a> MessageTimes<'a> {
                 let anchored = edges.find(|it| *it.weight() == LocatedDependency::Anchored);
                 let since = anchored.map(|edge| graph[edge.source()]);
                 let block = since.or_else(|| held.get(&actor).copied());
-                self.actors[id.0 as usize] = block;
-                self.parents[id.0 as usize] = block;
+                self.actors[id.0 as usize] = (actor, block);
+                self.parents[id.0 as usize] = (actor, block);
             }
             for id in plan.events_of(phase) {
                 if plan.event(id).kind == EventKind::Release {
-                    let on = layout.parents[id.0 as usize];
-                    let parent = on.and_then(|on| self.parents[on.capture.0 as usize]);
-                    self.parents[id.0 as usize] = parent;
+                    if let Some(on) = layout.parents[id.0 as usize] {
+                        self.parents[id.0 as usize] = self.parents[on.capture.0 as usize];
+                    }
                 } else {
                     self.measure(id);
                     held.insert(plan.event(id).role, id);
@@ -97,7 +123,7 @@ impl<'a> MessageTimes<'a> {
         let mut at = Some(block);
         while let Some(id) = at.filter(|id| self.depths[id.0 as usize] == 0) {
             way.push(id);
-            at = self.parents[id.0 as usize];
+            at = self.parent(id);
         }
         let mut depth = self.depth(at);
         for id in way.into_iter().rev() {
@@ -106,54 +132,70 @@ impl<'a> MessageTimes<'a> {
         }
     }
 
+    fn parent(&self, block: EventId) -> Block {
+        self.parents[block.0 as usize].1
+    }
+
     fn depth(&self, block: Block) -> u32 {
         block.map_or(0, |id| self.depths[id.0 as usize])
     }
 
-    /// Hops between two blocks.
-    fn hops(&self, from: Block, to: Block) -> u32 {
+    /// The way from a block to another one, which hears of it in a phase.
+    fn way(&self, from: Block, to: Block, phase: &PlanPhase) -> News {
         let (mut a, mut b) = (from, to);
-        let mut hops = 0;
+        let (mut hops, mut handed_to) = (0, Vec::new());
         while a != b {
-            let deeper = match self.depth(a) >= self.depth(b) {
-                true => &mut a,
-                false => &mut b,
-            };
-            *deeper = deeper.and_then(|id| self.parents[id.0 as usize]);
-            hops += 1;
+            // The deeper one goes up.
+            if let Some(id) = b.filter(|_| self.depth(a) < self.depth(b)) {
+                match phase.events.contains(&id.0) {
+                    true => handed_to.push(id.0),
+                    false => hops += 1,
+                }
+                b = self.parent(id);
+            } else {
+                hops += 1;
+                a = a.and_then(|id| self.parent(id));
+            }
         }
-        hops
+        handed_to.reverse();
+        News {
+            delay: self.hop * f64::from(hops),
+            handed_to,
+            hop: self.hop,
+        }
     }
 
     /// Those of an event, which waits for others for such reasons.
     pub fn of_event(
         &self,
         id: EventId,
+        phase: usize,
         before: impl Iterator<Item = (EventId, LocatedDependency)>,
     ) -> StepMessages {
         let of = |hops: u32| self.hop * f64::from(hops);
+        let phase = &self.program.plan.phases[phase];
         let is_release = self.program.plan.event(id).kind == EventKind::Release;
         StepMessages {
             news: before
-                .map(|(first, why)| of(self.news(first, id, why)))
+                .map(|(first, why)| self.news(first, id, why, phase))
                 .collect(),
             request: of(u32::from(is_release)),
             report: of(self.report(id, is_release)),
         }
     }
 
-    /// Hops from who sees an event to who waits for it.
-    fn news(&self, first: EventId, id: EventId, why: LocatedDependency) -> u32 {
+    /// From who sees an event to who waits for it.
+    fn news(&self, first: EventId, id: EventId, why: LocatedDependency, phase: &PlanPhase) -> News {
         let is_told = matches!(why, LocatedDependency::After(_) | LocatedDependency::Freed);
         let actor = self.actors[id.0 as usize];
         let witness = self.parents[first.0 as usize];
         // A block sees what happens at its faces, and knows of its own anchoring.
-        if !is_told || actor == witness || actor == Some(first) {
-            return 0;
+        if !is_told || actor == witness || actor.1 == Some(first) {
+            return News::default();
         }
         match self.program.plan.event(first).kind {
-            EventKind::Capture { .. } => self.hops(Some(first), actor),
-            EventKind::Release => self.hops(witness, actor),
+            EventKind::Capture { .. } => self.way(Some(first), actor.1, phase),
+            EventKind::Release => self.way(witness.1, actor.1, phase),
         }
     }
 
@@ -169,7 +211,7 @@ impl<'a> MessageTimes<'a> {
             return 0;
         }
         match is_release {
-            true => self.depth(self.parents[id.0 as usize]),
+            true => self.depth(self.parent(id)),
             false => self.depth(Some(id)),
         }
     }

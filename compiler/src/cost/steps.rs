@@ -53,7 +53,7 @@ pub fn steps(program: &Program, order: &Order) -> Vec<Vec<Step>> {
         let messages = (messages.as_ref()).filter(|_| !phases[phase].planted);
         steps[phase].push(Step {
             event: id.0,
-            messages: messages.map(|it| Box::new(it.of_event(id, before.iter().copied()))),
+            messages: messages.map(|it| Box::new(it.of_event(id, phase, before.iter().copied()))),
             before: before.into_iter().map(|(event, _)| event.0).collect(),
         });
     }
