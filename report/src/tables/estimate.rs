@@ -82,13 +82,16 @@ pub fn left_out(interaction: Interaction) -> String {
     )
 }
 
+/// A figure of times, and half of its interval.
+type Figure = (Option<f64>, Option<f64>);
+
 fn times(estimate: &CompletionEstimate) -> TextTable {
     let total = std::iter::once((format!("{}, ticks", estimate.program), estimate.total));
     // A program of one phase is that phase.
     let phases = estimate.phases.iter().filter(|_| estimate.phases.len() > 1);
     let phases = phases.map(|phase| (format!("  {}", phase.name), phase.times));
     let rows: Vec<(String, Option<Times>)> = total.chain(phases).collect();
-    let column = |header: &str, value: &dyn Fn(&Times) -> (Option<f64>, Option<f64>)| {
+    let column = |header: &str, value: &dyn Fn(&Times) -> Figure| {
         let cell = |times: &Option<Times>| match times.as_ref().map(value) {
             None => "?".to_owned(),
             Some((None, _)) => "-".to_owned(),
