@@ -11,6 +11,9 @@ use crate::Program;
 use crate::graph::LocatedDependency;
 use crate::plan::{EventId, EventKind, PlanPhase};
 
+/// Of news for the top of a tower that is captured meanwhile, blocks that it may have to wait for: those below stand for long.
+const MOST_HANDED: usize = 64;
+
 /// A block: the capture that anchored it; `None`: the plate.
 type Block = Option<EventId>;
 
@@ -33,8 +36,8 @@ pub struct StepMessages {
 pub struct News {
     /// The hops between blocks that are there \[tick\].
     delay: f64,
-    /// Then, one after the other, the captures of the phase that anchor the blocks on the way: where nobody has a name yet, news waits
-    /// at the block that will capture it.
+    /// Then, one after the other, the captures of the phase that anchor the last blocks on the way, [`MOST_HANDED`] at most: where
+    /// nobody has a name yet, news waits at the block that will capture it.
     handed_to: Vec<u32>,
     /// A hop \[tick\].
     hop: f64,
@@ -62,6 +65,9 @@ pub struct MessageTimes<'a> {
     actors: Vec<NamedBlock>,
     /// Of each capture: hops from its block to the plate.
     depths: Vec<u32>,
+    /// Of each capture: a block far below its own, so that two blocks find the one they both hang on in the logarithm of their
+    /// depth (E. W. Myers, Information Processing Letters 17 (1983), 241-248).
+    jumps: Vec<Block>,
 }
 
 impl<'a> MessageTimes<'a> {
@@ -76,6 +82,7 @@ impl<'a> MessageTimes<'a> {
             parents: vec![(RoleId(0), None); count],
             actors: vec![(RoleId(0), None); count],
             depths: vec![0; count],
+            jumps: vec![None; count],
         };
         times.look_through();
         Some(times).filter(|_| hop > 0.0)
@@ -125,11 +132,46 @@ impl<'a> MessageTimes<'a> {
             way.push(id);
             at = self.parent(id);
         }
-        let mut depth = self.depth(at);
         for id in way.into_iter().rev() {
-            depth += 1;
-            self.depths[id.0 as usize] = depth;
+            let parent = self.parent(id);
+            let (jump, further) = (self.jump(parent), self.jump(self.jump(parent)));
+            let [near, middle, far] = [parent, jump, further].map(|it| self.depth(it));
+            self.depths[id.0 as usize] = near + 1;
+            self.jumps[id.0 as usize] = match near - middle == middle - far {
+                true => further,
+                false => parent,
+            };
         }
+    }
+
+    /// The block that two blocks hang on, or one of them.
+    fn common(&self, mut a: Block, mut b: Block) -> Block {
+        if self.depth(a) < self.depth(b) {
+            (a, b) = (b, a);
+        }
+        while self.depth(a) > self.depth(b) {
+            let jump = self.jump(a);
+            a = match self.depth(jump) >= self.depth(b) {
+                true => jump,
+                false => self.below(a),
+            };
+        }
+        while a != b {
+            (a, b) = match self.jump(a) == self.jump(b) {
+                true => (self.below(a), self.below(b)),
+                false => (self.jump(a), self.jump(b)),
+            };
+        }
+        a
+    }
+
+    /// Of the plate: the plate.
+    fn jump(&self, block: Block) -> Block {
+        block.and_then(|id| self.jumps[id.0 as usize])
+    }
+
+    fn below(&self, block: Block) -> Block {
+        block.and_then(|id| self.parent(id))
     }
 
     fn parent(&self, block: EventId) -> Block {
@@ -142,24 +184,17 @@ impl<'a> MessageTimes<'a> {
 
     /// The way from a block to another one, which hears of it in a phase.
     fn way(&self, from: Block, to: Block, phase: &PlanPhase) -> News {
-        let (mut a, mut b) = (from, to);
-        let (mut hops, mut handed_to) = (0, Vec::new());
-        while a != b {
-            // The deeper one goes up.
-            if let Some(id) = b.filter(|_| self.depth(a) < self.depth(b)) {
-                match phase.events.contains(&id.0) {
-                    true => handed_to.push(id.0),
-                    false => hops += 1,
-                }
-                b = self.parent(id);
-            } else {
-                hops += 1;
-                a = a.and_then(|id| self.parent(id));
-            }
-        }
+        let common = self.common(from, to);
+        let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);
+        let on_the_way = std::iter::successors(to, |&id| self.parent(id));
+        let mut handed_to: Vec<u32> = on_the_way
+            .take_while(|&id| Some(id) != common && phase.events.contains(&id.0))
+            .take(MOST_HANDED)
+            .map(|id| id.0)
+            .collect();
         handed_to.reverse();
         News {
-            delay: self.hop * f64::from(hops),
+            delay: self.hop * (f64::from(hops) - handed_to.len() as f64),
             handed_to,
             hop: self.hop,
         }
