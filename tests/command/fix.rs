@@ -71,6 +71,10 @@ fn a_dry_run_writes_nothing() {
 fn the_mark_and_the_ends_of_lines_stay() {
     let windows = format!("\u{feff}{}", WRONG.replace('\n', "\r\n"));
     let (_folder, file) = file(windows.as_bytes());
+    // For people, where findings are for programs.
+    let shown = stochc_with("check --fix --dry-run --format json", &[&file]);
+    assert!(!shown.err.contains("U+000D"), "{}", shown.err);
+    assert!(shown.err.contains("\n-    phaze p"), "{}", shown.err);
     assert_eq!(stochc_with("check --fix", &[&file]).status, 0);
     let right = format!("\u{feff}{}", RIGHT.replace('\n', "\r\n"));
     assert_eq!(fs::read_to_string(&file).unwrap(), right);

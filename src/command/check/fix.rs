@@ -37,7 +37,8 @@ pub fn run(
     if alone {
         print(&diff)?;
     } else {
-        warn(&diff);
+        // Nobody feeds it to `patch` there, and the ends of lines say nothing.
+        warn(&diff.replace("\r\n", "\n"));
     }
     let changes = counted(fixed.changes, "change");
     if options.dry_run {
