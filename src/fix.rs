@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use similar::TextDiff;
 use stochc_compiler::{self as compiler, Checked, Limits, LintLevels};
 use stochc_files::{atomic, programs};
+use stochc_grammar::BYTE_ORDER_MARK;
 use stochc_ir::visible;
 
 use crate::reader::DiskReader;
@@ -23,9 +24,6 @@ pub struct FixedFile {
     pub before: Checked,
 }
 
-/// The mark of the byte order, which the compiler passes over.
-const MARK: &[u8] = "\u{feff}".as_bytes();
-
 /// Works out all safe changes of a file, which may also import from these folders; those of files that it imports are left
 /// to them.
 ///
@@ -39,8 +37,10 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed
         changes,
         before,
     } = compiler::fix(path, &mut reader, Limits::default(), levels);
-    let mark = if original.starts_with(MARK) {
-        MARK
+    // The compiler passes over it.
+    let mark = BYTE_ORDER_MARK.as_bytes();
+    let mark = if original.starts_with(mark) {
+        mark
     } else {
         b""
     };

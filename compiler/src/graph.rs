@@ -1,5 +1,7 @@
 //! The dependency graph: what has to happen before what.
+use petgraph::Direction::Incoming;
 use petgraph::graph::{DiGraph, NodeIndex};
+use petgraph::visit::EdgeRef as _;
 use stochc_grammar::{Cancellation, Cancelled};
 
 use crate::SourceLocation;
@@ -41,6 +43,18 @@ impl LocatedDependency {
     pub fn is_choice(self) -> bool {
         stochc_ir::graph::Dependency::from(self).is_choice()
     }
+
+    /// Whether a block that has not seen the other event has to be told of it.
+    pub fn is_told(self) -> bool {
+        matches!(self, LocatedDependency::After(_) | LocatedDependency::Freed)
+    }
+}
+
+/// The capture of the same phase that anchors the block that an event is up to; `None`: it is there before.
+pub(crate) fn anchored_by(graph: &DependencyGraph, id: EventId) -> Option<EventId> {
+    let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
+    let anchored = edges.find(|edge| *edge.weight() == LocatedDependency::Anchored);
+    anchored.map(|edge| graph[edge.source()])
 }
 
 /// Builds the graph of a program whose blocks magnetize `faces` faces at a time.

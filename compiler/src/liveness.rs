@@ -63,13 +63,10 @@ impl Holder {
 impl Liveness {
     /// The block that an event is up to: the one that captures, or the one that asks to be let go.
     pub fn actor(&self, plan: &ProgramPlan, id: EventId) -> Holder {
-        let event = plan.event(id);
-        let role = match event.kind {
-            EventKind::Capture { parent, .. } => parent,
-            EventKind::Release => event.role,
-        };
-        let since = self.contexts[id.0 as usize].anchored_by;
-        Holder { role, since }
+        Holder {
+            role: plan.actor(id),
+            since: self.contexts[id.0 as usize].anchored_by,
+        }
     }
 }
 

@@ -1,7 +1,9 @@
 //! A file and everything it imports, parsed.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Tree};
-use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable};
+use stochc_grammar::{
+    BYTE_ORDER_MARK, Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable,
+};
 use stochc_ir::visible;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, removal, report};
@@ -278,8 +280,8 @@ impl Loader<'_> {
 
 /// The text of a file without the mark of the byte order, and where it is none.
 fn decode(mut bytes: Vec<u8>) -> (String, Option<usize>) {
-    if bytes.starts_with("\u{feff}".as_bytes()) {
-        bytes.drain(.."\u{feff}".len());
+    if bytes.starts_with(BYTE_ORDER_MARK.as_bytes()) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
     }
     match String::from_utf8(bytes) {
         Ok(text) => (text, None),

@@ -198,12 +198,7 @@ impl Lowering<'_> {
         let node = NodeIndex::new(id.0 as usize);
         let witness = self.witness(id);
         let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
-            .filter(|edge| {
-                matches!(
-                    edge.weight(),
-                    LocatedDependency::After(_) | LocatedDependency::Freed
-                )
-            })
+            .filter(|edge| edge.weight().is_told())
             .map(|edge| self.liveness.actor(self.plan, self.graph[edge.target()]))
             // A block knows of its own anchoring.
             .filter(|actor| *actor != witness && actor.since != Some(id))

@@ -344,6 +344,15 @@ impl ProgramPlan {
         &self.events[id.0 as usize]
     }
 
+    /// The name of the block that an event is up to: the one that captures, or the one that asks to be let go.
+    pub(crate) fn actor(&self, id: EventId) -> RoleId {
+        let event = self.event(id);
+        match event.kind {
+            EventKind::Capture { parent, .. } => parent,
+            EventKind::Release => event.role,
+        }
+    }
+
     /// The events of a phase, by number.
     pub fn events_of(&self, phase: &PlanPhase) -> impl Iterator<Item = EventId> + use<> {
         phase.events.clone().map(EventId)

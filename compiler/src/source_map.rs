@@ -1,14 +1,11 @@
 //! From a place of the text to the blocks that are meant there, and what becomes of them.
-use petgraph::Direction::Incoming;
-use petgraph::graph::NodeIndex;
-use petgraph::visit::EdgeRef as _;
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::table::RoleId;
 
 use crate::expand::{ExpansionBounds, Limits, Probe, expand_probed};
-use crate::graph::LocatedDependency;
+use crate::graph::anchored_by;
 use crate::names::{Keep, Names};
 use crate::plan::{EventId, EventKind};
 use crate::program::declarations;
@@ -131,12 +128,9 @@ impl<'a> Ancestry<'a> {
 
     /// The capture that anchored the parent of another one: in the same phase, or the last before.
     fn anchoring(&self, capture: EventId, parent: RoleId) -> Option<EventId> {
-        let graph = &self.program.graph;
-        let node = NodeIndex::new(capture.0 as usize);
-        let here = (graph.edges_directed(node, Incoming))
-            .find(|edge| *edge.weight() == LocatedDependency::Anchored);
-        if let Some(edge) = here {
-            return Some(graph[edge.source()]);
+        let here = anchored_by(&self.program.graph, capture);
+        if here.is_some() {
+            return here;
         }
         let plan = &self.program.plan;
         let start = plan.phases[plan.phase_of(capture)?].events.start;

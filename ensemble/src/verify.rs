@@ -63,13 +63,13 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     };
     report(MANIFEST, Integrity::of(damage, checksums.knows(MANIFEST)));
     let known = checksums.names().filter(|it| *it != MANIFEST);
+    let by_checksum = |name: &str| {
+        let damage = checksums.damage(path, name, name == JOURNAL);
+        Integrity::of(damage.into_iter().collect(), true)
+    };
     let Ok(manifest) = manifest else {
-        // Only their checksums can be held against them.
-        for name in known {
-            let grows = name == JOURNAL;
-            let damage = checksums.damage(path, name, grows).into_iter().collect();
-            report(name, Integrity::of(damage, true));
-        }
+        // Nothing else can be held against them.
+        known.for_each(|name| report(name, by_checksum(name)));
         return Ok(files);
     };
     let mut finished = Records::default();
@@ -92,8 +92,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         report(JOURNAL, health);
     }
     for name in known.filter(|it| *it != JOURNAL) {
-        let damage = checksums.damage(path, name, false).into_iter().collect();
-        report(name, Integrity::of(damage, true));
+        report(name, by_checksum(name));
     }
     let cut = Cut::read(path).ok().flatten();
     if let Some(cut) = &cut {

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use gen_lsp_types::{Position, TextDocumentContentChangeEvent as Change};
 use ropey::Rope;
 use stochc_files as files;
+use stochc_grammar::BYTE_ORDER_MARK;
 
 use super::position::Encoding;
 use super::uri;
@@ -29,15 +30,12 @@ impl Document {
     /// character, is as much space.
     pub fn program_text(&self, encoding: Encoding) -> String {
         let text = self.text.to_string();
-        match text.strip_prefix(MARK) {
-            Some(rest) => " ".repeat(encoding.width(MARK)) + rest,
+        match text.strip_prefix(BYTE_ORDER_MARK) {
+            Some(rest) => " ".repeat(encoding.width(BYTE_ORDER_MARK)) + rest,
             None => text,
         }
     }
 }
-
-/// The mark of the byte order.
-const MARK: char = '\u{feff}';
 
 impl Documents {
     fn all(&self) -> MutexGuard<'_, BTreeMap<String, Document>> {

@@ -15,11 +15,11 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// What a character counts for.
-    pub fn width(self, character: char) -> usize {
+    /// What a text counts for.
+    pub fn width(self, text: &str) -> usize {
         match self {
-            Encoding::Utf8 => character.len_utf8(),
-            Encoding::Utf16 => character.len_utf16(),
+            Encoding::Utf8 => text.len(),
+            Encoding::Utf16 => text.chars().map(char::len_utf16).sum(),
         }
     }
 }
@@ -59,7 +59,7 @@ impl<'t> LineIndex<'t> {
         }
         let line = self.starts.partition_point(|&start| start <= at) - 1;
         let before = &self.text[self.starts[line]..at];
-        let character: usize = before.chars().map(|it| self.encoding.width(it)).sum();
+        let character = self.encoding.width(before);
         Position {
             line: line as u32,
             character: character as u32,
@@ -85,7 +85,7 @@ impl<'t> LineIndex<'t> {
         let content = self.text[start..end].trim_end_matches(['\n', '\r']);
         let mut left = position.character as usize;
         for (i, c) in content.char_indices() {
-            let width = self.encoding.width(c);
+            let width = self.encoding.width(&content[i..i + c.len_utf8()]);
             if left < width {
                 return start + i;
             }

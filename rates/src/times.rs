@@ -45,9 +45,7 @@ impl Times {
             p90_half_width: cases.half_width(0.9),
         })
     }
-}
 
-impl Times {
     /// As part of a sentence.
     pub fn in_words(&self) -> String {
         if let (Some(mean), Some(p10), Some(p90)) = (self.mean, self.p10, self.p90) {

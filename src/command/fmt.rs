@@ -7,7 +7,7 @@ use stochc_compiler::Sources;
 use stochc_compiler::diagnostic::{Diagnostic, Renderer};
 use stochc_files::atomic::replace_text;
 use stochc_files::programs::{STDIN_NAME, programs, read};
-use stochc_grammar::{FormatError, format};
+use stochc_grammar::{BYTE_ORDER_MARK, FormatError, format};
 use stochc_ir::visible;
 
 use super::terminal::{exit_of, has_colour, message_width, print};
@@ -45,8 +45,7 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
         }
         Err(reason) => return Err(Failure::usage(format!("cannot read `{file}`: {reason}"))),
     };
-    // The mark of the byte order says nothing in UTF-8, and is dropped.
-    let bare = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let bare = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text);
     let laid_out = match format(bare) {
         Ok(laid_out) => laid_out,
         Err(error) => return Err(refused(file, bare, error)),

@@ -156,7 +156,7 @@ impl Client {
     pub fn leave(mut self) -> i32 {
         assert_eq!(self.ask("shutdown", Value::Null)["result"], Value::Null);
         self.notify("exit", Value::Null);
-        self.child.wait().unwrap().code().unwrap()
+        self.ended()
     }
 
     /// Waits until the server ends by itself; the exit status.
@@ -167,7 +167,7 @@ impl Client {
     /// Hangs up; the exit status.
     pub fn hang_up(mut self) -> i32 {
         self.input = None;
-        self.child.wait().unwrap().code().unwrap()
+        self.ended()
     }
 }
 

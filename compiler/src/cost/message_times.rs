@@ -1,14 +1,13 @@
 //! How long the messages take that the order of a program needs: news between blocks, requests to be let go, reports to the plate.
 //! They go along the bonds, hop by hop, and who sends which is what [lowering](crate::lower) writes into the tables.
-use petgraph::Direction::{Incoming, Outgoing};
+use petgraph::Direction::Outgoing;
 use petgraph::graph::NodeIndex;
-use petgraph::visit::EdgeRef;
 use rustc_hash::FxHashMap;
 use stochc_ir::scene::Messages;
 use stochc_ir::table::RoleId;
 
 use crate::Program;
-use crate::graph::LocatedDependency;
+use crate::graph::{LocatedDependency, anchored_by};
 use crate::plan::{EventId, EventKind, PlanPhase};
 
 /// Of news for the top of a tower that is captured meanwhile, blocks that it may have to wait for: those below stand for long.
@@ -74,7 +73,7 @@ impl<'a> MessageTimes<'a> {
     /// `None`: messages take no time in the scene.
     pub fn of(program: &'a Program) -> Option<MessageTimes<'a>> {
         let messages = program.scene.as_ref()?.messages.as_ref()?;
-        let hop = mean_hop(messages);
+        let hop = Some(mean_hop(messages)).filter(|hop| *hop > 0.0)?;
         let count = program.plan.events.len();
         let mut times = MessageTimes {
             program,
@@ -85,7 +84,7 @@ impl<'a> MessageTimes<'a> {
             jumps: vec![None; count],
         };
         times.look_through();
-        Some(times).filter(|_| hop > 0.0)
+        Some(times)
     }
 
     /// Finds out who hangs on whom, phase by phase.
@@ -99,15 +98,8 @@ impl<'a> MessageTimes<'a> {
         let mut held: FxHashMap<RoleId, EventId> = FxHashMap::default();
         for phase in &plan.phases {
             for id in plan.events_of(phase) {
-                let event = plan.event(id);
-                let actor = match event.kind {
-                    EventKind::Capture { parent, .. } => parent,
-                    EventKind::Release => event.role,
-                };
-                let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
-                let anchored = edges.find(|it| *it.weight() == LocatedDependency::Anchored);
-                let since = anchored.map(|edge| graph[edge.source()]);
-                let block = since.or_else(|| held.get(&actor).copied());
+                let actor = plan.actor(id);
+                let block = anchored_by(graph, id).or_else(|| held.get(&actor).copied());
                 self.actors[id.0 as usize] = (actor, block);
                 self.parents[id.0 as usize] = (actor, block);
             }
@@ -221,11 +213,10 @@ impl<'a> MessageTimes<'a> {
 
     /// From who sees an event to who waits for it.
     fn news(&self, first: EventId, id: EventId, why: LocatedDependency, phase: &PlanPhase) -> News {
-        let is_told = matches!(why, LocatedDependency::After(_) | LocatedDependency::Freed);
         let actor = self.actors[id.0 as usize];
         let witness = self.parents[first.0 as usize];
         // A block sees what happens at its faces, and knows of its own anchoring.
-        if !is_told || actor == witness || actor.1 == Some(first) {
+        if !why.is_told() || actor == witness || actor.1 == Some(first) {
             return News::default();
         }
         match self.program.plan.event(first).kind {

@@ -1,6 +1,7 @@
 //! The grammar's errors as findings.
 use stochc_grammar::{
-    MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError, SyntaxErrorKind as K,
+    BYTE_ORDER_MARK, MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError,
+    SyntaxErrorKind as K,
 };
 
 use super::syntax_hints::{SyntaxHint, spelt};
@@ -138,10 +139,10 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
         expected,
         ..
     } = hint;
-    if found.starts_with('\u{feff}') {
+    if found.starts_with(BYTE_ORDER_MARK) {
         let start = location.span.start;
         let mark = SourceLocation {
-            span: Span::new(start, start + '\u{feff}'.len_utf8() as u32),
+            span: Span::new(start, start + BYTE_ORDER_MARK.len() as u32),
             ..location
         };
         return Diagnostic::new(Code::Syntax, "a byte-order mark")

@@ -56,10 +56,11 @@ pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relativ
 impl MeanEstimate {
     fn of(values: &[f64], unseen: f64) -> Option<MeanEstimate> {
         let summary = Summary::of(values)?;
-        let by_spread = |sd| sd / (summary.n as f64).sqrt();
         Some(MeanEstimate {
             mean: summary.mean,
-            error: summary.sd.map(|sd| by_spread(sd).hypot(unseen)),
+            error: summary
+                .sd
+                .map(|sd| (sd / (summary.n as f64).sqrt()).hypot(unseen)),
             freedom: (summary.n - 1) as f64,
         })
     }

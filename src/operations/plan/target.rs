@@ -6,7 +6,7 @@ use stochc_compiler::diagnostic::{Code, Severity};
 use stochc_files::budget::VOXELS;
 use stochc_files::programs::not_a_file;
 use stochc_files::read_file;
-use stochc_grammar::Symbols;
+use stochc_grammar::{BYTE_ORDER_MARK, Symbols};
 use stochc_ir::Cell;
 use stochc_planner::{UnreadableVoxels, layers, magica_voxel};
 
@@ -23,10 +23,9 @@ pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure>
         Some("vox") => voxels(options, magica_voxel),
         Some("txt") => voxels(options, |bytes| {
             let text = std::str::from_utf8(bytes);
-            // Some editors begin a text with a mark of its encoding.
             text.map_or_else(
                 |_| layers("?"),
-                |text| layers(text.strip_prefix('\u{feff}').unwrap_or(text)),
+                |text| layers(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)),
             )
         }),
         _ => program(options, host),
