@@ -101,6 +101,7 @@ impl SyntaxHint<'_> {
                 "a name has the letters `a` to `z` and `A` to `Z`, digits and `_`"
             }
             ";" => "remove it: nothing stands between two statements",
+            "/" if self.is_one_over() => "one over a unit is written `s^-1`",
             "/" => "a comment runs from `//` to the end of its line",
             "#" if !self.is_row() => "a comment runs from `//` to the end of its line",
             "///" => "a comment that belongs to nothing begins with `//`",
@@ -185,7 +186,7 @@ impl SyntaxHint<'_> {
                 });
                 fix
             }
-            "/" if self.begins_statement() => {
+            "/" if self.begins_statement() && !self.is_one_over() => {
                 Fix::replace(here(1), "//", "begin the comment with `//`")
             }
             "///" => Fix::replace(here(3), "//", "make it a free comment with `//`"),
@@ -285,6 +286,12 @@ impl SyntaxHint<'_> {
     /// Whether a whole statement could have begun here.
     fn begins_statement(&self) -> bool {
         self.expects("`}`") || self.expects("`assembly`")
+    }
+
+    /// Whether this is the stroke of `1/s`.
+    fn is_one_over(&self) -> bool {
+        let behind = &self.text[self.location.span.end as usize..];
+        self.before().ends_with(" 1") && behind.starts_with(|c: char| c.is_ascii_lowercase())
     }
 
     fn before(&self) -> &str {

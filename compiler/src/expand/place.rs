@@ -163,7 +163,12 @@ impl Expander<'_, '_> {
         let meant = face_meant(wanted).or_else(|| nearest(wanted, faces));
         let is_block = self.plan.roles.get(&key).is_some()
             || matches!(self.value(segment.name), Some(BoundValue::Block(_)));
-        let diagnostic = if !ranged && next.index.is_none() && (is_block || meant.is_some()) {
+        let is_face = !ranged && next.index.is_none() && (is_block || meant.is_some());
+        if let (true, Some(value)) = (is_face, self.value(next.name)) {
+            self.wrong_kind(next.name, value, ValueKind::Face);
+            return None;
+        }
+        let diagnostic = if is_face {
             Diagnostic::new(
                 Code::UnknownName,
                 format!("`{wanted}` is no face of `{word}`"),

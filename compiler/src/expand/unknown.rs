@@ -26,7 +26,10 @@ impl Expander<'_, '_> {
         };
         let mut diagnostic = Diagnostic::new(Code::WrongKind, title)
             .label(self.location(named.span), label)
-            .help("blocks, numbers and parameters need different names");
+            .help(match needed {
+                ValueKind::Face => "a face is one of up, down, north, south, east and west",
+                _ => "blocks, numbers and parameters need different names",
+            });
         let definition = self.names.definition(self.file, named.span);
         let known = definition.and_then(|definition| self.scope.get(named.symbol, definition));
         if let Some((_, location)) = known {
