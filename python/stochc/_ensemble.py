@@ -32,6 +32,8 @@ def _listed(
         each = list(programs)
     else:
         raise TypeError(f"programs: give programs, texts or paths, not {told(programs)}")
+    if not each:
+        raise UsageError("programs: give one at least")
     found: list[_native.Program] = []
     for it in each:
         if isinstance(it, Program):

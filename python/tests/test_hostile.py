@@ -82,6 +82,12 @@ def test_strange_arguments(call: Any) -> None:
             assert str(error), value
 
 
+@pytest.mark.parametrize("call", [stochc.simulate, stochc.trade, stochc.estimate])
+def test_no_programs_are_refused(call: Any) -> None:
+    with pytest.raises(stochc.UsageError, match="programs: give one at least"):
+        call([])
+
+
 def test_messages_say_the_way_out(tmp_path: Path) -> None:
     for wrong, said in [
         ({"runs": 0}, "runs: give a whole number from 1 to 10000000, not 0"),
