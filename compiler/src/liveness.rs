@@ -177,7 +177,7 @@ impl Checker<'_> {
             if is_full(self.diagnostics, Severity::Warning) {
                 break;
             }
-            if !used && !self.doubtful.contains(&key.word) {
+            if !used && !self.is_doubtful_word(key.word) {
                 let name = self.plan.roles.name(seed.role, self.symbols);
                 let mut diagnostic =
                     Diagnostic::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
@@ -471,8 +471,12 @@ impl Checker<'_> {
         let key = self.plan.roles.key(role);
         let mut scopes =
             std::iter::successors(Some(key.scope), |&scope| self.plan.roles.outer(scope));
-        self.doubtful.contains(&key.word)
+        self.is_doubtful_word(key.word)
             || scopes.any(|scope| self.grown(scope).is_some_and(|grown| grown.is_doubtful))
+    }
+
+    fn is_doubtful_word(&self, word: Symbol) -> bool {
+        self.doubtful.contains(&word) || self.plan.doubtful.contains(&word)
     }
 
     fn grown(&self, scope: u32) -> Option<PatternInstance> {

@@ -1,5 +1,5 @@
 //! A program with its patterns and loops written out: a flat list of captures and releases.
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::Quantity;
 use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::graph::EventAction;
@@ -35,6 +35,8 @@ pub struct ProgramPlan {
     pub aggregate: Option<u32>,
     /// The instances of patterns, by their scope: that of [`NameKey::scope`] 1 comes first.
     pub grown: Vec<PatternInstance>,
+    /// The words of blocks and instances that may be missing, because a statement could not be worked out.
+    pub doubtful: FxHashSet<Symbol>,
 }
 
 impl ProgramPlan {
@@ -253,6 +255,13 @@ impl Roles {
         }
         path.reverse();
         path
+    }
+
+    /// The pattern of which an instance without a name holds a role, so that nothing in the program can name that.
+    pub fn nameless<'s>(&self, role: RoleId, symbols: &'s Symbols) -> Option<&'s str> {
+        let path = self.path(role).into_iter();
+        let mut patterns = path.filter_map(|key| symbols.word(key.word).split_once('#'));
+        patterns.next().map(|(pattern, _)| pattern)
     }
 
     /// The scope of an instance, new or known.

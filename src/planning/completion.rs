@@ -88,7 +88,15 @@ impl Completion {
         let untrue = untrue_claims(checked).ok_or(NotCompleted::Wrong)?;
         let claim = unbuilt(checked, shape)?;
         let (program, symbols) = (claim.program, &checked.symbols);
-        let there = claim.there.clone();
+        let mut there = claim.there.clone();
+        // What has no name that can be written captures nothing.
+        let mut nameless = None;
+        for (block, role) in &mut there {
+            if let Some(pattern) = program.plan.roles.nameless(*role, symbols) {
+                block.can_capture = false;
+                nameless = Some(pattern);
+            }
+        }
         let wanted: BTreeSet<Cell> = claim.cells.iter().copied().collect();
         let surplus = there
             .iter()
@@ -125,7 +133,12 @@ impl Completion {
             ),
             hardware.free,
         );
-        let mut target = target.map_err(NotCompleted::Impossible)?;
+        let mut target = target.map_err(|error| match (&error, nameless) {
+            (TargetError::Loose(_), Some(pattern)) => NotCompleted::Refused(format!(
+                "what stands has no name by which it could hold the rest: name the instances of `{pattern}`, such as `{pattern}(A) as a`"
+            )),
+            _ => NotCompleted::Impossible(error),
+        })?;
         let phases = &program.plan.phases;
         let phase = claim.phase + usize::from(!claim.fills_phase());
         if phases[..phase]

@@ -224,6 +224,15 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
     assert!(first.contains("phase p { yields arch }"), "{first}");
     let wrong = PART.replace("L.up", "Q.up");
     assert!(matches!(completed(&wrong), Err(NotCompleted::Wrong)));
+    // A block of an instance without a name can hold nothing that the program could write.
+    let anonymous = "pattern tower(base) { base.up ->> T[1..2] }\nshape mast { layer 1..4 { # } }\n\
+         assembly part { seed plate 1 x 1 { A at (0, 0) }\n phase one { tower(A) }\n phase rest { yields mast } }\n";
+    assert_eq!(
+        error(anonymous),
+        "what stands has no name by which it could hold the rest: name the instances of `tower`, such as `tower(A) as a`"
+    );
+    let named = completed(&anonymous.replace("tower(A)", "tower(A) as a")).unwrap();
+    assert!(named.text.contains("a.T[2].up"), "{}", named.text);
     let floating = PART
         .replace("R at (2, 0)\n", "")
         .replace("B[1..3]", "B[1..2]");

@@ -3,6 +3,7 @@ mod aggregate;
 mod arguments;
 mod arithmetic;
 mod declared_items;
+mod doubt;
 mod place;
 mod probe;
 mod scope;
@@ -310,6 +311,7 @@ impl<'a, 'f> Expander<'a, 'f> {
                 afters: Vec::new(),
                 aggregate: None,
                 grown: Vec::new(),
+                doubtful: Default::default(),
             },
             declared: declarations.declared.clone(),
             names: declarations.names,
@@ -525,7 +527,7 @@ impl<'a> Expander<'a, '_> {
         }
         let location = self.location(phase.name.span);
         let Some(name) = self.single_key(&phase.name) else {
-            return;
+            return self.doubt_all(&phase.body);
         };
         let name = self.plan.roles.name_of(name, self.symbols);
         if let Some(&old) = self.phase_sites.get(&name) {

@@ -148,14 +148,24 @@ impl Expander<'_, '_> {
     /// The inside of a named instance, of which `next` is spoken.
     fn instance_scope(&mut self, scope: u32, segment: &Segment, next: &Segment) -> Option<u32> {
         let (keys, ranged) = self.keys(scope, segment)?;
+        if ranged {
+            let diagnostic = Diagnostic::new(Code::RangeMisused, "a range of instances")
+                .label(
+                    self.location(segment.name.span),
+                    "one instance is needed here",
+                )
+                .help("go through the instances with a loop");
+            self.diagnostics.push(self.in_instance(diagnostic));
+            return None;
+        }
         let key = keys.first()?;
         // Nothing is known of what has only been counted.
         let found = match self.pass {
             Pass::Writing => self.plan.roles.scope(&key),
             Pass::Counting => Some(scope),
         };
-        if let (Some(inside), false) = (found, ranged) {
-            return Some(inside);
+        if found.is_some() {
+            return found;
         }
         let word = self.symbols.word(segment.name.symbol);
         let faces = Face::ALL.map(Face::word);
@@ -163,7 +173,7 @@ impl Expander<'_, '_> {
         let meant = face_meant(wanted).or_else(|| nearest(wanted, faces));
         let is_block = self.plan.roles.get(&key).is_some()
             || matches!(self.value(segment.name), Some(BoundValue::Block(_)));
-        let is_face = !ranged && next.index.is_none() && (is_block || meant.is_some());
+        let is_face = next.index.is_none() && (is_block || meant.is_some());
         if let (true, Some(value)) = (is_face, self.value(next.name)) {
             self.wrong_kind(next.name, value, ValueKind::Face);
             return None;
@@ -177,13 +187,8 @@ impl Expander<'_, '_> {
             .suggest(self.location(next.name.span), meant, || {
                 "the faces are up, down, north, south, east and west".to_owned()
             })
-        } else if ranged {
-            Diagnostic::new(Code::RangeMisused, "a range of instances")
-                .label(
-                    self.location(segment.name.span),
-                    "one instance is needed here",
-                )
-                .help("go through the instances with a loop")
+        } else if self.plan.doubtful.contains(&key.word) {
+            return None;
         } else if let Some(diagnostic) = self.instance_around(key, segment) {
             diagnostic
         } else {

@@ -105,7 +105,7 @@ impl<'a> Expander<'a, '_> {
         let key = self.single_key(&seat.place);
         let (x, y) = (self.evaluate(&seat.at.0), self.evaluate(&seat.at.1));
         let (Some(key), Some(x), Some(y)) = (key, x, y) else {
-            return;
+            return self.doubt(&seat.place);
         };
         self.probe
             .note(self.file, &seat.place.path, [key].into_iter());

@@ -29,14 +29,18 @@ impl<'a> Expander<'a, '_> {
                     let child = self.single(&link.place);
                     let used = self.face(parent, face, parent_place);
                     let role = child.map(|(key, _)| self.role(key));
-                    if let (Some(parent), Some(face), Some(child)) = (parent, used, role) {
-                        self.capture(parent, face, child, location);
+                    match (parent, used, role) {
+                        (Some(parent), Some(face), Some(child)) => {
+                            self.capture(parent, face, child, location);
+                        }
+                        _ => self.doubt(&link.place),
                     }
                     parent = role;
                     face = child.and_then(|(_, face)| face);
                 }
                 Arrow::Row => {
                     let Some(blocks) = self.place(&link.place) else {
+                        self.doubt(&link.place);
                         parent = None;
                         face = None;
                         continue;
@@ -50,6 +54,9 @@ impl<'a> Expander<'a, '_> {
                         self.diagnostics.push(diagnostic);
                     }
                     let used = self.face(parent, face, parent_place);
+                    if parent.is_none() || used.is_none() {
+                        self.doubt(&link.place);
+                    }
                     for key in blocks.keys.iter() {
                         let child = self.role(key);
                         if let (Some(parent), Some(face)) = (parent, used) {
@@ -183,7 +190,7 @@ impl<'a> Expander<'a, '_> {
         let last = self.evaluate(&block.range.1);
         let location = self.location(block.counter.span);
         let (Some(first), Some(last)) = (first, last) else {
-            return;
+            return self.doubt_all(&block.body);
         };
         for value in first..=last {
             if self.exhausted || !self.step(block.counter.span) {
@@ -224,6 +231,7 @@ impl<'a> Expander<'a, '_> {
                 },
             );
             self.diagnostics.push(diagnostic);
+            instance.alias.iter().for_each(|alias| self.doubt(alias));
             return;
         };
         if let Some(depth) = self.instances.iter().position(|&(outer, _)| outer == name) {
@@ -259,7 +267,10 @@ impl<'a> Expander<'a, '_> {
                 Some(self.anonymous_key(name))
             }
         };
-        let Some(key) = key else { return };
+        let Some(key) = key else {
+            instance.alias.iter().for_each(|alias| self.doubt(alias));
+            return;
+        };
         let inside = self.instance_of(key);
         if self.pass == Pass::Writing {
             let is_doubtful = values.contains(&BoundValue::Unknown);
