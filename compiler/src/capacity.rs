@@ -1,10 +1,14 @@
 //! Whether the scene has the blocks and the room.
+use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::counted;
 use stochc_ir::scene::room::NoRoom;
 use stochc_ir::scene::{BondKind, Scene};
 
+use crate::block_demand::first_beyond;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::graph::DependencyGraph;
 use crate::layout::Layout;
+use crate::order::Order;
 use crate::plan::{EventKind, ProgramPlan};
 
 /// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
@@ -79,39 +83,62 @@ pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagn
     );
 }
 
-/// Compares a program with its scene.
+/// Compares a program with its scene; `order`: an order of it, with what surely comes before what, if it has one.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn check(
+    plan: &ProgramPlan,
+    layout: &Layout,
+    order: Option<(&Order, &DependencyGraph)>,
+    scene: &Scene,
+    cancellation: Cancellation<'_>,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Result<(), Cancelled> {
+    let free = scene.free.count;
+    let largest = (layout.sizes.iter().zip(&plan.phases)).max_by_key(|(size, _)| **size);
+    let needed = match (largest, order) {
+        (Some((&size, phase)), _) if size > free => Some((
+            size,
+            phase.location,
+            format!("anchored at the end of this phase: {size}"),
+            "a smaller structure",
+        )),
+        (_, Some((order, certain))) => {
+            let found = first_beyond(plan, layout, certain, order, free, cancellation)?;
+            found.map(|(capture, size)| {
+                let label = format!("anchored once this block docks: at least {size}");
+                let location = plan.event(capture).location;
+                (size, location, label, "releases that come sooner")
+            })
+        }
+        _ => None,
+    };
+    if let Some((size, location, label, or)) = needed {
+        let needed = counted(size as usize, "free block");
+        diagnostics.push(
+            Diagnostic::new(
+                Code::TooFewBlocks,
+                format!("the structure needs {needed}, the scene has {free}"),
+            )
+            .label(location, label)
+            .help(format!(
+                "a scene with `free {size} uniform` or more, or {or}"
+            )),
+        );
+    }
+    check_terms(plan, layout, scene, diagnostics);
+    Ok(())
+}
+
+/// Whether the scene can bond blocks, and has the structure inside of its enclosure.
+fn check_terms(
     plan: &ProgramPlan,
     layout: &Layout,
     scene: &Scene,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
-    let free = scene.free.count;
-    let needed = layout
-        .sizes
-        .iter()
-        .zip(&plan.phases)
-        .max_by_key(|(size, _)| **size);
-    if let Some((&size, phase)) = needed
-        && size > free
-    {
-        diagnostics.push(
-            Diagnostic::new(
-                Code::TooFewBlocks,
-                format!(
-                    "the structure needs {}, the scene has {free}",
-                    counted(size as usize, "free block")
-                ),
-            )
-            .label(
-                phase.location,
-                format!("anchored at the end of this phase: {size}"),
-            )
-            .help(format!(
-                "a scene with `free {size} uniform` or more, or a smaller structure"
-            )),
-        );
-    }
     let captures =
         |event: &&crate::plan::PlanEvent| matches!(event.kind, EventKind::Capture { .. });
     if let (None, Some(first)) = (&scene.bond, plan.events.iter().find(captures)) {

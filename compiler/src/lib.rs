@@ -17,6 +17,7 @@
 //! assert_eq!(finding.code.name(), "occupied-cell");
 //! assert!(checked.has_errors() && checked.programs[0].tables.is_none());
 //! ```
+mod block_demand;
 mod capacity;
 mod checked;
 pub mod cost;

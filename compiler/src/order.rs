@@ -26,6 +26,17 @@ pub struct Order {
 }
 
 impl Order {
+    /// The events of each phase, each behind all it waits for.
+    pub(crate) fn by_phase(&self, plan: &ProgramPlan) -> Vec<Vec<EventId>> {
+        let mut events = vec![Vec::new(); plan.phases.len()];
+        for &id in &self.events {
+            if let Some(phase) = plan.phase_of(id) {
+                events[phase].push(id);
+            }
+        }
+        events
+    }
+
     /// Captures in a chain.
     pub fn length(plan: &ProgramPlan, chain: &[EventId]) -> usize {
         chain.iter().filter(|id| is_capture(plan, **id)).count()

@@ -509,15 +509,17 @@ impl<'a> AssemblyInput<'a> {
         let is_sound = !wrong(&errors) && !wrong(&later);
         // Of a program with gaps it would say what is not so.
         let is_whole = is_sound && self.readable && plan.events.iter().all(|event| event.sound);
+        let has_choice = |order: &&order::Order| is_whole && !order.unneeded.is_empty();
+        let certain = order.as_ref().filter(has_choice);
+        let certain = certain.map(|order| face_turns::certain(&graph, &order.events));
+        let certain = certain.as_ref().unwrap_or(&graph);
         if let (Some(order), true) = (&order, is_whole) {
-            let has_choice = !order.unneeded.is_empty();
-            let certain = has_choice.then(|| face_turns::certain(&graph, &order.events));
             let subject = reach::SoundProgram {
                 plan: &plan,
                 liveness: &liveness,
                 layout: &layout,
                 graph: &graph,
-                certain: certain.as_ref().unwrap_or(&graph),
+                certain,
                 order,
                 assembly: self.assembly,
                 patterns: &self.declarations.declared.patterns,
@@ -544,7 +546,9 @@ impl<'a> AssemblyInput<'a> {
                 &mut later,
             )?;
             if let Some(scene) = &scene {
-                capacity::check(&plan, &layout, scene, &mut later);
+                let order = order.as_ref().filter(|_| is_whole);
+                let order = order.map(|order| (order, certain));
+                capacity::check(&plan, &layout, order, scene, cancellation, &mut later)?;
                 capacity::check_room(&plan, scene, &mut later);
             }
         }

@@ -145,7 +145,7 @@ pub fn check(
         },
         untouched: None,
     };
-    let events = events_by_phase(plan, subject.order);
+    let events = subject.order.by_phase(plan);
     for (number, events) in events.iter().enumerate() {
         cancellation.check()?;
         let first = plan.phases[number].events.start;
@@ -154,17 +154,6 @@ pub fn check(
     }
     // A search that nobody waits for has been given up.
     cancellation.check()
-}
-
-/// The events of each phase, each behind all it waits for.
-fn events_by_phase(plan: &ProgramPlan, order: &Order) -> Vec<Vec<EventId>> {
-    let mut events = vec![Vec::new(); plan.phases.len()];
-    for &id in &order.events {
-        if let Some(phase) = plan.phase_of(id) {
-            events[phase].push(id);
-        }
-    }
-    events
 }
 
 struct ReachAnalysis<'a> {
