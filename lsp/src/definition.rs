@@ -136,16 +136,27 @@ pub fn named_at<'a>(
     analysis.names.at(analysis.file(path)?, *start)
 }
 
-/// Every place in the program's own file where the thing at a byte is named.
-pub fn highlights(analysis: &Analysis, at: usize) -> Vec<(Range, bool)> {
+/// Every place in the program's own file where the thing at a byte is named, and whether it is declared there.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub fn highlights(
+    analysis: &Analysis,
+    at: usize,
+    cancellation: Cancellation<'_>,
+) -> Result<Vec<(Range, bool)>, Cancelled> {
     let Some(name) = analysis.name_at(at) else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
     let own = FileId(0);
     let lines = analysis.lines(own);
     let places = analysis.names.occurrences_of(name.definition);
     places
         .filter(|occurrence| occurrence.location.file == own)
-        .map(|occurrence| (lines.range(occurrence.location.span), occurrence.declares))
+        .map(|occurrence| {
+            cancellation.check()?;
+            Ok((lines.range(occurrence.location.span), occurrence.declares))
+        })
         .collect()
 }

@@ -24,18 +24,21 @@ pub fn edits(text: &str, lines: &LineIndex<'_>) -> Result<Vec<TextEdit>, Request
             FormatError::Unfaithful => "the layout would change the program: please report this",
         })
     })?;
+    // Of lines as the language has them: a `\r` alone ends none.
+    let of = |text| str::split_inclusive(text, '\n').collect::<Vec<_>>();
+    let (old_lines, new_lines) = (of(text), of(&laid_out));
     let diff = TextDiff::configure()
         .timeout(PATIENCE)
-        .diff_lines(text, &laid_out);
-    let starts = |text: &str| {
+        .diff_slices(&old_lines, &new_lines);
+    let starts = |lines: &[&str]| {
         let mut starts = vec![0];
-        starts.extend(text.split_inclusive('\n').scan(0, |at, line| {
+        starts.extend(lines.iter().scan(0, |at, line| {
             *at += line.len();
             Some(*at)
         }));
         starts
     };
-    let (old, new) = (starts(text), starts(&laid_out));
+    let (old, new) = (starts(&old_lines), starts(&new_lines));
     let changed = diff
         .ops()
         .iter()

@@ -19,6 +19,8 @@ impl Encoding {
     pub fn width(self, text: &str) -> usize {
         match self {
             Encoding::Utf8 => text.len(),
+            // Most are, and this is seen at once also of long lines.
+            Encoding::Utf16 if text.is_ascii() => text.len(),
             Encoding::Utf16 => text.chars().map(char::len_utf16).sum(),
         }
     }

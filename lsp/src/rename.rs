@@ -6,6 +6,7 @@ use stochc_compiler::diagnostic::Code;
 use stochc_compiler::names::{Definition, NameKind, Names};
 use stochc_compiler::{Cancellation, Checked, Limits, SourceLocation, check_cancellable};
 use stochc_grammar::{Symbols, parse_cancellable};
+use stochc_ir::scene::Scene;
 
 use super::analysis::Analysis;
 use super::definition::{FileRange, everywhere};
@@ -141,6 +142,12 @@ fn stays_the_same(
         let why = format!("`{new_name}` already means something where it would stand");
         return Err(RequestFailure::request_failed(why));
     }
+    if scenes(old) != scenes(&new) {
+        let why = format!(
+            "with a scene called `{new_name}`, assemblies that name none would run in another"
+        );
+        return Err(RequestFailure::request_failed(why));
+    }
     Ok(())
 }
 
@@ -162,7 +169,29 @@ fn codes(checked: &Checked) -> Vec<Code> {
         .diagnostics
         .iter()
         .map(|diagnostic| diagnostic.code)
+        .filter(|code| !says_of_names(*code))
         .collect();
     codes.sort_unstable();
     codes
+}
+
+/// Whether a finding comes and goes with the `_` that a name begins with.
+fn says_of_names(code: Code) -> bool {
+    matches!(
+        code,
+        Code::UnusedLet | Code::UnusedPattern | Code::UnusedShape | Code::UnusedScene
+    )
+}
+
+/// What each program runs in, whatever that is called.
+fn scenes(checked: &Checked) -> Vec<Option<Scene>> {
+    let nameless = |scene: &Scene| Scene {
+        name: String::new(),
+        ..scene.clone()
+    };
+    let scenes = checked
+        .programs
+        .iter()
+        .map(|program| program.scene.as_ref());
+    scenes.map(|scene| scene.map(nameless)).collect()
 }

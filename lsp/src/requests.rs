@@ -215,11 +215,12 @@ impl Query {
             "textDocument/documentHighlight" => {
                 let it: DocumentHighlightParams = params(raw)?;
                 let it = it.text_document_position_params;
-                Query::at(it, Needs::Own, |_, analysis, at| {
-                    let places = definition::highlights(analysis, at).into_iter();
+                Query::at(it, Needs::Own, |context, analysis, at| {
+                    let places = definition::highlights(analysis, at, context.cancellation)?;
                     // Reading, or writing.
                     let kind = |declares| if declares { 3 } else { 2 };
                     let shown = places
+                        .into_iter()
                         .map(|(range, declares)| json!({ "range": range, "kind": kind(declares) }));
                     value(shown.collect::<Vec<Value>>())
                 })

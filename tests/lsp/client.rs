@@ -197,13 +197,22 @@ pub fn shown(range: &Value) -> String {
 }
 
 /// A text after the changes that an edit makes to it; positions are counted in UTF-16.
+/// The byte at which a line begins; lines end with `\n`, `\r\n` or `\r`.
+fn line_start(text: &str, line: usize) -> usize {
+    let bytes = text.as_bytes();
+    let ends = (0..bytes.len())
+        .filter(|&i| bytes[i] == b'\n' || (bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n')));
+    let mut starts = std::iter::once(0).chain(ends.map(|end| end + 1));
+    starts.nth(line).unwrap_or(bytes.len())
+}
+
 pub fn edited(text: &str, edits: &Value) -> String {
     let offset = |position: &Value| {
         let (line, character) = (
             position["line"].as_u64().unwrap() as usize,
             position["character"].as_u64().unwrap() as usize,
         );
-        let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+        let start = line_start(text, line);
         let mut units = 0;
         let within = text[start..].char_indices().find(|(_, c)| {
             let here = units == character;

@@ -334,6 +334,29 @@ fn formatting_touches_the_lines_that_change() {
     assert_eq!(answer["error"]["code"], -32803);
 }
 
+/// It ends a line for the client, and none for the language.
+#[test]
+fn a_lone_carriage_return_is_laid_out_as_fmt_does() {
+    let mut client = client();
+    for (nth, text) in [
+        "let a = 1\r let b = 2\nassembly m {\n    seed plate a x b { M at (0, 0) }\n        phase p { M.up -> A }\n}\n",
+        "// a\r// b\r// c\r// d\r// e\nassembly m {\n  seed plate 1 x 1 { M at (0, 0) }\n phase p { M.up -> A }\n}\n",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let uri = format!("file:///cr{nth}.sa");
+        client.open(&uri, text);
+        let params = json!({
+            "textDocument": { "uri": uri },
+            "options": { "tabSize": 4, "insertSpaces": true },
+        });
+        let answer = client.ask("textDocument/formatting", params);
+        let laid_out = edited(text, &answer["result"]);
+        assert_eq!(laid_out, stochc_grammar::format(text).unwrap(), "{answer}");
+    }
+}
+
 /// It counts as a character of the first line, and is dropped as `fmt` does.
 #[test]
 fn a_mark_of_the_byte_order_is_passed_over() {

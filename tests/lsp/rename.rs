@@ -90,6 +90,54 @@ fn what_would_change_the_program_is_refused() {
     }
 }
 
+/// `check` advises it.
+#[test]
+fn an_underscore_before_an_unused_name_is_no_change_of_meaning() {
+    let unused = format!("let spare = 3\n{TEXT}");
+    for (text, new) in [
+        (unused.clone(), "_spare"),
+        (unused.replace("spare", "_spare"), "spare"),
+    ] {
+        let mut client = Client::new(&["utf-16"]);
+        client.open(URI, &text);
+        let mut params = place(URI, &text, "spare", 0);
+        params["newName"] = json!(new);
+        let answer = client.ask("textDocument/rename", params);
+        let renamed = edited(&text, &answer["result"]["changes"][URI]);
+        assert!(renamed.contains(&format!("let {new} =")), "{answer}");
+    }
+}
+
+/// An assembly that names no scene runs in the one called `hemisphere`.
+#[test]
+fn a_scene_is_not_renamed_so_that_others_run_in_another() {
+    let text = |name: &str| {
+        format!(
+            "scene {name} from hemisphere_soft {{ free 40 uniform }}\n\
+             assembly a in {name} {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}\n\
+             assembly b {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}\n"
+        )
+    };
+    for (old, new, is_right) in [
+        ("dense", "hemisphere", false),
+        ("hemisphere", "dense", false),
+        ("dense", "thick", true),
+    ] {
+        let text = text(old);
+        let mut client = Client::new(&["utf-16"]);
+        client.open(URI, &text);
+        let mut params = place(URI, &text, &format!("{old} from"), 0);
+        params["newName"] = json!(new);
+        let answer = client.ask("textDocument/rename", params);
+        let told = answer["error"]["message"].as_str();
+        assert_eq!(told.is_none(), is_right, "{answer}");
+        assert!(
+            told.is_none_or(|told| told.contains("run in another")),
+            "{answer}"
+        );
+    }
+}
+
 #[test]
 fn programs_that_share_a_file_are_renamed_together() {
     let folder = tempfile::tempdir().unwrap();
