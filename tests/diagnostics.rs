@@ -415,6 +415,12 @@ fn swapped_arguments_are_told_with_the_right_order() {
             "height: used as a number here",
         ]
     );
+    // A part in parentheses is moved with both of them.
+    for sum in ["(1 + 0) * 3", "-(1 - 4)", "3 * (0 + 1)", "(((3)))"] {
+        let (_, help, labels) = only(TOWER, &format!("tower({sum}, M)  N.up -> A"));
+        assert_eq!(help, format!("write `tower(M, {sum})`"));
+        assert_eq!(labels[0], format!("{sum}: a number, and `base` is a block"));
+    }
     // Also where one of them is right by chance, through another pattern, and with three.
     let spare = "pattern tower(base, spare) { base.up -> T }";
     assert_eq!(

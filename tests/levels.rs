@@ -80,6 +80,30 @@ fn the_innermost_statement_counts() {
     );
 }
 
+/// Nothing of what stands right behind a block is in it.
+#[test]
+fn a_statement_does_not_reach_over_the_end_of_its_block() {
+    let text = "assembly a { seed plate 2 x 1 { for i in 0..0 { allow unused-seed \"x\" M at (0, 0) }N at (1, 0) } \
+                phase p { M.up -> A } }";
+    let reported = reported(text);
+    assert_eq!(reported, ["unused-allow", "unused-seed"]);
+}
+
+#[test]
+fn of_a_thousand_outdated_allows_the_rest_is_not_told() {
+    let phases: String = (0..3000)
+        .map(|i| {
+            format!(
+                "phase p{i} {{ allow redundant-after \"generated\" M.up -> A{i}  release A{i} }}\n"
+            )
+        })
+        .collect();
+    let text = format!("assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}\n{phases}}}");
+    let reported = reported(&text);
+    assert_eq!(reported.len(), 1001);
+    assert_eq!(reported[1000], "too-many-warnings");
+}
+
 #[test]
 fn an_outdated_allow_can_be_allowed_itself() {
     let text = |statement: &str| {

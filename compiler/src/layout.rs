@@ -17,8 +17,8 @@ pub struct Layout {
     pub parents: Vec<Option<Attachment>>,
     /// Releases that empty a cell for a capture of the same phase.
     pub vacated: Vec<(EventId, EventId)>,
-    /// For every phase, the cells above the plate that it empties for good, and then those that it
-    /// fills.
+    /// For every phase, the cells above the plate that it empties, and then those that it fills: of a cell that it empties and fills
+    /// again, both.
     pub changes: Vec<(Vec<Cell>, Vec<Cell>)>,
     /// Blocks above the plate at the end of each phase.
     pub sizes: Vec<u32>,

@@ -112,7 +112,8 @@ impl FileLevels {
                 // Patterns of a file may warn only where another file grows them.
                 reported: own == Some(module.file) && items.iter().any(has_program),
             };
-            let whole = Span::new(0, sources.file(module.file).text.len() as u32);
+            // Also what is told of its end stands in a file.
+            let whole = Span::new(0, sources.file(module.file).text.len() as u32 + 1);
             levels.block(items, whole, place, sources, symbols, diagnostics);
         }
         levels
@@ -199,9 +200,10 @@ impl FileLevels {
                         && set.verdict == LintDirectiveKind::Allow
                         && (set.code == Code::UnusedAllow) == about_itself
                 };
-                let diagnostics: Vec<Diagnostic> = (self.statements.iter().filter(unused))
-                    .map(|set| set.unused(sources))
-                    .collect();
+                let mut diagnostics = Vec::new();
+                for set in self.statements.iter().filter(unused) {
+                    report(&mut diagnostics, set.unused(sources));
+                }
                 for diagnostic in diagnostics {
                     self.decide(diagnostic, levels, &mut told, &mut allowed);
                 }
@@ -259,7 +261,7 @@ impl FileLevels {
             .partition_point(|scope| scope.span.start <= at)
             .checked_sub(1);
         while let Some(scope) = next.map(|number| &scopes[number]) {
-            if let Some(&set) = scope.set.get(&code).filter(|_| at <= scope.span.end) {
+            if let Some(&set) = scope.set.get(&code).filter(|_| at < scope.span.end) {
                 return Some(set);
             }
             next = scope.outer;

@@ -153,9 +153,7 @@ pub fn built_structure(
     symbols: &Symbols,
 ) -> Option<BuiltStructure> {
     let plate = plan.plate.width as usize * plan.plate.depth as usize;
-    let most = structures(plan, layout)
-        .map(|blocks| blocks.len() + plate)
-        .max()?;
+    let most = *layout.sizes.iter().max()? as usize + plate;
     if most.saturating_mul(plan.phases.len()) > MOST_BLOCKS {
         return None;
     }

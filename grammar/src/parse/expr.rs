@@ -62,7 +62,7 @@ impl Parser<'_, '_> {
     /// One term with the signs before it.
     fn operand(&mut self, pairs: &mut Pairs<'_, Rule>, base: usize, depth: usize) -> Option<Expr> {
         let mut negative = false;
-        let mut first = None;
+        let (mut first, mut open) = (None, None);
         loop {
             let pair = pairs.next()?;
             let mut span = span_of(&pair, base);
@@ -72,14 +72,20 @@ impl Parser<'_, '_> {
                     negative = !negative;
                     continue;
                 }
-                Rule::paren_open => continue,
+                Rule::paren_open => {
+                    open = Some(span);
+                    continue;
+                }
                 Rule::integer => ExprKind::Int(self.integer(pair.as_str(), span)),
                 Rule::name => ExprKind::Name(self.name(&pair, base).symbol),
                 _ => {
                     let inside = self.expr_at(pair, base, depth + 1);
-                    pairs.next();
-                    // Without the blanks before the parenthesis: a name is where it stands.
-                    span = inside.span;
+                    let close = pairs.next().map(|close| span_of(&close, base));
+                    span = match (&inside.kind, open.zip(close)) {
+                        // A name is where it stands.
+                        (ExprKind::Name(_), _) | (_, None) => inside.span,
+                        (_, Some((open, close))) => open.to(close),
+                    };
                     inside.kind
                 }
             };
