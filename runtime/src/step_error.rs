@@ -16,8 +16,8 @@ const FINER: u32 = 64;
 /// Experiments of a kind, which begin at different moments of a step.
 const CASES: u32 = 32;
 
-/// Ticks after which an experiment is given up.
-const PATIENCE: u32 = 2000;
+/// Steps after which an experiment is given up.
+const PATIENCE: u32 = 100_000;
 
 /// What comes out of an experiment, as the mean of 32 that begin at different moments of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,8 @@ impl StepError {
     }
 }
 
-/// What is lost by the steps in a scene; nothing is said of what it does not have, or what takes longer than 2000 ticks.
+/// What is lost by the steps in a scene; nothing is said of what it does not have, or what takes
+/// more than 100,000 of the short ones.
 pub fn step_errors(scene: &Scene, steps: Substeps) -> Vec<StepError> {
     let kinds = [
         (
@@ -111,7 +112,7 @@ fn restitution(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
             above.velocity.z - below.velocity.z,
         )
     };
-    for _ in 0..PATIENCE {
+    for _ in 0..PATIENCE / steps {
         world.step(&mut Vec::new()).ok()?;
         let (distance, parting) = apart(&world);
         if distance > 1.0 && parting > 0.0 {
@@ -128,20 +129,21 @@ fn docking(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     };
     let reach = BlockUnits::of(scene).length(pull.within);
     let start = 0.5 + reach * (0.25 + 0.7 * phase);
-    let mut world = world(
-        &surroundings_of_none(scene),
-        steps,
-        &[BodyState::at_rest(Vector3::z() * start)],
-    )?;
+    // Of which each step is a tick, in which dockings are told.
+    let alone = Scene {
+        tick: scene.tick / f64::from(steps),
+        ..surroundings_of_none(scene)
+    };
+    let mut world = world(&alone, 1, &[BodyState::at_rest(Vector3::z() * start)])?;
     world.magnetize(BlockFace {
         body: Body::Seed(Cell::new(0, 0, 0)),
         face: Face::Up,
     });
     let mut dockings = Vec::new();
-    for tick in 1..=PATIENCE {
+    for step in 1..=PATIENCE {
         world.step(&mut dockings).ok()?;
         if !dockings.is_empty() {
-            return Some(tick.into());
+            return Some(f64::from(step) / f64::from(steps));
         }
     }
     None
@@ -170,4 +172,70 @@ fn world(scene: &Scene, steps: u32, blocks: &[BodyState]) -> Option<RigidWorld> 
     let plate = Plate { width: 1, depth: 1 };
     let settings = Settings::of(Model::Rigid, steps);
     RigidWorld::with_blocks(scene, &plate, &settings, 0, 0, blocks).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::scene::{Anchor, Arrangement, Block, Free, Measure, Reach};
+
+    use super::*;
+
+    /// Also where a docking takes less than a tick.
+    #[test]
+    fn a_docking_takes_as_long_as_a_constant_force_says() {
+        let (force, reach, within) = (0.02, 1.0, 0.005);
+        let scene = |force: f64| Scene {
+            name: "test".to_owned(),
+            tick: 1.0,
+            block: Block {
+                side: 1.0,
+                mass: 1.0,
+                faces: 1,
+            },
+            free: Free {
+                count: 1,
+                arrangement: Arrangement::Uniform,
+            },
+            enclosure: None,
+            gravity: None,
+            fluid: None,
+            flow: None,
+            agitation: None,
+            drag: None,
+            contact: None,
+            bond: Some(Bond::Attract {
+                pull: Reach {
+                    force,
+                    within: reach,
+                },
+                align: None,
+                anchor: Anchor {
+                    measure: Measure::Centres,
+                    within,
+                    tilt: 0.5,
+                },
+            }),
+            messages: None,
+        };
+        for force in [force, 100.0 * force] {
+            let starts = (0..CASES).map(|case| (f64::from(case) + 0.5) / f64::from(CASES));
+            let times = starts.map(|phase| {
+                let way = reach * (0.25 + 0.7 * phase) - within;
+                (2.0 * way / force).sqrt()
+            });
+            let exact = times.sum::<f64>() / f64::from(CASES);
+            let errors = step_errors(
+                &scene(force),
+                Substeps {
+                    near: 8,
+                    away: None,
+                },
+            );
+            let [docking] = &errors[..] else {
+                panic!("{errors:?}");
+            };
+            let off = docking.resolved / exact - 1.0;
+            assert!(off.abs() < 0.01, "{force}: {docking:?}, exactly {exact}");
+        }
+    }
 }

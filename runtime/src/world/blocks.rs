@@ -52,6 +52,10 @@ pub(crate) trait Blocks {
     /// How a block sits in the structure; `None`: it is free.
     fn anchored(&self, id: u32) -> Option<Orientation>;
     fn position(&self, id: u32) -> Vector3<Self::Real>;
+    /// The same with what rounding has kept from it.
+    fn exact_position(&self, id: u32) -> Vector3<f64> {
+        cast(self.position(id))
+    }
     fn velocity(&self, id: u32) -> Vector3<Self::Real>;
     fn spin(&self, id: u32) -> Vector3<Self::Real>;
     /// How a block is turned now; brings that up to date.
@@ -80,14 +84,14 @@ pub(crate) trait Blocks {
     fn pose(&mut self, id: u32) -> Pose {
         let rotation = self.rotation(id).coords.map(Real::double);
         Pose {
-            position: cast(self.position(id)),
+            position: self.exact_position(id),
             rotation: UnitQuaternion::from_quaternion(rotation.into()),
         }
     }
 
     fn motion(&self, id: u32) -> Motion {
         Motion {
-            position: cast(self.position(id)),
+            position: self.exact_position(id),
             velocity: cast(self.velocity(id)),
             spin: cast(self.spin(id)),
         }

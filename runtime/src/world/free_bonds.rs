@@ -14,6 +14,8 @@ use super::parameters::{Attraction, Magnet, Passive};
 pub(crate) struct FreeBonds {
     magnet: Magnet,
     passive: Passive,
+    /// How much of a force's effect is left in a step.
+    response: Response,
     pub groups: BlockGroups,
 }
 
@@ -21,24 +23,25 @@ stochc_ir::state! {
     () FreeBonds;
     values: groups;
     parts: ;
-    same: magnet, passive
+    same: magnet, passive, response
 }
 
 impl FreeBonds {
     /// `None` where faces do not attract by themselves.
-    pub fn new(magnet: &Magnet) -> Option<FreeBonds> {
+    pub fn new(magnet: &Magnet, response: Response) -> Option<FreeBonds> {
         let Attraction::Passive(passive) = magnet.law else {
             return None;
         };
         Some(FreeBonds {
             magnet: *magnet,
             passive,
+            response,
             groups: BlockGroups::default(),
         })
     }
 
     /// What the free blocks do to each other's velocities in a step.
-    pub fn pull(&self, free: &[u32], blocks: &mut impl Blocks, dt: f64, response: Response) {
+    pub fn pull(&self, free: &[u32], blocks: &mut impl Blocks, dt: f64) {
         let places = places(free, blocks);
         for (a, b) in close(&places, self.passive.within) {
             let (a, b) = (places[a].0, places[b].0);
@@ -50,21 +53,26 @@ impl FreeBonds {
             };
             for (id, push) in [(a, pair.pushes[0]), (b, pair.pushes[1])] {
                 let Motion { velocity, spin, .. } = blocks.motion(id);
-                let linear = push.linear * (dt * response.linear);
-                let angular = push.angular * (dt * response.angular);
+                let linear = push.linear * (dt * self.response.linear);
+                let angular = push.angular * (dt * self.response.angular);
                 blocks.set_motion(id, velocity + linear, spin + angular);
             }
         }
     }
 
-    /// All forces of a step have acted: groups take them up as one body, or are torn.
-    pub fn settle(&mut self, blocks: &mut impl Blocks, dt: f64, response: Response) {
-        self.groups.settle(blocks, self.passive.hold, response, dt);
+    /// All forces of a step but kicks and heat have acted: groups take them up as one body, or are torn.
+    pub fn settle(&mut self, blocks: &mut impl Blocks, dt: f64) {
+        (self.groups).settle(blocks, self.passive.hold, self.response, dt);
+    }
+
+    /// Groups take up as one body what has acted since, whatever their bonds hold.
+    pub fn stiffen(&self, blocks: &mut impl Blocks) {
+        self.groups.stiffen(blocks, self.response);
     }
 
     /// Blocks have been moved one by one.
     pub fn carry(&mut self, blocks: &mut impl Blocks, dt: f64) {
-        self.groups.carry(blocks, dt);
+        self.groups.carry(blocks, self.response, dt);
     }
 
     /// Bonds the blocks that are close and straight enough, unless more energy would have to go than the bond can
@@ -105,7 +113,7 @@ impl FreeBonds {
                 .collect();
             if lost(&motions) < energy(&self.passive) {
                 let seat = seat(&blocks.pose(a), pair.face, &blocks.pose(b), pair.other);
-                self.groups.join(a, b, &seat, blocks);
+                self.groups.join(a, b, &seat, blocks, self.response);
                 joined = true;
             }
         }

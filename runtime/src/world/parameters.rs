@@ -205,8 +205,8 @@ impl WorldParameters {
         [long.unwrap_or(short), short]
     }
 
-    /// Where a force leaves only this part of its effect in a step: what drag takes of walls and contacts is not
-    /// there to be parted.
+    /// Where a force leaves only this part of its effect in a step: what drag takes of kicks, walls and contacts is not
+    /// there to move a block.
     ///
     /// `dt`: length of a step \[tick\].
     pub fn weakened(mut self, response: f64, dt: f64) -> WorldParameters {
@@ -215,6 +215,11 @@ impl WorldParameters {
         }
         if let Some(shell) = &mut self.shell {
             shell.stiffness *= response;
+        }
+        // A velocity is the mean over a step, and drag begins with the kick.
+        if let Some(Kicks { speed: (low, high) }) = &mut self.kicks {
+            *low *= response;
+            *high *= response;
         }
         if let Some(ContactParameters {
             law: ContactLaw::Compliant { stiffness, damping },

@@ -1,7 +1,7 @@
 //! What happens in a step of a world of rigid blocks, in which order: the same for every integrator.
 //!
 //! A substep finds who is near what and who touches whom, changes velocities (surroundings, faces, bonds between
-//! free blocks), has the integrator move all blocks and let them collide, and then sees who docks and who bonds. As
+//! free blocks, heat), has the integrator move all blocks and let them collide, and then sees who docks and who bonds. As
 //! positions move with the velocities just changed, this is the symplectic Euler method.
 use nalgebra::Vector3;
 use stochc_ir::scene::Scene;
@@ -10,7 +10,7 @@ use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::Orientation;
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, Motion};
 use super::bonding::{Anchored, Faces, ReleasedBlock};
 use super::cell_centres::CellCentres;
 use super::external_forces::{ExternalForces, Response};
@@ -239,24 +239,36 @@ impl<I: Integrator> Stepper<I> {
         let sinks = faces.map(Faces::sinks).unwrap_or_default();
         let step = self.tick * u64::from(self.substeps) + u64::from(substep);
         external_forces.begin(self.tick, substep, step);
-        match who {
-            Moving::All => self.blocks.list_free(&mut self.free),
-            Moving::Short => {
-                self.free.clear();
-                let short = self.integrator.short_steps().iter().copied();
-                self.free
-                    .extend(short.filter(|&id| self.blocks.is_free(id)));
-            }
-        }
-        for &id in &self.free {
-            let mut motion = self.blocks.motion(id);
-            let span = self.integrator.span(&self.blocks, id);
-            external_forces.act(id, &mut motion, &sinks, span);
-            if !self.turns {
-                motion.spin = Vector3::zeros();
-            }
-            self.blocks.set_motion(id, motion.velocity, motion.spin);
-            self.integrator.check(&self.blocks, id)?;
+        let integrator = &self.integrator;
+        list_moving(&self.blocks, integrator, who, &mut self.free);
+        change(
+            &self.free,
+            &mut self.blocks,
+            integrator,
+            self.turns,
+            |_, motion, span| {
+                external_forces.act(motion, &sinks, span);
+            },
+        )
+    }
+
+    /// What the heat of a fluid does. It tears no bond: groups take it up whatever they hold.
+    fn shake(&mut self, who: Moving) -> Result<(), Fault> {
+        let heat = self.external_forces.as_mut().filter(|_| built::FLUID);
+        let Some(heat) = heat.and_then(ExternalForces::heat) else {
+            return Ok(());
+        };
+        let integrator = &self.integrator;
+        list_moving(&self.blocks, integrator, who, &mut self.free);
+        change(
+            &self.free,
+            &mut self.blocks,
+            integrator,
+            self.turns,
+            |id, motion, _| heat.shake(id, motion),
+        )?;
+        if let Some(bonds) = self.free_bonds.as_ref().filter(|_| built::BOND) {
+            bonds.stiffen(&mut self.blocks);
         }
         Ok(())
     }
@@ -286,10 +298,10 @@ impl<I: Integrator> Stepper<I> {
         let (true, Some(bonds)) = (built::BOND, &mut self.free_bonds) else {
             return;
         };
-        let (dt, response) = (self.dt.double(), self.response);
+        let dt = self.dt.double();
         self.blocks.list_free(&mut self.free);
-        bonds.pull(&self.free, &mut self.blocks, dt, response);
-        bonds.settle(&mut self.blocks, dt, response);
+        bonds.pull(&self.free, &mut self.blocks, dt);
+        bonds.settle(&mut self.blocks, dt);
     }
 
     fn advance(&mut self, substep: u32, who: Moving) -> Result<(), Fault> {
@@ -343,6 +355,43 @@ impl<I: Integrator> Stepper<I> {
     }
 }
 
+/// The free blocks that move in a step, in rising order.
+fn list_moving<I: Integrator>(
+    blocks: &I::Blocks,
+    integrator: &I,
+    who: Moving,
+    free: &mut Vec<u32>,
+) {
+    match who {
+        Moving::All => blocks.list_free(free),
+        Moving::Short => {
+            free.clear();
+            let short = integrator.short_steps().iter().copied();
+            free.extend(short.filter(|&id| blocks.is_free(id)));
+        }
+    }
+}
+
+/// Changes the motions of these blocks one by one.
+fn change<I: Integrator>(
+    ids: &[u32],
+    blocks: &mut I::Blocks,
+    integrator: &I,
+    turns: bool,
+    mut by: impl FnMut(u32, &mut Motion, f64),
+) -> Result<(), Fault> {
+    for &id in ids {
+        let mut motion = blocks.motion(id);
+        by(id, &mut motion, integrator.span(blocks, id));
+        if !turns {
+            motion.spin = Vector3::zeros();
+        }
+        blocks.set_motion(id, motion.velocity, motion.spin);
+        integrator.check(blocks, id)?;
+    }
+    Ok(())
+}
+
 impl<I: Integrator> Arena for Stepper<I> {
     fn with_blocks(
         scene: &Scene,
@@ -373,7 +422,8 @@ impl<I: Integrator> Arena for Stepper<I> {
             faces: parameters.bond.map(Faces::new),
             external_forces,
             response,
-            free_bonds: parameters.bond.as_ref().and_then(FreeBonds::new),
+            free_bonds: (parameters.bond.as_ref())
+                .and_then(|magnet| FreeBonds::new(magnet, response)),
             free: Vec::new(),
             nearby: Vec::new(),
             doubtful: true,
@@ -501,6 +551,7 @@ impl<I: Integrator> World for Stepper<I> {
             self.surround(substep, who)?;
             self.pull()?;
             self.settle();
+            self.shake(who)?;
             self.advance(substep, who)?;
             self.capture(dockings);
             self.join();

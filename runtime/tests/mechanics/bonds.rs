@@ -2,7 +2,9 @@
 
 use crate::scenes::{at, contact, empty, hemisphere, states};
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_ir::scene::{Anchor, Bond, Flow, Fluid, Jets, Magnets, Measure, Pump, Scene};
+use stochc_ir::scene::{
+    Agitation, Anchor, BOLTZMANN, Bond, Flow, Fluid, Jets, Magnets, Measure, Pump, Scene, Stir,
+};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, Docking};
 use stochc_runtime::{Model, Settings};
@@ -12,6 +14,8 @@ in_every_world!(
     a_bonded_pair_moves_as_one_body,
     blocks_that_are_too_fast_do_not_bond,
     a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds,
+    a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step,
+    heat_tears_no_bond_however_short_the_steps,
     every_face_of_a_planted_block_attracts,
     a_rejected_block_leaves_with_the_impulse_and_may_come_back_later,
     a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side,
@@ -188,6 +192,76 @@ fn a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds<W: Arena>() {
         let mut pulled: W = world(&scene, &touching);
         dockings(&mut pulled, 20);
         assert_eq!(!pulled.groups().is_empty(), holds, "{hold}");
+    }
+}
+
+/// A viscosity at which the velocity decays at this rate.
+fn viscosity(rate: f64) -> f64 {
+    rate / Fluid::friction(1.0, 1.0)
+}
+
+fn a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step<W: Arena>() {
+    // Beyond the core the fluid has no vorticity: the torque of the flow on both blocks against that of their drag.
+    let (core, turning, rate) = (0.1, 0.2, 10.0);
+    let viscosity = viscosity(rate);
+    let still = Scene {
+        fluid: Some(Fluid {
+            density: None,
+            viscosity: Some(viscosity),
+        }),
+        ..reject(0.5, 0.0)
+    };
+    let scene = Scene {
+        flow: Some(Flow::Stir(Stir {
+            radius: core,
+            rate: turning,
+            force: None,
+            follow: 1.0,
+        })),
+        ..still
+    };
+    let (arm, speed) = (0.5, turning * core * core / 0.5);
+    let (along, about) = (
+        Fluid::friction(viscosity, 1.0),
+        Fluid::turning_friction(viscosity, 1.0),
+    );
+    let exact = along * arm * speed / (along * arm * arm + about);
+    for substeps in [1, 4, 16] {
+        let blocks = [at(-0.5, 0.0, 10.0), at(0.5, 0.0, 10.0)].map(BodyState::at_rest);
+        let settings = Settings::of(Model::Rapier, substeps);
+        let mut world: W = crate::scenes::world(&scene, &settings, &blocks);
+        dockings(&mut world, 20);
+        assert_eq!(world.groups(), [[0, 1]]);
+        let spin = world.state(0).spin.z;
+        assert!(
+            (spin / exact - 1.0).abs() < 0.03,
+            "{substeps}: {spin} {exact}"
+        );
+    }
+}
+
+/// What the fluctuations of a step are per step grows without end as steps get shorter.
+fn heat_tears_no_bond_however_short_the_steps<W: Arena>() {
+    let (hold, depth) = (0.1, 0.2);
+    // Of which a bond has two thousand times as much.
+    let energy = hold * depth / 3.0 / 2000.0;
+    let mut scene = reject(hold, 0.0);
+    scene.fluid = Some(Fluid {
+        density: None,
+        viscosity: Some(viscosity(10.0)),
+    });
+    scene.agitation = Some(Agitation::Brownian {
+        temperature: energy / BOLTZMANN,
+    });
+    for substeps in [4, 256] {
+        let blocks = [at(-0.5, 0.0, 10.0), at(0.5, 0.0, 10.0)].map(BodyState::at_rest);
+        let settings = Settings::of(Model::Rapier, substeps);
+        let mut world: W = crate::scenes::world(&scene, &settings, &blocks);
+        dockings(&mut world, 1);
+        for tick in 0..20 {
+            assert_eq!(world.groups(), [[0, 1]], "{substeps} steps, tick {tick}");
+            dockings(&mut world, 1);
+        }
     }
 }
 

@@ -11,7 +11,7 @@ mod turbulence;
 
 use nalgebra::Vector3;
 
-use brownian::Brownian;
+pub(crate) use brownian::Brownian;
 use drag::StepDrag;
 pub(crate) use drag::{Response, mean as response};
 use turbulence::TurbulenceField;
@@ -108,11 +108,11 @@ impl ExternalForces {
         }
     }
 
-    /// What one step makes of a free block's velocity and spin.
+    /// What one step makes of a free block's velocity and spin, but for the heat.
     ///
     /// `span`: for how many steps the weight acts; more than one where blocks take steps of different lengths, which they do in no
     /// fluid.
-    pub fn act(&mut self, id: u32, motion: &mut Motion, sinks: &[Sink], span: f64) {
+    pub fn act(&self, motion: &mut Motion, sinks: &[Sink], span: f64) {
         let response = self.response();
         let mut force = Vector3::zeros();
         if let Some(weight) = self.weight {
@@ -124,9 +124,11 @@ impl ExternalForces {
             drag.slow(motion, wind.velocity, wind.spin);
         }
         motion.velocity += force * (self.dt * span * response.linear);
-        if let Some(heat) = &mut self.heat {
-            heat.shake(id, motion);
-        }
+    }
+
+    /// The heat of the fluid, if it has any.
+    pub fn heat(&mut self) -> Option<&mut Brownian> {
+        self.heat.as_mut()
     }
 
     fn wind(&self, place: Vector3<f64>, sinks: &[Sink]) -> LocalFlow {

@@ -114,7 +114,14 @@ impl BlockGroups {
 
     /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`, and
     /// all move as one body at once.
-    pub fn join(&mut self, a: u32, b: u32, seat: &Pose, blocks: &mut impl Blocks) {
+    pub fn join(
+        &mut self,
+        a: u32,
+        b: u32,
+        seat: &Pose,
+        blocks: &mut impl Blocks,
+        response: Response,
+    ) {
         let was = blocks.pose(b);
         let turn = seat.rotation * was.rotation.inverse();
         let (mut members, mut bonds) = self.take(a);
@@ -136,7 +143,7 @@ impl BlockGroups {
             // Whatever its bonds would have to hold for that.
             let group = &self.groups[&key];
             let motions = group.motions(blocks);
-            group.stiffen(&RigidMotion::of(&motions), &motions, blocks);
+            group.stiffen(&RigidMotion::of(&motions, response), &motions, blocks);
         }
     }
 
@@ -178,7 +185,7 @@ impl BlockGroups {
                 continue;
             };
             let before = group.motions(blocks);
-            let compound = RigidMotion::of(&before);
+            let compound = RigidMotion::of(&before, response);
             let worst = bond_load::worst(group, &before, &compound, response, dt);
             if let Some((bond, load)) = worst
                 && load > hold
@@ -198,17 +205,26 @@ impl BlockGroups {
         torn
     }
 
+    /// Gives each group the motion of a rigid body, whatever its bonds hold.
+    pub fn stiffen(&self, blocks: &mut impl Blocks, response: Response) {
+        for group in self.groups.values() {
+            let before = group.motions(blocks);
+            group.stiffen(&RigidMotion::of(&before, response), &before, blocks);
+        }
+    }
+
     /// After all blocks have been moved by themselves, and perhaps pushed by others: puts each where its
     /// group is, which turns by its spin for this time.
-    pub fn carry(&mut self, blocks: &mut impl Blocks, dt: f64) {
+    pub fn carry(&mut self, blocks: &mut impl Blocks, response: Response, dt: f64) {
         for group in self.groups.values_mut() {
             let motions = group.motions(blocks);
             // Flying straight keeps the angular momentum; the shape is that of the group.
-            let (mut compound, turning) = RigidMotion::momenta(&motions);
+            let (mut compound, turning) = RigidMotion::momenta(&motions, response);
             let spin = |rotation: UnitQuaternion<f64>, members: &[GroupMember]| {
                 rigid_motion::spin(
                     turning,
                     members.iter().map(|member| rotation * member.offset),
+                    response,
                 )
             };
             let way = spin(group.rotation, &group.members) * dt;
@@ -249,7 +265,7 @@ impl BlockGroups {
             return None;
         };
         let motions: Vec<Motion> = ids.iter().map(|&id| blocks.motion(id)).collect();
-        let (RigidMotion { middle, .. }, _) = RigidMotion::momenta(&motions);
+        let (RigidMotion { middle, .. }, _) = RigidMotion::momenta(&motions, Response::FREE);
         let members = ids.iter().map(|&id| {
             let pose = blocks.pose(id);
             GroupMember {

@@ -2,9 +2,14 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::world::blocks::Motion;
+use crate::world::external_forces::Response;
 use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// The motion of a rigid body that has the momentum and the angular momentum of its cubes.
+///
+/// In a viscous fluid velocities are means over a step, and what has given a cube its velocity was greater by 1 / φ, the
+/// [`Response`]: cubes count as so much heavier. Where drag takes nearly all of a velocity in a step, that is their friction, by
+/// which the body turns and diffuses then.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RigidMotion {
     pub middle: Vector3<f64>,
@@ -14,20 +19,21 @@ pub(super) struct RigidMotion {
 
 impl RigidMotion {
     /// Of cubes of side 1 and mass 1; at least one.
-    pub fn of(cubes: &[Motion]) -> RigidMotion {
-        let (mut compound, turning) = RigidMotion::momenta(cubes);
-        let middle = compound.middle;
-        compound.spin = spin(turning, cubes.iter().map(|cube| cube.position - middle));
+    pub fn of(cubes: &[Motion], response: Response) -> RigidMotion {
+        let (mut compound, turning) = RigidMotion::momenta(cubes, response);
+        let arms = (cubes.iter()).map(|cube| cube.position - compound.middle);
+        compound.spin = spin(turning, arms, response);
         compound
     }
 
     /// Their middle and its velocity, without a spin; and their angular momentum about it.
-    pub fn momenta(cubes: &[Motion]) -> (RigidMotion, Vector3<f64>) {
+    pub fn momenta(cubes: &[Motion], response: Response) -> (RigidMotion, Vector3<f64>) {
         let count = cubes.len() as f64;
         let middle = cubes.iter().map(|cube| cube.position).sum::<Vector3<f64>>() / count;
         let velocity = cubes.iter().map(|cube| cube.velocity).sum::<Vector3<f64>>() / count;
         let turning = |cube: &Motion| {
-            (cube.position - middle).cross(&cube.velocity) + cube.spin / INVERSE_INERTIA
+            (cube.position - middle).cross(&cube.velocity) / response.linear
+                + cube.spin / (INVERSE_INERTIA * response.angular)
         };
         let compound = RigidMotion {
             middle,
@@ -48,14 +54,16 @@ impl RigidMotion {
 pub(super) fn spin(
     turning: Vector3<f64>,
     arms: impl Iterator<Item = Vector3<f64>>,
+    response: Response,
 ) -> Vector3<f64> {
+    let own = 1.0 / (INVERSE_INERTIA * response.angular);
     let mut inertia = Matrix3::zeros();
     for arm in arms {
-        let own = arm.norm_squared() + 1.0 / INVERSE_INERTIA;
-        inertia += Matrix3::identity() * own - arm * arm.transpose();
+        let about = arm.norm_squared() / response.linear + own;
+        inertia += Matrix3::identity() * about - arm * arm.transpose() / response.linear;
     }
-    // At least a sixth in every direction.
-    (inertia.cholesky()).map_or(turning * INVERSE_INERTIA, |it| it.solve(&turning))
+    // More than nothing in every direction.
+    (inertia.cholesky()).map_or(turning / own, |it| it.solve(&turning))
 }
 
 /// Kinetic energy \[side^2 / tick^2\] that goes when cubes take the motion of one rigid body.
@@ -63,7 +71,7 @@ pub(crate) fn lost(cubes: &[Motion]) -> f64 {
     let energy = |velocity: Vector3<f64>, spin: Vector3<f64>| {
         (velocity.norm_squared() + spin.norm_squared() / INVERSE_INERTIA) / 2.0
     };
-    let compound = RigidMotion::of(cubes);
+    let compound = RigidMotion::of(cubes, Response::FREE);
     let each = |cube: &Motion| {
         let (velocity, spin) = compound.at(cube.position);
         energy(cube.velocity, cube.spin) - energy(velocity, spin)

@@ -32,7 +32,7 @@ fn row(count: u32) -> (BlockGroups, Bodies<f64>) {
     let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
     for b in 1..count {
         let seat = blocks.pose(b);
-        groups.join(b - 1, b, &seat, &mut blocks);
+        groups.join(b - 1, b, &seat, &mut blocks, Response::FREE);
     }
     (groups, blocks)
 }
@@ -46,7 +46,7 @@ fn a_group_moves_as_one_and_keeps_its_momenta() {
     assert_eq!(groups.settle(&mut blocks, 1e9, Response::FREE, 1.0), 0);
     for _ in 0..1000 {
         fly(&mut blocks, 0.1);
-        groups.carry(&mut blocks, 0.1);
+        groups.carry(&mut blocks, Response::FREE, 0.1);
         for (a, b) in [(0, 1), (1, 2)] {
             let way = blocks.position(b) - blocks.position(a);
             assert!((way.norm() - 1.0).abs() < 1e-9);
@@ -63,7 +63,7 @@ fn what_bonds_moves_as_one_at_once() {
     blocks.set_velocity(1, Vector3::new(-0.4, 0.2, 0.0), Vector3::z() * 0.1);
     let before = momenta(&blocks);
     let seat = blocks.pose(1);
-    groups.join(0, 1, &seat, &mut blocks);
+    groups.join(0, 1, &seat, &mut blocks, Response::FREE);
     let after = momenta(&blocks);
     assert!((before.0 - after.0).norm() + (before.1 - after.1).norm() < 1e-12);
     // Nothing is left for the bond to hold but the circles on which they turn.
@@ -167,15 +167,15 @@ fn a_group_that_joins_another_comes_along_as_it_is() {
     ];
     let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
     let seat = blocks.pose(1);
-    groups.join(0, 1, &seat, &mut blocks);
+    groups.join(0, 1, &seat, &mut blocks, Response::FREE);
     let seat = blocks.pose(3);
-    groups.join(2, 3, &seat, &mut blocks);
+    groups.join(2, 3, &seat, &mut blocks, Response::FREE);
     // Block 2 comes to its place on block 1 a quarter turn about x further.
     let seat = Pose {
         position: Vector3::new(2.0, 0.0, 0.0),
         rotation: UnitQuaternion::from_scaled_axis(Vector3::x() * std::f64::consts::FRAC_PI_2),
     };
-    groups.join(1, 2, &seat, &mut blocks);
+    groups.join(1, 2, &seat, &mut blocks, Response::FREE);
     assert_eq!(groups.list(), [[0, 1, 2, 3]]);
     let last = blocks.pose(3).position;
     assert!(

@@ -303,6 +303,14 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
+    /// Keeps also what rounding takes away.
+    fn set_exact_position(&mut self, id: u32, position: Vector3<f64>) {
+        self.set_position(id, cast(position));
+        let kept: Vector3<f64> = cast(self.position(id));
+        let (group, lane) = place(id);
+        scatter(&mut self.groups[group].rounded, lane, cast(kept - position));
+    }
+
     fn set_rotation(&mut self, id: u32, rotation: UnitQuaternion<f64>) {
         let attitude = &mut self.attitudes[id as usize];
         let rotation = rotation.coords.map(R::of);
@@ -334,6 +342,12 @@ impl<R: Lane> Blocks for Bodies<R> {
         gather(&self.groups[group].position, lane)
     }
 
+    fn exact_position(&self, id: u32) -> Vector3<f64> {
+        let (group, lane) = place(id);
+        let rounded = gather(&self.groups[group].rounded, lane);
+        cast::<R, f64>(self.position(id)) - cast(rounded)
+    }
+
     fn velocity(&self, id: u32) -> Vector3<R> {
         let (group, lane) = place(id);
         gather(&self.groups[group].velocity, lane)
@@ -356,10 +370,8 @@ impl<R: Lane> Blocks for Bodies<R> {
     fn state(&self, id: u32) -> BodyState {
         let attitude = &self.attitudes[id as usize];
         let rotation = turn(attitude.late(self.now, self.dt), attitude.rotation);
-        let (group, lane) = place(id);
-        let rounded = gather(&self.groups[group].rounded, lane);
         BodyState {
-            position: cast::<R, f64>(self.position(id)) - cast(rounded),
+            position: self.exact_position(id),
             orientation: UnitQuaternion::from_quaternion(rotation.coords.map(Real::double).into()),
             velocity: cast(self.velocity(id)),
             spin: cast(attitude.spin),
@@ -367,17 +379,13 @@ impl<R: Lane> Blocks for Bodies<R> {
     }
 
     fn set_state(&mut self, id: u32, state: &BodyState) {
-        self.set_position(id, cast(state.position));
-        let kept: Vector3<f64> = cast(self.position(id));
-        let (group, lane) = place(id);
-        let rounded = cast(kept - state.position);
-        scatter(&mut self.groups[group].rounded, lane, rounded);
+        self.set_exact_position(id, state.position);
         self.set_velocity_of_turned(id, cast(state.velocity), cast(state.spin));
         self.set_rotation(id, state.orientation);
     }
 
     fn set_pose(&mut self, id: u32, pose: &Pose) {
-        self.set_position(id, cast(pose.position));
+        self.set_exact_position(id, pose.position);
         self.set_rotation(id, pose.rotation);
     }
 

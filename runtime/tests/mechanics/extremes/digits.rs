@@ -1,10 +1,11 @@
 //! Steps that are smaller than the last digit of a place.
 use std::fmt::Write as _;
 
-use stochc_ir::scene::{Agitation, BOLTZMANN, Fluid, Scene};
+use nalgebra::Vector3;
+use stochc_ir::scene::{Agitation, Anchor, BOLTZMANN, Bond, Fluid, Magnets, Measure, Scene};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::world::{Arena, BodyState, World};
 use stochc_runtime::{Model, Precision, Settings};
 
 use crate::scenes::{Dice, PLATE, empty};
@@ -72,6 +73,45 @@ fn brownian<W: Arena>(tick: f64, far: f64, settings: &Settings) -> Brownian {
     Brownian {
         way: way / exact(Fluid::friction(viscosity, side), mass),
         turn: turn / exact(Fluid::turning_friction(viscosity, side), inertia),
+    }
+}
+
+/// What a place keeps of a way that is smaller than its last digit, it keeps also where a group is carried.
+#[test]
+fn a_bonded_pair_sinks_however_slowly() {
+    let speed = 1e-5;
+    let mut scene = Scene {
+        gravity: Some(speed),
+        fluid: Some(Fluid {
+            density: None,
+            viscosity: Some(1.0 / Fluid::friction(1.0, 1.0)),
+        }),
+        ..empty()
+    };
+    scene.bond = Some(Bond::Reject {
+        magnets: Magnets {
+            hold: 0.1,
+            depth: 0.2,
+            within: 1.5,
+        },
+        anchor: Anchor {
+            measure: Measure::Centres,
+            within: 0.05,
+            tilt: 0.25,
+        },
+        impulse: 0.0,
+    });
+    let blocks = [-0.5, 0.5].map(|x| BodyState::at_rest(Vector3::new(x, 0.0, 600.0)));
+    let settings = Settings::of(Model::Rigid, 1);
+    let mut world =
+        RigidWorld::with_blocks(&scene, &PLATE, &settings, 1, 0, &blocks).expect("sound");
+    for _ in 0..3000 {
+        world.step(&mut Vec::new()).expect("sound physics");
+    }
+    assert_eq!(world.groups(), [[0, 1]]);
+    for id in 0..2 {
+        let sunk = 600.0 - world.state(id).position.z;
+        assert!((sunk / (speed * 3000.0) - 1.0).abs() < 0.01, "{sunk}");
     }
 }
 
