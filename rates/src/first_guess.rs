@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
-use stochc_ir::scene::{Bond, Scene};
+use stochc_ir::scene::{Bond, Enclosure, Scene};
 
 use crate::accessibility::RADIUS;
 use crate::law::Parameters;
@@ -85,7 +85,11 @@ impl Rates {
         let Some(Bond::Attract { pull, .. }) = &scene.bond else {
             return None;
         };
-        let is_other = scene.fluid.is_some() || scene.flow.is_some() || scene.gravity.is_some();
+        // In a sphere the gas near the plate is another.
+        let is_other = !matches!(scene.enclosure, Some(Enclosure::Hemisphere { .. }))
+            || scene.fluid.is_some()
+            || scene.flow.is_some()
+            || scene.gravity.is_some();
         if is_other || scene.drag.is_none() || scene.contact.is_none() {
             return None;
         }

@@ -179,7 +179,7 @@ pub enum ContactLaw {
         restitution: f64,
     },
     /// A pair that overlaps by a depth d repels with `stiffness d + damping d'`, and never
-    /// attracts; the points of the patch share this in proportion to their depths.
+    /// attracts; it does so at its deepest point.
     Compliant {
         /// Force per depth \[N/m\], more than 0.
         stiffness: f64,

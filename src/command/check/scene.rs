@@ -222,6 +222,9 @@ impl InForce<'_> {
     fn expected(&self) -> String {
         let from = match self.speed.from {
             SpeedFrom::Rest => "nothing moves the blocks by chance",
+            SpeedFrom::Drag if self.scene.fluid.is_some() => {
+                "kicks against drag, as the mean of a tick, exact"
+            }
             SpeedFrom::Drag => "kicks against drag, exact",
             SpeedFrom::Collisions if self.scene.drag.is_some() => {
                 "kicks against drag and inelastic collisions, an estimate (docs/model.md)"
@@ -233,6 +236,9 @@ impl InForce<'_> {
                 "kicks against wakes, and what else slows blocks, an estimate (docs/model.md)"
             }
             SpeedFrom::Eddies => "eddies that take the blocks along, at most",
+            SpeedFrom::Heat if self.scene.drag.is_some() => {
+                "the heat of the fluid, as the mean of a tick; less, because `drag` slows blocks as well"
+            }
             SpeedFrom::Heat => "the heat of the fluid, as the mean of a tick, exact",
             SpeedFrom::Nothing => {
                 "it never stops growing: nothing takes energy away from the blocks"

@@ -1,6 +1,7 @@
 use stochc_ir::scene::groups::{Settling, SpeedFrom, groups, speed};
 use stochc_ir::scene::{
-    Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Scene, Strength,
+    Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Scene, Stir,
+    Strength,
 };
 
 use crate::scene::built_in;
@@ -377,6 +378,79 @@ fn sinking_is_held_against_what_stirs() {
     };
     turbulence.vertical = 0.0;
     assert_eq!(Settling::of(&tank).unwrap().above(0.0), 0.0);
+}
+
+/// Collisions take energy there as well, from blocks that have twice the room.
+#[test]
+fn a_sphere_is_a_gas_as_a_hemisphere_is() {
+    let in_ball = Scene {
+        enclosure: Some(Enclosure::Sphere {
+            radius: 5.1,
+            wall: 250.0,
+        }),
+        ..hemisphere()
+    };
+    let told = speed(&in_ball);
+    assert_eq!(told.from, SpeedFrom::Collisions);
+    // Half of the density and no floor: j^2 = 0.078052 / 2 / 3 v^3.
+    let exact = (0.044_f64.powi(2) / 3.0 / (0.078052 / 6.0)).cbrt();
+    assert!(
+        (told.rms.unwrap() / (exact * 10.0) - 1.0).abs() < 1e-3,
+        "{told:?}"
+    );
+}
+
+#[test]
+fn the_mean_flow_takes_blocks_along() {
+    let tank = built_in("magnet_tank").unwrap();
+    let carried = |scene: &Scene| {
+        let group = groups(scene)
+            .into_iter()
+            .find(|group| group.symbol == "u τ / a");
+        group.map(|group| (group.value, group.limit.unwrap().substeps))
+    };
+    let Some(Flow::Stir(stir)) = &tank.flow else {
+        panic!("it is stirred");
+    };
+    let exact = stir.follow * stir.radius * stir.rate * tank.tick / tank.block.side;
+    let (value, substeps) = carried(&tank).unwrap();
+    assert!((value / exact - 1.0).abs() < 1e-9 && substeps == Some(1));
+    let fast = Scene {
+        flow: Some(Flow::Stir(Stir {
+            rate: 0.25 / exact * stir.rate,
+            ..stir.clone()
+        })),
+        ..tank.clone()
+    };
+    assert_eq!(carried(&fast).unwrap().1, Some(3));
+    assert_eq!(carried(&Scene { flow: None, ..tank }), None);
+}
+
+/// Two scenes that are one at two lengths of the tick.
+#[test]
+fn energies_of_heat_do_not_depend_on_the_tick() {
+    let work = |tick: f64| {
+        let scene = Scene {
+            tick,
+            fluid: Some(Fluid {
+                density: None,
+                viscosity: Some(1.0),
+            }),
+            agitation: Some(Agitation::Brownian { temperature: 300.0 }),
+            ..hemisphere()
+        };
+        let all = groups(&scene).into_iter();
+        let mut works = all.filter(|group| group.symbol == "F r / (m v² / 2)");
+        works.next().unwrap().value
+    };
+    let (short, long) = (work(1e-6), work(10.0));
+    assert!((short / long - 1.0).abs() < 1e-9, "{short} {long}");
+    let scene = hemisphere();
+    let Some(Bond::Attract { pull, .. }) = &scene.bond else {
+        panic!("faces pull");
+    };
+    let exact = pull.force * pull.within / (1.5 * BOLTZMANN * 300.0);
+    assert!((short / exact - 1.0).abs() < 1e-9, "{short} {exact}");
 }
 
 #[test]

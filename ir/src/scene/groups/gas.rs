@@ -16,25 +16,26 @@ const MEETING_SURFACE: f64 = 12.0 + 4.5 * PI;
 pub struct Gas {
     /// Blocks per volume of the enclosure \[1/side^3\]; as a block has volume 1, also the part of it that they fill.
     pub density: f64,
-    /// Of the enclosure \[side\].
-    radius: f64,
+    /// Area of the floor over the volume \[1/side\].
+    floor: f64,
 }
 
 impl Gas {
-    /// `None` without free blocks or without a hemisphere around them.
+    /// `None` without free blocks or without an enclosure around them. A sphere is a whole one, without the little that its plate cuts
+    /// off.
     pub fn of(scene: &Scene) -> Option<Gas> {
-        let Enclosure::Hemisphere { radius, .. } = scene.enclosure.as_ref()? else {
-            return None;
-        };
+        let enclosure = scene.enclosure.as_ref()?;
         if scene.free.count == 0 {
             return None;
         }
-        let radius = BlockUnits::of(scene).length(*radius);
-        let volume = 2.0 / 3.0 * PI * radius.powi(3);
-        Some(Gas {
-            density: f64::from(scene.free.count) / volume,
-            radius,
-        })
+        let radius = BlockUnits::of(scene).length(enclosure.reach(scene.block.side));
+        let ball = 4.0 / 3.0 * PI * radius.powi(3);
+        let (volume, floor) = match enclosure {
+            Enclosure::Hemisphere { .. } => (ball / 2.0, 1.5 / radius),
+            Enclosure::Sphere { .. } => (ball, 0.0),
+        };
+        let density = f64::from(scene.free.count) / volume;
+        (radius > 0.0).then_some(Gas { density, floor })
     }
 
     /// The mean way of a block between two meetings with others \[side\]: 1 / (√2 n S / 4), as the
@@ -51,8 +52,7 @@ impl Gas {
     /// Meetings of a block with the floor in a tick, at an rms speed \[side/tick\]: n v / 4 on each
     /// part of it.
     pub fn landings(&self, rms: f64) -> f64 {
-        // Area of the floor over volume of the half ball.
-        mean(rms) / 4.0 * 1.5 / self.radius
+        mean(rms) / 4.0 * self.floor
     }
 }
 

@@ -111,6 +111,8 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     let units = BlockUnits::of(scene);
     let v = speed(scene).rms.map(|rms| units.speed(rms));
     let v = v.filter(|&v| v > 0.0);
+    let energetic = speed::energetic(scene).map(|rms| units.speed(rms));
+    let energetic = energetic.filter(|&v| v > 0.0);
     let push = Push::of(scene);
     let mut out = Vec::new();
     if let Some(v) = v {
@@ -133,6 +135,21 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
             ));
         }
     }
+    let carried = units.speed(speed::carried(scene));
+    if carried > 0.0 {
+        out.push(
+            DimensionlessGroup::new(
+                "u τ / a",
+                "sides that the mean flow takes a block in a tick, at most",
+                carried,
+            )
+            .limited(
+                |_| 0.1,
+                |steps| carried / steps,
+                "blocks run deeply into what stands before a contact turns them away",
+            ),
+        );
+    }
     if let Some(drag) = &scene.drag {
         let rate = units.rate(drag.rate);
         out.push(
@@ -150,7 +167,7 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     {
         let (hold, depth) = (units.force(magnets.hold), units.length(magnets.depth));
         out.push(push.anchoring(hold, units.length(anchor.within)));
-        if let Some(v) = v {
+        if let Some(v) = energetic {
             out.push(DimensionlessGroup::new(
                 "F δ / (3 m v² / 2)",
                 "energy of a bond against that of two blocks' motion to each other",
@@ -161,7 +178,7 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     if let Some(Bond::Attract { pull, anchor, .. }) = &scene.bond {
         let (force, reach) = (units.force(pull.force), units.length(pull.within));
         out.push(push.anchoring(force, units.length(anchor.within)));
-        if let Some(v) = v {
+        if let Some(v) = energetic {
             out.push(DimensionlessGroup::new(
                 "F r / (m v² / 2)",
                 "work of the pull within its reach against the energy of motion",
@@ -210,11 +227,7 @@ impl Push {
 
     /// φ, the mean that the drag leaves of a force in one of so many steps of a tick: 1 without drag.
     fn left(self, steps: f64) -> f64 {
-        let lost = self.drag / steps;
-        match lost < 1e-8 {
-            true => 1.0,
-            false => -f64::exp_m1(-lost) / lost,
-        }
+        speed::mean_left(self.drag / steps)
     }
 
     /// The symbol that says whether drag is in it.
@@ -280,7 +293,10 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     if let Some(Agitation::Brownian { temperature }) = scene.agitation {
         out.push(DimensionlessGroup::new(
             "D τ / a²",
-            "diffusion in a tick",
+            match scene.drag {
+                Some(_) => "diffusion in a tick, `drag` apart, which makes it less",
+                None => "diffusion in a tick",
+            },
             units.diffusion(BOLTZMANN * temperature / friction),
         ));
     }

@@ -81,13 +81,13 @@ fn borne(scene: &Scene) -> f64 {
 fn kicked(scene: &Scene, weight: f64) -> f64 {
     let units = BlockUnits::of(scene);
     let gain = speed::kick(scene).powi(2) / 3.0;
-    let left = speed::left(scene);
+    // Of `drag`, which acts at the end of a tick; a fluid takes 2 γ τ v² in it on the average.
+    let lost = 1.0 / speed::left_by_drag(scene) - 1.0 + 2.0 * speed::viscous(scene);
     let landing = scene.contact.as_ref().map_or(0.0, |contact| {
         let restitution = speed::restitution(scene, contact, false);
         (1.0 - restitution * restitution) * (2.0 / PI).sqrt() * units.acceleration(weight)
     });
     // The root of lost v² + landing v = gain.
-    let lost = 1.0 / left - 1.0;
     let root = 2.0 * gain / (landing + (landing * landing + 4.0 * lost * gain).sqrt());
     let own = units.speed_si(root).powi(2);
     let even = speed(scene).rms.map(|rms| rms * rms / 3.0);

@@ -1,7 +1,7 @@
 //! How fast free blocks are in the long run.
 use serde::Serialize;
 
-use super::super::{Agitation, BOLTZMANN, Contact, ContactLaw, Fluid, Scene};
+use super::super::{Agitation, BOLTZMANN, Contact, ContactLaw, Flow, Fluid, Scene};
 use super::{BlockUnits, Gas};
 
 /// The speed that a free block is expected to have in the long run, away from magnets.
@@ -19,7 +19,7 @@ pub struct Speed {
 pub enum SpeedFrom {
     /// Nothing kicks the blocks, and they begin at rest.
     Rest,
-    /// Kicks and drag alone: exact.
+    /// Kicks and drag alone: exact. In a viscous fluid, the mean velocity of a tick.
     Drag,
     /// Kicks against what inelastic collisions, and drag if there is any, take away: an estimate.
     Collisions,
@@ -33,13 +33,17 @@ pub enum SpeedFrom {
     Heat,
 }
 
-/// The speed that the terms of a scene lead to.
+/// The speed that the terms of a scene lead to, a mean flow apart.
 pub fn speed(scene: &Scene) -> Speed {
+    speed_in(scene, 1.0)
+}
+
+fn speed_in(scene: &Scene, steps: f64) -> Speed {
     let units = BlockUnits::of(scene);
-    if let Some(speed) = of_fluid(scene, 1.0) {
+    if let Some(speed) = of_fluid(scene, steps) {
         return speed;
     }
-    let kick = kick(scene);
+    let kick = kick(scene) * mean_left(viscous(scene) / steps);
     let of_rms = |rms: f64, from| Speed {
         rms: Some(units.speed_si(rms)),
         from,
@@ -47,14 +51,16 @@ pub fn speed(scene: &Scene) -> Speed {
     if kick == 0.0 {
         return of_rms(0.0, SpeedFrom::Rest);
     }
-    let left = left(scene);
+    // The drag of a fluid is in the kick already; any other acts on what the kick has made.
+    let gain = kick * kick * left_by_drag(scene);
+    let left = left_by_drag(scene) * (-2.0 * viscous(scene)).exp();
     let (collisions, wakes) = (collisions(scene), wakes(scene));
     if wakes > 0.0 {
-        of_rms(balance(kick, left, collisions + wakes), SpeedFrom::Wakes)
+        of_rms(balance(gain, left, collisions + wakes), SpeedFrom::Wakes)
     } else if collisions > 0.0 {
-        of_rms(balance(kick, left, collisions), SpeedFrom::Collisions)
+        of_rms(balance(gain, left, collisions), SpeedFrom::Collisions)
     } else if left < 1.0 {
-        of_rms(kick * (left / (1.0 - left)).sqrt(), SpeedFrom::Drag)
+        of_rms((gain / (1.0 - left)).sqrt(), SpeedFrom::Drag)
     } else {
         Speed {
             rms: None,
@@ -63,10 +69,37 @@ pub fn speed(scene: &Scene) -> Speed {
     }
 }
 
-/// The part of the square of a speed that is left after a tick of drag.
-pub(super) fn left(scene: &Scene) -> f64 {
+/// The part of the square of a speed that `drag` leaves of it in a tick.
+pub(super) fn left_by_drag(scene: &Scene) -> f64 {
     let rate = scene.drag.as_ref().map_or(0.0, |drag| drag.rate);
-    (-2.0 * (BlockUnits::of(scene).rate(rate) + viscous(scene))).exp()
+    (-2.0 * BlockUnits::of(scene).rate(rate)).exp()
+}
+
+/// φ: the mean over a step of what a viscous drag leaves of a velocity, of which it takes so much in it.
+pub(super) fn mean_left(taken: f64) -> f64 {
+    match taken < 1e-8 {
+        true => 1.0,
+        false => -f64::exp_m1(-taken) / taken,
+    }
+}
+
+/// The speed at which the mean flow takes blocks along, at most \[m/s\]; 0 without one.
+pub(super) fn carried(scene: &Scene) -> f64 {
+    match &scene.flow {
+        Some(Flow::Stir(stir)) => stir.follow * stir.speed(),
+        Some(Flow::Jets(jets)) => jets.speed(),
+        None => 0.0,
+    }
+}
+
+/// The rms speed by which free blocks have their energy of motion \[m/s\], where velocities that are means over a tick have less.
+pub(super) fn energetic(scene: &Scene) -> Option<f64> {
+    match scene.agitation {
+        Some(Agitation::Brownian { temperature }) => {
+            Some((3.0 * BOLTZMANN * temperature / scene.block.mass).sqrt())
+        }
+        _ => speed(scene).rms,
+    }
 }
 
 /// What a viscous drag takes from a velocity in a tick; 0 without one.
@@ -77,15 +110,12 @@ pub(super) fn viscous(scene: &Scene) -> f64 {
     })
 }
 
-/// The rms speed within one of so many steps of a tick \[m/s\]; `None`: it never stops growing.
+/// The rms speed within one of so many steps of a tick, the first of those \[m/s\]; `None`: it never stops growing.
 ///
-/// Only that of heat depends on the step: its velocities are means over one. Where drag rules, a block
-/// moves by √(6 D dt) in a step.
+/// It depends on the step in a viscous fluid alone, where velocities are means over one. Where its drag rules, the heat moves a block
+/// by √(6 D dt) in a step.
 pub(super) fn in_steps(scene: &Scene, steps: f64) -> Option<f64> {
-    match of_fluid(scene, steps) {
-        Some(speed) => speed.rms,
-        None => speed(scene).rms,
-    }
+    speed_in(scene, steps).rms
 }
 
 /// How far a free block turns in one of so many steps of a tick, root mean square \[rad\]; `None`: it never stops growing.
@@ -196,14 +226,14 @@ fn rebound(ratio: f64) -> f64 {
     (-2.0 * ratio * angle).exp()
 }
 
-/// The v at which v^2 = (v^2 + kick^2) left - loss v^3.
-fn balance(kick: f64, left: f64, loss: f64) -> f64 {
-    let gain = |v: f64| (v * v + kick * kick) * left - v * v - loss * v.powi(3);
+/// The v at which v^2 = v^2 left + gain - loss v^3.
+fn balance(gain: f64, left: f64, loss: f64) -> f64 {
+    let grows = |v: f64| v * v * left + gain - v * v - loss * v.powi(3);
     // With neither drag nor loss of the other kind, v would be at most this.
-    let (mut low, mut high) = (0.0, (kick * kick / loss).cbrt());
+    let (mut low, mut high) = (0.0, (gain / loss).cbrt());
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        if gain(middle) > 0.0 {
+        if grows(middle) > 0.0 {
             low = middle;
         } else {
             high = middle;
@@ -240,10 +270,10 @@ mod tests {
 
     #[test]
     fn the_balance_holds() {
-        for (kick, left, loss) in [(0.1, 1.0, 0.03), (0.1, 0.9, 0.03), (1e-9, 0.999, 7.0)] {
-            let v = balance(kick, left, loss);
-            let after = (v * v + kick * kick) * left - loss * v.powi(3);
-            assert!((after / (v * v) - 1.0).abs() < 1e-9, "{kick} {left} {loss}");
+        for (gain, left, loss) in [(1e-2, 1.0, 0.03), (1e-2, 0.9, 0.03), (1e-18, 0.999, 7.0)] {
+            let v = balance(gain, left, loss);
+            let after = v * v * left + gain - loss * v.powi(3);
+            assert!((after / (v * v) - 1.0).abs() < 1e-9, "{gain} {left} {loss}");
         }
     }
 }

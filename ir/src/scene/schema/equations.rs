@@ -154,7 +154,7 @@ equations! {
     RIGID "blocks, structure and floor do not overlap; they collide, and rub"
         Some("along the normal u -> -e u; across it at most μ times that impulse"); [N(&CONTACT_RESTITUTION), N(&CONTACT_FRICTION)];
     COMPLIANT "blocks, structure and floor repel where they overlap by a depth d, and rub"
-        Some("f = max(0, k d + c d') along the normal, shared in proportion to depth; across it at most μ f"); [N(&CONTACT_STIFFNESS), N(&CONTACT_DAMPING), N(&CONTACT_FRICTION)];
+        Some("f = max(0, k d + c d') along the normal, at the deepest point; across it at most μ f"); [N(&CONTACT_STIFFNESS), N(&CONTACT_DAMPING), N(&CONTACT_FRICTION)];
     PULLING "pulls the nearest face of every free block in reach of a magnetized face"
         Some("|f| = F on the centre of that face, towards the magnetized one's"); [N(&PULL), N(&PULL_WITHIN)];
     ALIGNING "turns that face, once closer, into the nearest quarter turn"
