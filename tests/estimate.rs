@@ -125,6 +125,7 @@ fn chains_that_take_many_blocks_leave_few_to_the_last() {
             "benches/rates/scarce/nine_of_16.sa",
             "benches/rates/scarce/sixteen_of_10.sa",
             "benches/rates/scarce/twenty_five_of_8.sa",
+            "benches/rates/scarce/thirty_six_of_8.sa",
         ],
         Interaction::Apart,
     );
