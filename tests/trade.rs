@@ -17,8 +17,11 @@ fn rigid(substeps: u32) -> Settings {
     Settings::of(Model::Rigid, substeps)
 }
 
+/// Ticks after which runs are stopped, which takes longer than any.
+const LIMIT: u64 = 10_000;
+
 /// Runs around a mean, each at the same cost; those of one number have little in common.
-fn sample(mean: u64, cost: f64) -> Sample {
+fn sample(mean: u64, cost: f64, limit: u64) -> Sample {
     let turn = [1, 2, 4][mean as usize / 1000 - 1];
     let run = |run: u64| Measured {
         run,
@@ -27,18 +30,22 @@ fn sample(mean: u64, cost: f64) -> Sample {
         cpu: cost,
         wall: cost,
     };
-    Sample::new((0..21).map(run).collect(), u64::MAX)
-}
-
-fn outcome(settings: Settings, means: [u64; 2], cost: f64) -> CandidateOutcome {
-    CandidateOutcome {
-        settings,
-        left_out: None,
-        samples: means.map(|mean| sample(mean, cost)).to_vec(),
-    }
+    Sample::new((0..21).map(run).collect(), limit)
 }
 
 fn trade() -> Trade {
+    trade_within([LIMIT; 2])
+}
+
+/// A trade that stops runs of each program after so many ticks.
+fn trade_within(limits: [u64; 2]) -> Trade {
+    let outcome = |settings, means: [u64; 2], cost| CandidateOutcome {
+        settings,
+        left_out: None,
+        samples: (means.iter().zip(limits))
+            .map(|(&mean, limit)| sample(mean, cost, limit))
+            .collect(),
+    };
     let reduced = |reduction| Settings {
         reduction: Some(reduction),
         ..base()
@@ -61,8 +68,8 @@ fn trade() -> Trade {
         let text = "assembly a { seed plate 3 x 3 { M at (1, 1) }\nphase p { M.up -> A } }";
         Ok(text.as_bytes().to_vec())
     };
-    let limits = stochc_compiler::Limits::default();
-    let program = stochc_compiler::check("x.sa", &mut reader, limits)
+    let bounds = stochc_compiler::Limits::default();
+    let program = stochc_compiler::check("x.sa", &mut reader, bounds)
         .programs
         .remove(0);
     let executable = program.into_executable().unwrap();
@@ -76,10 +83,12 @@ fn trade() -> Trade {
     };
     let estimated = EstimatedSamples {
         left_out: None,
-        samples: [1100, 2200].map(|mean| sample(mean, 0.001)).to_vec(),
+        samples: [1100, 2200]
+            .map(|mean| sample(mean, 0.001, u64::MAX))
+            .to_vec(),
     };
     let programs = [program("one"), program("two")];
-    Trade::of(&programs, &outcomes, &estimated, &[9, 9], means)
+    Trade::of(&programs, &outcomes, &estimated, &limits, means)
 }
 
 #[test]
@@ -178,17 +187,18 @@ fn the_picture_marks_what_is_reversed() {
 #[test]
 fn the_cheapest_that_is_accurate_enough_is_chosen() {
     let trade = trade();
-    let chosen = |accuracy| choose(&trade, &[0, 1], accuracy, Among::All).map(|c| c.settings);
+    let chosen =
+        |accuracy| choose(&trade, &[0, 1], LIMIT, accuracy, Among::All).map(|c| c.settings);
     assert_eq!(chosen(0.15), Ok(None), "the estimate");
     assert_eq!(chosen(0.05), Ok(Some(rigid(1))));
     assert_eq!(chosen(0.02), Ok(Some(rigid(2))));
-    let with_runs = choose(&trade, &[0, 1], 0.15, Among::Runs);
+    let with_runs = choose(&trade, &[0, 1], LIMIT, 0.15, Among::Runs);
     assert_eq!(with_runs.map(|c| c.settings), Ok(Some(rigid(1))));
     let told = chosen(0.0001).unwrap_err();
     assert!(told.contains("undecided"), "{told}");
     // Alone, the first program has nothing that could be reversed, but it is off by as much.
     assert_eq!(
-        choose(&trade, &[0], 0.05, Among::All).map(|c| c.settings),
+        choose(&trade, &[0], LIMIT, 0.05, Among::All).map(|c| c.settings),
         Ok(Some(rigid(1)))
     );
     let reduced = |settings: &Settings| note(&trade, &[0, 1], settings);
@@ -214,14 +224,78 @@ fn the_cheapest_that_is_accurate_enough_is_chosen() {
     let change = Relative {
         value: 0.2,
         half_width: Some(0.05),
+        horizon: None,
     };
     doublings.last_mut().unwrap().changes[1] = Some(change);
-    let told = choose(&open, &[0, 1], 0.05, Among::All).unwrap_err();
+    let told = choose(&open, &[0, 1], LIMIT, 0.05, Among::All).unwrap_err();
     assert!(told.contains("not converged"), "{told}");
     assert!(
-        choose(&open, &[0], 0.05, Among::All).is_ok(),
+        choose(&open, &[0], LIMIT, 0.05, Among::All).is_ok(),
         "the first has"
     );
+}
+
+/// Of runs that the limit of ticks has stopped nobody knows how long they would have taken.
+#[test]
+fn times_that_are_not_known_are_not_called_accurate() {
+    const SHORT: u64 = 1005;
+    let trade = trade_within([SHORT, LIMIT]);
+    let reference = trade.reference.as_ref().unwrap();
+    assert_eq!(reference.convergence, Convergence::Undecided);
+    assert_eq!(reference.doublings[1].at_limit, [6 + 5, 0]);
+    let close = &trade.candidates[1];
+    assert_eq!((close.bound, close.front), (None, false));
+    let first = &close.programs[0];
+    assert_eq!((first.at_limit, first.censored), (5, 5));
+    assert_eq!(first.bias.unwrap().horizon, Some(SHORT as f64));
+    assert_eq!(close.programs[1].bias.unwrap().horizon, None);
+
+    let chosen = |programs: &[usize], max_ticks| {
+        choose(&trade, programs, max_ticks, 0.02, Among::Runs).map(|choice| choice.why)
+    };
+    let told = chosen(&[0, 1], SHORT + 1).unwrap_err();
+    assert!(
+        told.starts_with("the trade has stopped 11 runs of `one` after 1005 ticks"),
+        "{told}"
+    );
+    assert!(
+        told.ends_with("`stochc trade --max-ticks 1006`, or run with `--max-ticks 1005`"),
+        "{told}"
+    );
+    // Runs that are stopped as early are compared as far as they go.
+    let told = chosen(&[0], SHORT).unwrap();
+    assert!(told.contains(" in times up to 1005 ticks"), "{told}");
+    // And the other program's were not stopped.
+    let told = chosen(&[1], LIMIT + 1).unwrap();
+    assert!(!told.contains("in times"), "{told}");
+    let told = note(&trade, &[0], &rigid(1)).unwrap();
+    assert!(
+        told.ends_with("from the reference in times up to 1005 ticks"),
+        "{told}"
+    );
+}
+
+/// That a sample is cut draws a bias towards 0 from either side, so that it bounds nothing.
+#[test]
+fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
+    let trade = trade_within([1005, LIMIT]);
+    let text = trade_to_text(&trade, 200, false);
+    let of = |name: &str| {
+        let is_meant = |line: &&str| line.contains(&format!("  {name} "));
+        text.lines().find(is_meant).unwrap()
+    };
+    let slow = of("rigid 1");
+    assert!(slow.contains("≥ 1005") && !slow.contains("≥ 0"), "{slow}");
+    // Without a stopped run of its own: the reference's are.
+    assert!(of("estimate").contains(" * "), "{text}");
+    let text = text.replace("\n  ", " ");
+    assert!(text.contains("Biases with * are no bounds"), "{text}");
+    assert!(
+        text.contains("undecided: the limit of ticks has stopped 11 runs of its last doubling"),
+        "{text}"
+    );
+    assert!(text.contains("a larger `--max-ticks` would tell"), "{text}");
+    assert!(!trade_to_text(&self::trade(), 200, false).contains('*'));
 }
 
 #[test]

@@ -259,9 +259,8 @@ fn wrong_command_lines_are_told_of() {
 fn written(folder: &Path, (value, half_width): (f64, f64)) -> String {
     let out = path(folder, "measured");
     let mut trade = stochc_with(DENSE, &["--format", "json", "--out", &out]).json();
-    let change = serde_json::json!({ "value": value, "half_width": half_width });
-    let doubling =
-        |from: u32| serde_json::json!({ "from": from, "to": 2 * from, "changes": [change] });
+    let change = serde_json::json!({ "value": value, "half_width": half_width, "horizon": null });
+    let doubling = |from: u32| serde_json::json!({ "from": from, "to": 2 * from, "changes": [change], "at_limit": [0] });
     trade["reference"]["doublings"] = [1, 2].map(doubling).to_vec().into();
     for (i, candidate) in trade["candidates"]
         .as_array_mut()
@@ -381,6 +380,28 @@ fn an_accuracy_that_nothing_has_is_refused() {
     assert!(said.err.contains("by up to 53.4 %"), "{}", said.err);
 }
 
+/// The limit of the trade holds for the trade only: the runs that follow go on for longer.
+#[test]
+fn an_accuracy_of_runs_that_were_stopped_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = written(folder.path(), (0.0, 0.004));
+    let file = path(out.as_ref(), "trade.json");
+    let mut trade: Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
+    trade["programs"][0]["max_ticks"] = 5000.into();
+    trade["reference"]["doublings"][1]["at_limit"] = serde_json::json!([7]);
+    fs::write(&file, trade.to_string()).unwrap();
+    let said = simulate(&out, &["--accuracy", "5%"]);
+    assert_eq!((said.status, said.out.as_str()), (4, ""), "{}", said.err);
+    assert!(
+        said.err
+            .contains("has stopped 7 runs of `dense` after 5000 ticks"),
+        "{}",
+        said.err
+    );
+    let said = simulate(&out, &["--accuracy", "5%", "--max-ticks", "5000"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+}
+
 #[test]
 fn a_trade_of_something_else_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -405,7 +426,7 @@ fn a_trade_of_something_else_is_refused() {
             "format is 3",
         ),
         (
-            r#"{"format": 4, "stochc": "0", "candidates": []}"#,
+            r#"{"format": 5, "stochc": "0", "candidates": []}"#,
             "measure again",
         ),
     ] {

@@ -12,6 +12,8 @@ pub struct Relative {
     pub value: f64,
     /// Half the width of its 95 % interval; `None`: too few runs to tell.
     pub half_width: Option<f64>,
+    /// Where not all times of both samples are known: both means are of min(time, horizon), in the unit of the times.
+    pub horizon: Option<f64>,
 }
 
 /// A mean with what its interval needs.
@@ -50,6 +52,7 @@ pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relativ
     Some(Relative {
         value: ratio - 1.0,
         half_width,
+        horizon: both.horizon,
     })
 }
 
@@ -101,6 +104,7 @@ mod tests {
             "{found:?}"
         );
         assert!((found.bound().unwrap() - 0.1 - 0.4632746079506003).abs() < 1e-9);
+        assert_eq!(found.horizon, None);
     }
 
     #[test]
@@ -111,7 +115,6 @@ mod tests {
         assert_eq!(relative(&completed(&[2.0]), &completed(&[0.0])), None);
     }
 
-    /// (2 + 9) / 2 against (4 + 6) / 2: the second is known for ever, since both completed.
     /// None of four completes before 300, where a twentieth of the others does: that is no difference.
     #[test]
     fn runs_that_show_nothing_exclude_little() {
@@ -126,12 +129,14 @@ mod tests {
         );
     }
 
+    /// (2 + 9) / 2 against (4 + 6) / 2: the second is known for ever, since both completed.
     #[test]
     fn a_censored_mean_is_taken_as_far_as_it_is_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
         let second = completed(&[4.0, 6.0]);
         let found = relative(&first, &second).unwrap();
         assert!((found.value - 0.1).abs() < 1e-12);
+        assert_eq!(found.horizon, Some(9.0));
         let back = relative(&second, &first).unwrap();
         assert!((back.value - (1.0 / 1.1 - 1.0)).abs() < 1e-12);
     }
@@ -143,5 +148,6 @@ mod tests {
         let second = [Observation::completed(4.0), Observation::censored(5.0)];
         let found = relative(&first, &second).unwrap();
         assert!((found.value - (3.5 / 4.5 - 1.0)).abs() < 1e-12);
+        assert_eq!(found.horizon, Some(5.0));
     }
 }

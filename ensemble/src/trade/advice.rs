@@ -23,6 +23,14 @@ pub(super) fn advice(trade: &Trade) -> String {
             reference.options
         ));
     }
+    let mut programs = 0..trade.programs.len();
+    if programs.any(|program| trade.reference_runs_at_limit(program) > 0) {
+        sentences.push(
+            "The limit of ticks has stopped runs of the reference, so that of longer times nothing is known; a \
+             larger `--max-ticks` would tell."
+                .to_owned(),
+        );
+    }
     let mut clauses: Vec<String> = recommended(trade).into_iter().map(clause).collect();
     if clauses.is_empty() {
         clauses.push(format!(

@@ -4,7 +4,7 @@ use stochc_runtime::Settings;
 
 use super::advice::advice;
 use super::candidates::{flags, refines, short};
-use super::convergence::{CLOSE, Doubling, convergence};
+use super::convergence::{CLOSE, Convergence, Doubling, at_limit, convergence};
 use super::estimate::{self, EstimatedSamples};
 use super::plan::CandidateOutcome;
 use super::ranking::{Ranked, Verdict, rank};
@@ -112,9 +112,14 @@ fn reference(outcomes: &[CandidateOutcome], times: &[Vec<Vec<Observation>>]) -> 
     };
     let doublings: Vec<Doubling> = candidates.windows(2).map(doubling).collect();
     let programs: Vec<usize> = (0..times[candidate].len()).collect();
+    let is_cut = doublings.last().is_some_and(Doubling::is_cut);
     Some(Reference {
         candidate,
-        convergence: convergence(&doublings, &programs, CLOSE),
+        convergence: match convergence(&doublings, &programs, CLOSE) {
+            // Of longer times nothing is known.
+            Convergence::Converged if is_cut => Convergence::Undecided,
+            found => found,
+        },
         bound: doublings.last().and_then(|last| last.bound(&programs)),
         doublings,
     })
@@ -167,6 +172,8 @@ fn candidate(
     let costs: Option<Vec<f64>> = cells.iter().map(|cell| cell.cost).collect();
     let biases: Option<Vec<Relative>> = cells.iter().map(|cell| cell.bias).collect();
     let measured = row.samples.iter().any(|sample| !sample.is_empty());
+    let mut compared = times.iter().chain(reference.into_iter().flatten());
+    let is_cut = compared.any(|times| at_limit(times) > 0);
     CandidateResult {
         name: row.name.clone(),
         options: row.options.clone(),
@@ -178,7 +185,7 @@ fn candidate(
         },
         cost: costs.map(|costs| costs.iter().sum::<f64>() / costs.len() as f64),
         cost_ratio: None,
-        bound: biases.as_ref().and_then(|biases| {
+        bound: biases.as_ref().filter(|_| !is_cut).and_then(|biases| {
             let mut bounds = biases.iter().map(Relative::bound);
             bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
         }),
@@ -205,6 +212,7 @@ fn cell(
         runs: sample.len(),
         completed: sample.count(End::Completed),
         censored: sample.count(End::Censored) + sample.count(End::TimedOut),
+        at_limit: sample.count(End::Censored),
         failed: sample.count(End::Failed),
         mean: time.as_ref().map(|time| time.mean),
         half_width: time.as_ref().and_then(|time| time.half_width),

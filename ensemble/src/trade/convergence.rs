@@ -1,7 +1,7 @@
 //! Whether the reference has converged: what doubling the substeps still changes.
 use serde::{Deserialize, Serialize};
 
-use crate::statistics::{Observation, Relative, relative};
+use crate::statistics::{Observation, Relative, Status, relative};
 
 /// How many doublings in a row are looked at.
 const STEPS: usize = 2;
@@ -31,17 +31,28 @@ pub struct Doubling {
     pub to: u32,
     /// For each program, the mean after over the mean before, less one; `None`: nothing to compare.
     pub changes: Vec<Option<Relative>>,
+    /// For each program, runs before and after that the limit of ticks has stopped: if there are any, the
+    /// change is one of times up to a horizon, and says nothing about longer ones.
+    pub at_limit: Vec<usize>,
 }
 
 impl Doubling {
     /// Compares the times of each program before and after.
     pub fn of(from: (u32, &[Vec<Observation>]), to: (u32, &[Vec<Observation>])) -> Doubling {
-        let programs = to.1.iter().zip(from.1);
+        let programs = || to.1.iter().zip(from.1);
         Doubling {
             from: from.0,
             to: to.0,
-            changes: programs.map(|(to, from)| relative(to, from)).collect(),
+            changes: programs().map(|(to, from)| relative(to, from)).collect(),
+            at_limit: programs()
+                .map(|(to, from)| at_limit(to) + at_limit(from))
+                .collect(),
         }
+    }
+
+    /// Whether the limit of ticks has stopped runs.
+    pub(super) fn is_cut(&self) -> bool {
+        self.at_limit.iter().any(|&runs| runs > 0)
     }
 
     /// Whether no mean is known to have changed: every interval includes 0.
@@ -70,6 +81,12 @@ impl Doubling {
     }
 }
 
+/// How many of these runs the limit of ticks has stopped.
+pub(super) fn at_limit(times: &[Observation]) -> usize {
+    let is_stopped = |run: &&Observation| run.status == Status::Censored;
+    times.iter().filter(is_stopped).count()
+}
+
 /// Whether the last doublings have shown no change, as far as their runs can tell: then more runs say
 /// more than finer steps.
 pub fn is_settled(doublings: &[Doubling]) -> bool {
@@ -77,7 +94,8 @@ pub fn is_settled(doublings: &[Doubling]) -> bool {
     last.is_some_and(|first| doublings[first..].iter().all(Doubling::is_settled))
 }
 
-/// Whether the means of these programs have converged to within a share of themselves.
+/// Whether the means of these programs have converged to within a share of themselves; where runs were
+/// stopped by the limit of ticks, those of times up to it.
 pub fn convergence(doublings: &[Doubling], programs: &[usize], within: f64) -> Convergence {
     let last = &doublings[doublings.len().saturating_sub(STEPS)..];
     if last.iter().any(|it| it.has_changed(programs, within)) {
@@ -160,7 +178,8 @@ mod tests {
                 .map(|&(value, half)| Doubling {
                     from: 1,
                     to: 2,
-                    changes: vec![Some(Relative { value, half_width: Some(half) })],
+                    changes: vec![Some(Relative { value, half_width: Some(half), horizon: None })],
+                    at_limit: vec![0],
                 })
                 .collect();
             let last = changes[changes.len() - 1];

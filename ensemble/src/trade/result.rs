@@ -9,7 +9,7 @@ use crate::Manifest;
 use crate::statistics::{Distance, Relative};
 
 /// Version of the layout of `trade.json`; another one is not read.
-pub const FORMAT: u32 = 4;
+pub const FORMAT: u32 = 5;
 
 /// The trade of some programs; times in ticks, costs in seconds of processor time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,7 +56,8 @@ pub struct MeasuredProgram {
 pub struct Reference {
     /// Its index.
     pub candidate: usize,
-    /// Whether it has converged to within 10 %.
+    /// Whether it has converged to within 10 %; where the limit of ticks has stopped runs of the last doubling, that is
+    /// not known.
     pub convergence: Convergence,
     /// The largest change of a mean by the last doubling that its interval does not exclude; `None`:
     /// nothing is excluded.
@@ -82,7 +83,8 @@ pub struct CandidateResult {
     pub cost_ratio: Option<f64>,
     /// The bias that is largest, of all programs'; `None`: not every program has one.
     pub worst: Option<Relative>,
-    /// The largest bias of any program that its interval does not exclude.
+    /// The largest bias of any program that its interval does not exclude; `None`: any may be, as where the limit of
+    /// ticks has stopped runs of it or of the reference.
     pub bound: Option<f64>,
     /// No cheaper candidate has a smaller bound.
     pub front: bool,
@@ -103,6 +105,8 @@ pub struct ProgramResult {
     pub completed: usize,
     /// Runs that were stopped before.
     pub censored: usize,
+    /// Those of them that the limit of ticks has stopped, and not a timeout.
+    pub at_limit: usize,
     /// Runs whose physics broke down.
     pub failed: usize,
     /// Mean time to completion \[ticks\]; where any are censored, of min(time, horizon).
@@ -173,12 +177,21 @@ impl Trade {
                 && reference
                     .doublings
                     .iter()
-                    .all(|d| d.changes.len() == programs)
+                    .all(|d| d.changes.len() == programs && d.at_limit.len() == programs)
         });
         if !refers || !trade.candidates.iter().all(whole) {
             return Err("it is damaged: its parts do not belong together".into());
         }
         Ok(trade)
+    }
+
+    /// How many runs of a program the limit of ticks has stopped, among those of the reference and of its last doubling.
+    pub fn reference_runs_at_limit(&self, program: usize) -> usize {
+        let own = self.reference_candidate();
+        let own = own.map_or(0, |candidate| candidate.programs[program].at_limit);
+        let doublings = self.reference.as_ref().map(|it| &it.doublings[..]);
+        let last = doublings.and_then(<[Doubling]>::last);
+        last.map_or(own, |last| last.at_limit[program])
     }
 
     /// The candidate that others are held against.

@@ -4,7 +4,7 @@ use stochc_runtime::Settings;
 use super::candidates::same;
 use super::convergence::{Convergence, convergence};
 use super::ranking::Verdict;
-use super::result::{CandidateResult, Trade};
+use super::result::{CandidateResult, MeasuredProgram, Trade};
 use crate::text::{percent, ratio, relative, relative_size};
 
 /// A setting that was chosen.
@@ -34,13 +34,15 @@ const MORE_TIME: &str =
 /// A candidate is accurate enough if no program's mean is further from the reference's than `accuracy`,
 /// interval included, if none of its runs failed, and if it reverses no pair of these programs. The
 /// reference is, if the last doubling of its substeps changed no mean by more, interval included; where
-/// that is not known, nothing is.
+/// that is not known, nothing is. Runs that the limit of ticks has stopped tell only of times up to it: where
+/// there are any, nothing is known of runs that may take longer, up to `max_ticks`.
 ///
 /// # Errors
 /// In words, with what is missing, if none is.
 pub fn choose(
     trade: &Trade,
     programs: &[usize],
+    max_ticks: u64,
     accuracy: f64,
     among: Among,
 ) -> Result<Choice, String> {
@@ -53,7 +55,13 @@ pub fn choose(
     let own = &trade.candidates[reference.candidate];
     let doubling = (reference.doublings.last()).and_then(|last| last.bound(programs));
     let open = |what: String| Err(format!("{what}; {MORE_TIME}"));
-    match convergence(&reference.doublings, programs, accuracy) {
+    let found = convergence(&reference.doublings, programs, accuracy);
+    if found != Convergence::NotConverged
+        && let Some(reason) = stopped(trade, programs, max_ticks)
+    {
+        return Err(reason);
+    }
+    match found {
         Convergence::Converged => {}
         Convergence::NotConverged => {
             return open(format!(
@@ -84,7 +92,7 @@ pub fn choose(
         }
         let bound = match i == reference.candidate {
             true => doubling,
-            false => bound(candidate, programs),
+            false => bound(trade, candidate, programs, max_ticks),
         };
         if let (Some(cost), Some(bound)) = (cost(candidate, programs), bound) {
             candidates.push((cost, bound, i));
@@ -100,9 +108,16 @@ pub fn choose(
     let own_cost = self::cost(own, programs);
     let why = if i == reference.candidate {
         format!(
-            "`{}`, the reference itself: its last doubling of substeps changed no mean by more \
+            "`{}`, the reference itself: its last doubling of substeps changed no mean{} by more \
              than {}",
             candidate.options,
+            match programs
+                .iter()
+                .any(|&p| trade.reference_runs_at_limit(p) > 0)
+            {
+                true => " of times up to the trade's limit of ticks",
+                false => "",
+            },
             percent(bound)
         )
     } else {
@@ -149,9 +164,12 @@ pub fn note(trade: &Trade, programs: &[usize], settings: &Settings) -> Option<St
 fn distances(trade: &Trade, candidate: &CandidateResult, programs: &[usize]) -> String {
     let found = programs.iter().filter_map(|&p| {
         let bias = candidate.programs[p].bias?;
+        let of = bias.horizon.map_or_else(String::new, |ticks| {
+            format!(" in times up to {ticks:.0} ticks")
+        });
         Some(match programs.len() {
-            1 => format!("{} from the reference", relative_size(&bias)),
-            _ => format!("{} {}", trade.programs[p].name, relative(&bias)),
+            1 => format!("{} from the reference{of}", relative_size(&bias)),
+            _ => format!("{} {}{of}", trade.programs[p].name, relative(&bias)),
         })
     });
     found.collect::<Vec<_>>().join(", ")
@@ -161,8 +179,36 @@ fn cost(candidate: &CandidateResult, programs: &[usize]) -> Option<f64> {
     programs.iter().map(|&p| candidate.programs[p].cost).sum()
 }
 
+/// Whether runs that the limit of ticks of the trade has stopped could go on for longer.
+fn go_on(trade: &Trade, program: usize, max_ticks: u64) -> bool {
+    max_ticks > trade.programs[program].max_ticks
+}
+
+/// Why runs up to `max_ticks` tell nothing: those of the reference were stopped before.
+fn stopped(trade: &Trade, programs: &[usize], max_ticks: u64) -> Option<String> {
+    let runs = |&p: &usize| trade.reference_runs_at_limit(p);
+    let program =
+        (programs.iter().copied()).find(|p| go_on(trade, *p, max_ticks) && runs(p) > 0)?;
+    let MeasuredProgram {
+        name,
+        max_ticks: limit,
+        ..
+    } = &trade.programs[program];
+    Some(format!(
+        "the trade has stopped {} runs of `{name}` after {limit} ticks, in its reference or the substeps before, so that \
+         no accuracy is known of runs of up to {max_ticks}; measure with `stochc trade --max-ticks {max_ticks}`, or \
+         run with `--max-ticks {limit}`",
+        runs(&program)
+    ))
+}
+
 /// The largest bias that is not excluded; `None`: anything, or the candidate is out of the question.
-fn bound(candidate: &CandidateResult, programs: &[usize]) -> Option<f64> {
+fn bound(
+    trade: &Trade,
+    candidate: &CandidateResult,
+    programs: &[usize],
+    max_ticks: u64,
+) -> Option<f64> {
     let wrong = candidate.ranking.iter().any(|pair| {
         pair.verdict == Verdict::Reversed
             && programs.contains(&pair.first)
@@ -173,7 +219,9 @@ fn bound(candidate: &CandidateResult, programs: &[usize]) -> Option<f64> {
     }
     let mut bounds = programs.iter().map(|&p| {
         let cell = &candidate.programs[p];
-        cell.bias.filter(|_| cell.failed == 0)?.bound()
+        let is_cut = cell.at_limit > 0 && go_on(trade, p, max_ticks);
+        let bias = cell.bias.filter(|_| cell.failed == 0 && !is_cut);
+        bias?.bound()
     });
     bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
 }

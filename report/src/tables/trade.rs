@@ -10,6 +10,9 @@ use crate::text::{TextColumn, TextTable, paragraph, probability};
 /// In place of a figure that does not exist.
 const NONE: &str = "-";
 
+/// Before a bias that compares times up to a horizon.
+const RESTRICTED: &str = "* ";
+
 /// The columns of figures.
 const HEADER: [&str; 9] = [
     "CPU/run", "ratio", "n", "mean", "bias", "D", "p", "cens.", "failed",
@@ -120,7 +123,7 @@ fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) ->
         .cost
         .zip(whole)
         .map(|(cost, whole)| self::ratio(cost / whole));
-    let bound = if cell.horizon.is_some() { "≥ " } else { "" };
+    let bound = mark_if(cell.horizon.is_some(), "≥ ");
     let tick = Tick(trade.programs[program].scene.tick);
     let mean = cell.mean.map(|mean| {
         let half = cell.half_width.map(|half| format!(" ± {}", ticks(half)));
@@ -136,16 +139,22 @@ fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) ->
         or_none(ratio),
         cell.runs.to_string(),
         or_none(mean),
-        blank(
-            cell.bias
-                .as_ref()
-                .map(|bias| format!("{bound}{}", relative(bias))),
-        ),
+        blank(cell.bias.as_ref().map(|bias| {
+            format!(
+                "{}{}",
+                mark_if(bias.horizon.is_some(), RESTRICTED),
+                relative(bias)
+            )
+        })),
         blank(cell.distance.map(|distance| format!("{:.2}", distance.d))),
         blank(cell.distance.map(|distance| probability(distance.p))),
         cell.censored.to_string(),
         cell.failed.to_string(),
     ]
+}
+
+fn mark_if(is_meant: bool, mark: &str) -> &str {
+    if is_meant { mark } else { "" }
 }
 
 /// What each setting says about the order of the programs.
@@ -246,8 +255,9 @@ fn notes(trade: &Trade) -> Vec<String> {
         let limits: Vec<String> = trade.programs.iter().map(limit).collect();
         notes.push(format!(
             "cens.: runs stopped by a timeout of the program or the limit of ticks ({}). Means \
-             of such samples (≥) count up to the last time seen, their biases up to the last \
-             that both samples tell of, and D times before the first censored one.",
+             of such samples (≥) count min(time, the last time seen). Biases with * are no bounds: they compare \
+             means of min(time, h), where h is the last time that both samples tell of, and say nothing of longer \
+             times. D compares times before the first censored one.",
             limits.join(", ")
         ));
     }
@@ -308,6 +318,12 @@ fn convergence(reference: &Reference, changes: &str) -> String {
                 _ if reference.doublings.len() < 2 => {
                     "only one doubling of its substeps was measured".to_owned()
                 }
+                Some(bound) if last.at_limit.iter().any(|&runs| runs > 0) => format!(
+                    "the limit of ticks has stopped {} runs of its last doubling, which tells of times up to that \
+                     limit (a change of {} at most), and of no longer ones",
+                    last.at_limit.iter().sum::<usize>(),
+                    percent(bound)
+                ),
                 Some(bound) => format!(
                     "its last doubling may have changed a mean by up to {}, and more runs would \
                      tell",

@@ -37,7 +37,8 @@ pub(super) fn settle(
         true => Among::All,
         false => Among::Runs,
     };
-    match choose(&trade, &programs, accuracy, among) {
+    let max_ticks = manifest.settings.max_ticks.unwrap_or(u64::MAX);
+    match choose(&trade, &programs, max_ticks, accuracy, among) {
         Ok(choice) => {
             warn(&format!(
                 "--accuracy {}: {}\n",
