@@ -1,8 +1,10 @@
 //! What the tables say, against sums done by hand.
-use stochc::ensemble::Records;
+use stochc::ensemble::{Finished, Records};
 use stochc::ensemble::statistics::{Observation, Runs, compare};
+use stochc::ir::record::Outcome;
+use stochc::ir::table::PhaseId;
 
-use crate::sample::{Waits, five, manifest, record, report_of, rows};
+use crate::sample::{Waits, file, five, manifest, record, report_of, rows};
 
 fn number(text: &str) -> f64 {
     text.parse().unwrap()
@@ -185,6 +187,38 @@ fn programs_with_one_seed_are_compared_run_by_run() {
     // The same runs once more are no second sample.
     let again = report_of(&[first.clone(), first]);
     assert_eq!(rows_of(&again)["test"], "same runs");
+}
+
+/// Shares and counts on the page are those of the runs that did not fail, as in the data.
+#[test]
+fn a_failed_run_counts_nowhere() {
+    let told = |runs: Vec<Finished>| {
+        let mut input = five(0.2);
+        input.finished = runs.into();
+        let report = report_of(&[input]);
+        let cells = |caption: &str| {
+            let (_, table) = report.page.split_once(caption).unwrap();
+            table.split_once("</table>").unwrap().0.to_owned()
+        };
+        [
+            cells("Times of the phases"),
+            cells("The captures; waits"),
+            file(&report, "entries-1.svg").to_owned(),
+        ]
+    };
+    let mut runs: Vec<Finished> = Vec::new();
+    five(0.2).finished.each(|done| runs.push(done.clone())).unwrap();
+    let mut failed = runs[0].clone();
+    failed.record.run = 5;
+    failed.record.ticks = 50_000;
+    failed.record.outcome = Outcome::Failed {
+        phase: PhaseId(0),
+        reason: "a block is nowhere".into(),
+    };
+    let with_failed = runs.iter().cloned().chain([failed]).collect();
+    let sound = told(runs);
+    assert!(sound[1].contains("5 of 5"), "{}", sound[1]);
+    assert_eq!(told(with_failed), sound);
 }
 
 #[test]

@@ -9,7 +9,7 @@ pub(crate) struct DecisiveEvents {
     pub spent: Vec<f64>,
     /// In how many runs it was on it.
     pub decided: Vec<usize>,
-    /// Ticks of all runs.
+    /// Ticks of all runs that did not fail.
     pub total: f64,
 }
 

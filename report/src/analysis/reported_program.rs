@@ -51,8 +51,6 @@ pub(crate) struct ReportedProgram<'a> {
     pub events: Events,
     /// Finished runs.
     pub runs: usize,
-    /// Their ticks together.
-    pub ticks: f64,
     /// Times to completion by number, in ticks; a failed run has none.
     pub times: Vec<(u64, Observation)>,
     /// Runs that failed.
@@ -172,7 +170,6 @@ impl<'a> ReportedProgram<'a> {
             manifest,
             program,
             runs: 0,
-            ticks: 0.0,
             times: Vec::new(),
             failed: 0,
             failures: Vec::new(),
@@ -193,7 +190,6 @@ impl<'a> ReportedProgram<'a> {
         const TOLD: usize = 5;
         let record = &run.record;
         self.runs += 1;
-        self.ticks += record.ticks as f64;
         let time = completion_time(record);
         self.times.extend(time.map(|time| (record.run, time)));
         for (phase, times) in self.phase_times.iter_mut().enumerate() {
@@ -205,9 +201,6 @@ impl<'a> ReportedProgram<'a> {
             self.add_sizes(record);
         }
         self.point.add(record);
-        for bond in &record.bonds {
-            self.dots.add(f64::from(bond.entries), bond.docking as f64);
-        }
         self.waits.add(record);
         match &record.outcome {
             Outcome::Failed { phase, reason } => {
@@ -221,7 +214,12 @@ impl<'a> ReportedProgram<'a> {
                     });
                 }
             }
-            _ => (self.decisive).add(run.record.ticks, &run.critical_path),
+            _ => {
+                self.decisive.add(record.ticks, &run.critical_path);
+                for bond in &record.bonds {
+                    self.dots.add(f64::from(bond.entries), bond.docking as f64);
+                }
+            }
         }
     }
 

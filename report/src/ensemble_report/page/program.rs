@@ -187,7 +187,7 @@ pub(super) fn phases(
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
-    let total = subject.ticks;
+    let total = subject.decisive.total;
     let rows = phases.iter().enumerate().map(|(number, phase)| {
         let observed = times(number);
         let spent: f64 = observed.iter().map(|time| time.time).sum();
@@ -236,7 +236,7 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
             waits.len()
         ));
     }
-    let runs = subject.runs;
+    let runs = subject.times.len();
     let row = |wait: &&ReportedCapture| {
         let tick = Some(subject.tick());
         vec![
