@@ -71,6 +71,24 @@ fn a_number_is_swept_in_one_folder() {
     assert!(text(&out, "report-figures/sweep-1.svg").contains("over free"));
 }
 
+/// Of two blocks in a run one is captured.
+#[test]
+fn what_is_attached_by_hand_is_no_capture() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "hand.sa");
+    let text =
+        "assembly hand { seed plate 1 x 1 { A at (0, 0)  A.up -> B }\nphase one { B.up -> C } }";
+    fs::write(&file, text).unwrap();
+    let out = path(folder.path(), "out");
+    let line = "simulate --model shuffle --quiet --runs 5 --sweep free=50,80";
+    let said = stochc_with(line, &[&file, "--out", &out]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    for point in json(&out, "sweep.json")["points"].as_array().unwrap() {
+        assert_eq!(point["captures"], 5, "{point}");
+        assert_eq!(point["time_per_capture"], point["time"]["mean"], "{point}");
+    }
+}
+
 #[test]
 fn two_numbers_meet_each_other() {
     let folder = tempfile::tempdir().unwrap();

@@ -51,6 +51,29 @@ fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
     assert_eq!((quiet.status, quiet.out.as_str()), (0, ""));
 }
 
+/// The dots of "Arriving and docking" are captures.
+#[test]
+fn what_is_attached_by_hand_has_no_dot() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "hand.sa");
+    let text = fs::read_to_string("tests/fixtures/dense.sa").unwrap();
+    let text = text
+        .replace("M at (1, 1)", "M at (1, 1)  M.up -> L")
+        .replace("M.up ->> T[1..2]", "L.up -> T");
+    fs::write(&file, text).unwrap();
+    let out = path(folder.path(), "out");
+    let said = stochc_with("simulate --quiet --runs 3", &[&file, "--out", &out]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+    let figure = path(out.as_ref(), "report-figures/entries-1.svg");
+    let figure = fs::read_to_string(figure).unwrap();
+    assert_eq!(
+        figure.matches("class=\"rest faint\"").count(),
+        3,
+        "{figure}"
+    );
+}
+
 #[test]
 fn several_folders_make_one_page_here() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,6 @@
 //! What the tables say, against sums done by hand.
-use stochc::ensemble::{Finished, Records};
 use stochc::ensemble::statistics::{Observation, Runs, compare};
+use stochc::ensemble::{Finished, Records};
 use stochc::ir::record::Outcome;
 use stochc::ir::table::PhaseId;
 
@@ -207,7 +207,10 @@ fn a_failed_run_counts_nowhere() {
         ]
     };
     let mut runs: Vec<Finished> = Vec::new();
-    five(0.2).finished.each(|done| runs.push(done.clone())).unwrap();
+    five(0.2)
+        .finished
+        .each(|done| runs.push(done.clone()))
+        .unwrap();
     let mut failed = runs[0].clone();
     failed.record.run = 5;
     failed.record.ticks = 50_000;

@@ -1,6 +1,6 @@
 //! What came of a sweep, point by point.
 use serde::Serialize;
-use stochc_ir::record::{Origin, RunRecord};
+use stochc_ir::record::{BondRecord, Origin, RunRecord};
 
 use crate::statistics::{TimeSample, share_interval};
 use crate::text::Tick;
@@ -57,7 +57,7 @@ pub struct SweepPoint {
     pub share_interval: Option<(f64, f64)>,
     /// The time to completion.
     pub time: Option<Time>,
-    /// Captures that were made, in all runs that did not fail.
+    /// Captures that were made, in all runs that did not fail; blocks attached by hand are none.
     pub captures: u64,
     /// The part of them that took a block which had been released before, 0 to 1.
     pub released: Option<f64>,
@@ -126,7 +126,8 @@ impl<'a> SweepTally<'a> {
 
     /// Adds a run.
     pub fn add(&mut self, done: &Finished) {
-        self.programs[done.program].add(&done.record);
+        let program = &self.manifest.programs[done.program];
+        self.programs[done.program].add(program, &done.record);
     }
 
     /// What came of it.
@@ -221,8 +222,8 @@ impl PointTally {
         }
     }
 
-    /// Adds a run.
-    pub fn add(&mut self, record: &RunRecord) {
+    /// Adds a run of a program.
+    pub fn add(&mut self, program: &EnsembleProgram, record: &RunRecord) {
         self.finished += 1;
         let Some(mut time) = completion_time(record) else {
             return;
@@ -230,13 +231,12 @@ impl PointTally {
         time.time *= self.unit;
         self.times.push(time);
         self.spent += time.time;
-        self.captures += record.bonds.len() as u64;
-        let again = |origin: &Origin| matches!(origin, Origin::Released { .. });
-        self.released += record
-            .bonds
-            .iter()
-            .filter(|bond| again(&bond.origin))
-            .count();
+        // What is attached by hand was not captured.
+        let is_captured = |bond: &&BondRecord| !program.is_planted(bond.phase);
+        for bond in record.bonds.iter().filter(is_captured) {
+            self.captures += 1;
+            self.released += usize::from(matches!(bond.origin, Origin::Released { .. }));
+        }
     }
 
     /// The last time that was seen of any of its runs, in the unit of the sweep.

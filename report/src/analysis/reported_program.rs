@@ -8,7 +8,7 @@ use stochc_ensemble::{
     EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_status,
     completion_time, phase_time,
 };
-use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::record::{BondRecord, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
 use super::critical_path::{CriticalPathSegment, critical_path, moments};
@@ -200,7 +200,7 @@ impl<'a> ReportedProgram<'a> {
         if self.is_aggregate() {
             self.add_sizes(record);
         }
-        self.point.add(record);
+        self.point.add(self.program, record);
         self.waits.add(record);
         match &record.outcome {
             Outcome::Failed { phase, reason } => {
@@ -216,7 +216,9 @@ impl<'a> ReportedProgram<'a> {
             }
             _ => {
                 self.decisive.add(record.ticks, &run.critical_path);
-                for bond in &record.bonds {
+                // What is attached by hand came from nowhere.
+                let docked = |bond: &&BondRecord| !self.program.is_planted(bond.phase);
+                for bond in record.bonds.iter().filter(docked) {
                     self.dots.add(f64::from(bond.entries), bond.docking as f64);
                 }
             }
