@@ -99,8 +99,12 @@ pub struct Pair {
     pub first: String,
     /// Name of the second.
     pub second: String,
-    /// The first's time to completion less the second's; `None`: too few runs, or no spread, to tell.
+    /// The first's time to completion less the second's; `None`: too few runs, or no spread, to tell, or nothing to
+    /// compare.
     pub difference: Option<Difference>,
+    /// The same, with the reason where there is none.
+    #[serde(skip)]
+    pub verdict: PairwiseResult,
 }
 
 impl Comparison {
@@ -196,21 +200,23 @@ impl<'a> ComparisonTally<'a> {
         let sides: Vec<ComparedProgram> = programs
             .map(|(program, tally)| ComparedProgram {
                 varied: &program.varied,
+                identity: Some(manifest.runs_identity(program)),
                 runs: Runs::of(manifest.seed, tally.times, self.clock.tick(program)),
             })
             .collect();
         let name = |i: usize| manifest.programs[i].name.clone();
         Comparison {
             programs: columns,
-            pairs: pairwise_tests(&sides, |_, _| false)
+            pairs: pairwise_tests(&sides)
                 .into_iter()
                 .map(|contrast| Pair {
                     first: name(contrast.first),
                     second: name(contrast.second),
-                    difference: match contrast.verdict {
-                        PairwiseResult::Known(difference) => Some(difference),
-                        PairwiseResult::Same | PairwiseResult::Unknown => None,
+                    difference: match &contrast.verdict {
+                        PairwiseResult::Known(difference) => Some(difference.clone()),
+                        _ => None,
                     },
+                    verdict: contrast.verdict,
                 })
                 .collect(),
             unit: self.clock.unit(),

@@ -81,7 +81,7 @@ fn run_row(done: &Finished, seed: u64) -> Value {
     json!({
         "program": PROGRAMS[done.program],
         "run": record.run,
-        "assembly": "stack",
+        "assembly": PROGRAMS[done.program],
         "scene": "void",
         "outcome": outcome,
         "failed_phase": phase.map(|phase| PHASES[phase.0 as usize]),

@@ -64,7 +64,7 @@ pub fn program(name: &str) -> EnsembleProgram {
         cell: Cell::new(0, 0, z),
     };
     let tables = Tables::assemble(
-        "stack",
+        name,
         1,
         Plate { width: 1, depth: 1 },
         vec![phase("first"), phase("second")],

@@ -1,6 +1,6 @@
 //! What the tables say, against sums done by hand.
 use stochc::ensemble::statistics::{Observation, Runs, compare};
-use stochc::ensemble::{Finished, Records};
+use stochc::ensemble::{Finished, Manifest, Records};
 use stochc::ir::record::Outcome;
 use stochc::ir::table::PhaseId;
 
@@ -187,6 +187,43 @@ fn programs_with_one_seed_are_compared_run_by_run() {
     // The same runs once more are no second sample.
     let again = report_of(&[first.clone(), first]);
     assert_eq!(rows_of(&again)["test"], "same runs");
+}
+
+/// One folder has both programs, and the other one of them alone, with the same runs under another name.
+#[test]
+fn the_same_runs_are_told_in_folders_that_differ() {
+    let times = |manifest: &Manifest, program: usize, fs: [u64; 4]| {
+        let runs = (0..).zip(fs).map(|(run, f)| {
+            let waits = Waits {
+                c: 10,
+                e: 10,
+                d: 5,
+                f: Some(f),
+                after: 0,
+            };
+            let mut done = record(manifest, run, &waits);
+            done.program = program;
+            done
+        });
+        runs.collect::<Vec<_>>()
+    };
+    let mut both = five(0.2);
+    let mut alone = five(0.3);
+    alone.manifest.runs = 4;
+    let mut second = alone.manifest.programs[0].clone();
+    alone.finished = times(&alone.manifest, 0, [110, 230, 320, 440]).into();
+    second.name = "second".into();
+    both.manifest.programs.push(second);
+    let first = times(&both.manifest, 0, [100, 200, 300, 400]);
+    let second = times(&both.manifest, 1, [110, 230, 320, 440]);
+    both.finished = first.into_iter().chain(second).collect::<Vec<_>>().into();
+    let report = report_of(&[both, alone]);
+    let rows = rows(&report, "differences.csv");
+    let tests: Vec<&str> = rows.iter().map(|row| &*row["test"]).collect();
+    assert_eq!(tests, ["paired t", "repeated", "same runs"]);
+    // One test needs no correction.
+    assert_eq!(rows[0]["p"], rows[0]["p_holm"]);
+    assert!(report.page.contains("repeat the runs of another pair"));
 }
 
 /// Shares and counts on the page are those of the runs that did not fail, as in the data.

@@ -179,6 +179,19 @@ impl Manifest {
         sha256(&identity)
     }
 
+    /// SHA-256, in hexadecimal, of all that decides what runs of one of its programs do.
+    ///
+    /// What the program is called, its text where that means the same, and the programs beside it are no part of it.
+    pub fn runs_identity(&self, program: &EnsembleProgram) -> String {
+        sha256(&(
+            &self.stochc,
+            self.settings.resolved(),
+            self.seed,
+            program.compiled.digest(),
+            &program.scene,
+        ))
+    }
+
     /// What keeps runs of `other` from going on in an ensemble of `self`, in words; empty: nothing.
     pub fn differences(&self, other: &Manifest) -> Vec<String> {
         let mut found = Vec::new();

@@ -62,14 +62,15 @@ fn orders(programs: &[Runs]) -> impl Iterator<Item = (usize, usize, Longer)> {
     let sides: Vec<ComparedProgram> = (programs.iter())
         .map(|runs| ComparedProgram {
             varied: &[],
+            identity: None,
             runs: runs.clone(),
         })
         .collect();
-    let found = pairwise_tests(&sides, |_, _| false).into_iter();
+    let found = pairwise_tests(&sides).into_iter();
     found.map(|contrast| {
         let longer = match contrast.verdict {
             Known::Known(difference) => difference.longer,
-            Known::Same | Known::Unknown => Longer::Undecided,
+            Known::Same | Known::Repeated | Known::Unknown => Longer::Undecided,
         };
         (contrast.first, contrast.second, longer)
     })

@@ -14,15 +14,9 @@ pub(crate) fn pairwise_tests(subjects: &[ReportedProgram], clock: TimeUnit) -> V
     let sides: Vec<ComparedProgram> = (subjects.iter())
         .map(|subject| ComparedProgram {
             varied: &subject.program.varied,
+            identity: Some(subject.manifest.runs_identity(subject.program)),
             runs: side(subject),
         })
         .collect();
-    let identities: Vec<String> = (subjects.iter())
-        .map(|subject| subject.manifest.identity())
-        .collect();
-    compare(&sides, |i, j| {
-        subjects[i].number == subjects[j].number
-            && subjects[i].folder != subjects[j].folder
-            && identities[i] == identities[j]
-    })
+    compare(&sides)
 }

@@ -288,6 +288,7 @@ fn differences(
         let names = [contrast.first, contrast.second].map(|i| subjects[i].label.clone());
         let (test, figures) = match &contrast.verdict {
             PairwiseResult::Same => ("same runs", [const { String::new() }; 4]),
+            PairwiseResult::Repeated => ("repeated", [const { String::new() }; 4]),
             PairwiseResult::Unknown => ("none", [const { String::new() }; 4]),
             PairwiseResult::Known(found) => {
                 let test = match found.test {

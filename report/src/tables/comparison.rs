@@ -1,6 +1,6 @@
 //! A comparison as text, in the layout of the paper's Tables I and II.
 use stochc_ensemble::text::Tick;
-use stochc_ensemble::{Comparison, Pair, PairwiseResult, ProgramSummary, Time};
+use stochc_ensemble::{Comparison, Pair, ProgramSummary, Time};
 
 use crate::text::{self, TextTable, paragraph, sentence};
 
@@ -84,10 +84,11 @@ pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
         .filter(|pair| pair.difference.is_some())
         .count();
     let told = |pair: &Pair| {
-        let verdict = pair.difference.clone();
-        let verdict = verdict.map_or(PairwiseResult::Unknown, PairwiseResult::Known);
         let names = [&*pair.first, &*pair.second];
-        paragraph(&sentence(names, &verdict, comparison.unit, tested), width)
+        paragraph(
+            &sentence(names, &pair.verdict, comparison.unit, tested),
+            width,
+        )
     };
     comparison.pairs.iter().map(told).collect()
 }

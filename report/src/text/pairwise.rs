@@ -10,6 +10,9 @@ pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: u
     let [first, second] = names;
     let found = match verdict {
         PairwiseResult::Same => return format!("{first} and {second} are the same runs."),
+        PairwiseResult::Repeated => {
+            return format!("{first} and {second} repeat the runs of another pair.");
+        }
         PairwiseResult::Unknown => {
             return format!(
                 "{first} and {second}: undecided; there are too few runs, or no spread, to tell."

@@ -139,6 +139,10 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
                 cells.extend([none(), none(), none()]);
                 cells.push(HtmlCell::Plain("the same runs".into()));
             }
+            PairwiseResult::Repeated => {
+                cells.extend([none(), none(), none()]);
+                cells.push(HtmlCell::Plain("the runs of another pair".into()));
+            }
             PairwiseResult::Unknown => {
                 cells.extend([none(), none(), none()]);
                 cells.push(HtmlCell::Plain(
@@ -167,7 +171,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
     );
     out.note(
         "p is the probability of a difference at least this large if there were none; p (Holm) is \
-         corrected for the number of pairs in this table, and a difference is called one where it is \
+         corrected for the number of pairs that are tested in this table, and a difference is called one where it is \
          below 0.05. Programs with one seed meet the same kicks in runs of the same number, so that they \
          are compared run by run.",
     );
