@@ -193,6 +193,30 @@ fn censored_runs_are_told_of() {
     );
 }
 
+/// The first runs, of which the limit of ticks follows, are others when more are asked for.
+#[test]
+fn more_runs_make_none_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let line = "trade tests/fixtures/dense.sa --finest 2 --quiet --format json --runs";
+    let first = stochc_with(line, &["2", "--out", &out]).json();
+    let more = stochc_with(line, &["5", "--out", &out, "--resume"]).json();
+    let limit = |trade: &Value| trade["programs"][0]["max_ticks"].as_u64().unwrap();
+    assert_ne!(limit(&first), limit(&more), "else nothing is shown");
+    let journal = fs::read_to_string(path(out.as_ref(), "trade.jsonl")).unwrap();
+    let measured = candidates(&more)
+        .iter()
+        .filter(|it| !it["settings"].is_null());
+    let runs = measured.map(|it| it["programs"][0]["runs"].as_u64().unwrap());
+    assert_eq!(journal.lines().count() as u64, 1 + runs.sum::<u64>());
+    let mut at_once = stochc_with(line, &["5"]).json();
+    let mut more = more;
+    [&mut at_once, &mut more]
+        .into_iter()
+        .for_each(without_costs);
+    assert_eq!(more, at_once);
+}
+
 #[test]
 fn a_budget_is_kept() {
     let folder = tempfile::tempdir().unwrap();

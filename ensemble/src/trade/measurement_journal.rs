@@ -23,6 +23,7 @@ pub const MEASUREMENT_JOURNAL: &str = "trade.jsonl";
 /// Runs that were measured before, and a file for those that are measured now.
 #[derive(Debug)]
 pub struct MeasurementJournal {
+    /// Of a run that was made several times the one that went on for longest.
     known: BTreeMap<(String, usize, u64), Measured>,
     elapsed: Duration,
     journal: Journal,
@@ -68,10 +69,11 @@ impl MeasurementJournal {
             {
                 let seconds = Duration::try_from_secs_f64(entry.elapsed);
                 elapsed = elapsed.max(seconds.unwrap_or_default());
-                known.insert(
-                    key(&entry.settings, entry.program, entry.run.run),
-                    entry.run,
-                );
+                let key = key(&entry.settings, entry.program, entry.run.run);
+                let longest = known.entry(key).or_insert(entry.run);
+                if entry.run.ticks > longest.ticks {
+                    *longest = entry.run;
+                }
             }
         })?;
         Ok(MeasurementJournal {
@@ -88,10 +90,12 @@ impl MeasurementJournal {
         self.elapsed
     }
 
-    /// A run that was measured before.
+    /// A run that was measured before, as the limit of ticks of these settings leaves it; `None` as well if a smaller
+    /// limit has stopped it.
     pub(super) fn recall(&self, job: &Job, settings: &Settings) -> Option<Measured> {
-        let key = key(settings, job.program, job.run);
-        self.known.get(&key).copied()
+        let limit = settings.max_ticks.unwrap_or(u64::MAX);
+        let known = self.known.get(&key(settings, job.program, job.run))?;
+        known.tells(limit).then(|| known.within(limit))
     }
 
     /// Keeps a run; whether that went well.
@@ -131,7 +135,73 @@ impl MeasurementJournal {
     }
 }
 
+/// What a run depends on but the limit of ticks, which only says how far it is seen.
 fn key(settings: &Settings, program: usize, run: u64) -> (String, usize, u64) {
-    let settings = serde_json::to_string(settings).expect("settings are plain data");
+    let unlimited = Settings {
+        max_ticks: None,
+        ..settings.clone()
+    };
+    let settings = serde_json::to_string(&unlimited).expect("settings are plain data");
     (settings, program, run)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trade::candidates::base;
+    use crate::trade::sample::End;
+
+    /// The limit of a trade depends on its first runs, which may be others when it goes on with more.
+    #[test]
+    fn a_run_is_recalled_under_another_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let within = |limit| Settings {
+            max_ticks: Some(limit),
+            ..base()
+        };
+        let job = |run| Job {
+            candidate: 0,
+            program: 0,
+            run,
+            max_ticks: 0,
+        };
+        let run = |run, end, ticks| Measured {
+            run,
+            end,
+            ticks,
+            cpu: ticks as f64,
+            wall: 0.0,
+        };
+        let open = || MeasurementJournal::open(folder.path(), &[], 1).unwrap();
+        let keep = |limit, runs: &[Measured]| {
+            let journal = open();
+            for run in runs {
+                assert!(journal.keep(&job(run.run), &within(limit), *run, Duration::ZERO));
+            }
+            journal.close().unwrap();
+        };
+        keep(
+            500,
+            &[run(0, End::Completed, 300), run(1, End::Censored, 500)],
+        );
+        let journal = open();
+        let recalled = |run, limit| {
+            let found = journal.recall(&job(run), &within(limit))?;
+            Some((found.end, found.ticks))
+        };
+        for limit in [300, 500, 900] {
+            assert_eq!(recalled(0, limit), Some((End::Completed, 300)), "{limit}");
+        }
+        assert_eq!(recalled(0, 200), Some((End::Censored, 200)));
+        assert_eq!(recalled(1, 400), Some((End::Censored, 400)));
+        assert_eq!(recalled(1, 500), Some((End::Censored, 500)));
+        assert_eq!(recalled(1, 501), None, "who knows");
+        assert_eq!(recalled(2, 500), None);
+        drop(journal);
+        // What has gone on for longer stays.
+        keep(900, &[run(1, End::Completed, 800)]);
+        keep(400, &[run(1, End::Censored, 400)]);
+        let found = open().recall(&job(1), &within(900)).unwrap();
+        assert_eq!((found.end, found.ticks), (End::Completed, 800));
+    }
 }

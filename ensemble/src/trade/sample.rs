@@ -51,8 +51,13 @@ impl Measured {
         }
     }
 
+    /// Whether it tells what it would be, had it been stopped after `limit` ticks.
+    pub(super) fn tells(&self, limit: u64) -> bool {
+        self.end != End::Censored || self.ticks >= limit
+    }
+
     /// The same run, had it been stopped after `limit` ticks.
-    fn within(self, limit: u64) -> Measured {
+    pub(super) fn within(self, limit: u64) -> Measured {
         if self.ticks <= limit {
             return self;
         }
