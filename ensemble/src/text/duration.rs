@@ -49,11 +49,20 @@ pub fn seconds(seconds: f64) -> String {
     format!("{value:.digits$} {unit}", digits = decimals(value))
 }
 
+/// Decimals of a value with half the width of its interval: those of the value, and more where the half would be 0.
+fn decimals_within(value: f64, half: f64) -> usize {
+    /// More say nothing to anybody.
+    const MOST: usize = 6;
+    let shows = |&digits: &usize| (half * 10f64.powi(digits as i32)).round() > 0.0;
+    let least = decimals(value);
+    (least..=MOST).find(shows).unwrap_or(least)
+}
+
 /// A time with half the width of its interval, in one unit: `158 ± 21 s`.
 fn seconds_within(seconds: f64, half_width: f64) -> String {
     let (of, unit) = unit(seconds);
     let (value, half) = (seconds / of, half_width / of);
-    let digits = decimals(value);
+    let digits = decimals_within(value, half);
     format!("{value:.digits$} ± {half:.digits$} {unit}")
 }
 
@@ -138,6 +147,18 @@ mod tests {
         assert_eq!(tick.beside_interval(7920.0, Some(1031.0)), " (158 ± 21 s)");
         assert_eq!(tick.beside_interval(160.0, Some(12.0)), " (3.20 ± 0.24 s)");
         assert_eq!(tick.beside_interval(160.0, None), " (3.20 s)");
+    }
+
+    /// Of many runs the interval is narrow, and not nothing.
+    #[test]
+    fn a_narrow_interval_is_not_told_as_none() {
+        let told = |seconds, half| Tick(1.0).interval(seconds, Some(half));
+        assert_eq!(told(155.2, 0.37), "155.2 ± 0.4 s");
+        assert_eq!(told(155.2, 0.51), "155 ± 1 s");
+        assert_eq!(told(155.2, 0.04), "155.20 ± 0.04 s");
+        assert_eq!(told(15.52, 0.04), "15.52 ± 0.04 s");
+        assert_eq!(told(155.2, 0.0), "155 ± 0 s");
+        assert_eq!(told(155.2, 1e-9), "155 ± 0 s");
     }
 
     #[test]
