@@ -124,6 +124,32 @@ fn any_number_of_pieces_in_any_order_makes_the_same_folder() {
     }
 }
 
+/// Each finds the piece damaged, and one of them moves it.
+#[test]
+fn several_may_come_to_a_damaged_piece() {
+    for _ in 0..20 {
+        let folder = tempfile::tempdir().unwrap();
+        cut(folder.path(), 2);
+        assert!(make(folder.path(), 0, 1));
+        let file = folder.path().join("shards/0.jsonl");
+        let content = fs::read(&file).unwrap();
+        fs::write(&file, &content[..content.len() / 2]).unwrap();
+        let start = std::sync::Barrier::new(4);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    start.wait();
+                    assert_eq!(Piece::open(folder.path(), 0).unwrap().runs(), (RUNS, 0));
+                });
+            }
+        });
+        assert_eq!(
+            fs::read_dir(folder.path().join("damaged")).unwrap().count(),
+            1
+        );
+    }
+}
+
 #[test]
 fn an_ordinary_folder_comes_out_that_goes_on() {
     let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());

@@ -67,18 +67,26 @@ impl Piece {
             cut.jobs(manifest.total(), number),
         );
         let file = piece_file(path, number);
-        let found = read(&file, &header, &manifest, &jobs, |_| Ok(()))?;
-        if let PieceFile::Foreign(what) = found {
-            return Err(ShardError::Foreign {
-                path: path.to_owned(),
-                pieces: vec![(number, what)],
-            });
-        }
+        let look = || read(&file, &header, &manifest, &jobs, |_| Ok(()));
+        let mut found = look()?;
         // `merge` may have been stopped when it had begun to remove them.
-        let is_made = found == PieceFile::Whole || is_joined(path, &manifest)?;
-        if let (PieceFile::Damaged(_), false) = (found, is_made) {
-            let moved = move_aside(&file, &path.join(DAMAGED));
-            moved.map_err(|source| in_folder(path, source))?;
+        let is_joined = found != PieceFile::Whole && is_joined(path, &manifest)?;
+        if matches!(found, PieceFile::Damaged(_)) && !is_joined {
+            // Somebody else who makes it may have put a whole one there by now.
+            found = look()?;
+        }
+        let is_made = found == PieceFile::Whole || is_joined;
+        match found {
+            PieceFile::Foreign(what) => {
+                return Err(ShardError::Foreign {
+                    path: path.to_owned(),
+                    pieces: vec![(number, what)],
+                });
+            }
+            PieceFile::Damaged(_) if !is_joined => {
+                set_aside(&file, &path.join(DAMAGED)).map_err(|source| in_folder(path, source))?;
+            }
+            _ => {}
         }
         let mut piece = Piece {
             path: path.to_owned(),
@@ -293,6 +301,10 @@ pub(super) fn read(
         return Err(JournalError::Io(error).into());
     }
     Ok(match (lines, wrong) {
+        // Somebody else has moved it since its first line was read.
+        (Err(JournalError::Io(error)), _) if error.kind() == io::ErrorKind::NotFound => {
+            PieceFile::Nothing
+        }
         (Err(JournalError::Io(error)), _) => unreadable(error)?,
         (Err(error), _) => PieceFile::Damaged(format!("cannot be read: {error}")),
         (_, Some(wrong)) => PieceFile::Damaged(wrong),
@@ -340,6 +352,14 @@ pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<PieceFile,
     })
 }
 
+/// Moves a damaged piece to the others, unless somebody else who makes it has moved it.
+fn set_aside(file: &Path, damaged: &Path) -> io::Result<()> {
+    match move_aside(file, damaged) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        moved => moved.map(drop),
+    }
+}
+
 /// What cannot be read, unless it is the system that says so.
 fn unreadable(error: io::Error) -> Result<PieceFile, JournalError> {
     match error.raw_os_error() {
@@ -368,4 +388,19 @@ pub(super) fn parts_of(path: &Path, number: u64) -> io::Result<Vec<PathBuf>> {
 
 pub(super) fn in_folder(path: &Path, source: io::Error) -> FolderError {
     FolderError::of(path.join(SHARDS))(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_that_somebody_else_has_moved_is_no_failure() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, damaged) = (folder.path().join("0"), folder.path().join(DAMAGED));
+        std::fs::File::create(&file).unwrap();
+        set_aside(&file, &damaged).unwrap();
+        set_aside(&file, &damaged).unwrap();
+        assert!(damaged.join("0").exists() && !file.exists());
+    }
 }
