@@ -101,7 +101,7 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out", conflicts_with_all = ["shards", "run", "replan"])]
     pub checkpoints: Interval,
     /// Only prepare `--out`, cut into so many pieces: `stochc shard` makes each, anywhere, `stochc merge` puts them together
-    #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds", "replan"])]
+    #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds", "replan", "format"])]
     pub shards: Option<u64>,
     /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
     #[arg(long, value_name = "RUNS", requires = "out", conflicts_with = "run")]
