@@ -110,6 +110,7 @@ fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
             runs: 3,
             completed: 3,
             stopped: 0,
+            timed_out: 0,
             failed: 0,
             share: Some(1.0),
             share_interval: Some((0.44, 1.0)),

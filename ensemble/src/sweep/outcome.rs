@@ -2,7 +2,7 @@
 use serde::Serialize;
 use stochc_ir::record::{BondRecord, Origin, RunRecord};
 
-use crate::statistics::{TimeSample, share_interval};
+use crate::statistics::{Status, TimeSample, share_interval};
 use crate::text::Tick;
 use crate::{
     EnsembleProgram, Finished, JournalError, Manifest, Records, Time, Varied, completion_time,
@@ -47,8 +47,11 @@ pub struct SweepPoint {
     pub runs: u64,
     /// Runs that completed.
     pub completed: usize,
-    /// Runs that were stopped before, whose times are censored.
+    /// Runs that were stopped before they completed.
     pub stopped: usize,
+    /// Those of them that a timeout of the program has ended, so that they never complete; the times of the others are
+    /// censored.
+    pub timed_out: usize,
     /// Runs whose physics broke down, which no time counts.
     pub failed: usize,
     /// The part of the finished runs that completed, 0 to 1; `None`: none is finished.
@@ -256,6 +259,7 @@ impl PointTally {
     ) -> SweepPoint {
         let times = self.times.to_vec();
         let completed = times.iter().filter(|time| time.is_completed()).count();
+        let timed_out = times.iter().filter(|time| time.status == Status::Competing);
         let any = (self.captures > 0).then_some(self.captures as f64);
         let finished = self.finished;
         SweepPoint {
@@ -266,6 +270,7 @@ impl PointTally {
             runs,
             completed,
             stopped: times.len() - completed,
+            timed_out: timed_out.count(),
             failed: finished - times.len(),
             share: (finished > 0).then(|| completed as f64 / finished as f64),
             share_interval: share_interval(completed, finished),

@@ -82,6 +82,8 @@ fn notes(sweep: &Sweep) -> Vec<String> {
         let note = "≥: some runs were stopped before they completed, so that the mean is one of \
                     min(time, horizon), a lower bound; the median is Kaplan and Meier's.";
         notes.push(note.to_owned());
+    }
+    if points().any(|point| point.timed_out > 0) {
         notes.push(NEVER_COMPLETES.to_owned());
     }
     notes
