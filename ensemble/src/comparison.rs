@@ -44,9 +44,10 @@ pub struct ProgramSummary {
     pub finished: u64,
     /// Runs that completed the structure.
     pub completed: u64,
-    /// Runs that were stopped by the timeout of a phase: their times are censored.
+    /// Runs that were stopped by the timeout of a phase (a competing event): they never complete, and their times are
+    /// infinite.
     pub timed_out: u64,
-    /// Runs that were stopped by the limit of ticks, `--max-ticks`: their times are censored as well.
+    /// Runs that were stopped by the limit of ticks, `--max-ticks`: their times are censored.
     pub stopped: u64,
     /// Runs whose physics broke down: no time counts them.
     pub failed: u64,

@@ -142,6 +142,8 @@ fn one_folder_has_one_test_and_one_wording() {
             let in_report: f64 = row[at].parse().unwrap();
             assert_eq!(Some(in_report), pair[field].as_f64(), "{field}");
         }
+        let at = names.iter().position(|name| *name == "horizon").unwrap();
+        assert_eq!(row[at].parse().ok(), pair["horizon"].as_f64());
         // The sentence, word for word.
         let (_, sentence) = told.out.split_once("\ndense - taller: ").unwrap();
         let sentence = sentence.replace("\n  ", " ");

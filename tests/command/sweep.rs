@@ -219,12 +219,19 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
         (&late["completed"], &late["stopped"]),
         (&0.into(), &3.into())
     );
-    assert_eq!((&early["timed_out"], &late["timed_out"]), (&0.into(), &3.into()));
+    assert_eq!(
+        (&early["timed_out"], &late["timed_out"]),
+        (&0.into(), &3.into())
+    );
     let never = |said: &Said| said.out.replace("\n  ", " ").contains("never complete");
     assert!(never(&said), "{}", said.out);
     // The limit of ticks says nothing of what would come.
     let cut = stochc_with(TOWER, &["--sweep", "free=50,80", "--max-ticks", "1"]);
-    assert!(cut.out.contains("0 of 3") && cut.out.contains("≥: "), "{}", cut.out);
+    assert!(
+        cut.out.contains("0 of 3") && cut.out.contains("≥: "),
+        "{}",
+        cut.out
+    );
     assert!(!never(&cut), "{}", cut.out);
     assert_eq!(late["share"], 0.0);
     assert_eq!(late["time"]["median"], Value::Null);

@@ -31,7 +31,7 @@ impl ReportedCapture {
         Some(&self.waits.as_ref()?.time)
     }
 
-    /// The tenth and the ninetieth percentile of the waits that ended \[ticks\].
+    /// The tenth and the ninetieth percentile of the waits \[ticks\], of Kaplan and Meier where any are censored.
     pub fn spread(&self) -> Option<(f64, f64)> {
         self.waits.as_ref()?.spread
     }

@@ -281,15 +281,16 @@ fn differences(
         "unit",
         "difference",
         "half_width",
+        "horizon",
         "p",
         "p_holm",
     ]);
     for contrast in pairwise_tests {
         let names = [contrast.first, contrast.second].map(|i| subjects[i].label.clone());
         let (test, figures) = match &contrast.verdict {
-            PairwiseResult::Same => ("same runs", [const { String::new() }; 4]),
-            PairwiseResult::Repeated => ("repeated", [const { String::new() }; 4]),
-            PairwiseResult::Unknown => ("none", [const { String::new() }; 4]),
+            PairwiseResult::Same => ("same runs", [const { String::new() }; 5]),
+            PairwiseResult::Repeated => ("repeated", [const { String::new() }; 5]),
+            PairwiseResult::Unknown => ("none", [const { String::new() }; 5]),
             PairwiseResult::Known(found) => {
                 let test = match found.test {
                     Test::Paired { .. } => "paired t",
@@ -298,7 +299,8 @@ fn differences(
                 let sizes = [found.difference, found.half_width];
                 let [difference, half_width] = sizes.map(|size| size.to_string());
                 let [p, p_holm] = [found.p, found.p_holm].map(probability);
-                (test, [difference, half_width, p, p_holm])
+                let horizon = found.horizon.map_or(String::new(), |it| it.to_string());
+                (test, [difference, half_width, horizon, p, p_holm])
             }
         };
         let words = [test.to_owned(), clock.unit().to_owned()];
