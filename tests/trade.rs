@@ -296,6 +296,12 @@ fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
     );
     assert!(text.contains("a larger `--max-ticks` would tell"), "{text}");
     assert!(!trade_to_text(&self::trade(), 200, false).contains('*'));
+    let drawn = |trade: &Trade| figures::trade(figures::Medium::Screen, trade).file();
+    assert!(drawn(&trade).contains(">* of times up to a horizon, no bound<"));
+    assert!(!drawn(&self::trade()).contains(">* "));
+    for medium in layout::MEDIA {
+        layout::check("trade", &figures::trade(medium, &trade).file(), medium);
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::svg::letters::{fitted, width};
 use crate::svg::{
     Drawing, LINE, LegendEntry, LegendSymbol, Marker, Medium, PlotAxis, Scale, Style, plot_height,
 };
+use crate::tables::trade::RESTRICTED;
 
 /// Width on a screen.
 const WIDTH: f64 = 1020.0;
@@ -315,11 +316,16 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
 fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64 {
     let right = out.size().0 - EDGE;
     let mut y = y;
+    let mut is_any_restricted = false;
     out.text("dim", (x, y), "setting: model, substeps");
     for point in points {
         y += ROW;
         out.text_before("dim", (x + 16.0, y), &point.number.to_string());
         let bias = match point.candidate.worst.filter(|_| !point.reference) {
+            Some(worst) if worst.horizon.is_some() => {
+                is_any_restricted = true;
+                format!("{RESTRICTED}{}", relative_size(&worst))
+            }
             Some(worst) => relative_size(&worst),
             None => String::new(),
         };
@@ -365,5 +371,11 @@ fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64
     ];
     let foot = out.keys((x, y), right, &keys);
     out.text("dim", (x, foot), "bars: 95 % interval of the bias");
-    foot + ROW
+    let mut foot = foot + ROW;
+    if is_any_restricted {
+        let meaning = format!("{RESTRICTED}of times up to a horizon, no bound");
+        out.text("dim", (x, foot), &meaning);
+        foot += ROW;
+    }
+    foot
 }

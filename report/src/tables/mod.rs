@@ -6,7 +6,7 @@ mod fit;
 mod rates;
 mod replanning;
 mod sweep;
-mod trade;
+pub(crate) mod trade;
 
 pub use captures::captures_to_text;
 pub use comparison::{comparison_to_text, pairs_to_text};

@@ -11,7 +11,7 @@ use crate::text::{TextColumn, TextTable, paragraph, probability};
 const NONE: &str = "-";
 
 /// Before a bias that compares times up to a horizon.
-const RESTRICTED: &str = "* ";
+pub(crate) const RESTRICTED: &str = "* ";
 
 /// The columns of figures.
 const HEADER: [&str; 9] = [
