@@ -43,6 +43,11 @@ impl<'a> PendingRuns<'a> {
     }
 }
 
+/// The number of a [`job`]; `None`: no ensemble has so many.
+pub(super) fn number(program: usize, run: u64, programs: u64) -> Option<u64> {
+    run.checked_mul(programs)?.checked_add(program as u64)
+}
+
 /// A job by its number: the first run of each program, then the second, and so on, so that a table compares the programs
 /// fairly at any time.
 pub(super) fn job(number: u64, programs: u64) -> PendingRun {

@@ -16,7 +16,7 @@ use crate::file_names::{DAMAGED, SHARDS};
 use crate::journal::{self, Journal, JournalHeader, Shortest};
 use crate::journal_line::line as journal_line;
 use crate::line_location::LineLocation;
-use crate::pending_runs::{PendingRuns, job};
+use crate::pending_runs::{self, PendingRuns, job};
 use crate::records::Records;
 use crate::run::{check_again, journaled};
 use crate::{
@@ -112,9 +112,8 @@ impl Piece {
     pub fn with_checkpoints(mut self, every: Interval) -> Result<Piece, ShardError> {
         let programs = self.manifest.programs.len() as u64;
         let wants = |program: usize, run: u64| {
-            let number = u128::from(run) * u128::from(programs) + program as u128;
-            let is_of_it =
-                (u128::from(self.jobs.start)..u128::from(self.jobs.end)).contains(&number);
+            let number = pending_runs::number(program, run, programs);
+            let is_of_it = number.is_some_and(|number| self.jobs.contains(&number));
             is_of_it && !self.is_made && !self.kept.contains(program, run)
         };
         let opened = Checkpoints::open(&self.path, &self.manifest, every, wants);
@@ -237,9 +236,8 @@ impl Piece {
                 let Ok(done) = journal::run(line.text, line.is_sealed, &self.manifest) else {
                     return;
                 };
-                let place =
-                    u128::from(done.record.run) * u128::from(programs) + done.program as u128;
-                if (u128::from(self.jobs.start)..u128::from(self.jobs.end)).contains(&place) {
+                let place = pending_runs::number(done.program, done.record.run, programs);
+                if place.is_some_and(|place| self.jobs.contains(&place)) {
                     places.push(done.at(number, line.at));
                     shortest.offer(done);
                 }

@@ -3,12 +3,10 @@ use std::fmt::Write as _;
 
 use stochc_ir::{Cell, Face};
 
+use super::loop_nest::{COUNTERS, LEAST};
 use super::statement::{Called, NameWords};
 use crate::capture::Capture;
 use crate::scaffold::{Dismantling, HandOver, Mast};
-
-/// Hand-overs in a row that are worth a loop.
-const LEAST: usize = 3;
 
 /// The captures of the phase: those of blocks that are handed over come first, so that no face that another one needs is taken.
 pub fn captures(dismantling: &Dismantling) -> Vec<Capture> {
@@ -76,9 +74,9 @@ fn row(rest: &[HandOver]) -> usize {
     }
 }
 
-/// The axis of a row.
+/// The axis of a row; `None`: it is a single one.
 fn along(row: &[HandOver]) -> Option<usize> {
-    (row.len() >= LEAST).then(|| match row[0].way {
+    (row.len() > 1).then(|| match row[0].way {
         Face::East | Face::West => 0,
         Face::North | Face::South => 1,
         Face::Up | Face::Down => 2,
@@ -86,7 +84,6 @@ fn along(row: &[HandOver]) -> Option<usize> {
 }
 
 fn write_row(row: &[HandOver], axis: usize, out: &mut String) {
-    const COUNTERS: [&str; 3] = ["x", "y", "z"];
     let cells = || row.iter().map(|it| <[i32; 3]>::from(it.cell));
     let (first, last) = (
         cells().map(|at| at[axis]).min().unwrap_or(0),

@@ -22,9 +22,10 @@ struct Loop {
 }
 
 /// Places that are worth a loop.
-const LEAST: usize = 3;
+pub(super) const LEAST: usize = 3;
 
-const COUNTERS: [&str; 3] = ["x", "y", "z"];
+/// What is counted along x, y and z.
+pub(super) const COUNTERS: [&str; 3] = ["x", "y", "z"];
 
 impl LoopNest {
     pub(super) fn of(base: Cell) -> LoopNest {
