@@ -64,6 +64,7 @@ fn blocks_that_are_let_go_have_their_head_start() {
             "benches/rates/hand_over.sa",
             "benches/rates/releases/turned.sa",
             "benches/rates/releases/written_last.sa",
+            "benches/rates/scarce/let_one_go.sa",
         ],
         Interaction::Releases,
     );

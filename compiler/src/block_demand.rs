@@ -12,8 +12,8 @@ use crate::plan::{EventId, EventKind, ProgramPlan};
 /// Edges that are followed in search of a capture that asks for too many.
 const SEARCHED: usize = 5_000_000;
 
-/// The first capture with which more than `free` blocks are anchored at the same time, whatever the order, and how many there
-/// are at least.
+/// The first capture with which, or release before which, more than `free` blocks are anchored at the same time, whatever the order,
+/// and how many there are at least.
 ///
 /// These are the blocks that the phase begins with and those of the captures that come before it for certain, less all that
 /// may be let go before it. `certain`: what surely comes before what. The search is bounded, beyond which nothing is found.
@@ -39,14 +39,11 @@ pub fn first_beyond(
     let mut before = 0;
     for (events, &size) in order.by_phase(plan).iter().zip(&layout.sizes) {
         let [captures, releases] = search.counted(events.iter().copied());
-        // Captures that no release waits for are no more than stand at the end of the phase.
         if before + captures > free && releases > 0 {
             let mut earlier = 0;
             for &id in events {
-                if plan.event(id).kind == EventKind::Release {
-                    continue;
-                }
-                earlier += 1;
+                let is_capture = plan.event(id).kind != EventKind::Release;
+                earlier += usize::from(is_capture);
                 if before + earlier <= free {
                     continue;
                 }
@@ -54,14 +51,20 @@ pub fn first_beyond(
                     return Ok(None);
                 };
                 let [_, later] = search.counted(after);
-                if later == 0 {
+                // Such captures are no more than stand at the end of the phase.
+                if is_capture && later == 0 {
                     continue;
                 }
                 let Some(ancestors) = search.follow(id, Incoming)? else {
                     return Ok(None);
                 };
                 let [needed, _] = search.counted(ancestors);
-                let least = (before + 1 + needed).saturating_sub(releases - later);
+                // With its own block; or before that is let go.
+                let (own, others) = match is_capture {
+                    true => (1, releases - later),
+                    false => (0, releases - later - 1),
+                };
+                let least = (before + own + needed).saturating_sub(others);
                 if least > free {
                     return Ok(Some((id, least as u32)));
                 }

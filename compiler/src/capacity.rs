@@ -107,9 +107,14 @@ pub fn check(
         )),
         (_, Some((order, certain))) => {
             let found = first_beyond(plan, layout, certain, order, free, cancellation)?;
-            found.map(|(capture, size)| {
-                let label = format!("anchored once this block docks: at least {size}");
-                let location = plan.event(capture).location;
+            found.map(|(event, size)| {
+                let event = plan.event(event);
+                let when = match event.kind {
+                    EventKind::Capture { .. } => "once this block docks",
+                    EventKind::Release => "before this block may be let go",
+                };
+                let label = format!("anchored {when}: at least {size}");
+                let location = event.location;
                 (size, location, label, "releases that come sooner")
             })
         }
@@ -120,7 +125,7 @@ pub fn check(
         diagnostics.push(
             Diagnostic::new(
                 Code::TooFewBlocks,
-                format!("the structure needs {needed}, the scene has {free}"),
+                format!("the structure needs {needed} at once, the scene has {free}"),
             )
             .label(location, label)
             .help(format!(

@@ -232,6 +232,10 @@ impl LayoutBuilder<'_> {
         if let Some(&there) = self.taken.get(&cell) {
             match leaving.get(&Holder::existing(there)) {
                 Some(&release) => self.layout.vacated.push((release, id)),
+                None if self.plan.is_doubtful(there) => {
+                    self.plan.events[id.0 as usize].sound = false;
+                    return;
+                }
                 None => {
                     let location = match self.seats[there.0 as usize].and_then(|seat| seat.on) {
                         Some(on) => self.plan.event(on.capture).location,
@@ -344,6 +348,10 @@ impl LayoutBuilder<'_> {
                 for (child, capture) in self.children(parent, neighbour, arrivals) {
                     if let Some(&release) = leaving.get(&child) {
                         self.layout.emptied.push((release, id));
+                        continue;
+                    }
+                    if self.plan.is_doubtful(child.role) {
+                        self.plan.events[id.0 as usize].sound = false;
                         continue;
                     }
                     let name = self.plan.roles.name(event.role, self.symbols);

@@ -37,6 +37,7 @@ mod lower;
 mod members;
 pub mod names;
 pub mod order;
+pub mod placed_blocks;
 pub mod plan;
 mod program;
 mod reach;

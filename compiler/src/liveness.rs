@@ -288,6 +288,10 @@ impl Checker<'_> {
             EventKind::Capture { parent, .. } => {
                 let freed_by = match (state.holder, state.released) {
                     (Some(_), Some(release)) => Some(release),
+                    (Some(BlockOrigin::Capture(_)), None) if self.plan.is_doubtful(event.role) => {
+                        self.plan.events[id.0 as usize].sound = false;
+                        return;
+                    }
                     (Some(BlockOrigin::Capture(first)), None) => {
                         let what = "is captured while it is part of the structure";
                         return self.reject(id, Code::CapturedTwice, what, first);
@@ -450,6 +454,9 @@ impl Checker<'_> {
             return;
         }
         if self.is_doubtful(role) {
+            // So nobody knows of its own block either.
+            let own = self.plan.roles.key(self.plan.event(id).role).word;
+            self.plan.doubtful.insert(own);
             return;
         }
         let location = self.plan.event(id).location;

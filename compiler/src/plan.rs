@@ -35,7 +35,7 @@ pub struct ProgramPlan {
     pub aggregate: Option<u32>,
     /// The instances of patterns, by their scope: that of [`NameKey::scope`] 1 comes first.
     pub grown: Vec<PatternInstance>,
-    /// The words of blocks and instances that may be missing, because a statement could not be worked out.
+    /// The words of blocks and instances that may be missing, or gone, because a statement could not be worked out.
     pub doubtful: FxHashSet<Symbol>,
 }
 
@@ -46,6 +46,11 @@ impl ProgramPlan {
         let number = self.phases.partition_point(ended);
         let phase = self.phases.get(number)?;
         phase.events.contains(&event.0).then_some(number)
+    }
+
+    /// Whether a block may be missing, or gone, because a statement could not be worked out.
+    pub fn is_doubtful(&self, role: RoleId) -> bool {
+        self.doubtful.contains(&self.roles.key(role).word)
     }
 
     /// What the phase of an event is called; nothing, if it is in none.

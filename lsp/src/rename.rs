@@ -175,11 +175,15 @@ fn codes(checked: &Checked) -> Vec<Code> {
     codes
 }
 
-/// Whether a finding comes and goes with the `_` that a name begins with.
+/// Whether a finding comes and goes with the `_` that a name begins with, or says of an `allow` that it has come or gone.
 fn says_of_names(code: Code) -> bool {
     matches!(
         code,
-        Code::UnusedLet | Code::UnusedPattern | Code::UnusedShape | Code::UnusedScene
+        Code::UnusedLet
+            | Code::UnusedPattern
+            | Code::UnusedShape
+            | Code::UnusedScene
+            | Code::UnusedAllow
     )
 }
 

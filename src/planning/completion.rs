@@ -3,7 +3,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use stochc_compiler::diagnostic::Code;
-use stochc_compiler::plan::{EventKind, ProgramPlan};
+use stochc_compiler::placed_blocks::placed_blocks;
+use stochc_compiler::plan::EventKind;
 use stochc_compiler::{Checked, FileId, LintLevels, Program, SourceLocation, shape_cells};
 use stochc_grammar::format;
 use stochc_grammar::tree::{Item, ItemKind, Name};
@@ -278,30 +279,9 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
     }))
 }
 
-/// What stands at the end of a phase, with what it is called.
+/// What stands at the end of a phase, sorted by cell, with what it is called.
 pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, RoleId)> {
-    let plan: &ProgramPlan = &program.plan;
-    let mut there = BTreeMap::new();
-    for phase in &plan.phases[..=last] {
-        let mut captured = BTreeMap::new();
-        let mut released = Vec::new();
-        for number in phase.events.clone() {
-            let event = &plan.events[number as usize];
-            match event.kind {
-                EventKind::Capture { .. } => {
-                    captured.insert(event.role, number as usize);
-                }
-                EventKind::Release => released.push(event.role),
-            }
-        }
-        // Whoever has the name when the phase begins goes first.
-        for role in released {
-            if there.remove(&role).is_none() {
-                captured.remove(&role);
-            }
-        }
-        there.extend(captured);
-    }
+    let (plan, layout) = (&program.plan, &program.layout);
     // What hung on a block that goes later would be adrift.
     let later = plan.phases[last + 1..].iter();
     let released_later: BTreeSet<RoleId> = later
@@ -310,18 +290,16 @@ pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, Ro
         .filter(|event| event.kind == EventKind::Release)
         .map(|event| event.role)
         .collect();
-    let layout = &program.layout;
-    let blocks = there.into_iter().filter_map(|(role, event)| {
+    let placed = placed_blocks(plan, layout).nth(last).unwrap_or_default();
+    let blocks = placed.into_iter().filter_map(|placed| {
         let block = ExistingBlock {
-            cell: layout.cells[event]?,
-            way: layout.parents[event]?.face,
-            can_capture: !released_later.contains(&role),
+            cell: placed.cell,
+            way: layout.parents[placed.capture.0 as usize]?.face,
+            can_capture: !released_later.contains(&placed.role),
         };
-        Some((block, role))
+        Some((block, placed.role))
     });
-    let mut blocks: Vec<_> = blocks.collect();
-    blocks.sort_unstable_by_key(|(block, _)| block.cell);
-    blocks
+    blocks.collect()
 }
 
 /// Where the rest is written: before the claim of a phase in which nothing happens, and otherwise in a phase behind, which takes the claim.

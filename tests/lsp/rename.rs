@@ -97,10 +97,11 @@ fn an_underscore_before_an_unused_name_is_no_change_of_meaning() {
     for (text, new) in [
         (unused.clone(), "_spare"),
         (unused.replace("spare", "_spare"), "spare"),
+        (format!("allow unused-let \"later\"\n{unused}"), "_spare"),
     ] {
         let mut client = Client::new(&["utf-16"]);
         client.open(URI, &text);
-        let mut params = place(URI, &text, "spare", 0);
+        let mut params = place(URI, &text, "spare =", 0);
         params["newName"] = json!(new);
         let answer = client.ask("textDocument/rename", params);
         let renamed = edited(&text, &answer["result"]["changes"][URI]);

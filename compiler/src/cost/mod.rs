@@ -5,7 +5,6 @@
 //! take. That is less than a run by rates knows: cells beside an open face fill while it waits.
 mod convolution;
 mod drawn_times;
-mod head_starts;
 mod message_times;
 mod occupancy;
 mod phase_events;
@@ -13,6 +12,7 @@ mod sampling;
 mod scarcity;
 mod schedule;
 mod steps;
+mod timed_phase;
 mod waits;
 
 pub use sampling::Draw;
@@ -98,7 +98,7 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         return Some(cost);
     }
     let (steps, timeouts) = (steps::steps(program, order), steps::timeouts(program));
-    let scarce = scarcity::scarce_phases(program, &steps, &waits, rates);
+    let scarce = scarcity::scarce_blocks(program, &steps, &waits, rates);
     let exact = match scarce {
         None => convolution::exact_times(&steps, &timeouts, &waits),
         Some(_) => None,

@@ -7,9 +7,9 @@ use stochc_ir::Cell;
 use stochc_rates::Times;
 
 use super::drawn_times::{DrawnTimes, NOBODY, exponential};
-use super::head_starts::TimedPhase;
-use super::scarcity::ScarcePhase;
+use super::scarcity::ScarceBlocks;
 use super::steps::Step;
+use super::timed_phase::TimedPhase;
 use super::waits::{CaptureWait, within};
 use crate::Program;
 
@@ -52,14 +52,18 @@ pub fn sample(
     steps: &[Vec<Step>],
     timeouts: &[f64],
     waits: &[Option<CaptureWait>],
-    mut scarce: Option<Vec<ScarcePhase<'_>>>,
+    scarce: Option<Vec<ScarceBlocks<'_>>>,
 ) -> Sampled {
     let count = waits.iter().flatten().count().max(1);
     let times = (DRAWN / count).clamp(LEAST, MOST);
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let neighbours = neighbours(program, waits);
-    let timed: Vec<Option<TimedPhase<'_>>> =
-        (steps.iter().map(|steps| TimedPhase::of(steps, waits))).collect();
+    let mut scarce = scarce.map(Vec::into_iter);
+    let timed = steps.iter().map(|steps| {
+        let scarce = scarce.as_mut().and_then(Iterator::next);
+        TimedPhase::of(steps, waits, scarce)
+    });
+    let timed: Vec<Option<TimedPhase<'_>>> = timed.collect();
     let mut drawn = DrawnTimes::new(waits.len());
     let mut durations = vec![Vec::with_capacity(times); program.plan.phases.len()];
     let mut stopped = vec![0; program.plan.phases.len()];
@@ -73,10 +77,9 @@ pub fn sample(
         drawn.clear();
         let phases = steps.iter().zip(&timed).zip(&mut durations).zip(timeouts);
         for (phase, (((steps, timed), durations), timeout)) in phases.enumerate() {
-            match (timed, &mut scarce) {
-                (Some(timed), _) => timed.draw(total, &mut drawn, &mut rng),
-                (None, Some(scarce)) => scarce[phase].draw(total, &mut drawn, &mut rng),
-                (None, None) => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
+            match timed {
+                Some(timed) => timed.draw(total, &mut drawn, &mut rng),
+                None => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
             }
             let mut latest = (total, NOBODY);
             for step in steps {
@@ -140,7 +143,7 @@ pub fn sample(
     }
 }
 
-/// Draws when the events of a phase happen in which no released block has a head start.
+/// Draws when the events of a phase happen in which no released block has a head start, and free ones are not scarce.
 fn draw_in_order(
     steps: &[Step],
     waits: &[Option<CaptureWait>],

@@ -6,51 +6,12 @@ use serde_json::json;
 use stochc_grammar::Symbols;
 use stochc_ir::emit::Text;
 use stochc_ir::structure::{BuiltBlock, BuiltPhase, BuiltStructure};
-use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, CellBounds, Json, counted};
 
 use crate::layout::Layout;
-use crate::plan::{EventKind, ProgramPlan};
+use crate::placed_blocks::{PlacedBlock, placed_blocks};
+use crate::plan::ProgramPlan;
 use crate::shape::MOST_CELLS;
-
-/// A block of the structure.
-#[derive(Clone, Copy)]
-struct PlacedBlock {
-    cell: Cell,
-    role: RoleId,
-    /// The phase that captured it.
-    since: u32,
-}
-
-/// The blocks above the plate at the end of one phase after the other, sorted by cell.
-fn structures<'a>(
-    plan: &'a ProgramPlan,
-    layout: &'a Layout,
-) -> impl Iterator<Item = Vec<PlacedBlock>> + use<'a> {
-    // Of each capture, the phase of a block that still stands.
-    let mut standing: Vec<Option<u32>> = vec![None; plan.events.len()];
-    plan.phases.iter().enumerate().map(move |(since, phase)| {
-        let sound = || plan.events_of(phase).filter(|&id| plan.event(id).sound);
-        for id in sound().map(|id| id.0 as usize) {
-            if let (EventKind::Capture { .. }, Some(_)) = (plan.events[id].kind, layout.cells[id]) {
-                standing[id] = Some(since as u32);
-            }
-        }
-        for id in sound().filter(|&id| plan.event(id).kind == EventKind::Release) {
-            if let Some(on) = layout.parents[id.0 as usize] {
-                standing[on.capture.0 as usize] = None;
-            }
-        }
-        let captures = standing.iter().zip(&plan.events).zip(&layout.cells);
-        let blocks = captures.filter_map(|((since, event), cell)| {
-            let (role, since, cell) = (event.role, (*since)?, (*cell)?);
-            Some(PlacedBlock { cell, role, since })
-        });
-        let mut blocks: Vec<PlacedBlock> = blocks.collect();
-        blocks.sort_by_key(|block| block.cell);
-        blocks
-    })
-}
 
 /// The block in a cell.
 fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {
@@ -71,7 +32,7 @@ fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) ->
             plan.name
         );
     }
-    for (phase, blocks) in plan.phases.iter().zip(structures(plan, layout)) {
+    for (phase, blocks) in plan.phases.iter().zip(placed_blocks(plan, layout)) {
         let bounds = CellBounds::of(blocks.iter().map(|block| block.cell));
         let (low, high) = bounds.map_or_else(Default::default, |it| (it.low, it.high));
         let ((west, east), (south, north)) = ((low.x, high.x), (low.y, high.y));
@@ -124,7 +85,7 @@ pub fn structure_json<'a>(
         }))
     };
     let phases = move || {
-        let phases = plan.phases.iter().zip(structures(plan, layout));
+        let phases = plan.phases.iter().zip(placed_blocks(plan, layout));
         phases.map(move |(phase, blocks)| {
             let blocks = Rc::new(blocks);
             let blocks = move || {
@@ -162,7 +123,7 @@ pub fn built_structure(
         name: plan.roles.name(block.role, symbols),
         since: block.since as usize,
     };
-    let phases = plan.phases.iter().zip(structures(plan, layout));
+    let phases = plan.phases.iter().zip(placed_blocks(plan, layout));
     let phases = phases.map(|(phase, blocks)| BuiltPhase {
         name: phase.name.clone(),
         blocks: blocks.into_iter().map(block).collect(),

@@ -1,10 +1,10 @@
-//! Names that a statement which could not be worked out may have given to a block or an instance.
+//! Names that a statement which could not be worked out may have given to a block or an instance, or taken from a block.
 use stochc_grammar::tree::{Item, ItemKind, Place};
 
 use super::Expander;
 
 impl Expander<'_, '_> {
-    /// Notes that this place may hold a block, or an instance.
+    /// Notes that nobody knows whether this block is there, or this instance.
     pub(super) fn doubt(&mut self, place: &Place) {
         let words = place.path.iter().map(|segment| segment.name.symbol);
         self.plan.doubtful.extend(words);
@@ -16,6 +16,9 @@ impl Expander<'_, '_> {
             match &item.kind {
                 ItemKind::Chain(chain) => {
                     (chain.links.iter()).for_each(|link| self.doubt(&link.place));
+                }
+                ItemKind::Release(release) => {
+                    release.places.iter().for_each(|place| self.doubt(place));
                 }
                 ItemKind::Seat(seat) => self.doubt(&seat.place),
                 ItemKind::Instance(instance) => {

@@ -166,6 +166,7 @@ impl<'a> Expander<'a, '_> {
         for place in &release.places {
             let location = self.location(place.span);
             let Some(blocks) = self.place(place) else {
+                self.doubt(place);
                 continue;
             };
             for key in blocks.keys.iter() {

@@ -181,7 +181,8 @@ impl Manifest {
 
     /// SHA-256, in hexadecimal, of all that decides what runs of one of its programs do.
     ///
-    /// What the program is called, its text where that means the same, and the programs beside it are no part of it.
+    /// Its text where that means the same, what it is called in the ensemble, and the programs beside it are no part of it; the names in its tables and of its scene
+    /// are.
     pub fn runs_identity(&self, program: &EnsembleProgram) -> String {
         sha256(&(
             &self.stochc,

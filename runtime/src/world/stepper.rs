@@ -382,9 +382,11 @@ fn change<I: Integrator>(
 ) -> Result<(), Fault> {
     for &id in ids {
         let mut motion = blocks.motion(id);
+        let spin = motion.spin;
         by(id, &mut motion, integrator.span(blocks, id));
+        // What turns all the same is a group.
         if !turns {
-            motion.spin = Vector3::zeros();
+            motion.spin = spin;
         }
         blocks.set_motion(id, motion.velocity, motion.spin);
         integrator.check(blocks, id)?;

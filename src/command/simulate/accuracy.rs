@@ -12,6 +12,7 @@ use stochc_runtime::Settings;
 use super::super::results::ResultsFormat;
 use super::super::terminal::warn;
 use super::SimulateArguments;
+use super::arguments::MAX_TICKS;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 use crate::operations::runs::threads;
@@ -96,7 +97,8 @@ fn measured(
         seed: manifest.seed,
         threads: threads(options.work.threads).get(),
         finest: FINEST,
-        max_ticks: None,
+        // By default the trade sets one, by the times that it finds.
+        max_ticks: (manifest.settings.max_ticks).filter(|limit| *limit != MAX_TICKS),
         memory: None,
         stop: host.stop(),
     };

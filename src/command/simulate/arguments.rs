@@ -17,6 +17,9 @@ use super::super::results::ResultsFormat;
 use super::super::run_options::{SeedOption, WorkOptions};
 use crate::operations::time;
 
+/// Ticks after which a run is stopped, unless the user says otherwise.
+pub const MAX_TICKS: u64 = 1_000_000;
+
 /// What draws no figures.
 const WITHOUT_FIGURES: [&str; 3] = ["shards", "run", "replan"];
 
@@ -76,7 +79,7 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with_all = ["trade", "manifest", "model", "substeps", "solver_iterations", "precision", "reduce", "sweep", "replan"])]
     pub budget: Duration,
     /// Stop a run after this many ticks; its time is then censored
-    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: u64,
     /// How they are made.
     #[command(flatten)]

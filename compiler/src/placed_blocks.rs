@@ -1,0 +1,55 @@
+//! What stands at the end of each phase.
+use stochc_ir::Cell;
+use stochc_ir::table::RoleId;
+
+use crate::layout::Layout;
+use crate::plan::{EventId, EventKind, ProgramPlan};
+
+/// A block of the structure, above the plate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlacedBlock {
+    /// Where it sits.
+    pub cell: Cell,
+    /// What it is called.
+    pub role: RoleId,
+    /// The capture that made it part of the structure.
+    pub capture: EventId,
+    /// The number of the phase of that.
+    pub since: u32,
+}
+
+/// The blocks above the plate at the end of one phase after the other, sorted by cell.
+pub fn placed_blocks<'a>(
+    plan: &'a ProgramPlan,
+    layout: &'a Layout,
+) -> impl Iterator<Item = Vec<PlacedBlock>> + use<'a> {
+    // Of each capture, the phase of a block that still stands.
+    let mut standing: Vec<Option<u32>> = vec![None; plan.events.len()];
+    (0..).zip(&plan.phases).map(move |(since, phase)| {
+        let sound = || plan.events_of(phase).filter(|&id| plan.event(id).sound);
+        for id in sound().map(|id| id.0 as usize) {
+            if let (EventKind::Capture { .. }, Some(_)) = (plan.events[id].kind, layout.cells[id]) {
+                standing[id] = Some(since);
+            }
+        }
+        for id in sound().filter(|&id| plan.event(id).kind == EventKind::Release) {
+            if let Some(on) = layout.parents[id.0 as usize] {
+                standing[on.capture.0 as usize] = None;
+            }
+        }
+        let captures = standing.iter().zip(&plan.events).zip(&layout.cells);
+        let blocks = (0..)
+            .zip(captures)
+            .filter_map(|(number, ((since, event), cell))| {
+                Some(PlacedBlock {
+                    cell: (*cell)?,
+                    role: event.role,
+                    capture: EventId(number),
+                    since: (*since)?,
+                })
+            });
+        let mut blocks: Vec<PlacedBlock> = blocks.collect();
+        blocks.sort_by_key(|block| block.cell);
+        blocks
+    })
+}
