@@ -21,12 +21,13 @@ pub fn explanation(plan: &BuildPlan) -> String {
     let mut out = String::new();
     let captures: Vec<Capture> = plan.all_captures().cloned().collect();
     let captures = &captures;
+    let handed_over = (plan.dismantling.as_ref()).map_or(0, |it| it.hand_overs.len());
     // Writing to a string cannot fail.
     let _ = writeln!(
         out,
         "{}, at most {} open at the same time\n\
          estimate: {:.0} ticks on average, nine of ten runs within {:.0}{}",
-        counted(captures.len(), "capture"),
+        counted(captures.len() + handed_over, "capture"),
         counted(plan.widest, "face"),
         plan.estimate.mean,
         plan.estimate.p90,

@@ -240,7 +240,8 @@ impl Target {
                 return None;
             }
             for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
-                if next.z >= 1 && !from.contains_key(&next) {
+                // What stands and can hold nothing is no bridge.
+                if next.z >= 1 && !from.contains_key(&next) && !self.is_inert(next) {
                     from.insert(next, at);
                     open.push_back(next);
                 }

@@ -16,7 +16,7 @@ use stochc_planner::{
 };
 use stochc_rates::Rates;
 
-use super::{Planned, Unplanned, estimated_part, shapes};
+use super::{Planned, Unplanned, estimated_part, known_by, shapes};
 use crate::check_texts;
 
 /// What is missing in a program.
@@ -242,8 +242,8 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
         for (number, phase) in program.plan.phases.iter().enumerate() {
             for &(symbol, location) in &phase.claims {
                 let name = checked.symbols.word(symbol);
-                let of_name = declared.iter().find(|it| it.shape.name.symbol == symbol);
-                let Some(declared) = of_name.filter(|_| shape.is_none_or(|shape| shape == name))
+                let known = known_by(&declared, program, checked, name);
+                let Some(declared) = known.filter(|_| shape.is_none_or(|shape| shape == name))
                 else {
                     continue;
                 };
@@ -333,25 +333,40 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
         _ => None,
     });
     let (phase, yields) = found.ok_or_else(elsewhere)?;
-    let span = yields.span.start as usize..yields.span.end as usize;
+    let text = &checked.sources.file(FileId(0)).text;
+    let written = yields.span.start as usize..yields.span.end as usize;
+    let docs = yields.docs.0.iter().flat_map(|lines| lines.iter());
+    let start = with_docs(text, written.start, docs.count());
     Ok(match claim.fills_phase() {
         true => Change {
-            removed: span.start..span.start,
-            at: span.start,
+            removed: start..start,
+            at: start,
             around: [String::new(), String::new()],
         },
         false => Change {
-            removed: span,
-            at: behind(
-                &checked.sources.file(FileId(0)).text,
-                phase.span.end as usize,
-            ),
+            removed: start..written.end,
+            at: behind(text, phase.span.end as usize),
             around: [
                 format!("\nphase {new} {{\n"),
-                format!("yields {}\n}}\n", claim.name),
+                format!("{}yields {}\n}}\n", &text[start..written.start], claim.name),
             ],
         },
     })
+}
+
+/// Where the comment begins, of so many lines, that belongs to a statement.
+fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
+    let (mut start, mut at) = (statement, statement);
+    for line in text[..statement].split_inclusive('\n').rev() {
+        at -= line.len();
+        if lines == 0 {
+            break;
+        }
+        if let Some(doc) = line.find("///") {
+            (start, lines) = (at + doc, lines - 1);
+        }
+    }
+    start
 }
 
 /// The place behind one, or behind the comment with which its line ends.

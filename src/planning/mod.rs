@@ -11,7 +11,7 @@ use stochc_compiler::plan::{PlanSeed, ProgramPlan};
 use stochc_compiler::scene::{DEFAULT, built_in};
 use stochc_compiler::{Checked, FileId, LintLevels, Program, shape_cells};
 use stochc_grammar::tree::{Item, ItemKind, Shape, Tree};
-use stochc_grammar::{Symbols, print};
+use stochc_grammar::{Symbol, Symbols, print};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
@@ -68,6 +68,8 @@ pub enum Unplanned {
 
 /// A shape that a program declares.
 struct DeclaredShape<'a> {
+    /// The assembly that it stands in, and that alone knows it.
+    assembly: Option<Symbol>,
     file: FileId,
     item: &'a Item,
     shape: &'a Shape,
@@ -142,42 +144,71 @@ impl Goal {
                 .collect::<Vec<_>>()
                 .join(", ")
         };
-        let last_claimed = checked
-            .programs
-            .iter()
-            .flat_map(|program| claims(&program.plan))
-            .next_back();
-        let wanted = match (name, &known[..]) {
-            (Some(name), _) => name,
-            (None, []) => return Err("it declares no shape".to_owned()),
-            (None, [only]) => only,
-            (None, _) => last_claimed
-                .ok_or_else(|| format!("it declares {}: name one with `--shape`", listed()))?,
-        };
-        let at = known.iter().position(|&known| known == wanted);
-        let DeclaredShape { file, item, shape } =
-            at.map(|at| &declared[at])
-                .ok_or_else(|| match known.len() {
-                    0 => format!("it declares no shape `{wanted}`, nor any other"),
-                    _ => format!("it declares no shape `{wanted}`, but {}", listed()),
-                })?;
-        let mut diagnostics: Vec<Diagnostic> = Vec::new();
-        let cells = shape_cells(shape, *file, &mut diagnostics);
-        let cells = cells.ok_or_else(|| match diagnostics.first() {
-            Some(diagnostic) => diagnostic.message(),
-            None => "the shape cannot be read as cells".to_owned(),
-        })?;
         let programs = || {
             checked
                 .programs
                 .iter()
                 .filter(|program| program.plan.aggregate.is_none())
         };
-        let claiming = programs().find(|program| claims(&program.plan).contains(&wanted));
+        let claiming = |wanted: &str| {
+            programs().find(|program| {
+                let claims = claims(&program.plan);
+                claims.contains(&wanted) && known_by(&declared, program, checked, wanted).is_some()
+            })
+        };
+        let all_claimed = programs().flat_map(|program| {
+            let names = claims(&program.plan).into_iter();
+            names.map(move |name| (program, name))
+        });
+        let last_claimed = all_claimed.last();
+        let (wanted, claiming) = match (name, &known[..]) {
+            (Some(name), _) => (name, claiming(name)),
+            (None, []) => return Err("it declares no shape".to_owned()),
+            (None, [only]) => (*only, claiming(only)),
+            (None, _) => {
+                let (program, name) = last_claimed
+                    .ok_or_else(|| format!("it declares {}: name one with `--shape`", listed()))?;
+                let is_local = known_by(&declared, program, checked, name)
+                    .is_some_and(|it| it.assembly.is_some());
+                (
+                    name,
+                    if is_local {
+                        Some(program)
+                    } else {
+                        claiming(name)
+                    },
+                )
+            }
+        };
+        let of_claim = claiming.and_then(|program| known_by(&declared, program, checked, wanted));
+        let first = || (declared.iter()).find(|it| symbols.word(it.shape.name.symbol) == wanted);
+        let found = of_claim.or_else(first);
+        let found = found.ok_or_else(|| match known.len() {
+            0 => format!("it declares no shape `{wanted}`, nor any other"),
+            _ => format!("it declares no shape `{wanted}`, but {}", listed()),
+        })?;
         let only = || programs().next().filter(|_| programs().count() == 1);
-        let assembly = claiming.or_else(only);
+        Goal::of_shape(checked, found, claiming.or_else(only))
+    }
+
+    /// A shape, with the plate, the seeds and the scene of an assembly.
+    fn of_shape(
+        checked: &Checked,
+        declared: &DeclaredShape<'_>,
+        assembly: Option<&Program>,
+    ) -> Result<Goal, String> {
+        let DeclaredShape {
+            file, item, shape, ..
+        } = declared;
+        let mut diagnostics: Vec<Diagnostic> = Vec::new();
+        let cells = shape_cells(shape, *file, &mut diagnostics);
+        let cells = cells.ok_or_else(|| match diagnostics.first() {
+            Some(diagnostic) => diagnostic.message(),
+            None => "the shape cannot be read as cells".to_owned(),
+        })?;
+        let symbols = &checked.symbols;
         Ok(Goal {
-            name: wanted.to_owned(),
+            name: symbols.word(shape.name.symbol).to_owned(),
             cells,
             plate: assembly.map(|program| program.plan.plate.clone()),
             seeds: assembly.and_then(|program| seats(&program.plan)),
@@ -260,7 +291,8 @@ impl Goal {
     fn needed_scenes(&self) -> String {
         let mut reader = stochc_grammar::Symbols::new();
         let parsed = stochc_grammar::parse(&self.scenes, &mut reader);
-        let mut wanted: BTreeSet<&str> = self.scene.iter().map(String::as_str).collect();
+        // A file may have a scene of its own by the name of the one that nobody has to name.
+        let mut wanted = BTreeSet::from([self.scene.as_deref().unwrap_or(DEFAULT)]);
         // Whoever is built on another is declared behind it or before it; a round for each is enough.
         for _ in 0..parsed.tree.items.len() {
             for item in &parsed.tree.items {
@@ -330,6 +362,7 @@ impl Goal {
                 let is_better = estimate.of(objective) < best.plan.estimate.of(objective);
                 if finding.is_none() && is_better {
                     (plan.estimate, plan.baseline) = (estimate, Some(baseline));
+                    plan.rounds = best.plan.rounds;
                     let text = self.text(&target, &plan, &[]);
                     best = Planned { plan, text };
                 }
@@ -451,16 +484,36 @@ fn estimated_part(
 fn shapes(checked: &Checked) -> Vec<DeclaredShape<'_>> {
     let mut found = Vec::new();
     for (file, tree) in checked.trees() {
-        let within = tree.items.iter().flat_map(|item| match &item.kind {
-            ItemKind::Assembly(assembly) => assembly.body.iter().chain([].iter()),
-            _ => [].iter().chain(std::slice::from_ref(item)),
-        });
-        found.extend(within.filter_map(|item| match &item.kind {
-            ItemKind::Shape(shape) => Some(DeclaredShape { file, item, shape }),
-            _ => None,
-        }));
+        for outer in &tree.items {
+            let (assembly, items) = match &outer.kind {
+                ItemKind::Assembly(assembly) => (Some(assembly.name.symbol), &assembly.body[..]),
+                _ => (None, std::slice::from_ref(outer)),
+            };
+            found.extend(items.iter().filter_map(|item| match &item.kind {
+                ItemKind::Shape(shape) => Some(DeclaredShape {
+                    assembly,
+                    file,
+                    item,
+                    shape,
+                }),
+                _ => None,
+            }));
+        }
     }
     found
+}
+
+/// The shape that a program knows by a name: its own, or one of its files.
+fn known_by<'a>(
+    declared: &'a [DeclaredShape<'a>],
+    program: &Program,
+    checked: &Checked,
+    name: &str,
+) -> Option<&'a DeclaredShape<'a>> {
+    let word = |symbol| checked.symbols.word(symbol);
+    let of_name = || (declared.iter()).filter(|it| word(it.shape.name.symbol) == name);
+    let is_own = |it: &&DeclaredShape<'_>| it.assembly.map(word) == Some(&program.plan.name);
+    (of_name().find(is_own)).or_else(|| of_name().find(|it| it.assembly.is_none()))
 }
 
 /// The scenes that a program declares, as it has written them.

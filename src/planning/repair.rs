@@ -141,7 +141,13 @@ impl Goal {
         let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
         let claimed = claims.last().map(|&(name, _)| checked.symbols.word(name));
         let mut goal = match shape.or(claimed) {
-            Some(shape) => Goal::of_program(checked, Some(shape))?,
+            Some(shape) => {
+                let declared = super::shapes(checked);
+                match super::known_by(&declared, program, checked, shape) {
+                    Some(known) => Goal::of_shape(checked, known, Some(program))?,
+                    None => Goal::of_program(checked, Some(shape))?,
+                }
+            }
             None => {
                 let last = plan.phases.len().checked_sub(1);
                 let built = last.map_or(Vec::new(), |last| existing(program, last));

@@ -240,6 +240,60 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
     assert!(held.text.contains("B[2].up"), "{}", held.text);
 }
 
+/// It belongs to the claim, wherever that goes.
+#[test]
+fn a_comment_on_a_claim_stays_on_it() {
+    let text = "shape mast { layer 1..4 { # } }\n\
+         assembly part { seed plate 1 x 1 { A at (0, 0) }\n phase one { A.up -> B\n /// All of it.\n yields mast } }\n";
+    let behind = completed(text).unwrap().text;
+    assert!(
+        behind.contains("/// All of it.\n        yields mast"),
+        "{behind}"
+    );
+    assert_eq!(behind.matches("All of it").count(), 1, "{behind}");
+    let inside = text.replace("A.up -> B\n", "A.up -> B }\n phase rest {\n");
+    let inside = completed(&inside).unwrap().text;
+    assert!(
+        inside.contains("/// All of it.\n        yields mast"),
+        "{inside}"
+    );
+}
+
+/// Each assembly has a shape of this name.
+const LOCAL: &str = "\
+assembly a { shape s { layer 1 { # } }
+    seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A yields s } }
+assembly b { shape s { layer 1..3 { # } }
+    seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> B } phase rest { yields s } }
+";
+
+#[test]
+fn a_shape_is_that_of_its_assembly() {
+    let text = completed(LOCAL).unwrap().text;
+    assert!(text.contains("B.up ->"), "{text}");
+    let checked = check_text("local.sa", LOCAL);
+    let heights = checked.programs.iter().map(|program| {
+        let goal = Goal::of_end(&checked, program, None).unwrap();
+        goal.cells.len()
+    });
+    assert_eq!(heights.collect::<Vec<_>>(), [1, 3]);
+    let last = Goal::of_program(&checked, None).unwrap();
+    assert_eq!(last.cells.len(), 3);
+}
+
+/// It takes the place of the built-in one, also in the program that is written.
+#[test]
+fn a_scene_by_the_name_of_the_built_in_one_is_written_down() {
+    let text = "scene hemisphere from hemisphere { free 40 uniform }\n\
+         assembly a { shape s { layer 1..2 { # # } } seed plate 2 x 1 { M at (0, 0) N at (1, 0) } phase g { M.up ->> A[1..2] N.up ->> B[1..2] yields s } }\n";
+    let goal = Goal::of_program(&check_text("own.sa", text), None).unwrap();
+    let planned = goal.plan(&[], PlanSearch::default()).unwrap();
+    let scene = check_text("planned.sa", &planned.text).programs[0]
+        .scene
+        .clone();
+    assert_eq!(scene.unwrap().free.count, 40, "{}", planned.text);
+}
+
 /// What is left of a run of the first program of a text after so many ticks, and what its end should be.
 fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
     let checked = check_text("run.sa", text);

@@ -103,7 +103,8 @@ impl Workflow {
             |job: &SlurmJob| self.arrays.contains(&job.number) || self.merges.contains(&job.number);
         self.cancelled |= queue.jobs().any(|job| job.is_cancelled() && is_known(job));
         if !making.is_empty() {
-            return Ok(match merging.is_empty() {
+            // Tasks that somebody has cancelled may take a while to end.
+            return Ok(match merging.is_empty() && !self.cancelled {
                 true => WorkflowStep::Merge { after: making },
                 false => WorkflowStep::Wait,
             });
@@ -187,6 +188,19 @@ mod tests {
         ];
         let step = next(&mut workflow, &over, &[1]);
         assert_eq!(step, WorkflowStep::Stop(Stop::Missing(vec![1])));
+    }
+
+    /// Whoever cancels is obeyed, also while tasks take a while to end.
+    #[test]
+    fn nothing_is_submitted_while_what_was_cancelled_ends() {
+        let mut workflow = Workflow::new(3);
+        next(&mut workflow, &[], &[0, 1, 2]);
+        workflow.submitted(Some(1), Some(2));
+        let ending = ["1|0-2|a|COMPLETING|None", "2|N/A|a-merge|CANCELLED|None"];
+        assert_eq!(next(&mut workflow, &ending, &[0]), WorkflowStep::Wait);
+        let over = ["1|0-2|a|CANCELLED|None", "2|N/A|a-merge|CANCELLED|None"];
+        let step = next(&mut workflow, &over, &[0]);
+        assert_eq!(step, WorkflowStep::Stop(Stop::Cancelled(vec![0])));
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub fn write_releases(target: &Target, out: &mut String) {
     // Writing to a string cannot fail.
     let _ = write!(
         out,
-        "}}\nphase clear {{\n/// What is wrong, dead or in the way, with all that hangs on it.\nrelease {}\n",
+        "}}\nphase clear {{\n/// What does not belong to the shape, with all that hangs on it.\nrelease {}\n",
         names.join(", ")
     );
 }
