@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use stochc::check_text;
 use stochc::ir::Cell;
 use stochc::ir::record::{Outcome, RunRecord};
-use stochc::planner::PlanSearch;
+use stochc::planner::{PlanSearch, TargetError};
 use stochc::planning::{Completion, ExistingStructure, Goal, NotCompleted, Planned, Unplanned};
 use stochc_compiler::Checked;
 use stochc_compiler::cost::estimate;
@@ -370,6 +370,24 @@ assembly comb {
     let (mut goal, structure) = left(text, 1_000_000);
     let there = goal.stand_on(&structure, &BTreeSet::new());
     assert_eq!(there, Err("nothing is missing".to_owned()));
+}
+
+/// What stands and can hold nothing does not help.
+#[test]
+fn no_cell_that_is_full_is_named_as_a_way_out() {
+    let text = "assembly line { seed plate 3 x 3 { M at (1, 1) } phase p { M.up ->> T[1..8] } }\n";
+    let parts = (500..40_000).step_by(500).map(|ticks| left(text, ticks));
+    let mut first = parts.filter(|(_, there)| there.names().any(|name| name == "T[5]"));
+    let (mut goal, structure) = first.next().expect("the fifth block comes");
+    goal.stand_on(&structure, &BTreeSet::from(["T[2]"]))
+        .unwrap();
+    let Err(Unplanned::Refused(TargetError::Loose(parts))) = tried(&goal, 10) else {
+        panic!("nothing holds the rest");
+    };
+    let bridge = parts[0].bridge.as_ref().expect("there is a way around");
+    let is_of_line = |cell: &&Cell| (cell.x, cell.y) == (1, 1);
+    assert_eq!(bridge.iter().find(is_of_line), None, "{bridge:?}");
+    assert!(!bridge.is_empty());
 }
 
 proptest! {

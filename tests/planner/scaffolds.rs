@@ -55,6 +55,11 @@ fn a_serpentine_grows_from_masts() {
     insta::with_settings!({ omit_expression => true }, {
         insta::assert_snapshot!("program_serpentine", planned.text);
     });
+    // What is handed over is captured twice.
+    let told = stochc::planner::explanation(&planned.plan);
+    let checked = check_text("planned.sa", &planned.text);
+    let captures = checked.programs[0].plan.counts().0;
+    assert!(told.starts_with(&format!("{captures} captures")), "{told}");
     executed(&planned, Model::Shuffle, 3);
     // With physics, what is handed over stays where it is: nobody waits for another block.
     let executables = stochc::compile(check_text("planned.sa", &planned.text)).unwrap();
