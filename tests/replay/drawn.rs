@@ -10,7 +10,7 @@ use stochc::runtime::observe::ObservedEvent;
 use stochc::runtime::world::Body;
 
 use crate::browser::browser;
-use crate::folder::{PROGRAM, Results};
+use crate::folder::{PASSED_ON, PROGRAM, Results};
 use crate::page_under_test::Page;
 
 fn number(value: &Value) -> f64 {
@@ -411,6 +411,32 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
     }
     assert!(kinds.iter().all(|kind| *kind > 0), "{kinds:?}");
     page.value("replay.select(null)");
+}
+
+/// The program's target is the structure that the compiler says stands in the end.
+fn check_target(page: &mut impl Page, program: &str) {
+    let results = Results::of(program, "--record 0");
+    page.open(&results.page(0), "");
+    let checked = stochc::check(program);
+    let built = &checked.programs[0];
+    let last = stochc::compiler::placed_blocks::placed_blocks(&built.plan, &built.layout).last();
+    let built: BTreeSet<[i32; 3]> = (last.unwrap().iter())
+        .map(|block| [block.cell.x, block.cell.y, block.cell.z])
+        .collect();
+    let shown = page.value("target(JSON.parse(document.getElementById('about').textContent))");
+    let shown: BTreeSet<[i32; 3]> = serde_json::from_value(shown).unwrap();
+    assert_eq!(shown, built, "{program}");
+}
+
+#[test]
+fn cells_that_are_filled_in_the_end_are_those_of_the_compiler() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    for program in [PROGRAM, PASSED_ON] {
+        check_target(&mut browser, program);
+    }
+    assert_eq!(browser.complaints, [""; 0]);
 }
 
 /// All that is drawn around the arena, of a run of [`PROGRAM`].

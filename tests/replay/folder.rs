@@ -8,6 +8,9 @@ use stochc::ir::table::Tables;
 /// A program whose structure grows and is taken apart again.
 pub const PROGRAM: &str = "examples/five_tower_reconfigured.sa";
 
+/// Blocks that are attached by hand, and a name that passes from one of them to another block.
+pub const PASSED_ON: &str = "tests/fixtures/passed_on.sa";
+
 /// Free blocks that bond to each other.
 pub const SWARM: &str = "tests/fixtures/swarm.sa";
 

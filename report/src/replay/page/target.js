@@ -10,11 +10,15 @@ function target(about) {
   }
   const cells = new Map();
   for (const { name, events } of about.graph.phases) {
-    for (const { kind, parent, face, block } of events) {
+    const goes = events.filter(({ kind }) => kind === 'release').map(({ block }) => block);
+    // Whoever stands is let go before its name is taken; who is not there yet is captured first.
+    const brief = goes.filter(block => !cells.has(block));
+    for (const block of goes) cells.delete(block);
+    for (const { parent, face, block } of events) {
       const cell = magnetized.get([name, parent, face, block].join('\0'));
-      if (kind === 'release') cells.delete(block);
-      else if (cell) cells.set(block, cell);
+      if (cell) cells.set(block, cell);
     }
+    for (const block of brief) cells.delete(block);
   }
   return [...cells.values()];
 }
