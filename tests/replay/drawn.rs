@@ -413,6 +413,27 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
     page.value("replay.select(null)");
 }
 
+/// A capture has the colour of its own phase in the bar, when the next phase begins at that tick as well.
+fn check_strokes(page: &mut impl Page, recording: &Recording) {
+    let anew = "document.getElementById('theme').click()";
+    let drawn = page.drawn("#timeline", anew);
+    page.value(anew);
+    let strokes: Vec<&Value> = (drawn.iter())
+        .filter(|it| it[0] == "fillRect" && (number(&it[4]), number(&it[5])) == (2.0, 13.0))
+        .map(|it| &it[1])
+        .collect();
+    let bonds = &recording.record().bonds;
+    let expected: Vec<String> = (bonds.iter())
+        .map(|bond| phase(bond.phase.0 as usize).to_string())
+        .collect();
+    assert_eq!(serde_json::json!(strokes), serde_json::json!(expected));
+    let ends_one =
+        |tick, begun| (bonds.iter()).any(|bond| bond.docked == tick && bond.phase != begun);
+    let is_close = (recording.events().iter())
+        .any(|it| matches!(it.event, ObservedEvent::Phase(begun) if ends_one(it.tick, begun)));
+    assert!(is_close, "the test needs a capture that ends its phase");
+}
+
 /// The program's target is the structure that the compiler says stands in the end.
 fn check_target(page: &mut impl Page, program: &str) {
     let results = Results::of(program, "--record 0");
@@ -448,6 +469,7 @@ pub fn check_all(page: &mut impl Page, results: &Results) {
     check_overview(page, &recording, &tables);
     check_statements(page, &recording, &tables);
     check_beyond(page, &recording);
+    check_strokes(page, &recording);
 }
 
 #[test]

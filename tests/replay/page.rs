@@ -8,7 +8,7 @@ use stochc::ir::table::Tables;
 use stochc::runtime::world::Body;
 
 use crate::browser::{Browser, browser};
-use crate::folder::{PROGRAM, Results};
+use crate::folder::{PASSED_ON, PROGRAM, Results};
 use crate::page_under_test::Page;
 
 /// What the page says of a tick.
@@ -161,7 +161,8 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
     let name = &results.tables().roles[last.child.0 as usize].name;
     assert!(text.starts_with(name.as_str()), "{text}");
     assert!(text.contains(&format!("Event table of {name}")), "{text}");
-    assert!(text.contains(&format!("as {name}")), "{text}");
+    assert!(text.contains(&format!("as {name}, ")), "{text}");
+    assert!(text.contains("docks on"), "{text}");
     assert!(text.contains("in the field"), "{text}");
     // Where nothing is, nothing is chosen.
     browser.click(20.0, 600.0);
@@ -171,6 +172,35 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
     seek(&mut browser, 0);
     browser.click(at["x"].as_f64().unwrap(), at["y"].as_f64().unwrap());
     assert_eq!(browser.value("replay.state().selected"), -1);
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn what_was_attached_by_hand_did_not_wait() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of(PASSED_ON, "--record 0");
+    let attached = results.recording(0).record().bonds[0].body;
+    let page = results.page(0);
+    let mut told = |hash: &str| {
+        browser.open(&page, hash);
+        browser.value("document.getElementById('block').textContent")
+    };
+    let of_all = told("#tick=5");
+    let of_all = of_all.as_str().unwrap();
+    let expected = format!("P is attached by hand to A.up: block {attached}");
+    assert!(of_all.contains(&expected), "{of_all}");
+    // This one goes at once.
+    let other = "X is attached by hand to P.up";
+    assert!(of_all.contains(other), "{of_all}");
+    let of_one = told(&format!("#tick=5&block={attached}"));
+    let of_one = of_one.as_str().unwrap();
+    assert!(
+        of_one.contains("is attached by hand to A.up as P"),
+        "{of_one}"
+    );
+    assert!(!of_one.contains("docks on"), "{of_one}");
     assert_eq!(browser.complaints, [""; 0]);
 }
 

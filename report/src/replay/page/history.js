@@ -105,6 +105,11 @@ class History {
     return this.holds[body]?.find(({ from, to }) => from <= tick && tick < to);
   }
 
+  /** Whether a block was attached by hand rather than captured. */
+  isByHand({ phase }) {
+    return Boolean(this.about.tables.phases[phase]?.planted);
+  }
+
   facesAt(tick) {
     return this.faces.filter(({ from, to }) => from <= tick && tick < to);
   }
@@ -135,13 +140,20 @@ class History {
     if (kind === 'on') return `${name(row[2])}.${row[3]} on, for ${this.roles[row[5]]}`;
     if (kind === 'in') return `block ${row[2]} comes into reach of ${name(row[3])}.${row[4]}`;
     if (kind === 'out') return `block ${row[2]} leaves the reach of ${name(row[3])}.${row[4]}`;
-    if (kind === 'dock') return `${name(row[3])}.${row[4]} captures ${this.roles[row[5]]}: block ${row[2]}`;
+    if (kind === 'dock') return this.docking(row, `${name(row[3])}.${row[4]}`);
     if (kind === 'bond') return `${name(row[2])} and ${name(row[3])} bond, ${row[4]} to ${row[5]}: a group of ${row[6]}`;
     if (kind === 'unbond') return `${name(row[2])} and ${name(row[3])} part, ${row[4]} from ${row[5]}: ${remainder(row[6])} and ${remainder(row[7])}`;
     if (kind === 'free') return `${this.roles[row[4]]} releases ${this.roles[row[3]]}: block ${row[2]}`;
     if (kind === 'shed') return `${this.roles[row[5]]}.${row[4]} rejects block ${row[2]}, which nobody expects`;
     if (kind === 'say') return `${name(row[2])} to ${name(row[3])}: ${SAID[row[4]](this.roles[row[5]])}`;
     return `the plate counts the report of ${this.roles[row[2]]}`;
+  }
+
+  /** A block that is part of the structure from now on, in words. */
+  docking([tick, , body, , , role], site) {
+    const hold = this.holds[body].find(({ from }) => from === tick);
+    const name = this.roles[role];
+    return this.isByHand(hold) ? `${name} is attached by hand to ${site}: block ${body}` : `${site} captures ${name}: block ${body}`;
   }
 }
 

@@ -92,11 +92,13 @@ class Panel {
         const docks = history.holds[body].some(hold => hold.from === to && hold.of === of && hold.face === face);
         if (!docks && Number.isFinite(to)) say(to, `leaves the field of ${name}.${face}`, 'out');
       }
-      for (const { from, to, role, of, face, bond } of history.holds[body]) {
+      for (const hold of history.holds[body]) {
+        const { from, to, role, of, face, bond } = hold;
         const name = history.roles[role];
+        const site = `${history.nameIn(of, from)}.${face}`;
         const origin = bond?.origin.kind === 'released' ? `; it was ${history.roles[bond.origin.role]} until ${bond.origin.tick}` : '; it was free from the beginning';
         const wait = bond ? `, ${count(bond.docked - bond.magnetized, 'tick')} after the face was on, which saw ${count(bond.entries, 'entry', 'entries')}` : '';
-        say(from, `docks on ${history.nameIn(of, from)}.${face} as ${name}${wait}${origin}`, 'dock');
+        say(from, history.isByHand(hold) ? `is attached by hand to ${site} as ${name}` : `docks on ${site} as ${name}${wait}${origin}`, 'dock');
         if (Number.isFinite(to)) say(to, `is let go as ${name}`, 'free');
       }
     }

@@ -51,9 +51,12 @@ class Timeline {
       }
     });
     this.courses(pen, at, height - STRIP - 4);
-    for (const [tick, kind] of history.rows) {
+    // Phases end and begin within a tick.
+    let during = 0;
+    for (const [tick, kind, number] of history.rows) {
+      if (kind === 'phase') during = number;
       if (kind !== 'dock' && kind !== 'free') continue;
-      pen.fillStyle = kind === 'dock' ? phaseColour(history.phaseAt(tick)) : THEMES[themeName()].lit;
+      pen.fillStyle = kind === 'dock' ? phaseColour(during) : THEMES[themeName()].lit;
       pen.fillRect(at(tick) - 1, height - (kind === 'dock' ? 13 : 9), 2, kind === 'dock' ? 13 : 9);
     }
   }
