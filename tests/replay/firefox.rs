@@ -158,6 +158,7 @@ impl Firefox {
             "ArrowRight" => "\u{e014}",
             "Home" => "\u{e011}",
             "Escape" => "\u{e00c}",
+            "Enter" => "\u{e007}",
             letter => letter,
         };
         let both = ["keyDown", "keyUp"].map(|kind| json!({ "type": kind, "value": value }));

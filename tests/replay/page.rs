@@ -1,5 +1,6 @@
 //! The page in a browser: it shows what was recorded.
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use serde_json::{Value, json};
 use stochc::ensemble::recording::Recording;
@@ -383,5 +384,30 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     let at = browser.value("(({ x, y }) => [x / document.getElementById('arena').clientWidth, y / document.getElementById('arena').clientHeight])(replay.screen(7))");
     for part in numbers(&at) {
         assert!((part - 0.5).abs() < 1e-3, "{at}");
+    }
+    check_focus(browser, &page);
+}
+
+/// What has the focus gets its own keys.
+fn check_focus(browser: &mut impl Page, page: &Path) {
+    browser.open(page, "#tick=77");
+    let state = "replay.settled().then(({ tick, playing }) => [tick, playing, document.getElementById('speed').value])";
+    let before = browser.value(state);
+    browser.value(
+        "(document.getElementById('save').open = true, document.getElementById('width').focus())",
+    );
+    for key in ["ArrowLeft", "Home", "-", " ", "n"] {
+        browser.key(key);
+        assert_eq!(browser.value(state), before, "{key}");
+    }
+    let event = "document.querySelector('#graph details[open] [role=button]')";
+    browser.value(&format!("{event}.dispatchEvent(new MouseEvent('click'))"));
+    let clicked = browser.value(state);
+    assert_ne!(clicked, before);
+    for key in ["Enter", " "] {
+        seek(browser, 77);
+        browser.value(&format!("{event}.focus()"));
+        browser.key(key);
+        assert_eq!(browser.value(state), clicked, "{key}");
     }
 }

@@ -97,7 +97,10 @@ class Graph {
       };
       node.addEventListener('click', go);
       node.addEventListener('keydown', press => {
-        if (press.key === 'Enter') go();
+        if (press.key !== 'Enter' && press.key !== ' ') return;
+        // A space would scroll.
+        press.preventDefault();
+        go();
       });
       picture.append(node);
       this.boxes.set(event.id, { node, box, name, at: at(event.id) });

@@ -90,8 +90,9 @@ function keys(player, does) {
   };
   addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const tag = event.target.tagName;
-    if (tag === 'SELECT' || (event.key === ' ' && (tag === 'BUTTON' || tag === 'SUMMARY'))) return;
+    // What has the focus has its own use for some keys, the slider for none.
+    if (event.target.matches('select, input:not([type=range])')) return;
+    if (event.key === ' ' && event.target.matches('button, summary, [role=button]')) return;
     const act = actions[event.key];
     if (!act) return;
     event.preventDefault();
