@@ -21,7 +21,7 @@ mod _native {
     #[pymodule_export]
     use super::measure::{estimate, plan, trade};
     #[pymodule_export]
-    use super::program::{PythonProgram, check, explain, load};
+    use super::program::{PythonProgram, check, explain, load, load_texts};
     #[pymodule_export]
     use super::table::PythonTable;
 }

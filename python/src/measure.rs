@@ -83,13 +83,16 @@ pub struct PlanRequest {
     rates: Vec<PathBuf>,
 }
 
-/// A program, its plan as JSON, and that in words.
+/// The texts of a program by their paths, its own first, its assembly, its plan as JSON, and that in words.
+type PlanOutput = (Vec<(String, String)>, String, String, String);
+
+/// Plans a program.
 #[pyfunction]
 pub fn plan(
     py: Python<'_>,
     asked: PlanRequest,
     progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<(String, String, String)> {
+) -> PyResult<PlanOutput> {
     call(py, progress.as_ref(), move |host| {
         let said = |what: &'static str| move |reason| Failure::usage(format!("{what}: {reason}"));
         let seed_plate = asked.seed_plate.as_deref().map(SeedPlate::parse);
@@ -123,7 +126,10 @@ pub fn plan(
         };
         let found = planned(&read(&options, host)?, &options, host)?;
         let explained = explanation(&found.plan);
-        Ok((found.text, json!(found.plan).to_string(), explained))
+        let plan = json!(found.plan).to_string();
+        let own = std::iter::once((found.name, found.text));
+        let texts = own.chain(found.imported).collect();
+        Ok((texts, found.assembly, plan, explained))
     })
 }
 

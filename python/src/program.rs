@@ -90,6 +90,19 @@ pub fn load(
     })
 }
 
+/// The programs of texts by their paths; the first one may import the others.
+#[pyfunction]
+pub fn load_texts(py: Python<'_>, texts: Vec<(String, String)>) -> PyResult<Vec<PythonProgram>> {
+    call(py, None, move |host| {
+        let texts: Vec<(&str, &str)> = (texts.iter())
+            .map(|(path, text)| (path.as_str(), text.as_str()))
+            .collect();
+        let checked = stochc::check_texts(&texts, &LintLevels::default(), "", &[]);
+        let found = accept(texts.first().map_or("", |it| it.0), checked, host)?;
+        Ok(found.into_iter().map(PythonProgram::from).collect())
+    })
+}
+
 /// The page on a kind of finding.
 #[pyfunction]
 pub fn explain(py: Python<'_>, code: String) -> PyResult<&'static str> {

@@ -13,6 +13,11 @@ def picture(svg: str, title: str) -> str:
     return f'<img alt="{escape(title)}" style="max-width:100%" src="data:image/svg+xml;base64,{data}"/>'
 
 
+def text(lines: str) -> str:
+    """A text as it is written."""
+    return f"<pre>{escape(lines)}</pre>"
+
+
 def table(header: Sequence[str], rows: Iterable[Sequence[object]], titles: Sequence[str] = ()) -> str:
     """A table; numbers stand on the right."""
     hints = list(titles) + [""] * (len(header) - len(titles))

@@ -10,8 +10,8 @@ from typing import Any, Literal
 from . import _arguments, _html, _native
 from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, told, whole
 from ._ensemble import Programs, _listed  # pyright: ignore[reportPrivateUsage]
-from ._errors import UsageError
-from ._program import Program, Source, compile
+from ._errors import ProgramError, UsageError
+from ._program import Program, Source, chosen
 from ._progress import Progress, shown
 from ._requests import Estimated, Planned, Traded
 
@@ -47,16 +47,28 @@ class Plan:
     """Its order, as `stochc plan --format json` has it."""
     explanation: str
     """The same in words."""
+    assembly: str
+    """The name of the assembly that builds the shape."""
+    sources: dict[str, str]
+    """The texts of the program's files by their paths, its own first, as they were read."""
 
     def compile(self) -> Program:
-        """The program, ready to run."""
-        return compile(self.text)
+        """The program, ready to run; of several in the text, the one that builds the shape.
+
+        Raises:
+            ProgramError: it claims more that is not built yet.
+        """
+        found = _native.load_texts(list(self.sources.items()))
+        return chosen([Program(it) for it in found], self.assembly)
 
     def __str__(self) -> str:
         return self.text.rstrip()
 
     def _repr_html_(self) -> str:
-        return self.compile()._repr_html_()  # pyright: ignore[reportPrivateUsage]
+        try:
+            return self.compile()._repr_html_()  # pyright: ignore[reportPrivateUsage]
+        except ProgramError:
+            return _html.text(str(self))
 
 
 @dataclass(frozen=True)
@@ -188,8 +200,8 @@ def plan(
         "rates": _arguments.paths("rates", rates),
     }
     with shown(progress) as show:
-        text, found, explained = _native.plan(asked, show)
-    return Plan(text, json.loads(found), explained)
+        texts, assembly, found, explained = _native.plan(asked, show)
+    return Plan(texts[0][1], json.loads(found), explained, assembly, dict(texts))
 
 
 def _alone(name: str, **others: object) -> None:

@@ -247,7 +247,11 @@ def compile(
     >>> stochc.compile(stochc.EXAMPLE)
     <stochc.Program pair: 1 captures, scene hemisphere>
     """
-    found = compile_all(source, allow=allow, warn=warn, deny=deny, allow_import=allow_import)
+    return chosen(compile_all(source, allow=allow, warn=warn, deny=deny, allow_import=allow_import), assembly)
+
+
+def chosen(found: list[Program], assembly: str | None) -> Program:
+    """The program of an assembly; without a name, the only one."""
     wanted = found
     if assembly is not None:
         assembly = _arguments.word("assembly", assembly)

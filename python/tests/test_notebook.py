@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -26,6 +27,29 @@ def test_a_program_shows_its_structure(tower: str) -> None:
     assert pictures(html) == [svg]
     assert 'style="background:#fff"' in svg
     assert "captures" in html
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_completed_program_is_compiled_among_others_and_with_what_it_imports(tmp_path: Path) -> None:
+    castle = "shape pair { layer 1 { # # } }\nshape castle { layer 1..2 { # # } }\n"
+    (tmp_path / "castle.sa").write_text(castle)
+    begun = tmp_path / "begun.sa"
+    phase = "phase low { yields pair }"
+    begun.write_text(
+        'import "castle.sa"\nassembly other { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up -> T } }\n'
+        f"assembly begun {{ seed plate 2 x 1 {{ A at (0, 0) }} {phase} }}\n"
+    )
+    planned = stochc.plan(begun, complete=True, budget=5)
+    program = planned.compile()
+    assert (program.assembly, program.captures) == ("begun", 2)
+    assert list(program.sources.values()) == [planned.text, castle]
+    assert pictures(planned._repr_html_()) == [program._repr_svg_()]  # pyright: ignore[reportPrivateUsage]
+    # What else is claimed is an error until it is planned as well.
+    begun.write_text(begun.read_text().replace(phase, phase + " phase high { yields castle }"))
+    half = stochc.plan(begun, complete=True, budget=5)
+    with pytest.raises(stochc.ProgramError, match="castle"):
+        half.compile()
+    assert half._repr_html_() == f"<pre>{escape(str(half))}</pre>"  # pyright: ignore[reportPrivateUsage]
 
 
 def test_a_compiled_file_has_no_picture(tower: str, tmp_path: Path) -> None:

@@ -148,7 +148,7 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
 }
 
 fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Result<(), Failure> {
-    let Planned { plan, text } = planned;
+    let Planned { plan, text, .. } = planned;
     if let Some(out) = out {
         out.write(text)?;
     }

@@ -222,7 +222,13 @@ impl Completion {
         plan.estimate = estimated_part(program, &law, plan.estimate, |cost| {
             cost.phases.get(self.phase)?.times
         });
-        Ok(Planned { plan, text })
+        Ok(Planned {
+            plan,
+            text,
+            name,
+            assembly: self.assembly.clone(),
+            imported: self.texts[1..].to_vec(),
+        })
     }
 }
 

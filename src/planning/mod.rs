@@ -55,6 +55,12 @@ pub struct Planned {
     pub plan: BuildPlan,
     /// The program.
     pub text: String,
+    /// What findings call the text; what it imports is relative to that.
+    pub name: String,
+    /// The assembly that builds the shape.
+    pub assembly: String,
+    /// The texts that the program imports, with their names.
+    pub imported: Vec<(String, String)>,
 }
 
 /// Why there is none.
@@ -364,7 +370,7 @@ impl Goal {
                     (plan.estimate, plan.baseline) = (estimate, Some(baseline));
                     plan.rounds = best.plan.rounds;
                     let text = self.text(&target, &plan, &[]);
-                    best = Planned { plan, text };
+                    best = self.planned(plan, text);
                 }
                 alternatives.push(Alternative {
                     baseline,
@@ -392,7 +398,7 @@ impl Goal {
             false => (&self.name, self.shape.clone()),
         };
         let naming = Naming {
-            assembly: &format!("build_{}", self.name),
+            assembly: &self.assembly(),
             scene: self.scene.as_deref(),
             shape: shape.as_ref().map(|_| name.as_str()),
             declarations: &(self.needed_scenes() + "\n" + shape.as_deref().unwrap_or("")),
@@ -445,7 +451,23 @@ impl Goal {
         }
         plan.estimate = estimated(&found, law, plan.estimate);
         let text = self.text(target, &plan, &allowed);
-        Ok(Planned { plan, text })
+        Ok(self.planned(plan, text))
+    }
+
+    /// A plan and its program, which imports nothing.
+    fn planned(&self, plan: BuildPlan, text: String) -> Planned {
+        Planned {
+            plan,
+            text,
+            name: NAME.to_owned(),
+            assembly: self.assembly(),
+            imported: Vec::new(),
+        }
+    }
+
+    /// What the assembly is called that builds it.
+    fn assembly(&self) -> String {
+        format!("build_{}", self.name)
     }
 }
 
