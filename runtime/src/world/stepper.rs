@@ -241,9 +241,10 @@ impl<I: Integrator> Stepper<I> {
         external_forces.begin(self.tick, substep, step);
         let integrator = &self.integrator;
         list_moving(&self.blocks, integrator, who, &mut self.free);
+        let blocks = &mut self.blocks;
         change(
             &self.free,
-            &mut self.blocks,
+            blocks,
             integrator,
             self.turns,
             |_, motion, span| {
@@ -260,12 +261,15 @@ impl<I: Integrator> Stepper<I> {
         };
         let integrator = &self.integrator;
         list_moving(&self.blocks, integrator, who, &mut self.free);
+        let blocks = &mut self.blocks;
         change(
             &self.free,
-            &mut self.blocks,
+            blocks,
             integrator,
             self.turns,
-            |id, motion, _| heat.shake(id, motion),
+            |id, motion, _| {
+                heat.shake(id, motion);
+            },
         )?;
         if let Some(bonds) = self.free_bonds.as_ref().filter(|_| built::BOND) {
             bonds.stiffen(&mut self.blocks);

@@ -2,8 +2,10 @@
 
 use crate::scenes::{Kind, at, attract, empty, world};
 use nalgebra::UnitQuaternion;
+use stochc_ir::scene::Bond;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
+use stochc_runtime::{Substeps, step_errors};
 
 in_every_kind!(
     a_fast_block_docks_if_its_way_leads_through_the_window,
@@ -86,5 +88,36 @@ fn a_block_next_to_the_middle_of_a_magnet_stays_there<K: Kind>() {
         crate::scenes::pass(&mut world, 1);
         let away = world.state(0).position - at(0.0, 0.0, 0.5);
         assert!(away.norm() < 5.0 * off.norm(), "{away}");
+    }
+}
+
+/// Also where a docking takes less than a tick: what `check --scene` tells of it.
+#[test]
+fn a_docking_takes_as_long_as_a_constant_force_says() {
+    const CASES: u32 = 32;
+    // The reach is a side.
+    let within = 0.005;
+    for force in [0.02, 2.0] {
+        let mut scene = empty();
+        scene.bond = attract(force, within);
+        if let Some(Bond::Attract { align, .. }) = &mut scene.bond {
+            *align = None;
+        }
+        let times = (0..CASES).map(|case| {
+            let phase = (f64::from(case) + 0.5) / f64::from(CASES);
+            let way = 0.25 + 0.7 * phase - within;
+            (2.0 * way / force).sqrt()
+        });
+        let exact = times.sum::<f64>() / f64::from(CASES);
+        let steps = Substeps {
+            near: 8,
+            away: None,
+        };
+        let errors = step_errors(&scene, steps);
+        let [docking] = &errors[..] else {
+            panic!("{errors:?}");
+        };
+        let off = docking.resolved / exact - 1.0;
+        assert!(off.abs() < 0.01, "{force}: {docking:?}, exactly {exact}");
     }
 }
