@@ -412,7 +412,8 @@ fn a_point_at_which_the_program_is_wrong_is_told() {
         said.err
     );
     assert!(
-        said.err.contains("needs 3 free blocks at once, the scene has 1"),
+        said.err
+            .contains("needs 3 free blocks at once, the scene has 1"),
         "{}",
         said.err
     );
