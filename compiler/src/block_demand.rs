@@ -7,7 +7,7 @@ use stochc_grammar::{Cancellation, Cancelled};
 use crate::graph::DependencyGraph;
 use crate::layout::Layout;
 use crate::order::Order;
-use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::plan::{EventId, EventKind, PlanPhase, ProgramPlan};
 
 /// Edges that are followed in search of a capture that asks for too many.
 const SEARCHED: usize = 5_000_000;
@@ -30,47 +30,37 @@ pub fn first_beyond(
     cancellation: Cancellation<'_>,
 ) -> Result<Option<(EventId, u32)>, Cancelled> {
     let free = free as usize;
+    let sizes = layout.sizes.iter().map(|&size| size as usize);
+    let begins: Vec<usize> = std::iter::once(0).chain(sizes).collect();
+    // Nearly always there are more than all captures together take.
+    let is_enough = |(phase, before): (&PlanPhase, &usize)| before + phase.events.len() <= free;
+    if plan.phases.iter().zip(&begins).all(is_enough) {
+        return Ok(None);
+    }
     let mut search = Search {
         plan,
         graph: certain,
         left: SEARCHED,
         cancellation,
     };
-    let mut before = 0;
-    for (events, &size) in order.by_phase(plan).iter().zip(&layout.sizes) {
+    for (events, before) in order.by_phase(plan).iter().zip(begins) {
         let [captures, releases] = search.counted(events.iter().copied());
-        if before + captures > free && releases > 0 {
-            let mut earlier = 0;
-            for &id in events {
-                let is_capture = plan.event(id).kind != EventKind::Release;
-                earlier += usize::from(is_capture);
-                if before + earlier <= free {
-                    continue;
-                }
-                let Some(after) = search.follow(id, Outgoing)? else {
-                    return Ok(None);
-                };
-                let [_, later] = search.counted(after);
-                // Such captures are no more than stand at the end of the phase.
-                if is_capture && later == 0 {
-                    continue;
-                }
-                let Some(ancestors) = search.follow(id, Incoming)? else {
-                    return Ok(None);
-                };
-                let [needed, _] = search.counted(ancestors);
-                // With its own block; or before that is let go.
-                let (own, others) = match is_capture {
-                    true => (1, releases - later),
-                    false => (0, releases - later - 1),
-                };
-                let least = (before + own + needed).saturating_sub(others);
-                if least > free {
-                    return Ok(Some((id, least as u32)));
-                }
+        if before + captures <= free || releases == 0 {
+            continue;
+        }
+        let mut most = before;
+        for &id in events {
+            most += usize::from(plan.event(id).kind != EventKind::Release);
+            if most <= free {
+                continue;
+            }
+            let Some(least) = search.least_at(id, before, releases)? else {
+                return Ok(None);
+            };
+            if least > free {
+                return Ok(Some((id, least as u32)));
             }
         }
-        before = size as usize;
     }
     Ok(None)
 }
@@ -83,6 +73,33 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// How many blocks are anchored at least, with its own, when a capture comes, or when a block is let go; 0 if that is no more than stand at
+    /// the end of the phase, and `None` if it is too much to look for.
+    ///
+    /// `before`: how many the phase begins with; `releases`: how many it has.
+    fn least_at(
+        &mut self,
+        event: EventId,
+        before: usize,
+        releases: usize,
+    ) -> Result<Option<usize>, Cancelled> {
+        let is_release = self.plan.event(event).kind == EventKind::Release;
+        let Some(after) = self.follow(event, Outgoing)? else {
+            return Ok(None);
+        };
+        let [_, later] = self.counted(after);
+        if later == 0 && !is_release {
+            return Ok(Some(0));
+        }
+        let Some(ancestors) = self.follow(event, Incoming)? else {
+            return Ok(None);
+        };
+        let [needed, _] = self.counted(ancestors);
+        let gone = releases - later - usize::from(is_release);
+        let anchored = before + needed + usize::from(!is_release);
+        Ok(Some(anchored.saturating_sub(gone)))
+    }
+
     /// Captures and releases among these.
     fn counted(&self, events: impl IntoIterator<Item = EventId>) -> [usize; 2] {
         let mut counts = [0; 2];

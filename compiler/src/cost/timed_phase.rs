@@ -219,14 +219,12 @@ impl PhaseDraw<'_, '_> {
         if let Some(few) = &mut self.few {
             few.take(step);
         }
-        if !self.phase.near.is_empty() {
-            for (other, nearby) in self.phase.near.get(&event).into_iter().flatten() {
-                let capture = self.phase.steps[*other as usize].event;
-                if self.missing[*other as usize] == 0 && !self.times.has_happened(capture) {
-                    // Its face may have to hear of this first.
-                    let opens = self.times.starts[capture as usize];
-                    self.head_start(*other, event, nearby, time.max(opens));
-                }
+        for (other, nearby) in self.phase.near.get(&event).into_iter().flatten() {
+            let capture = self.phase.steps[*other as usize].event;
+            if self.missing[*other as usize] == 0 && !self.times.has_happened(capture) {
+                // Its face may have to hear of this first.
+                let opens = self.times.starts[capture as usize];
+                self.head_start(*other, event, nearby, time.max(opens));
             }
         }
         for &follower in &self.phase.followers[step as usize] {

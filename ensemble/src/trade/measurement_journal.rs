@@ -149,7 +149,7 @@ fn key(settings: &Settings, program: usize, run: u64) -> (String, usize, u64) {
 mod tests {
     use super::*;
     use crate::trade::candidates::base;
-    use crate::trade::sample::End;
+    use crate::trade::sample::{End, measured};
 
     /// The limit of a trade depends on its first runs, which may be others when it goes on with more.
     #[test]
@@ -165,13 +165,6 @@ mod tests {
             run,
             max_ticks: 0,
         };
-        let run = |run, end, ticks| Measured {
-            run,
-            end,
-            ticks,
-            cpu: ticks as f64,
-            wall: 0.0,
-        };
         let open = || MeasurementJournal::open(folder.path(), &[], 1).unwrap();
         let keep = |limit, runs: &[Measured]| {
             let journal = open();
@@ -182,7 +175,10 @@ mod tests {
         };
         keep(
             500,
-            &[run(0, End::Completed, 300), run(1, End::Censored, 500)],
+            &[
+                measured(0, End::Completed, 300),
+                measured(1, End::Censored, 500),
+            ],
         );
         let journal = open();
         let recalled = |run, limit| {
@@ -199,8 +195,8 @@ mod tests {
         assert_eq!(recalled(2, 500), None);
         drop(journal);
         // What has gone on for longer stays.
-        keep(900, &[run(1, End::Completed, 800)]);
-        keep(400, &[run(1, End::Censored, 400)]);
+        keep(900, &[measured(1, End::Completed, 800)]);
+        keep(400, &[measured(1, End::Censored, 400)]);
         let found = open().recall(&job(1), &within(900)).unwrap();
         assert_eq!((found.end, found.ticks), (End::Completed, 800));
     }

@@ -138,23 +138,28 @@ impl Sample {
     }
 }
 
+/// A run as tests need it, which takes a second of processor time a tick.
+#[cfg(test)]
+pub(super) fn measured(run: u64, end: End, ticks: u64) -> Measured {
+    Measured {
+        run,
+        end,
+        ticks,
+        cpu: ticks as f64,
+        wall: 0.0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_run_that_went_on_for_too_long_is_cut() {
-        let run = |run, end, ticks| Measured {
-            run,
-            end,
-            ticks,
-            cpu: ticks as f64,
-            wall: 0.0,
-        };
         let runs = vec![
-            run(2, End::Failed, 10),
-            run(1, End::Completed, 400),
-            run(0, End::Completed, 100),
+            measured(2, End::Failed, 10),
+            measured(1, End::Completed, 400),
+            measured(0, End::Completed, 100),
         ];
         let sample = Sample::new(runs, 200);
         let times = [Observation::completed(100.0), Observation::censored(200.0)];

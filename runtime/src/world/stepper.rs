@@ -235,44 +235,62 @@ impl<I: Integrator> Stepper<I> {
         else {
             return Ok(());
         };
-        let faces = self.faces.as_mut().filter(|_| built::BOND);
-        let sinks = faces.map(Faces::sinks).unwrap_or_default();
         let step = self.tick * u64::from(self.substeps) + u64::from(substep);
         external_forces.begin(self.tick, substep, step);
-        let integrator = &self.integrator;
-        list_moving(&self.blocks, integrator, who, &mut self.free);
-        let blocks = &mut self.blocks;
-        change(
-            &self.free,
-            blocks,
-            integrator,
-            self.turns,
-            |_, motion, span| {
-                external_forces.act(motion, &sinks, span);
-            },
-        )
+        let faces = self.faces.as_mut().filter(|_| built::BOND);
+        let sinks = faces.map(Faces::sinks).unwrap_or_default();
+        self.change(who, |external_forces, _, motion, span| {
+            external_forces.act(motion, &sinks, span);
+        })
     }
 
     /// What the heat of a fluid does. It tears no bond: groups take it up whatever they hold.
     fn shake(&mut self, who: Moving) -> Result<(), Fault> {
-        let heat = self.external_forces.as_mut().filter(|_| built::FLUID);
-        let Some(heat) = heat.and_then(ExternalForces::heat) else {
+        let is_hot = self
+            .external_forces
+            .as_ref()
+            .is_some_and(ExternalForces::has_heat);
+        if !(built::FLUID && is_hot) {
             return Ok(());
-        };
-        let integrator = &self.integrator;
-        list_moving(&self.blocks, integrator, who, &mut self.free);
-        let blocks = &mut self.blocks;
-        change(
-            &self.free,
-            blocks,
-            integrator,
-            self.turns,
-            |id, motion, _| {
-                heat.shake(id, motion);
-            },
-        )?;
+        }
+        self.change(who, |external_forces, id, motion, _| {
+            external_forces.shake(id, motion);
+        })?;
         if let Some(bonds) = self.free_bonds.as_ref().filter(|_| built::BOND) {
             bonds.stiffen(&mut self.blocks);
+        }
+        Ok(())
+    }
+
+    /// Has what is around the blocks change the motions of those that move, one by one, in rising order.
+    fn change(
+        &mut self,
+        who: Moving,
+        mut by: impl FnMut(&mut ExternalForces, u32, &mut Motion, f64),
+    ) -> Result<(), Fault> {
+        let Some(external_forces) = &mut self.external_forces else {
+            return Ok(());
+        };
+        match who {
+            Moving::All => self.blocks.list_free(&mut self.free),
+            Moving::Short => {
+                self.free.clear();
+                let short = self.integrator.short_steps().iter().copied();
+                self.free
+                    .extend(short.filter(|&id| self.blocks.is_free(id)));
+            }
+        }
+        for &id in &self.free {
+            let mut motion = self.blocks.motion(id);
+            let spin = motion.spin;
+            let span = self.integrator.span(&self.blocks, id);
+            by(external_forces, id, &mut motion, span);
+            // What turns all the same is a group.
+            if !self.turns {
+                motion.spin = spin;
+            }
+            self.blocks.set_motion(id, motion.velocity, motion.spin);
+            self.integrator.check(&self.blocks, id)?;
         }
         Ok(())
     }
@@ -357,45 +375,6 @@ impl<I: Integrator> Stepper<I> {
             self.disturb();
         }
     }
-}
-
-/// The free blocks that move in a step, in rising order.
-fn list_moving<I: Integrator>(
-    blocks: &I::Blocks,
-    integrator: &I,
-    who: Moving,
-    free: &mut Vec<u32>,
-) {
-    match who {
-        Moving::All => blocks.list_free(free),
-        Moving::Short => {
-            free.clear();
-            let short = integrator.short_steps().iter().copied();
-            free.extend(short.filter(|&id| blocks.is_free(id)));
-        }
-    }
-}
-
-/// Changes the motions of these blocks one by one.
-fn change<I: Integrator>(
-    ids: &[u32],
-    blocks: &mut I::Blocks,
-    integrator: &I,
-    turns: bool,
-    mut by: impl FnMut(u32, &mut Motion, f64),
-) -> Result<(), Fault> {
-    for &id in ids {
-        let mut motion = blocks.motion(id);
-        let spin = motion.spin;
-        by(id, &mut motion, integrator.span(blocks, id));
-        // What turns all the same is a group.
-        if !turns {
-            motion.spin = spin;
-        }
-        blocks.set_motion(id, motion.velocity, motion.spin);
-        integrator.check(blocks, id)?;
-    }
-    Ok(())
 }
 
 impl<I: Integrator> Arena for Stepper<I> {

@@ -9,7 +9,7 @@ use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// The fluctuations of a step.
 #[derive(Debug)]
-pub(crate) struct Brownian {
+pub(super) struct Brownian {
     /// Rms change of each component of the velocity, and of the spin.
     rms: (f64, f64),
     step: u64,

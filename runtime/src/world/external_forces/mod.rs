@@ -11,7 +11,7 @@ mod turbulence;
 
 use nalgebra::Vector3;
 
-pub(crate) use brownian::Brownian;
+use brownian::Brownian;
 use drag::StepDrag;
 pub(crate) use drag::{Response, mean as response};
 use turbulence::TurbulenceField;
@@ -126,9 +126,16 @@ impl ExternalForces {
         motion.velocity += force * (self.dt * span * response.linear);
     }
 
-    /// The heat of the fluid, if it has any.
-    pub fn heat(&mut self) -> Option<&mut Brownian> {
-        self.heat.as_mut()
+    /// Whether the fluid has any heat.
+    pub fn has_heat(&self) -> bool {
+        self.heat.is_some()
+    }
+
+    /// What the heat of a step makes of a free block's velocity and spin.
+    pub fn shake(&mut self, id: u32, motion: &mut Motion) {
+        if let Some(heat) = &mut self.heat {
+            heat.shake(id, motion);
+        }
     }
 
     fn wind(&self, place: Vector3<f64>, sinks: &[Sink]) -> LocalFlow {
