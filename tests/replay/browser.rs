@@ -79,6 +79,8 @@ impl Browser {
             .arg("about:blank")
             .env("TO", &to)
             .env("FROM", &from)
+            // What a browser leaves behind that is killed.
+            .env("TMPDIR", folder.path())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
