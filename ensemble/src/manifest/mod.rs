@@ -268,6 +268,11 @@ impl Varied {
     pub fn text(&self) -> String {
         format!("{}={}", self.of, self.value())
     }
+
+    /// What its column is called in tables, such as `scene_bond_pull`.
+    pub fn column(&self) -> String {
+        format!("scene_{}", self.of.replace('.', "_"))
+    }
 }
 
 impl EnsembleProgram {
@@ -278,6 +283,13 @@ impl EnsembleProgram {
             true => String::new(),
             false => format!(" [{}]", values.join(", ")),
         }
+    }
+
+    /// What a sweep has chosen for one of its axes, in the axis' unit; `None`: the program is no point of it.
+    pub fn on_axis(&self, axis: &Varied) -> Option<f64> {
+        let mut varied = self.varied.iter();
+        let here = varied.find(|varied| varied.of == axis.of && varied.unit == axis.unit);
+        here.map(|varied| varied.said)
     }
 
     /// A compiled program, whose texts are its file and then all that it imports.

@@ -51,17 +51,12 @@ pub(super) fn key<'a, T: 'a>(axes: &[Varied]) -> Vec<ColumnDefinition<'a, RunRow
         ),
     ];
     columns.extend(axes.iter().map(|axis| {
-        let (of, unit) = (axis.of.clone(), axis.unit.clone());
-        let value = move |row: &RunRow<'a, T>| {
-            let mut varied = row.run.program.varied.iter();
-            let here = varied.find(|varied| varied.of == of && varied.unit == unit);
-            here.map(|varied| varied.said)
-        };
+        let here = axis.clone();
         ColumnDefinition::new(
-            format!("scene_{}", axis.of.replace('.', "_")),
+            axis.column(),
             axis.unit.clone(),
             format!("`{}` of the scene, which the sweep varies", axis.of),
-            real(value),
+            real(move |row: &RunRow<'a, T>| row.run.program.on_axis(&here)),
         )
         .null("the program is no point of the sweep")
     }));

@@ -2,7 +2,7 @@
 use stochc::ensemble::statistics::{KaplanMeier, TimeSample};
 use stochc::ensemble::{
     ColumnShape, ColumnValues, Comparison, Manifest, ProgramSummary, Records, TableShape, Time,
-    completion_time,
+    Varied, completion_time,
 };
 use stochc::exit::Failure;
 
@@ -49,9 +49,7 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Py
         let values = programs.iter().map(|it| it.time.as_ref().and_then(of));
         ColumnValues::Float64(values.collect())
     };
-    let axes: Vec<String> = (manifest.axes().iter())
-        .map(|axis| format!("scene_{}", axis.of.replace('.', "_")))
-        .collect();
+    let axes: Vec<String> = manifest.axes().iter().map(Varied::column).collect();
     let mut columns = vec![DerivedColumn(
         "program",
         "",
@@ -59,13 +57,8 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Py
         ColumnValues::Text(programs.iter().map(|it| Some(it.name.as_str())).collect()),
     )];
     for (axis, name) in manifest.axes().iter().zip(&axes) {
-        let varied = manifest.programs.iter().map(|program| {
-            let mut varied = program.varied.iter();
-            varied
-                .find(|varied| varied.of == axis.of)
-                .map(|varied| varied.said)
-        });
-        let values = ColumnValues::Float64(varied.collect());
+        let here = manifest.programs.iter().map(|it| it.on_axis(axis));
+        let values = ColumnValues::Float64(here.collect());
         columns.push(DerivedColumn(
             name,
             &axis.unit,
@@ -80,13 +73,13 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Py
         DerivedColumn(
             "timed_out",
             "",
-            "runs that the timeout of a phase stopped: their times are censored",
+            "runs that the timeout of a phase ended: they never complete",
             count(|it| it.timed_out),
         ),
         DerivedColumn(
             "stopped",
             "",
-            "runs that the limit of ticks stopped: their times are censored as well",
+            "runs that the limit of ticks stopped: their times are censored",
             count(|it| it.stopped),
         ),
         DerivedColumn("failed", "", "runs whose physics broke down", count(|it| it.failed)),
