@@ -72,22 +72,11 @@ pub(crate) fn attempt(
                 .or_else(|| panic.downcast_ref::<&str>().copied())
                 .unwrap_or("no message");
             let (ticks, phase) = last();
-            Some(RunRecord {
-                run,
-                outcome: Outcome::Failed {
-                    phase,
-                    reason: format!("{PANICKED}{text}"),
-                },
-                ticks,
-                phase_ticks: Vec::new(),
-                blocks_used: 0,
-                hops: 0,
-                unplanned: 0,
-                bonds: Vec::new(),
-                waiting: Vec::new(),
-                releases: Vec::new(),
-                unplanned_bonds: Vec::new(),
-            })
+            let outcome = Outcome::Failed {
+                phase,
+                reason: format!("{PANICKED}{text}"),
+            };
+            Some(RunRecord::without_bonds(run, outcome, ticks))
         }
     }
 }

@@ -53,21 +53,12 @@ mod tests {
     /// Stopped in its second phase, after 30 ticks of it.
     #[test]
     fn a_timeout_ends_a_run_for_ever_and_the_limit_of_ticks_only_hides_its_time() {
-        let stopped = |by| RunRecord {
-            ticks: 100,
-            phase_ticks: vec![70],
-            outcome: Outcome::TimedOut {
-                phase: PhaseId(1),
-                by,
-            },
-            run: 0,
-            blocks_used: 0,
-            hops: 0,
-            unplanned: 0,
-            bonds: vec![],
-            waiting: vec![],
-            releases: vec![],
-            unplanned_bonds: vec![],
+        let stopped = |by| {
+            let phase = PhaseId(1);
+            RunRecord {
+                phase_ticks: vec![70],
+                ..RunRecord::without_bonds(0, Outcome::TimedOut { phase, by }, 100)
+            }
         };
         let [timeout, limit] = [Limit::Timeout, Limit::MaxTicks].map(stopped);
         assert_eq!(

@@ -38,6 +38,25 @@ pub struct RunRecord {
     pub unplanned_bonds: Vec<UnplannedRecord>,
 }
 
+impl RunRecord {
+    /// A run that has captured nothing.
+    pub const fn without_bonds(run: u64, outcome: Outcome, ticks: u64) -> RunRecord {
+        RunRecord {
+            run,
+            outcome,
+            ticks,
+            phase_ticks: Vec::new(),
+            blocks_used: 0,
+            hops: 0,
+            unplanned: 0,
+            bonds: Vec::new(),
+            waiting: Vec::new(),
+            releases: Vec::new(),
+            unplanned_bonds: Vec::new(),
+        }
+    }
+}
+
 #[allow(
     clippy::trivially_copy_pass_by_ref,
     reason = "serde asks for a reference"

@@ -78,17 +78,9 @@ pub(crate) fn gather<W: World>(
         }
     };
     Ok(RunRecord {
-        run,
-        outcome,
-        ticks: world.tick(),
         phase_ticks: growth.phase_ticks,
         blocks_used: growth.largest,
-        hops: 0,
-        unplanned: 0,
-        bonds: Vec::new(),
-        waiting: Vec::new(),
-        releases: Vec::new(),
-        unplanned_bonds: Vec::new(),
+        ..RunRecord::without_bonds(run, outcome, world.tick())
     })
 }
 

@@ -15,17 +15,10 @@ const RIGHT: [u64; 6] = [2826, 5158, 4400, 5011, 8312, 4790];
 
 fn record(run: usize, outcome: Outcome, phase_ticks: Vec<u64>, ticks: u64) -> RunRecord {
     RunRecord {
-        run: run as u64,
-        outcome,
-        ticks,
         phase_ticks,
         blocks_used: 12 + run as u32 % 3,
         hops: 40,
-        unplanned: 0,
-        bonds: Vec::new(),
-        waiting: Vec::new(),
-        releases: Vec::new(),
-        unplanned_bonds: Vec::new(),
+        ..RunRecord::without_bonds(run as u64, outcome, ticks)
     }
 }
 

@@ -179,17 +179,11 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
         tick: 7,
     };
     let mut record = RunRecord {
-        run,
-        outcome: Outcome::Completed,
-        ticks: total,
         phase_ticks: vec![waits[0], waits[1]],
         blocks_used: 2,
         hops: draw(program, run, 3) % 20,
-        unplanned: 0,
         bonds: vec![bond(0, 0, Origin::Free), bond(1, waits[0], released)],
-        waiting: Vec::new(),
-        releases: Vec::new(),
-        unplanned_bonds: Vec::new(),
+        ..RunRecord::without_bonds(run, Outcome::Completed, total)
     };
     let (parent, child, body) = (RoleId(0), RoleId(1), record.bonds[0].body);
     if total.is_multiple_of(3) {

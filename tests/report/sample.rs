@@ -139,17 +139,13 @@ pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
         body: run as u32,
     };
     let record = RunRecord {
-        run,
-        outcome,
-        ticks: first + second.unwrap_or(waits.after),
         phase_ticks: [Some(first), second].into_iter().flatten().collect(),
         blocks_used: 4,
         hops: 9,
-        unplanned: 0,
         bonds,
         waiting,
         releases: vec![release],
-        unplanned_bonds: Vec::new(),
+        ..RunRecord::without_bonds(run, outcome, first + second.unwrap_or(waits.after))
     };
     Finished { program: 0, record }
 }

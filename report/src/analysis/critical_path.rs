@@ -322,17 +322,9 @@ mod tests {
 
     fn record(outcome: Outcome, ticks: u64, phases: &[u64], bonds: Vec<BondRecord>) -> RunRecord {
         RunRecord {
-            run: 0,
-            outcome,
-            ticks,
             phase_ticks: phases.to_vec(),
-            blocks_used: 0,
-            hops: 0,
-            unplanned: 0,
             bonds,
-            waiting: Vec::new(),
-            releases: Vec::new(),
-            unplanned_bonds: Vec::new(),
+            ..RunRecord::without_bonds(0, outcome, ticks)
         }
     }
 

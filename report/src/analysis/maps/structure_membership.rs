@@ -96,15 +96,9 @@ mod tests {
             origin: Origin::Free,
         };
         let record = RunRecord {
-            run: 0,
-            outcome: Outcome::Completed,
-            ticks: 1200,
             phase_ticks: vec![1200],
             blocks_used: 1,
-            hops: 0,
-            unplanned: 0,
             bonds: vec![bond(300), bond(1200)],
-            waiting: Vec::new(),
             releases: vec![ReleaseRecord {
                 phase: PhaseId(0),
                 parent: RoleId(0),
@@ -112,7 +106,7 @@ mod tests {
                 tick: 500,
                 body: 7,
             }],
-            unplanned_bonds: Vec::new(),
+            ..RunRecord::without_bonds(0, Outcome::Completed, 1200)
         };
         let held = StructureMembership::of(&record);
         let ticks = [299, 300, 499, 500, 1199, 1200];
