@@ -1,5 +1,6 @@
 //! Which names there are of one word: `T[1..3]` and `T[7]`.
 use stochc_grammar::Symbols;
+use stochc_ir::listed;
 
 use crate::plan::{NameKey, Roles};
 
@@ -51,20 +52,12 @@ pub(crate) fn members(
     }
     let bare = NameKey { arity: 0, ..wanted };
     let word = roles.name_of(bare, symbols);
-    let mut names: Vec<String> = (boxes.iter().take(MOST))
+    let names: Vec<String> = (boxes.iter().take(MOST))
         .map(|one| format!("`{word}{}`", one.indices()))
         .collect();
-    if boxes.len() > MOST {
-        names.push(format!("{} more", boxes.len() - MOST));
-    }
-    let last = names.pop()?;
-    let names = match names.is_empty() {
-        true => last,
-        false => format!("{} and {last}", names.join(", ")),
-    };
-    Some(Members {
+    (!names.is_empty()).then(|| Members {
+        names: listed(&names, boxes.len()),
         word,
-        names,
         is_single,
     })
 }

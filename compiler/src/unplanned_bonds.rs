@@ -3,7 +3,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
-use stochc_ir::{Cell, Face};
+use stochc_ir::{Cell, Face, listed};
 
 use crate::diagnostic::{Code, Diagnostic, report};
 use crate::layout::Layout;
@@ -194,17 +194,10 @@ impl UnplannedBondAnalysis<'_> {
         let mut faces: Vec<(RoleId, Face)> = structure.faces().collect();
         faces.retain(|face| awaited.is_none_or(|on| *face != (on.parent, on.face)));
         faces.sort_unstable();
-        let mut named: Vec<String> = (faces.iter().take(NAMED))
+        let named: Vec<String> = (faces.iter().take(NAMED))
             .map(|&(role, face)| format!("`{}.{face}`", self.plan.roles.name(role, symbols)))
             .collect();
-        if faces.len() > NAMED {
-            named.push(format!("{} more", faces.len() - NAMED));
-        }
-        let last = named.pop().unwrap_or_default();
-        let named = match named.len() {
-            0 => last,
-            _ => format!("{} and {last}", named.join(", ")),
-        };
+        let named = listed(&named, faces.len());
         let phase = &self.plan.phases[number];
         let (title, where_) = match exposed {
             1 => (

@@ -4,7 +4,6 @@
 //! [records](record). All three are here, so that neither needs to know the other.
 mod cell;
 mod cell_bounds;
-mod counted;
 pub mod emit;
 mod executable;
 mod face;
@@ -12,6 +11,7 @@ pub mod graph;
 mod invisible;
 mod json;
 pub mod palette;
+mod phrases;
 mod plate;
 pub mod record;
 pub mod scene;
@@ -23,11 +23,11 @@ pub mod table;
 
 pub use cell::{Cell, offsets_within};
 pub use cell_bounds::CellBounds;
-pub use counted::counted;
 pub use executable::{Executable, ExecutableError, FORMAT, sha256};
 pub use face::Face;
 pub use invisible::{is_invisible, visible, visible_lines};
 pub use json::Json;
+pub use phrases::{counted, listed, series};
 pub use strict_json::{StrictJsonError, strict_json};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.

@@ -1,4 +1,4 @@
-//! Numbers of things in words.
+//! Numbers of things, and lists of them, in words.
 
 /// So many of what has this name, the plural of which is regular: `1 entry`, `2 entries`.
 pub fn counted(count: usize, noun: &str) -> String {
@@ -11,9 +11,42 @@ pub fn counted(count: usize, noun: &str) -> String {
     }
 }
 
+/// `a`, `a or b`, `a, b or c`.
+pub fn series(words: &[impl AsRef<str>], conjunction: &str) -> String {
+    match words {
+        [] => String::new(),
+        [only] => only.as_ref().to_owned(),
+        [init @ .., last] => {
+            format!("{} {conjunction} {}", separated(init), last.as_ref())
+        }
+    }
+}
+
+/// The first few of so many, and how many more there are: `a, b and c`, `a, b and 5 more`.
+pub fn listed(first: &[impl AsRef<str>], count: usize) -> String {
+    match count.saturating_sub(first.len()) {
+        0 => series(first, "and"),
+        more => format!("{} and {more} more", separated(first)),
+    }
+}
+
+fn separated(words: &[impl AsRef<str>]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    words.join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_of_a_list_is_told_by_a_conjunction_or_by_how_many_there_are() {
+        assert_eq!(series(&[""; 0], "or"), "");
+        assert_eq!(series(&["a"], "or"), "a");
+        assert_eq!(series(&["a", "b", "c"], "or"), "a, b or c");
+        assert_eq!(listed(&["a", "b"], 2), "a and b");
+        assert_eq!(listed(&["a", "b"], 7), "a, b and 5 more");
+    }
 
     #[test]
     fn one_is_one_and_the_rest_are_many() {

@@ -6,6 +6,7 @@ use stochc_ir::{Cell, CellBounds, counted};
 use crate::capture::Capture;
 use crate::plan::{Alternative, BuildPlan};
 use crate::precedence::Why;
+use crate::target_error::listed_cells;
 
 /// Captures that decide the time, as told.
 const MOST_TOLD: usize = 6;
@@ -57,7 +58,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
             out,
             "ways in: two cells wide, but for {} of one: {}",
             narrow.len(),
-            crate::target_error::listed(&narrow)
+            listed_cells(&narrow)
         ),
     };
     if let Some(dismantling) = &plan.dismantling {

@@ -2,7 +2,7 @@
 use std::fmt;
 
 use stochc_grammar::Cancelled;
-use stochc_ir::{Cell, counted};
+use stochc_ir::{Cell, counted, listed};
 
 /// Why there is no plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,17 +41,9 @@ pub struct LoosePart {
 const MOST_TOLD: usize = 8;
 
 /// `(0, 0, 1), (1, 0, 1) and 5 more`
-pub(crate) fn listed(cells: &[Cell]) -> String {
-    listed_words(&cells.iter().map(Cell::to_string).collect::<Vec<_>>())
-}
-
-/// The same of what has been put into words.
-pub(crate) fn listed_words(words: &[String]) -> String {
-    let told = words[..words.len().min(MOST_TOLD)].join(", ");
-    match words.len().saturating_sub(MOST_TOLD) {
-        0 => told,
-        more => format!("{told} and {more} more"),
-    }
+pub(crate) fn listed_cells(cells: &[Cell]) -> String {
+    let told: Vec<String> = cells.iter().take(MOST_TOLD).map(Cell::to_string).collect();
+    listed(&told, cells.len())
 }
 
 fn cells(count: usize) -> String {
@@ -79,7 +71,7 @@ impl fmt::Display for TargetError {
                 f,
                 "{} of the target: {}, at or below the plate, where no block can come",
                 cells(below.len()),
-                listed(below)
+                listed_cells(below)
             ),
             TargetError::Loose(parts) => {
                 let first = parts.first().map_or(&[][..], |part| &part.cells);
@@ -94,7 +86,7 @@ impl fmt::Display for TargetError {
                 write!(
                     f,
                     "{}, {} together with no block of the plate that may capture",
-                    listed(first),
+                    listed_cells(first),
                     if parts.len() == 1 && first.len() == 1 {
                         "hangs"
                     } else {
@@ -110,7 +102,7 @@ impl fmt::Display for TargetError {
                 f,
                 "no order of captures brings a block to {}: {}",
                 cells(sealed.len()),
-                listed(sealed)
+                listed_cells(sealed)
             ),
             TargetError::Cancelled => f.write_str("stopped before there was a plan"),
         }
@@ -135,7 +127,7 @@ impl TargetError {
                         "with {} more, {}, the first part would be held; or let a block of the plate \
                          under it capture",
                         cells(bridge.len()),
-                        listed(bridge)
+                        listed_cells(bridge)
                     ),
                 })
             }

@@ -1,4 +1,6 @@
 //! One statement in a loop, or in a pattern, may be wrong many times: it is told of once.
+use stochc_ir::listed;
+
 use super::{Code, Diagnostic};
 
 /// Findings like another one, at the same place.
@@ -16,15 +18,9 @@ impl Others {
 
     /// ``; the same for `T[5]`, `T[6]` and 494 more``
     pub(super) fn text(&self) -> String {
-        let Some(names) = self.first.split_last().map(|(last, init)| match init {
-            [] => last.clone(),
-            init => format!("{} and {last}", init.join(", ")),
-        }) else {
-            return String::new();
-        };
-        match self.count.saturating_sub(self.first.len()) {
-            0 => format!("; the same for {names}"),
-            rest => format!("; the same for {} and {rest} more", self.first.join(", ")),
+        match self.first.is_empty() {
+            true => String::new(),
+            false => format!("; the same for {}", listed(&self.first, self.count)),
         }
     }
 }

@@ -4,6 +4,8 @@ use stochc_grammar::{
     SyntaxErrorKind as K,
 };
 
+use stochc_ir::series;
+
 use super::syntax_hints::{SyntaxHint, spelt};
 use super::{Code, Diagnostic, Edit, Fix};
 use crate::{FileId, SourceLocation, Span};
@@ -155,7 +157,7 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
             .label(word, "not part of the language")
             .help(help);
     }
-    let list = alternatives(expected);
+    let list = series(expected, "or");
     let shown = match found {
         "" => "the end of the file".to_owned(),
         word => format!("`{}`", spelt(word)),
@@ -230,13 +232,4 @@ fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix>
         K::Unopened | K::ClosedEarly { .. } => Fix::remove(location, "remove it").unsafe_if(true),
         _ => return None,
     })
-}
-
-/// `a`, `a or b`, `a, b or c`.
-pub(super) fn alternatives(words: &[&str]) -> String {
-    match words {
-        [] => String::new(),
-        [only] => (*only).to_owned(),
-        [init @ .., last] => format!("{} or {last}", init.join(", ")),
-    }
 }

@@ -2,6 +2,7 @@
 use std::path::{Path, PathBuf};
 
 use stochc_files::shell::file as shell_file;
+use stochc_ir::listed;
 
 use super::MOST_SHARDS;
 use crate::{EnsembleError, FolderError, JournalError};
@@ -91,7 +92,7 @@ pub enum ShardError {
     #[error(
         "`{path}`: {} of {of} pieces are missing or damaged ({}); make them: {}",
         .pieces.len(),
-        listed(.pieces),
+        list_numbers(.pieces),
         commands(.path, .pieces.iter().copied())
     )]
     Missing {
@@ -124,19 +125,15 @@ fn list_reasons(pieces: &[(u64, String)]) -> String {
     let each: Vec<String> = each
         .map(|(number, what)| format!("piece {number} {what}"))
         .collect();
-    each.join("; ") + &more(pieces.len())
-}
-
-fn listed(pieces: &[u64]) -> String {
-    let each: Vec<String> = pieces.iter().take(TOLD).map(u64::to_string).collect();
-    each.join(", ") + &more(pieces.len())
-}
-
-fn more(count: usize) -> String {
-    match count.saturating_sub(TOLD) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
+    match pieces.len().saturating_sub(TOLD) {
+        0 => each.join("; "),
+        more => format!("{} and {more} more", each.join("; ")),
     }
+}
+
+fn list_numbers(pieces: &[u64]) -> String {
+    let each: Vec<String> = pieces.iter().take(TOLD).map(u64::to_string).collect();
+    listed(&each, pieces.len())
 }
 
 /// Pieces whose numbers stand in a command; those of more are asked for.

@@ -17,6 +17,7 @@ use crate::capture::Capture;
 use crate::plan::BuildPlan;
 use crate::precedence::Why;
 use crate::target::Target;
+use crate::target_error::listed_cells;
 use existing::{name_of, planted, write_releases};
 use repetition::{Repeated, repeated};
 pub use shape::declaration;
@@ -177,10 +178,10 @@ impl ExplainedComments {
         out: &mut String,
     ) {
         let after = &captures[statement.first()].after;
-        let ways: Vec<String> = after
+        let ways: Vec<Cell> = after
             .iter()
             .filter(|(_, why)| *why == Why::Way)
-            .map(|(cell, _)| cell.to_string())
+            .map(|&(cell, _)| cell)
             .collect();
         let turns = after.len() - ways.len();
         let said = match (ways.len(), turns) {
@@ -211,7 +212,7 @@ impl ExplainedComments {
             }
             (1, 0) => format!("Comes later, because it lies in the way to {}.", ways[0]),
             (n, _) => {
-                let listed = crate::target_error::listed_words(&ways);
+                let listed = listed_cells(&ways);
                 let verb = if n == 1 { "is" } else { "are" };
                 format!("Comes later, because {listed} {verb} reached through here.")
             }
