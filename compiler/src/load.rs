@@ -300,8 +300,13 @@ pub fn join(importer: &str, import: &str) -> String {
     } else {
         format!("{folder}{import}")
     };
+    without_dots(&joined)
+}
+
+/// The path without `.`, and without `..` behind the name of a folder.
+pub fn without_dots(path: &str) -> String {
     let mut parts: Vec<&str> = Vec::new();
-    for part in joined.split('/') {
+    for part in path.split('/') {
         match part {
             "." => {}
             ".." if parts.last().is_some_and(|last| !matches!(*last, ".." | "")) => {

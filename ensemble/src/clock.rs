@@ -1,11 +1,11 @@
-//! The command's clock: for how often to write and what to tell, never for results.
+//! The clock: for how often to write, how long to go on and what to tell, never for results.
 use std::time::Instant;
 
 /// The time now.
 #[expect(
     clippy::disallowed_methods,
-    reason = "the command tells how long it takes; no result depends on it"
+    reason = "no result of a run depends on it"
 )]
-pub(crate) fn now() -> Instant {
+pub fn now() -> Instant {
     Instant::now()
 }

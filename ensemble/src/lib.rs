@@ -38,7 +38,7 @@ mod build;
 pub mod calibration;
 mod captures;
 mod checkpoint;
-mod clock;
+pub mod clock;
 mod comparison;
 mod executor;
 mod file_integrity;

@@ -2,10 +2,11 @@
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use stochc::compiler::Checked;
 use stochc::diagnostics::{drawn, values};
+use stochc::ensemble::clock::now;
 use stochc::host::Host;
 use stochc::progress::WorkProgress;
 
@@ -48,14 +49,6 @@ impl Caller {
     pub fn state(&self) -> WorkProgress {
         lock(&self.state).clone()
     }
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "the caller is told how long it takes; no result depends on it"
-)]
-fn now() -> Instant {
-    Instant::now()
 }
 
 impl Host for Caller {

@@ -1,9 +1,10 @@
 //! How work that takes long is shown: a bar on a terminal, a line now and then elsewhere.
 use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use stochc_ensemble::clock::now;
 use stochc_ensemble::text::{visible, words};
 
 use super::terminal::warn;
@@ -46,15 +47,6 @@ impl Display {
             Display::Quiet => {}
         }
     }
-}
-
-/// The time now.
-#[expect(
-    clippy::disallowed_methods,
-    reason = "the command tells how long it takes; no result depends on it"
-)]
-pub(super) fn now() -> Instant {
-    Instant::now()
 }
 
 fn bar(state: impl Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {

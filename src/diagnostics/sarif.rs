@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, Label, Severity};
-use stochc_compiler::{Allowed, Checked, SourceLocation, Sources};
+use stochc_compiler::{Allowed, Checked, SourceLocation, Sources, without_dots};
 use stochc_files::address::address;
 
 use super::position;
@@ -206,17 +206,7 @@ fn file_address(name: &str, folder: Option<&str>) -> String {
     let path = folder
         .and_then(|folder| name.strip_prefix(folder))
         .unwrap_or(&name);
-    let mut parts: Vec<&str> = Vec::new();
-    for part in path.split('/') {
-        match part {
-            "." => {}
-            ".." if parts.last().is_some_and(|last| !matches!(*last, ".." | "")) => {
-                parts.pop();
-            }
-            part => parts.push(part),
-        }
-    }
-    let path = parts.join("/");
+    let path = without_dots(path);
     let encoded = address(&path);
     match path.starts_with('/') {
         true => format!("file://{encoded}"),

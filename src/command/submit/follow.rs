@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use stochc_ensemble::clock::now;
 use stochc_ensemble::shards::listed;
 use stochc_ensemble::slurm::{
     JobArray, Queue, SlurmJob, Stop, Submission, Workflow, WorkflowStep, last_lines,
@@ -422,12 +423,4 @@ fn lines(log: &Path) -> String {
             .iter()
             .fold(" said:".to_owned(), |text, line| text + "\n    " + line),
     }
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "the command waits for others; no result depends on it"
-)]
-fn now() -> Instant {
-    Instant::now()
 }

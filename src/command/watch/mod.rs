@@ -13,10 +13,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use serde_json::json;
+use stochc_ensemble::clock::now;
 use stochc_ensemble::{Manifest, Progress};
 use stochc_report::watch;
 
-use super::progress::now;
 use super::terminal::warn;
 use crate::exit::Failure;
 use crate::viewer::{NO_THREAD, Viewer};

@@ -6,12 +6,12 @@ use std::thread::{Builder, Scope, sleep};
 use std::time::{Duration, Instant};
 
 use stochc_ensemble::Manifest;
+use stochc_ensemble::clock::now;
 use stochc_report::watch::{Page, program};
 
 use super::access::{Access, AccessDenied};
 use super::events::EventBroadcast;
 use super::request::{BadRequest, HttpRequest, MOST_BYTES};
-use crate::command::progress::now;
 
 /// Connections at the same time: a page has one, and for a moment a second.
 const MOST_CONNECTIONS: usize = 16;

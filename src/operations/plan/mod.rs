@@ -8,9 +8,9 @@ mod target;
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
 use stochc_compiler::scene::built_in_names;
+use stochc_ensemble::clock::now;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
 use stochc_planner::{Objective, PlanSearch, TargetError};
@@ -89,14 +89,6 @@ fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
             built_in_names()
         ))),
     }
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "a budget of time ends the search for better plans; any that was found is as good"
-)]
-fn now() -> Instant {
-    Instant::now()
 }
 
 /// What is planned of a target.
