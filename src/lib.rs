@@ -29,7 +29,7 @@
 #[cfg(feature = "command")]
 pub mod cli;
 #[cfg(feature = "command")]
-pub mod command;
+mod command;
 pub mod diagnostics;
 pub mod exit;
 mod facade;

@@ -2,7 +2,7 @@
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
-use super::server::ServerEvent;
+use super::event::ServerEvent;
 use super::wire::Incoming;
 
 /// How often it is looked for.

@@ -22,6 +22,7 @@ mod client_process;
 mod definition;
 mod diagnostics;
 mod documents;
+mod event;
 mod formatting;
 mod hover;
 mod jobs;
@@ -38,7 +39,7 @@ mod wire;
 use std::io::{BufReader, Write};
 use std::sync::mpsc;
 
-use server::ServerEvent;
+use event::ServerEvent;
 use wire::Incoming;
 
 /// Messages that wait for their turn, at most; then the client has to.

@@ -13,37 +13,16 @@ use stochc_files::bound;
 use super::analysis::Analysis;
 use super::client_process;
 use super::documents::Documents;
+use super::event::{Done, ServerEvent};
 use super::jobs::{JobId, JobTrigger, Jobs};
 use super::position::Encoding;
-use super::programs::{CheckedProgram, Knowledge, Programs};
+use super::programs::{Knowledge, Programs};
 use super::requests::{self, Needs, Notification, Query, RequestContext, RequestHandler};
 use super::uri;
 use super::wire::{self, ClientMessage, Incoming, Reason, RequestFailure};
 
 /// How long nothing has to come in before a changed text is checked unasked.
 const PAUSE: Duration = Duration::from_millis(120);
-
-/// What the server waits for.
-pub enum ServerEvent {
-    /// Something from the client.
-    Incoming(Incoming),
-    /// The end of a job; nothing has come out of one that was cancelled or has failed.
-    Done(JobId, Option<Done>),
-}
-
-/// What comes out of a job.
-pub enum Done {
-    /// A program has been checked.
-    Checked(CheckedProgram),
-    /// A request has been worked out.
-    Answered(Result<Value, RequestFailure>),
-}
-
-impl From<CheckedProgram> for Done {
-    fn from(checked: CheckedProgram) -> Done {
-        Done::Checked(checked)
-    }
-}
 
 /// How far the conversation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

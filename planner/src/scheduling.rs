@@ -26,10 +26,13 @@ use crate::scaffold::{SitePart, SiteRoles};
 use crate::schedule::Schedule;
 use crate::sites::{NONE, Sites};
 pub use adaptive::{ExactTimes, MOST_ADAPTIVE};
-pub use exact::{Branching, MOST_SITES, estimated, value};
+pub use exact::{Branching, estimated, value};
 use phase::SchedulePhase;
 pub use priorities::Priorities;
 pub use programs::FixedProgram;
+
+/// Sites of a target for which all schedules are looked at.
+pub const MOST_SITES: usize = 12;
 
 /// Ticks of a wait of which nothing is known yet.
 pub const WAIT: f32 = 650.0;

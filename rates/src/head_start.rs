@@ -1,10 +1,10 @@
 //! What blocks do that are let go near a face which is open, or opens soon.
 use serde::{Deserialize, Serialize};
+use stochc_ir::scene::Scene;
 use stochc_ir::scene::groups::kick;
 use stochc_ir::{Cell, Face};
 
 use crate::accessibility::RADIUS;
-use crate::rates::Rates;
 
 /// What a block does that is released near an open face.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,22 +63,20 @@ pub struct ReleaseNearby {
 /// That many where there are no kicks \[tick\].
 const LEAVES: f64 = 25.0;
 
-impl Rates {
-    /// What released blocks do in its scene.
+impl<'r> HeadStarts<'r> {
+    /// What released blocks do in a scene of which so much is known.
     ///
     /// Kicks of the rms j take a block that was at rest j t^(3/2) / √3 far in t ticks, and it is like any other in twice the time in which
     /// that is the radius of the sphere of reach: by runs with physics in the default scene, and in two others (docs/rates.md).
-    pub fn head_starts(&self) -> HeadStarts<'_> {
-        let kick = kick(&self.scene);
+    pub(crate) fn in_scene(scene: &Scene, known: &'r [HeadStart]) -> HeadStarts<'r> {
+        let kick = kick(scene);
         let leaves = 2.0 * libm::cbrt(3.0 * (RADIUS / kick) * (RADIUS / kick));
         HeadStarts {
-            known: &self.head_starts,
+            known,
             leaves: if kick > 0.0 { leaves } else { LEAVES },
         }
     }
-}
 
-impl HeadStarts<'_> {
     /// Those of a block that is released in the cell `from`, at an open cell to which `way` leads; `None`: it is like any other block.
     pub fn of(&self, cell: Cell, way: Face, from: Cell) -> Option<ReleaseNearby> {
         let (squared_distance, before) = relative(cell, way, from)?;
@@ -142,6 +140,7 @@ mod tests {
     use stochc_ir::scene::Agitation;
 
     use super::*;
+    use crate::rates::Rates;
 
     #[test]
     fn blocks_that_are_let_go_leave_the_sooner_the_faster_they_are() {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face, StrictJsonError, strict_json};
 
-use crate::head_start::HeadStart;
+use crate::head_start::{HeadStart, HeadStarts};
 use crate::law::{DEPLETION, Parameters, Surroundings};
 use crate::neighbourhood::Neighbourhood;
 use crate::rivals::Rivals;
@@ -135,6 +135,11 @@ impl Rates {
     /// Density of the free gas at a layer of cells over the mean; above the measured ones that of the last.
     pub fn density(&self, layer: i32) -> f64 {
         density_in(&self.profile, layer)
+    }
+
+    /// What released blocks do in its scene.
+    pub fn head_starts(&self) -> HeadStarts<'_> {
+        HeadStarts::in_scene(&self.scene, &self.head_starts)
     }
 
     /// What is around an open face; see [`around`].

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
-use stochc_ensemble::shards::{PieceState, Status, status};
+use stochc_ensemble::shards::{PieceState, ShardStatus, status};
 use stochc_ensemble::text::{ranges, visible};
 use stochc_files::shell::file as shell_file;
 
@@ -38,13 +38,13 @@ pub fn run(options: &StatusArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-fn document(status: &Status) -> Value {
+fn document(status: &ShardStatus) -> Value {
     let mut document = json!(status);
     document["missing"] = json!(status.missing().collect::<Vec<_>>());
     document
 }
 
-fn text(status: &Status, folder: &str) -> String {
+fn text(status: &ShardStatus, folder: &str) -> String {
     /// Pieces that are listed one by one.
     const SHOWN: usize = 20;
     let missing: Vec<u64> = status.missing().collect();

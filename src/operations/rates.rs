@@ -110,12 +110,12 @@ pub fn of_files_for<'a>(
 ///
 /// # Errors
 /// If one cannot be read.
-pub fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
+pub(crate) fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
     files.iter().map(|path| read(path)).collect()
 }
 
 /// The rates of a scene that are known, or come with the program; `None` as well where no rates speak of the scene.
-pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
+pub(crate) fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
     Rates::known(known, scene).filter(|_| RateWorld::unsupported(scene).is_none())
 }
 
@@ -123,7 +123,7 @@ pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
 ///
 /// # Errors
 /// What they know nothing of, and what does.
-pub fn supported(program: &EnsembleProgram) -> Result<(), Failure> {
+pub(crate) fn supported(program: &EnsembleProgram) -> Result<(), Failure> {
     match RateWorld::unsupported_by(program.tables(), &program.scene) {
         Some(error) => Err(Failure::invalid_program(format!(
             "{}: {error}",

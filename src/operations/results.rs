@@ -28,7 +28,7 @@ pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failu
 }
 
 /// Says what is wrong with the files of a results folder.
-pub fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
+pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
     /// More than these say the same.
     const SHOWN: usize = 5;
     if damage.is_empty() {

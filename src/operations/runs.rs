@@ -46,14 +46,14 @@ pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
 }
 
 /// Says that runs are added to those of another build, or made again, if they are.
-pub fn warn_of_build(builds: &[String], host: &dyn Host) {
+pub(crate) fn warn_of_build(builds: &[String], host: &dyn Host) {
     if let Some(told) = other_build(builds) {
         host.warn(&format!("warning: {told}\n"));
     }
 }
 
 /// Says what has become of checkpoints.
-pub fn warn_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn Host) {
+pub(crate) fn warn_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn Host) {
     for note in checkpoints.map(Checkpoints::notes).unwrap_or_default() {
         host.warn(&format!("note: {note}\n"));
     }

@@ -81,7 +81,7 @@ pub fn points(
 ///
 /// # Errors
 /// If it cannot be run there.
-pub fn at_point(
+pub(crate) fn at_point(
     entry: &mut EnsembleProgram,
     levels: &LintLevels,
     host: &dyn Host,
@@ -112,7 +112,7 @@ pub fn at_point(
 }
 
 /// Keeps what is the same at many points once.
-pub fn share_tables(programs: &mut [EnsembleProgram]) {
+pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
     let mut known: HashMap<String, Arc<Compiled>> = HashMap::new();
     for program in programs {
         let digest = program.compiled.digest().to_owned();

@@ -23,16 +23,16 @@ type NamedBlock = (RoleId, Block);
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepMessages {
     /// The news of each event that is waited for.
-    pub news: Vec<News>,
+    pub news: Vec<MessagePath>,
     /// Of a release: how long the block takes to ask for it.
     pub request: f64,
     /// How long the phase takes to hear that this was the last.
     pub report: f64,
 }
 
-/// The way of news to a block.
+/// The path of news to a block.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct News {
+pub struct MessagePath {
     /// The hops between blocks that are there \[tick\].
     delay: f64,
     /// Then, one after the other, the captures of the phase that anchor the last blocks on the way, [`MOST_HANDED`] at most: where
@@ -42,7 +42,7 @@ pub struct News {
     hop: f64,
 }
 
-impl News {
+impl MessagePath {
     /// When it is heard of what happened at a time; `ends`: when each event happens, those that it waits for at least.
     pub fn heard(&self, happened: f64, ends: &[f64]) -> f64 {
         let mut at = happened + self.delay;
@@ -175,7 +175,7 @@ impl<'a> MessageTimes<'a> {
     }
 
     /// The way from a block to another one, which hears of it in a phase.
-    fn way(&self, from: Block, to: Block, phase: &PlanPhase) -> News {
+    fn way(&self, from: Block, to: Block, phase: &PlanPhase) -> MessagePath {
         let common = self.common(from, to);
         let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);
         let on_the_way = std::iter::successors(to, |&id| self.parent(id));
@@ -185,7 +185,7 @@ impl<'a> MessageTimes<'a> {
             .map(|id| id.0)
             .collect();
         handed_to.reverse();
-        News {
+        MessagePath {
             delay: self.hop * (f64::from(hops) - handed_to.len() as f64),
             handed_to,
             hop: self.hop,
@@ -212,12 +212,18 @@ impl<'a> MessageTimes<'a> {
     }
 
     /// From who sees an event to who waits for it.
-    fn news(&self, first: EventId, id: EventId, why: LocatedDependency, phase: &PlanPhase) -> News {
+    fn news(
+        &self,
+        first: EventId,
+        id: EventId,
+        why: LocatedDependency,
+        phase: &PlanPhase,
+    ) -> MessagePath {
         let actor = self.actors[id.0 as usize];
         let witness = self.parents[first.0 as usize];
         // A block sees what happens at its faces, and knows of its own anchoring.
         if !why.is_told() || actor == witness || actor.1 == Some(first) {
-            return News::default();
+            return MessagePath::default();
         }
         match self.program.plan.event(first).kind {
             EventKind::Capture { .. } => self.way(Some(first), actor.1, phase),

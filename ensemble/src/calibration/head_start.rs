@@ -17,9 +17,9 @@ const A_MOMENT: u64 = 2;
 /// By whether the face was late, and where the block was from the open cell ([`relative`]): how many were let go there, how many docked,
 /// and in how many ticks together.
 #[derive(Debug, Default)]
-pub(super) struct HeadStarts(BTreeMap<(bool, u32, i32), (u32, u32, u64)>);
+pub(super) struct HeadStartTally(BTreeMap<(bool, u32, i32), (u32, u32, u64)>);
 
-impl HeadStarts {
+impl HeadStartTally {
     /// Takes the releases of a run into account.
     pub fn add(&mut self, history: &History) {
         let released = || history.moves.iter().filter(|it| !it.came);

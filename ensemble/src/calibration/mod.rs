@@ -13,7 +13,7 @@ use stochc_rates::{Coverage, FORMAT, Parameters, Rates};
 use stochc_runtime::Settings;
 
 pub use gas::profile;
-use head_start::HeadStarts;
+use head_start::HeadStartTally;
 use observation::Observations;
 
 /// Programs to observe: a name and a text each.
@@ -53,7 +53,7 @@ pub struct Calibration {
     scene: Scene,
     profile: Vec<f64>,
     observations: Observations,
-    head_starts: HeadStarts,
+    head_starts: HeadStartTally,
 }
 
 /// Why there are no rates.
@@ -83,7 +83,7 @@ impl Calibration {
             scene: scene.clone(),
             profile,
             observations: Observations::default(),
-            head_starts: HeadStarts::default(),
+            head_starts: HeadStartTally::default(),
         }
     }
 

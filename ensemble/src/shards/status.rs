@@ -18,7 +18,7 @@ use crate::journal::JournalHeader;
 
 /// All pieces of an ensemble.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Status {
+pub struct ShardStatus {
     /// How many there are.
     pub shards: u64,
     /// Runs of all programs together.
@@ -52,7 +52,7 @@ pub enum PieceState {
     },
 }
 
-impl Status {
+impl ShardStatus {
     /// The numbers of the pieces that are to be made, in their order.
     pub fn missing(&self) -> impl Iterator<Item = u64> {
         let pieces = (0..).zip(&self.pieces);
@@ -65,7 +65,7 @@ impl Status {
 ///
 /// # Errors
 /// When it is not cut into any, or cannot be read.
-pub fn status(path: &Path) -> Result<Status, ShardError> {
+pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
     status_by(path, |file, header, _, _| Ok(identify(file, header)?))
 }
 
@@ -73,7 +73,7 @@ pub fn status(path: &Path) -> Result<Status, ShardError> {
 ///
 /// # Errors
 /// Those of [`status`].
-pub fn thorough_status(path: &Path) -> Result<Status, ShardError> {
+pub fn thorough_status(path: &Path) -> Result<ShardStatus, ShardError> {
     status_by(path, |file, header, manifest, jobs| {
         read(file, header, manifest, jobs, |_| Ok(()))
     })
@@ -82,7 +82,7 @@ pub fn thorough_status(path: &Path) -> Result<Status, ShardError> {
 fn status_by(
     path: &Path,
     look: impl Fn(&Path, &JournalHeader, &Manifest, &Range<u64>) -> Result<PieceFile, ShardError>,
-) -> Result<Status, ShardError> {
+) -> Result<ShardStatus, ShardError> {
     let (manifest, cut) = Cut::of(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
     // `merge` may have been stopped when it had begun to remove them.
@@ -108,7 +108,7 @@ fn status_by(
     };
     let pieces = (0..cut.shards).map(state);
     let pieces = pieces.collect::<Result<_, ShardError>>()?;
-    Ok(Status {
+    Ok(ShardStatus {
         shards: cut.shards,
         runs: manifest.total(),
         pieces,

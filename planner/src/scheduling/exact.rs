@@ -15,9 +15,6 @@ use crate::rate_law::{CellState, Moment};
 use crate::schedule::Schedule;
 use crate::sites::NONE;
 
-/// Sites of a target for which all schedules are looked at.
-pub const MOST_SITES: usize = 12;
-
 /// A search through all schedules of a job.
 pub struct Branching<'a> {
     job: &'a SchedulingJob<'a>,
@@ -46,7 +43,7 @@ pub struct Searched {
 }
 
 impl<'a> Branching<'a> {
-    /// Of a job of no more than [`MOST_SITES`].
+    /// Of a job of no more than [`MOST_SITES`](super::MOST_SITES).
     pub fn new(
         job: &'a SchedulingJob<'a>,
         samples: &'a Samples,

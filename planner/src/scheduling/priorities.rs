@@ -2,7 +2,7 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::exact::MOST_SITES;
+use super::MOST_SITES;
 
 /// Of all sites of a job.
 #[derive(Clone, Debug, PartialEq)]
