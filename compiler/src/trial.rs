@@ -94,7 +94,7 @@ fn size(checked: &Checked) -> usize {
     texts.chain(events).sum()
 }
 
-/// Whether some fixes, made at once, mend what they are for and bring nothing new; and those of
+/// Whether some fixes, made at once, fix what they are for and bring nothing new; and those of
 /// them that do not fit with the others.
 fn try_together(
     checked: &Checked,
@@ -122,7 +122,7 @@ fn try_together(
 /// Codes that say that there is more to tell.
 const TOO_MANY: [Code; 2] = [Code::TooManyErrors, Code::TooManyWarnings];
 
-/// Whether a change that mends some findings has left none of them, and only such as were there
+/// Whether a change that fixes some findings has left none of them, and only such as were there
 /// before, each in its place.
 ///
 /// Two kinds of news are none. Some warnings are not looked for while there are errors, so those
@@ -130,19 +130,18 @@ const TOO_MANY: [Code; 2] = [Code::TooManyErrors, Code::TooManyWarnings];
 /// tell, what is told next is of the codes that were told, and no more of it.
 pub(crate) fn resolves(
     before: &Checked,
-    mended: &[usize],
+    fixed: &[usize],
     change: &TextChange<'_>,
     after: &Checked,
 ) -> bool {
-    let mut is_mended = vec![false; before.diagnostics.len()];
-    mended.iter().for_each(|&number| is_mended[number] = true);
-    let diagnostics = || before.diagnostics.iter().zip(&is_mended);
-    if diagnostics()
-        .any(|(diagnostic, &is_mended)| is_mended && TOO_MANY.contains(&diagnostic.code))
+    let mut is_fixed = vec![false; before.diagnostics.len()];
+    fixed.iter().for_each(|&number| is_fixed[number] = true);
+    let diagnostics = || before.diagnostics.iter().zip(&is_fixed);
+    if diagnostics().any(|(diagnostic, &is_fixed)| is_fixed && TOO_MANY.contains(&diagnostic.code))
     {
         return false;
     }
-    let gone = diagnostics().filter(|&(_, &is_mended)| is_mended);
+    let gone = diagnostics().filter(|&(_, &is_fixed)| is_fixed);
     let gone = FindingSpans::of(&before.sources, gone.map(|(it, _)| it), Some(change));
     let all = FindingSpans::of(&after.sources, after.diagnostics.iter(), None);
     let codes = |checked: &Checked| -> BTreeSet<Code> {
@@ -155,15 +154,14 @@ pub(crate) fn resolves(
             && !gone.meet(&all);
     }
     let is_wrong = |diagnostic: &Diagnostic| diagnostic.code.severity() == Severity::Error;
-    let mends_error =
-        diagnostics().any(|(diagnostic, &is_mended)| is_mended && is_wrong(diagnostic));
-    let kept = diagnostics().filter(|&(_, &is_mended)| !is_mended);
+    let fixes_error = diagnostics().any(|(diagnostic, &is_fixed)| is_fixed && is_wrong(diagnostic));
+    let kept = diagnostics().filter(|&(_, &is_fixed)| !is_fixed);
     let mut old = FindingSpans::of(
         &before.sources,
         kept.map(|(diagnostic, _)| diagnostic),
         Some(change),
     );
-    let new = (after.diagnostics.iter()).filter(|diagnostic| is_wrong(diagnostic) || !mends_error);
+    let new = (after.diagnostics.iter()).filter(|diagnostic| is_wrong(diagnostic) || !fixes_error);
     let new = FindingSpans::of(&after.sources, new, None);
     (new.0).into_iter().all(|(key, places)| {
         let Some(old) = old.0.get_mut(&key) else {

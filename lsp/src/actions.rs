@@ -1,4 +1,4 @@
-//! Changes that mend findings.
+//! Changes that fix findings.
 use std::collections::HashMap;
 
 use gen_lsp_types::{CodeAction, CodeActionKind, TextEdit, Uri, WorkspaceEdit};

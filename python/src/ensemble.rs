@@ -280,14 +280,14 @@ impl Inner {
 }
 
 /// Why a table could not be made.
-enum Untold {
+enum RecordsError {
     Journal(JournalError),
     Table(String),
 }
 
-impl From<JournalError> for Untold {
-    fn from(error: JournalError) -> Untold {
-        Untold::Journal(error)
+impl From<JournalError> for RecordsError {
+    fn from(error: JournalError) -> RecordsError {
+        RecordsError::Journal(error)
     }
 }
 
@@ -346,11 +346,11 @@ impl PythonEnsemble {
                 .ok_or_else(|| Failure::usage(format!("there is no table `{name}`")))?;
             let mut table = PythonTable::new(shape, &table_metadata(manifest));
             let filled = each_row_group((manifest, finished), number, |columns| {
-                table.add(columns).map_err(Untold::Table)
+                table.add(columns).map_err(RecordsError::Table)
             });
             filled.map_err(|untold| match untold {
-                Untold::Journal(error) => Failure::usage(error),
-                Untold::Table(reason) => Failure::usage(reason),
+                RecordsError::Journal(error) => Failure::usage(error),
+                RecordsError::Table(reason) => Failure::usage(reason),
             })?;
             Ok(table)
         })

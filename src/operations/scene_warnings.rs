@@ -119,7 +119,7 @@ fn doubt(group: &DimensionlessGroup, steps: u32, remedy: Substeps) -> Option<Sce
     };
     Some(SceneWarning {
         symbol,
-        figure: format!("{symbol} is {value}, {bound}; {}", expected.cure),
+        figure: format!("{symbol} is {value}, {bound}; {}", expected.remedy),
         effect: expected.beyond,
         is_of_height: expected.is_of_height,
     })

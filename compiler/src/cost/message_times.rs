@@ -175,7 +175,7 @@ impl<'a> MessageTimes<'a> {
     }
 
     /// The way from a block to another one, which hears of it in a phase.
-    fn way(&self, from: Block, to: Block, phase: &PlanPhase) -> MessagePath {
+    fn path(&self, from: Block, to: Block, phase: &PlanPhase) -> MessagePath {
         let common = self.common(from, to);
         let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);
         let on_the_way = std::iter::successors(to, |&id| self.parent(id));
@@ -226,8 +226,8 @@ impl<'a> MessageTimes<'a> {
             return MessagePath::default();
         }
         match self.program.plan.event(first).kind {
-            EventKind::Capture { .. } => self.way(Some(first), actor.1, phase),
-            EventKind::Release => self.way(witness.1, actor.1, phase),
+            EventKind::Capture { .. } => self.path(Some(first), actor.1, phase),
+            EventKind::Release => self.path(witness.1, actor.1, phase),
         }
     }
 

@@ -28,7 +28,7 @@ pub struct TimedPhase<'a> {
 
 /// What may happen to a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Happening {
+enum StepEvent {
     /// It is over.
     Ends,
     /// The block of a release docks.
@@ -50,8 +50,8 @@ struct PhaseDraw<'a, 'b> {
     began: f64,
     /// Of each step how many others it still waits for.
     missing: Vec<u32>,
-    queue: BinaryHeap<Scheduled<Happening>>,
-    few: Option<FewLeft<'a, 'b>>,
+    queue: BinaryHeap<Scheduled<StepEvent>>,
+    few: Option<RemainingBlocks<'a, 'b>>,
     times: &'b mut DrawnTimes,
     rng: &'b mut ChaCha8Rng,
 }
@@ -60,7 +60,7 @@ struct PhaseDraw<'a, 'b> {
 ///
 /// With few blocks left all faces wait longer by the same factor. So their waits pass by a clock of their own: it runs as fast as rates are over those
 /// of the full gas.
-struct FewLeft<'a, 'b> {
+struct RemainingBlocks<'a, 'b> {
     blocks: &'b ScarceBlocks<'a>,
     /// How many are taken, and how fast the clock runs for that.
     taken: f64,
@@ -113,7 +113,7 @@ impl<'a> TimedPhase<'a> {
 
     /// Draws when its events happen, once it has begun.
     pub fn draw(&self, began: f64, times: &mut DrawnTimes, rng: &mut ChaCha8Rng) {
-        let few = self.scarce.as_ref().map(|blocks| FewLeft {
+        let few = self.scarce.as_ref().map(|blocks| RemainingBlocks {
             blocks,
             taken: blocks.before,
             speed: blocks.speed(blocks.before),
@@ -150,16 +150,16 @@ impl PhaseDraw<'_, '_> {
             let next = self.queue.peek().map(time);
             let arrival = self.few.as_mut().and_then(|few| few.arrival_before(next));
             if let Some((step, end)) = arrival {
-                self.schedule(end, step, Happening::Ends);
-            } else if let Some(Reverse((bits, step, happening))) = self.queue.pop() {
-                self.come_to(f64::from_bits(bits), step, happening);
+                self.schedule(end, step, StepEvent::Ends);
+            } else if let Some(Reverse((bits, step, event))) = self.queue.pop() {
+                self.come_to(f64::from_bits(bits), step, event);
             } else {
                 return;
             }
         }
     }
 
-    fn come_to(&mut self, time: f64, step: u32, happening: Happening) {
+    fn come_to(&mut self, time: f64, step: u32, what: StepEvent) {
         if let Some(few) = &mut self.few {
             few.pass(time);
         }
@@ -167,20 +167,20 @@ impl PhaseDraw<'_, '_> {
         if self.times.has_happened(event) {
             return;
         }
-        match happening {
-            Happening::Opens => {
+        match what {
+            StepEvent::Opens => {
                 if let Some(few) = &mut self.few {
                     few.open(step);
                 }
                 return;
             }
-            Happening::Docks(release) => {
+            StepEvent::Docks(release) => {
                 let is_taken = &mut self.times.is_taken[release as usize];
                 if std::mem::replace(is_taken, true) {
                     return;
                 }
             }
-            Happening::Ends => {}
+            StepEvent::Ends => {}
         }
         self.happen(step, event, time);
     }
@@ -190,19 +190,19 @@ impl PhaseDraw<'_, '_> {
         let of = &self.phase.steps[step as usize];
         let opens = self.times.begin(of, self.began);
         let Some(wait) = &self.phase.waits[of.event as usize] else {
-            return self.schedule(opens, step, Happening::Ends);
+            return self.schedule(opens, step, StepEvent::Ends);
         };
         let hazard = exponential(self.rng);
         match &mut self.few {
             None => {
                 let end = opens + wait.wait.about_time_of(hazard);
-                self.schedule(end, step, Happening::Ends);
+                self.schedule(end, step, StepEvent::Ends);
             }
             Some(few) => {
                 few.hazards[step as usize] = hazard;
                 match opens <= few.now {
                     true => few.open(step),
-                    false => self.schedule(opens, step, Happening::Opens),
+                    false => self.schedule(opens, step, StepEvent::Opens),
                 }
             }
         }
@@ -243,16 +243,16 @@ impl PhaseDraw<'_, '_> {
         };
         if self.rng.random::<f64>() < start.probability {
             let end = time + start.time(exponential(self.rng));
-            self.schedule(end, step, Happening::Docks(release));
+            self.schedule(end, step, StepEvent::Docks(release));
         }
     }
 
-    fn schedule(&mut self, time: f64, step: u32, happening: Happening) {
-        self.queue.push(Reverse((time.to_bits(), step, happening)));
+    fn schedule(&mut self, time: f64, step: u32, event: StepEvent) {
+        self.queue.push(Reverse((time.to_bits(), step, event)));
     }
 }
 
-impl FewLeft<'_, '_> {
+impl RemainingBlocks<'_, '_> {
     /// The next block that comes into reach of a face, if that is before this time, which nothing else is: whose face, and when it is captured.
     fn arrival_before(&mut self, next: Option<f64>) -> Option<(u32, f64)> {
         let left = time(self.arrivals.peek()?) - self.clock;

@@ -1,4 +1,4 @@
-//! A text with the changes that mend findings.
+//! A text with the fixes of findings.
 use std::collections::BTreeMap;
 
 use super::{Edit, Fix};
@@ -73,7 +73,7 @@ impl<'a> TextChange<'a> {
         sources: &'r Sources,
         reader: &'r mut dyn Reader,
     ) -> impl Reader + 'r {
-        Over {
+        ChangedReader {
             change: self,
             sources,
             reader,
@@ -122,13 +122,13 @@ fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> 
 }
 
 /// See [`TextChange::over`].
-struct Over<'r, 't> {
+struct ChangedReader<'r, 't> {
     change: &'r TextChange<'t>,
     sources: &'r Sources,
     reader: &'r mut dyn Reader,
 }
 
-impl Reader for Over<'_, '_> {
+impl Reader for ChangedReader<'_, '_> {
     fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
         // Reading takes one mark of the byte order away.
         let bytes = |text: &str| ["\u{feff}", text].concat().into_bytes();

@@ -1,4 +1,4 @@
-//! Changes of the text that mend findings.
+//! Changes of the text that fix findings.
 use stochc_ir::suggest::Suggestion;
 
 use super::{Edit, Fix};

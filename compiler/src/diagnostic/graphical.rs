@@ -91,7 +91,7 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// The help, and the change that would mend it if the help does not say so.
+/// The help, and the change that would fix it if the help does not say so.
 fn advice(diagnostic: &Diagnostic) -> Option<String> {
     let help = diagnostic.help.as_deref();
     let Some(fix) = &diagnostic.fix else {

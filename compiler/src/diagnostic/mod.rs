@@ -33,13 +33,13 @@ pub struct Diagnostic {
     pub help: Option<String>,
     /// The part of `help` that others, told as one with this finding, may need otherwise.
     pub(crate) remedy: Option<String>,
-    /// A change of the text that mends it.
+    /// A change of the text that fixes it.
     pub fix: Option<Fix>,
     /// The same, said of others: of the other rounds of a loop.
     pub others: Others,
 }
 
-/// A change of the text that mends a finding.
+/// A change of the text that fixes a finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
     /// What it does, as a command: `add an \`after\``.
@@ -99,7 +99,7 @@ fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
 }
 
 /// Findings among which words are looked for that unknown ones may be meant to be: that takes time, again whenever a fix is
-/// tried, and whoever has more of them mends the first ones and checks again.
+/// tried, and whoever has more of them fixes the first ones and checks again.
 const MOST_MEANT: usize = 200;
 
 /// The known word that an unknown one is probably meant to be; nobody looks for it behind [`MOST_MEANT`] findings.
@@ -200,7 +200,7 @@ impl Diagnostic {
         self
     }
 
-    /// Says how the text can be mended.
+    /// Says how the text can be fixed.
     #[must_use]
     pub fn fix(mut self, fix: Fix) -> Diagnostic {
         self.fix = Some(fix);

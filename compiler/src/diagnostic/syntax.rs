@@ -176,7 +176,7 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
     diagnostic
 }
 
-/// How errors of syntax other than a wrong word are mended.
+/// How errors of syntax other than a wrong word are fixed.
 fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix> {
     let (start, end) = (location.span.start as usize, location.span.end as usize);
     let part = |start: usize, end: usize| SourceLocation {

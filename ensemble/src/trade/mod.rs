@@ -28,4 +28,4 @@ pub use result::{
     CandidateResult, FORMAT, MeasuredProgram, ProgramResult, Reference, Trade, known,
 };
 pub use sample::{End, Measured, Sample};
-pub use selection::{Among, Choice, choose, note};
+pub use selection::{CandidateKinds, Choice, choose, note};

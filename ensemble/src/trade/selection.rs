@@ -18,7 +18,7 @@ pub struct Choice {
 
 /// What may be chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Among {
+pub enum CandidateKinds {
     /// Settings, and the estimate without runs.
     All,
     /// Settings: runs are wanted, not their times alone.
@@ -44,7 +44,7 @@ pub fn choose(
     programs: &[usize],
     max_ticks: u64,
     accuracy: f64,
-    among: Among,
+    kinds: CandidateKinds,
 ) -> Result<Choice, String> {
     let asked = percent(accuracy);
     let Some(reference) = &trade.reference else {
@@ -87,7 +87,7 @@ pub fn choose(
     }
     let mut candidates: Vec<(f64, f64, usize)> = Vec::new();
     for (i, candidate) in trade.candidates.iter().enumerate() {
-        if among == Among::Runs && candidate.settings.is_none() {
+        if kinds == CandidateKinds::Runs && candidate.settings.is_none() {
             continue;
         }
         let bound = match i == reference.candidate {

@@ -69,7 +69,7 @@ const SCHEDULES: f64 = 0.2;
 /// The part by which what is exchanged may be longer than the best, at first.
 const TOLERANCE: f64 = 0.03;
 
-struct Study<'a> {
+struct ScaffoldTrials<'a> {
     target: &'a Target,
     hardware: Hardware,
     waits: &'a RateLaw<'a>,
@@ -95,7 +95,7 @@ pub fn scaffolded(
     if how.rounds < LEAST || too_large || hardware.attracts_always {
         return None;
     }
-    let mut study = Study {
+    let mut trials = ScaffoldTrials {
         target: sites.target,
         hardware,
         waits,
@@ -106,25 +106,25 @@ pub fn scaffolded(
         tries: 0,
     };
     let growth = GrowthSchedule::of(sites, &without.schedule, &Scaffolding::default());
-    let samples = study.samples.of(sites);
+    let samples = trials.samples.of(sites);
     let job = without.job(sites, hardware, waits);
-    let estimate = study.estimated(&job, &samples, &without.schedule);
-    let value = study.how.value(&estimate, &without.disassembly);
+    let estimate = trials.estimated(&job, &samples, &without.schedule);
+    let value = trials.how.value(&estimate, &without.disassembly);
     let mut best: Option<(f64, Scaffolded)> = None;
     for seed in (0..).map(|number| how.seed.wrapping_add(number)) {
-        study.before += study.all;
-        study.all = (how.rounds - study.before).min(TRIES);
-        study.tries = study.all;
-        if study.all < LEAST || how.enough.is_cancelled() {
+        trials.before += trials.all;
+        trials.all = (how.rounds - trials.before).min(TRIES);
+        trials.tries = trials.all;
+        if trials.all < LEAST || how.enough.is_cancelled() {
             break;
         }
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let Some(first) = study.balanced(&growth, value, &mut rng) else {
+        let Some(first) = trials.balanced(&growth, value, &mut rng) else {
             break;
         };
-        let found = study.exchanged(first, &mut rng);
+        let found = trials.exchanged(first, &mut rng);
         if found.value < value * (1.0 - WORTH) {
-            let other = study.finished(found, seed);
+            let other = trials.finished(found, seed);
             best = match best {
                 Some(best) if best.0 <= other.0 => Some(best),
                 _ => Some(other),
@@ -134,7 +134,7 @@ pub fn scaffolded(
     best.map(|(_, scaffolded)| scaffolded)
 }
 
-impl Study<'_> {
+impl ScaffoldTrials<'_> {
     /// How long the program of a schedule takes.
     fn estimated(
         &self,

@@ -7,16 +7,16 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 /// 10^-25. The standard hasher without a random key gives the same in every run of one build; only
 /// whether two are equal matters.
 pub(super) fn fingerprint(value: &impl Hash) -> u128 {
-    let mut twin = Twin(DefaultHasher::new(), DefaultHasher::new());
-    twin.1.write_u8(1);
-    value.hash(&mut twin);
-    (u128::from(twin.0.finish()) << 64) | u128::from(twin.1.finish())
+    let mut hasher = DoubleHasher(DefaultHasher::new(), DefaultHasher::new());
+    hasher.1.write_u8(1);
+    value.hash(&mut hasher);
+    (u128::from(hasher.0.finish()) << 64) | u128::from(hasher.1.finish())
 }
 
 /// Two hashers that start differently.
-struct Twin(DefaultHasher, DefaultHasher);
+struct DoubleHasher(DefaultHasher, DefaultHasher);
 
-impl Hasher for Twin {
+impl Hasher for DoubleHasher {
     fn write(&mut self, bytes: &[u8]) {
         self.0.write(bytes);
         self.1.write(bytes);

@@ -66,7 +66,7 @@ pub(crate) trait Integrator: Sized + State {
     );
 
     /// How far a block, or the fastest one, may get in a long step; only asked if there are short ones.
-    fn way(&self, _blocks: &Self::Blocks, _id: Option<u32>) -> Self::Real {
+    fn distance(&self, _blocks: &Self::Blocks, _id: Option<u32>) -> Self::Real {
         Self::Real::of(0.0)
     }
 
@@ -175,13 +175,13 @@ impl<I: Integrator> Stepper<I> {
         if let Some(faces) = &mut self.faces
             && faces.count() > 0
         {
-            let fastest = self.integrator.way(&self.blocks, None);
+            let fastest = self.integrator.distance(&self.blocks, None);
             for active in 0..faces.count() {
                 let (centre, horizon) = (faces.centre(active), faces.horizon());
                 let reach = horizon + fastest;
                 (self.integrator).near(&self.blocks, centre, reach, &mut self.nearby);
                 self.nearby.retain(|&id| {
-                    let most = horizon + self.integrator.way(&self.blocks, Some(id));
+                    let most = horizon + self.integrator.distance(&self.blocks, Some(id));
                     let square = (self.blocks.position(id) - centre).norm_squared();
                     self.blocks.is_free(id) && square < most * most
                 });

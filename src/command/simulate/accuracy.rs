@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 
 use stochc_ensemble::Manifest;
 use stochc_ensemble::text::percent;
-use stochc_ensemble::trade::{Among, Extent, FINEST, Setup, Trade, choose, known, note};
+use stochc_ensemble::trade::{CandidateKinds, Extent, FINEST, Setup, Trade, choose, known, note};
 use stochc_files::budget::TRADE;
 use stochc_files::read_file;
 use stochc_runtime::Settings;
@@ -35,8 +35,8 @@ pub(super) fn settle(
     // Whoever asks for a folder, for single runs or captures, or for JSON, needs runs.
     let wants_times = options.out.is_none() && options.run.is_none() && !options.bonds;
     let among = match wants_times && options.format == ResultsFormat::Text {
-        true => Among::All,
-        false => Among::Runs,
+        true => CandidateKinds::All,
+        false => CandidateKinds::Runs,
     };
     let max_ticks = manifest.settings.max_ticks.unwrap_or(u64::MAX);
     match choose(&trade, &programs, max_ticks, accuracy, among) {

@@ -53,7 +53,7 @@ pub struct ExpectedRange {
     /// What happens beyond it, as a clause.
     pub beyond: &'static str,
     /// What changes it.
-    pub cure: &'static str,
+    pub remedy: &'static str,
     /// Whether it matters to structures alone that grow away from where blocks settle.
     pub is_of_height: bool,
 }
@@ -417,7 +417,7 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
                 true => "most blocks float at the top, and few come to what is below",
                 false => "most blocks lie on the floor, and few come to what is above",
             },
-            cure: "stir more, or bring the blocks' density closer to the fluid's",
+            remedy: "stir more, or bring the blocks' density closer to the fluid's",
             is_of_height: true,
         }),
     );
@@ -437,7 +437,7 @@ fn bearing(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
     }
     let units = BlockUnits::of(scene);
     let depth = units.acceleration(down.abs()) / units.stiffness(*wall);
-    let (beyond, cure) = match down < 0.0 {
+    let (beyond, remedy) = match down < 0.0 {
         true => (
             "blocks that float come to rest outside of the shell",
             "give the enclosure a stiffer `wall`, or bring the blocks' density closer to the fluid's",
@@ -456,7 +456,7 @@ fn bearing(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
         .expected(ExpectedRange {
             bound: RangeBound::AtMost(0.5),
             beyond,
-            cure,
+            remedy,
             is_of_height: false,
         }),
     );

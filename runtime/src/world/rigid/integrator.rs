@@ -90,10 +90,10 @@ impl<R: Lane> Integrator for Kernel<R> {
         neighbours.is_some_and(|neighbours| neighbours.follow(bodies))
     }
 
-    fn way(&self, bodies: &Bodies<R>, id: Option<u32>) -> R {
+    fn distance(&self, bodies: &Bodies<R>, id: Option<u32>) -> R {
         let speed = id.map_or_else(|| bodies.fastest(), |id| bodies.velocity(id).norm());
         let local = self.local.as_ref();
-        local.map_or_else(R::zero, |local| local.way(speed))
+        local.map_or_else(R::zero, |local| local.distance(speed))
     }
 
     fn begin_long_step(&mut self, bodies: &mut Bodies<R>, in_field: &[u32]) {

@@ -44,7 +44,7 @@ impl<R: Lane> LocalSteps<R> {
     }
 
     /// How far a block may get in a long step.
-    pub fn way(&self, speed: R) -> R {
+    pub fn distance(&self, speed: R) -> R {
         speed * self.long + R::of(SURPRISE)
     }
 
@@ -65,11 +65,12 @@ impl<R: Lane> LocalSteps<R> {
         std::mem::swap(&mut self.before, &mut self.blocks);
         self.blocks.clear();
         self.blocks.extend_from_slice(in_field);
-        let (long, most) = (self.long, self.way(bodies.fastest()));
-        let way = |bodies: &Bodies<R>, id: u32| bodies.velocity(id).norm() * long + R::of(SURPRISE);
-        let reach = |bodies: &Bodies<R>, id: u32| R::of(TOUCH) + way(bodies, id);
+        let (long, most) = (self.long, self.distance(bodies.fastest()));
+        let distance =
+            |bodies: &Bodies<R>, id: u32| bodies.velocity(id).norm() * long + R::of(SURPRISE);
+        let reach = |bodies: &Bodies<R>, id: u32| R::of(TOUCH) + distance(bodies, id);
         let near = |bodies: &Bodies<R>, id: u32, other: u32| {
-            let most = reach(bodies, id) + way(bodies, other);
+            let most = reach(bodies, id) + distance(bodies, other);
             (bodies.position(other) - bodies.position(id)).norm_squared() < most * most
         };
         let mut found = std::mem::take(&mut self.found);
