@@ -216,6 +216,9 @@ impl WorldParameters {
         if let Some(shell) = &mut self.shell {
             shell.stiffness *= response;
         }
+        if let Some(weight) = &mut self.weight {
+            *weight *= response;
+        }
         // A velocity is the mean over a step, and drag begins with the kick.
         if let Some(Kicks { speed: (low, high) }) = &mut self.kicks {
             *low *= response;

@@ -93,6 +93,9 @@ pub(crate) trait Integrator: Sized + State {
     ) {
     }
 
+    /// A force has changed the velocity of a block by so much in this step, other than by enclosure, weight and drag.
+    fn pushed(&mut self, _id: u32, _change: Vector3<Self::Real>) {}
+
     /// Checks a block whose motion has been changed by a force; not needed where [`Integrator::advance`] looks at
     /// everything.
     ///
@@ -304,7 +307,9 @@ impl<I: Integrator> Stepper<I> {
         let mut pushes = Vec::new();
         faces.pull(&mut self.blocks, |id, push| pushes.push((id, push)));
         for (id, push) in pushes {
-            let velocity = self.blocks.velocity(id) + push.linear * (self.dt * linear);
+            let change = push.linear * (self.dt * linear);
+            let velocity = self.blocks.velocity(id) + change;
+            self.integrator.pushed(id, change);
             let mut spin = self.blocks.spin(id);
             if self.turns {
                 spin += push.angular * (self.dt * angular);

@@ -22,3 +22,4 @@ mod magnets;
 mod orientation;
 mod reductions;
 mod tumbling;
+mod weight;

@@ -1,5 +1,6 @@
 //! Moves full rigid cubes and lets them collide, most of which fly alone most of the time.
 use nalgebra::Vector3;
+use stochc_ir::scene::ContactLaw;
 use stochc_ir::table::Plate;
 
 use super::bodies::Bodies;
@@ -27,6 +28,8 @@ pub(super) struct Kernel<R: Lane> {
     neighbours: Option<NeighbourList<R>>,
     /// `None`: all blocks take the same steps.
     local: Option<LocalSteps<R>>,
+    /// What rigid blocks are pulled down by \[side / tick^2\].
+    weight: R,
     limits: MotionLimits,
 }
 
@@ -35,7 +38,7 @@ stochc_ir::state! {
     values: neighbours, local;
     parts: ;
     // Contacts are found anew in every step.
-    same: flight, words, contacts, limits
+    same: flight, words, contacts, weight, limits
 }
 
 impl<R: Lane> Integrator for Kernel<R> {
@@ -78,6 +81,12 @@ impl<R: Lane> Integrator for Kernel<R> {
             words: Vec::new(),
             contacts,
             neighbours,
+            weight: match &parameters.contact {
+                Some(contact) if matches!(contact.law, ContactLaw::Rigid { .. }) => {
+                    R::of(parameters.weight.unwrap_or(0.0))
+                }
+                _ => R::zero(),
+            },
             local: (rates[0] != rates[1]).then(|| LocalSteps::new(steps)),
             limits,
         };
@@ -127,6 +136,12 @@ impl<R: Lane> Integrator for Kernel<R> {
         bodies.check(id, &self.limits)
     }
 
+    fn pushed(&mut self, id: u32, change: Vector3<R>) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.solver.pushed(id, change);
+        }
+    }
+
     fn advance(
         &mut self,
         bodies: &mut Bodies<R>,
@@ -171,7 +186,11 @@ impl<R: Lane> Kernel<R> {
             return Ok(());
         };
         let (mut sound, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
-        let push = |place| shell.map_or_else(Vector3::zeros, |shell| shell.push(place));
+        let weight = Vector3::z() * self.weight;
+        let push = |place| {
+            let inward = shell.map_or_else(Vector3::zeros, |shell| shell.push(place));
+            inward - weight
+        };
         (contacts.solver).solve(bodies, push, |id, motion, rotation| {
             if sound.is_ok() {
                 sound = limits.check(id, motion, rotation);

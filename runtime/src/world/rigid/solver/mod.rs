@@ -77,12 +77,19 @@ impl<R: Lane> Solver<R> {
         }
     }
 
+    /// A force has changed the velocity of a block in this step, of rigid blocks.
+    pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
+        if self.law.restitution().is_some() {
+            self.moving.pushed(id, change);
+        }
+    }
+
     /// Solves all contacts, whose bodies have been moved with the velocities that they would have
     /// without: changes the velocities, and moves the bodies by the difference.
     ///
-    /// `push` is what the shell does to a block at a place, in unit time: in the middle of a step its
-    /// velocity was that much less far. A collision at another velocity than that would add to the
-    /// energy of all blocks that meet in the shell. `moved` is told of every block whose motion has
+    /// `push` is what the shell, and the weight of rigid blocks, do to a block at a place in unit time: in the middle of a step,
+    /// when blocks are where they touch, half of that was still to come. A collision at another velocity than that would add
+    /// to the energy of all blocks that fall, or meet in the shell. `moved` is told of every block whose motion has
     /// changed: its place, velocity and spin, and how it is turned.
     pub fn solve(
         &mut self,
@@ -98,7 +105,7 @@ impl<R: Lane> Solver<R> {
             let velocity = bodies.velocity(id);
             let place = bodies.position(id) - velocity * bodies.step(id);
             let late = push(place) * (bodies.span(id) * R::of(0.5));
-            (velocity - late, bodies.spin(id))
+            [velocity, bodies.spin(id), late]
         });
         self.find_impulses();
         for (id, change) in self.moving.changes() {
@@ -123,7 +130,7 @@ impl<R: Lane> Solver<R> {
         let mut fastest = R::zero();
         for (number, touch) in touches.list.iter().enumerate() {
             if !moving.is_alone(touch.bodies) {
-                let approach = (self.chains).add(touches, touch, &moving.motions, law);
+                let approach = (self.chains).add(touches, touch, moving, law);
                 fastest = fastest.max(approach);
             } else if touch.bodies[1] == GROUND {
                 self.single.add(number);
@@ -137,6 +144,11 @@ impl<R: Lane> Solver<R> {
         self.single.push(law, rounds, tolerance, moving.inertia());
         self.double.push(law, rounds, tolerance, moving.inertia());
         self.chains.push(moving, law, rounds, tolerance);
+        if law.restitution().is_some_and(|part| part > R::zero()) {
+            self.single.spare();
+            self.double.spare();
+            self.chains.spare(moving);
+        }
         if law.restitution().is_some() {
             let tolerance = R::of(FASTEST * PRECISION);
             self.single.part(rounds, tolerance);
@@ -201,7 +213,9 @@ mod tests {
             id += if single { 1 } else { 2 };
         }
         let moving = &mut solver.moving;
-        moving.start(true, |id| (bodies.velocity(id), bodies.spin(id)));
+        moving.start(true, |id| {
+            [bodies.velocity(id), bodies.spin(id), bodies.spin(id) * 0.3]
+        });
         if !side_by_side {
             moving.entangle();
         }

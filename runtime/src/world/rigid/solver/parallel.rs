@@ -25,6 +25,8 @@ struct Batch<R: Lane, const N: usize> {
     /// The lanes that hold a contact.
     real: R::Quad,
     bodies: [BatchBody<R>; N],
+    /// By how much velocities change after the middle of the step, of the first body less that of the second, in the frame.
+    late: BatchVector<R>,
     shifts: [BatchBody<R>; N],
     /// Along the normal, and across it.
     frame: [BatchVector<R>; 3],
@@ -100,6 +102,13 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
         }
     }
 
+    /// Has what bounces come out of an overlap by itself.
+    pub fn spare(&mut self) {
+        for group in self.groups() {
+            group.spare();
+        }
+    }
+
     /// Finds the motions that undo overlaps.
     pub fn part(&mut self, rounds: u32, tolerance: R) {
         for group in self.groups() {
@@ -128,6 +137,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             places: [[0; N]; ABREAST],
             real: all::<R>(0.0),
             bodies: [nothing; N],
+            late: [all::<R>(0.0); 3],
             shifts: [nothing; N],
             frame: [[all::<R>(0.0); 3]; 3],
             softness: all::<R>(0.0),
@@ -156,6 +166,19 @@ impl<R: Lane, const N: usize> Batch<R, N> {
                 spin: [all::<R>(0.0); 3],
                 ..self.bodies[which]
             };
+        }
+        self.late = [all::<R>(0.0); 3];
+        if law.restitution().is_some() {
+            let late = transposed(list.map(|touch| {
+                let late = match touch.bodies[..N] {
+                    [a, b, ..] => moving.late[a] - moving.late[b],
+                    [a, ..] => moving.late[a],
+                    [] => R::Quad::default(),
+                };
+                let [x, y, z, _] = late.store();
+                [x, y, z]
+            }));
+            self.late = (self.frame).map(|row| sum([0, 1, 2].map(|axis| row[axis] * late[axis])));
         }
         self.spots.clear();
         // Contacts with most points come first.
@@ -193,7 +216,9 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             fastest = fastest.maximum(spot.real.choose(approach.abs(), all::<R>(0.0)));
             match law.kind {
                 LawKind::Rigid { restitution } => {
-                    spot.target = R::Quad::splat(-restitution) * approach;
+                    let target = R::Quad::splat(-restitution) * approach;
+                    let lies = target.maximum(all::<R>(0.0) - self.late[0]);
+                    spot.target = (all::<R>(0.0).above(approach)).choose(lies, target);
                     let excess = (spot.depth - all::<R>(SLOP)).maximum(all::<R>(0.0));
                     spot.recovery = (excess * all::<R>(RECOVERY) / span).minimum(all::<R>(FASTEST));
                 }
@@ -254,7 +279,8 @@ impl<R: Lane, const N: usize> Batch<R, N> {
                 // Coulomb's cone, of the impulse that presses now.
                 let most = R::Quad::splat(friction) * spot.impulses[0];
                 let [one, two] = [0, 1].map(|row| {
-                    let slip = velocity(&across[row], &spot.torques[row + 1], bodies);
+                    let slip =
+                        velocity(&across[row], &spot.torques[row + 1], bodies) + self.late[row + 1];
                     spot.impulses[row + 1] - slip * spot.masses[1]
                 });
                 let square = one * one + two * two;
@@ -267,6 +293,15 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             }
         }
         greatest
+    }
+
+    /// See [`super::sequential::SequentialContacts::spare`].
+    fn spare(&mut self) {
+        for spot in &mut self.spots {
+            let parting = velocity(&self.frame[0], &spot.torques[0], &self.bodies) + self.late[0];
+            let missing = spot.recovery - parting.maximum(all::<R>(0.0));
+            spot.recovery = missing.maximum(all::<R>(0.0));
+        }
     }
 
     fn part(&mut self, rounds: u32, tolerance: R) {

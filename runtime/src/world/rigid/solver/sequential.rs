@@ -42,6 +42,8 @@ struct PointConstraint<R: Lane> {
     softness: R,
     /// Motion per tick that undoes the overlap.
     recovery: R,
+    /// By how much the velocity changes after the middle of the step: along the normal, and across it.
+    late: [R; 3],
     along: ConstraintRow<R>,
     across: [ConstraintRow<R>; 2],
     shift: R,
@@ -69,7 +71,7 @@ impl<R: Lane> SequentialContacts<R> {
         &mut self,
         touches: &ContactList<R>,
         touch: &TouchingBodies<R>,
-        motions: &[SolverBody<R>],
+        moving: &SolverBodies<R>,
         law: &Law<R>,
     ) -> R {
         let from = self.spots.len();
@@ -84,7 +86,7 @@ impl<R: Lane> SequentialContacts<R> {
             visited: 0,
             content: false,
         };
-        let approach = contact.prepare(&mut self.spots[from..], motions, law, touch.span);
+        let approach = contact.prepare(&mut self.spots[from..], moving, law, touch.span);
         self.contacts.push(contact);
         approach
     }
@@ -97,6 +99,17 @@ impl<R: Lane> SequentialContacts<R> {
         });
         if law.restitution().is_some_and(|part| part > R::zero()) {
             self.keep_energy(moving);
+        }
+    }
+
+    /// Has what bounces come out of an overlap by itself: lifted as well, it would have more energy than before.
+    pub fn spare(&mut self, moving: &SolverBodies<R>) {
+        for contact in &self.contacts {
+            let (a, b) = (&moving.motions[contact.a], &moving.motions[contact.b]);
+            for point in &mut self.spots[contact.points.clone()] {
+                let parting = point.along.velocity(a, b) + point.late[0];
+                point.recovery = (point.recovery - parting.max(R::zero())).max(R::zero());
+            }
         }
     }
 
@@ -200,6 +213,7 @@ impl<R: Lane> PointConstraint<R> {
             target: R::zero(),
             softness: R::zero(),
             recovery: R::zero(),
+            late: [R::zero(); 3],
             along,
             across: [one, two],
             shift: R::zero(),
@@ -214,11 +228,12 @@ impl SequentialContact {
     fn prepare<R: Lane>(
         &self,
         spots: &mut [PointConstraint<R>],
-        motions: &[SolverBody<R>],
+        moving: &SolverBodies<R>,
         law: &Law<R>,
         span: R,
     ) -> R {
-        let (a, b) = (motions[self.a], motions[self.b]);
+        let [a, b] = [self.a, self.b].map(|place| moving.motions[place]);
+        let late = moving.late[self.a] - moving.late[self.b];
         let mut fastest = R::zero();
         for point in spots {
             let approach = point.along.velocity(&a, &b);
@@ -228,7 +243,14 @@ impl SequentialContact {
                 LawKind::Rigid { restitution } => {
                     // Of a point that recedes as well: what a rocking patch is given must not
                     // make it livelier than it was.
-                    point.target = -restitution * approach;
+                    let target = -restitution * approach;
+                    point.late = [&point.along, &point.across[0], &point.across[1]]
+                        .map(|row| (row.direction * late).sum());
+                    // What lies stays: its weight presses in the other half of the step as well.
+                    point.target = match approach < R::zero() {
+                        true => target.max(-point.late[0]),
+                        false => target,
+                    };
                     let excess = (point.depth - R::of(SLOP)).max(R::zero());
                     point.recovery = (excess * R::of(RECOVERY) / span).min(R::of(FASTEST));
                 }
@@ -276,8 +298,9 @@ impl SequentialContact {
             let most = friction * point.along.impulse;
             if most > R::zero() || point.across[0].impulse != R::zero() {
                 let mut wanted = [R::zero(); 2];
-                for (wanted, row) in wanted.iter_mut().zip(&point.across) {
-                    *wanted = row.impulse - row.velocity(&a, &b) * row.mass;
+                let rows = point.across.iter().zip(&point.late[1..]);
+                for (wanted, (row, &late)) in wanted.iter_mut().zip(rows) {
+                    *wanted = row.impulse - (row.velocity(&a, &b) + late) * row.mass;
                 }
                 let [one, two] = wanted;
                 let square = one * one + two * two;

@@ -29,6 +29,8 @@ pub(super) struct SolverBodies<R: Lane> {
     pub motions: Vec<SolverBody<R>>,
     /// Their motions before any impulse.
     pub before: Vec<SolverBody<R>>,
+    /// Of rigid contacts and the shell: what forces have changed velocities by after the middle of the step.
+    pub late: Vec<R::Quad>,
     /// What undoes overlaps: moves the blocks in this substep and is forgotten. Empty if contacts give way.
     pub shifts: Vec<SolverBody<R>>,
     /// Which body a block is, or [`NOBODY`].
@@ -66,6 +68,7 @@ impl<R: Lane> SolverBodies<R> {
             contacts: Vec::new(),
             motions: Vec::new(),
             before: Vec::new(),
+            late: Vec::new(),
             shifts: Vec::new(),
             place: vec![NOBODY; count],
             inverse_inertia: if turns {
@@ -86,6 +89,8 @@ impl<R: Lane> SolverBodies<R> {
         self.contacts.push(0);
         self.motions.clear();
         self.motions.push(SolverBody::rest(R::zero(), R::zero()));
+        self.late.clear();
+        self.late.push(R::Quad::default());
     }
 
     /// The body of a free block in one more contact; it gets its place in the lists at its first one.
@@ -97,9 +102,17 @@ impl<R: Lane> SolverBodies<R> {
             self.contacts.push(0);
             self.motions
                 .push(SolverBody::rest(R::one(), self.inverse_inertia));
+            self.late.push(R::Quad::default());
         }
         self.contacts[*place as usize] += 1;
         *place as usize
+    }
+
+    /// A force has changed the velocity of a block by so much, half of it after the middle of the step.
+    pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
+        if let Some(late) = self.late.get_mut(self.place[id as usize] as usize) {
+            *late += R::Quad::pack(change * R::of(0.5));
+        }
     }
 
     /// Whether none of these bodies is in another contact as well.
@@ -113,17 +126,19 @@ impl<R: Lane> SolverBodies<R> {
         self.contacts.iter_mut().for_each(|count| *count += 2);
     }
 
-    /// Begins with the velocities and spins of the blocks.
+    /// Begins with the velocities of the blocks in the middle of the step: as they are, less what is `late`; and with their spins.
     ///
     /// `rigid`: whether overlaps are undone.
-    pub fn start(&mut self, rigid: bool, motion_of: impl Fn(u32) -> (Vector3<R>, Vector3<R>)) {
+    pub fn start(&mut self, rigid: bool, motion_of: impl Fn(u32) -> [Vector3<R>; 3]) {
         self.shifts.clear();
         if rigid {
             self.shifts.extend_from_slice(&self.motions);
         }
-        for (motion, &id) in self.motions.iter_mut().zip(&self.blocks).skip(1) {
-            let (velocity, spin) = motion_of(id);
-            motion.velocity = R::Quad::pack(velocity);
+        let motions = self.motions.iter_mut().zip(&mut self.late);
+        for ((motion, late), &id) in motions.zip(&self.blocks).skip(1) {
+            let [velocity, spin, later] = motion_of(id);
+            *late += R::Quad::pack(later);
+            motion.velocity = R::Quad::pack(velocity) - *late;
             motion.spin = R::Quad::pack(spin);
         }
         self.before.clone_from(&self.motions);

@@ -1,0 +1,104 @@
+//! Blocks with weight that fall on the ground and lie there, with rigid contacts.
+
+use crate::scenes::{Kind, at, contact, empty, hemisphere, states, world};
+use nalgebra::Vector3;
+use stochc_ir::scene::Scene;
+use stochc_runtime::world::{BodyState, World};
+
+in_either_precision!(
+    an_elastic_cube_rises_as_high_as_it_fell,
+    an_inelastic_cube_rises_no_higher_than_it_should,
+    a_cube_that_lies_stays,
+    a_heavy_cube_slides_as_far_as_coulomb_says,
+);
+
+/// \[side / tick^2\]
+const WEIGHT: f64 = 0.0025;
+
+const STEPS: [u32; 4] = [1, 2, 4, 32];
+
+fn ground(restitution: f64, friction: f64) -> Scene {
+    Scene {
+        gravity: Some(WEIGHT),
+        contact: contact(restitution, friction),
+        enclosure: hemisphere(100.0, 0.01),
+        ..empty()
+    }
+}
+
+/// A cube that begins at a height over where it rests, so many ticks long.
+fn path<K: Kind>(
+    scene: &Scene,
+    substeps: u32,
+    height: f64,
+    velocity: Vector3<f64>,
+    ticks: usize,
+) -> Vec<BodyState> {
+    let block = BodyState {
+        velocity,
+        ..BodyState::at_rest(at(0.0, 0.0, 0.5 + height))
+    };
+    let mut world: K::World = world(scene, &K::with_substeps(substeps), &[block]);
+    let mut dockings = Vec::new();
+    let states = (0..ticks).map(|_| {
+        world.step(&mut dockings).expect("sound physics");
+        states(&world)[0]
+    });
+    states.collect()
+}
+
+/// The highest places, over where it rests, between one landing and the next.
+fn peaks(path: &[BodyState]) -> Vec<f64> {
+    let heights: Vec<f64> = path.iter().map(|it| it.position.z - 0.5).collect();
+    let is_peak = |it: &&[f64]| it[0] < it[1] && it[1] >= it[2];
+    heights.windows(3).filter(is_peak).map(|it| it[1]).collect()
+}
+
+/// Where it is seen at whole ticks only, it is lower by up to g/8.
+fn an_elastic_cube_rises_as_high_as_it_fell<K: Kind>() {
+    for substeps in STEPS {
+        let path = path::<K>(&ground(1.0, 0.0), substeps, 20.0, Vector3::zeros(), 2000);
+        let peaks = peaks(&path);
+        assert!(peaks.len() >= 6, "{peaks:?}");
+        for peak in peaks {
+            assert!((peak - 20.0).abs() < 0.002, "{substeps}: {peak}");
+        }
+    }
+}
+
+/// It has fallen by up to the way of a step too far when it is turned round, of which it loses 1 - e^2.
+fn an_inelastic_cube_rises_no_higher_than_it_should<K: Kind>() {
+    for substeps in STEPS {
+        let path = path::<K>(&ground(0.5, 0.0), substeps, 20.0, Vector3::zeros(), 220);
+        let peak = peaks(&path)[0];
+        let way = (2.0 * WEIGHT * 20.0).sqrt() / f64::from(substeps);
+        assert!(peak < 5.0 + 0.001, "{substeps}: {peak}");
+        assert!(peak > 5.0 - 0.75 * way - 0.001, "{substeps}: {peak}");
+    }
+}
+
+fn a_cube_that_lies_stays<K: Kind>() {
+    for restitution in [0.0, 0.5] {
+        for substeps in STEPS {
+            let scene = ground(restitution, 0.3);
+            let path = path::<K>(&scene, substeps, 0.1, Vector3::zeros(), 1000);
+            let last = &path[path.len() - 100..];
+            for block in last {
+                let depth = 0.5 - block.position.z;
+                assert!((-0.001..0.002).contains(&depth), "{substeps}: {depth}");
+                assert!(block.velocity.norm() < 1e-4, "{substeps}: {block:?}");
+            }
+        }
+    }
+}
+
+fn a_heavy_cube_slides_as_far_as_coulomb_says<K: Kind>() {
+    let speed = 0.05;
+    for substeps in STEPS {
+        let scene = ground(0.0, 0.3);
+        let path = path::<K>(&scene, substeps, 0.0, at(speed, 0.0, 0.0), 200);
+        let end = path[path.len() - 1].position.x;
+        let way = speed * speed / (2.0 * 0.3 * WEIGHT);
+        assert!((end / way - 1.0).abs() < 0.02, "{substeps}: {end} of {way}");
+    }
+}
