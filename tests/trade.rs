@@ -6,8 +6,8 @@ mod layout;
 use stochc::ensemble::EnsembleProgram;
 use stochc::ensemble::statistics::Relative;
 use stochc::ensemble::trade::{
-    Among, CandidateOutcome, Conditions, Convergence, End, EstimatedSamples, Measured, Sample,
-    Trade, base, choose, note,
+    CandidateKinds, CandidateOutcome, Conditions, Convergence, End, EstimatedSamples, Measured,
+    Sample, Trade, base, choose, note,
 };
 use stochc::report::figures;
 use stochc::report::tables::trade_to_text;
@@ -187,18 +187,19 @@ fn the_picture_marks_what_is_reversed() {
 #[test]
 fn the_cheapest_that_is_accurate_enough_is_chosen() {
     let trade = trade();
-    let chosen =
-        |accuracy| choose(&trade, &[0, 1], LIMIT, accuracy, Among::All).map(|c| c.settings);
+    let chosen = |accuracy| {
+        choose(&trade, &[0, 1], LIMIT, accuracy, CandidateKinds::All).map(|c| c.settings)
+    };
     assert_eq!(chosen(0.15), Ok(None), "the estimate");
     assert_eq!(chosen(0.05), Ok(Some(rigid(1))));
     assert_eq!(chosen(0.02), Ok(Some(rigid(2))));
-    let with_runs = choose(&trade, &[0, 1], LIMIT, 0.15, Among::Runs);
+    let with_runs = choose(&trade, &[0, 1], LIMIT, 0.15, CandidateKinds::Runs);
     assert_eq!(with_runs.map(|c| c.settings), Ok(Some(rigid(1))));
     let told = chosen(0.0001).unwrap_err();
     assert!(told.contains("undecided"), "{told}");
     // Alone, the first program has nothing that could be reversed, but it is off by as much.
     assert_eq!(
-        choose(&trade, &[0], LIMIT, 0.05, Among::All).map(|c| c.settings),
+        choose(&trade, &[0], LIMIT, 0.05, CandidateKinds::All).map(|c| c.settings),
         Ok(Some(rigid(1)))
     );
     let reduced = |settings: &Settings| note(&trade, &[0, 1], settings);
@@ -227,10 +228,10 @@ fn the_cheapest_that_is_accurate_enough_is_chosen() {
         horizon: None,
     };
     doublings.last_mut().unwrap().changes[1] = Some(change);
-    let told = choose(&open, &[0, 1], LIMIT, 0.05, Among::All).unwrap_err();
+    let told = choose(&open, &[0, 1], LIMIT, 0.05, CandidateKinds::All).unwrap_err();
     assert!(told.contains("not converged"), "{told}");
     assert!(
-        choose(&open, &[0], LIMIT, 0.05, Among::All).is_ok(),
+        choose(&open, &[0], LIMIT, 0.05, CandidateKinds::All).is_ok(),
         "the first has"
     );
 }
@@ -251,7 +252,7 @@ fn times_that_are_not_known_are_not_called_accurate() {
     assert_eq!(close.programs[1].bias.unwrap().horizon, None);
 
     let chosen = |programs: &[usize], max_ticks| {
-        choose(&trade, programs, max_ticks, 0.02, Among::Runs).map(|choice| choice.why)
+        choose(&trade, programs, max_ticks, 0.02, CandidateKinds::Runs).map(|choice| choice.why)
     };
     let told = chosen(&[0, 1], SHORT + 1).unwrap_err();
     assert!(

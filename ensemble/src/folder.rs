@@ -210,16 +210,20 @@ impl Folder {
         if recordings.is_dir() {
             atomic::clear_partial(&recordings).map_err(FolderError::of(&recordings))?;
         }
-        let mut manifest = manifest.clone();
-        manifest.builds = match done == total {
+        let builds = match done == total {
             true => stored.builds.clone(),
             false => joined(&stored.builds, &manifest.builds),
         };
         Ok(Folder {
             path: path.to_owned(),
-            is_changed: stored.runs < manifest.runs || stored.builds != manifest.builds,
-            manifest,
-            builds: stored.builds,
+            is_changed: stored.runs < manifest.runs || stored.builds != builds,
+            builds: stored.builds.clone(),
+            // What tells no runs apart, such as where the texts were read, stays as it was told first.
+            manifest: Manifest {
+                runs: manifest.runs,
+                builds,
+                ..stored
+            },
             state: if done == total {
                 FolderState::Finished
             } else {
@@ -377,7 +381,7 @@ impl Folder {
     pub(super) fn write_tables(&self, finished: &Records) -> Result<(), FolderError> {
         let io = FolderError::of(&self.path);
         // Tables that are being written are not those that are known.
-        write_checksums(&self.path, &self.manifest, &[])?;
+        write_checksums(&self.path, &[])?;
         let mut sums = Vec::new();
         let begin = |name: &str| {
             let draft = Draft::new(&self.path.join(name), Replaces::Ordinary)?;
@@ -395,7 +399,7 @@ impl Folder {
             replace(&self.path, &name, &content)?;
             sums.push((name, Sum::of(&content)));
         }
-        write_checksums(&self.path, &self.manifest, &sums)
+        write_checksums(&self.path, &sums)
     }
 }
 
@@ -404,22 +408,19 @@ pub(super) fn write_manifest(path: &Path, manifest: &Manifest) -> Result<(), Fol
     // What is there is not what is known, until it is sealed again.
     remove(path, CHECKSUMS_FILE)?;
     replace(path, MANIFEST, manifest.to_json().as_bytes())?;
-    write_checksums(path, manifest, &[])
+    write_checksums(path, &[])
 }
 
-/// Writes the checksums of the manifest, of the journal as it is, and of these files.
-pub(super) fn write_checksums(
-    path: &Path,
-    manifest: &Manifest,
-    files: &[(String, Sum)],
-) -> Result<(), FolderError> {
-    let io = FolderError::of(path.join(JOURNAL));
+/// Writes the checksums of the manifest and of the journal as they are, and of these files.
+pub(super) fn write_checksums(path: &Path, files: &[(String, Sum)]) -> Result<(), FolderError> {
     let mut checksums = FolderChecksums::default();
-    checksums.note(MANIFEST, Sum::of(manifest.to_json().as_bytes()));
-    match files::open(&path.join(JOURNAL)) {
-        Ok(journal) => checksums.note(JOURNAL, of_file(journal, u64::MAX).map_err(&io)?),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-        Err(error) => return Err(io(error)),
+    for name in [MANIFEST, JOURNAL] {
+        let io = FolderError::of(path.join(name));
+        match files::open(&path.join(name)) {
+            Ok(file) => checksums.note(name, of_file(file, u64::MAX).map_err(&io)?),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(io(error)),
+        }
     }
     for (name, sum) in files {
         checksums.note(name, *sum);

@@ -184,7 +184,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         aside(CHECKSUMS_FILE)?;
     }
     if let Ok(Some(cut)) = Cut::read(path) {
-        return cut.write(path, &manifest);
+        return cut.write(path);
     }
     drop(lock);
     let folder = Folder::open(path, &manifest, Resume::MixedBuilds)?.with(further);

@@ -267,3 +267,82 @@ fn a_folder_without_runs_to_resume_is_told_of() {
     let said = stochc_with(TOWER, &["--runs", "4", "--out", &out, "--resume"]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
 }
+
+/// The same program is the same, wherever it is read from.
+#[test]
+fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, at_once] = ["out", "at_once"].map(|name| path(folder.path(), name));
+    let here = std::env::current_dir().unwrap();
+    let absolute = path(&here, "tests/fixtures/tower.sa");
+    let copied = path(folder.path(), "copied.sa");
+    fs::copy(&absolute, &copied).unwrap();
+    let simulate = |program: &str, runs: &str, out: &str| {
+        let line = "simulate --model shuffle --quiet --resume";
+        let said = stochc_with(line, &[program, "--runs", runs, "--out", out]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        let said = stochc_with("verify", &[out]);
+        assert_eq!(said.status, 0, "{program}: {}", said.out);
+        assert_eq!(stochc_with("results", &[out]).status, 0, "{program}");
+    };
+    simulate("tests/fixtures/tower.sa", "3", &out);
+    let first = fs::read(path(out.as_ref(), "manifest.json")).unwrap();
+    for program in ["./tests/fixtures/tower.sa", &absolute, &copied] {
+        simulate(program, "3", &out);
+        assert!(fs::read(path(out.as_ref(), "manifest.json")).unwrap() == first);
+    }
+    simulate(&copied, "5", &out);
+    simulate("tests/fixtures/tower.sa", "5", &at_once);
+    assert!(tables(&out) == tables(&at_once));
+}
+
+#[test]
+fn a_folder_goes_on_without_its_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, at_once, other] = ["out", "at_once", "other"].map(|name| path(folder.path(), name));
+    let sweep = ["--sweep", "free=50,60", "--seed", "7"];
+    let said = stochc_with(
+        TOWER,
+        &[&["--runs", "2", "--out", &out], &sweep[..]].concat(),
+    );
+    assert_eq!(said.status, 0, "{}", said.err);
+    let said = stochc_with(
+        TOWER,
+        &[&["--runs", "6", "--out", &at_once], &sweep[..]].concat(),
+    );
+    assert_eq!(said.status, 0, "{}", said.err);
+    let said = stochc_with("simulate --resume --quiet --runs 6 --out", &[&out]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert!(tables(&out) == tables(&at_once));
+    // As many as it has, and no fewer.
+    assert_eq!(
+        stochc_with("simulate --resume --quiet --out", &[&out]).status,
+        0
+    );
+    assert!(tables(&out) == tables(&at_once));
+    assert_eq!(
+        stochc_with("simulate --resume --quiet --runs 3 --out", &[&out]).status,
+        2
+    );
+    // All the rest is as the folder says.
+    for option in [
+        "--seed 3",
+        "--model rate",
+        "--max-ticks 9",
+        "--sweep free=9",
+    ] {
+        let line = format!("simulate --resume {option} --out");
+        let said = stochc_with(&line, &[&out]);
+        assert_eq!(said.status, 2, "{option}: {}", said.err);
+    }
+    let said = stochc_with("simulate --resume --out", &[&other]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("name the programs"), "{}", said.err);
+    // So are the runs of a manifest, of which there may be another number.
+    let manifest = path(at_once.as_ref(), "manifest.json");
+    let line = "simulate --quiet --runs 2 --manifest";
+    let said = stochc_with(line, &[&manifest, "--out", &other]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let rows = stochc_with("results --format json", &[&other]).json();
+    assert_eq!(rows["programs"][0]["runs"], 2, "{rows}");
+}

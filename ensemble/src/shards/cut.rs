@@ -79,7 +79,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     folder.write_manifest()?;
     let pieces = path.join(SHARDS);
     make_own_folder(&pieces).map_err(FolderError::of(pieces))?;
-    cut.write(path, manifest)?;
+    cut.write(path)?;
     Ok(Prepared::New)
 }
 
@@ -136,11 +136,11 @@ impl Cut {
     }
 
     /// Writes it into the folder of its ensemble, and the checksums of both.
-    pub(crate) fn write(&self, path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
+    pub(crate) fn write(&self, path: &Path) -> Result<(), FolderError> {
         let text = journal_line(self);
         replace(path, SHARDS_FILE, text.as_bytes())?;
         let sum = Sum::of(text.as_bytes());
-        write_checksums(path, manifest, &[(SHARDS_FILE.to_owned(), sum)])
+        write_checksums(path, &[(SHARDS_FILE.to_owned(), sum)])
     }
 
     /// The jobs of a piece, of so many in `total`: as many as every other piece has, or one fewer.

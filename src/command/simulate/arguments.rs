@@ -17,6 +17,9 @@ use super::super::results::ResultsFormat;
 use super::super::run_options::{SeedOption, WorkOptions};
 use crate::operations::time;
 
+/// Runs of each program, unless the user says otherwise.
+pub const RUNS: u64 = 50;
+
 /// Ticks after which a run is stopped, unless the user says otherwise.
 pub const MAX_TICKS: u64 = 1_000_000;
 
@@ -28,58 +31,69 @@ const WITHOUT_FIGURES: [&str; 3] = ["shards", "run", "replan"];
 /// An option that `requires` another one conflicts with whatever that one conflicts with: it is not required beside these.
 #[derive(Debug, Args)]
 #[command(
+    mut_arg("seed", |it| it.requires("files")),
     mut_arg("figures", |it| it.requires("out").conflicts_with_all(WITHOUT_FIGURES)),
     mut_arg("figure_format", |it| it.requires("out").conflicts_with_all(WITHOUT_FIGURES))
 )]
 pub struct SimulateArguments {
     /// Programs to simulate; several are compared with each other
-    #[arg(value_name = "FILE", required_unless_present = "manifest")]
+    #[arg(value_name = "FILE", required_unless_present_any = ["manifest", "resume"])]
     pub files: Vec<String>,
     /// Repeat the runs of a `manifest.json`, with the sources and settings in it
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "runs", "seed", "model", "substeps", "solver_iterations", "precision", "reduce", "max_ticks"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "seed", "model", "substeps", "solver_iterations", "precision", "reduce", "max_ticks"])]
     pub manifest: Option<PathBuf>,
-    /// Number of runs of each program
-    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=MOST_RUNS))]
-    pub runs: u64,
+    /// Number of runs of each program [default: 50; of what is repeated or gone on with, as many as it has]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=MOST_RUNS))]
+    pub runs: Option<u64>,
     /// Vary a number of the scene: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `tick=10,20 ms`;
     /// with several, every combination is simulated
-    #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, conflicts_with_all = ["manifest", "accuracy"])]
+    #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, requires = "files", conflicts_with_all = ["manifest", "accuracy"])]
     pub sweep: Vec<Axis>,
     /// Of all runs.
     #[command(flatten)]
     pub chance: SeedOption,
     /// Physical model
-    #[arg(long, default_value = "rigid", value_parser = one_of(&Model::ALL, Model::name, Model::meaning))]
+    #[arg(long, default_value = "rigid", requires = "files", value_parser = one_of(&Model::ALL, Model::name, Model::meaning))]
     pub model: Model,
     /// Rates of scenes, by `stochc calibrate --out`, for `--model rate`; scenes that no file is about are measured first
-    #[arg(long, value_name = "FILE.rates", conflicts_with = "manifest")]
+    #[arg(
+        long,
+        value_name = "FILE.rates",
+        requires = "files",
+        conflicts_with = "manifest"
+    )]
     pub rates: Vec<PathBuf>,
     /// Steps of the model in each tick: more are more accurate and slower; `1/8`: one, and eight for
     /// blocks near magnetized faces [default: 2/8]
-    #[arg(long, value_name = "STEPS")]
+    #[arg(long, value_name = "STEPS", requires = "files")]
     pub substeps: Option<Substeps>,
     /// Iterations of the contact solver in each substep [default: 4 for `rapier`, at most 10 for
     /// `rigid`]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, requires = "files", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub solver_iterations: Option<u32>,
     /// Floating-point precision; `double` needs `--model rigid`
-    #[arg(long, default_value = "single", value_parser = one_of(&Precision::ALL, Precision::name, Precision::meaning))]
+    #[arg(long, default_value = "single", requires = "files", value_parser = one_of(&Precision::ALL, Precision::name, Precision::meaning))]
     pub precision: Precision,
     /// Leave out a part of the physics, to see what it contributes; needs `--model rigid`
-    #[arg(long, value_name = "HOW", value_parser = one_of(&Reduction::ALL, Reduction::name, Reduction::meaning))]
+    #[arg(long, value_name = "HOW", requires = "files", value_parser = one_of(&Reduction::ALL, Reduction::name, Reduction::meaning))]
     pub reduce: Option<Reduction>,
     /// Use the cheapest setting whose mean times are known to be within PERCENT of a converged
     /// reference, such as 5%
-    #[arg(long, value_name = "PERCENT", value_parser = share, conflicts_with_all = ["manifest", "model", "substeps", "solver_iterations", "precision", "reduce"])]
+    #[arg(long, value_name = "PERCENT", value_parser = share, requires = "files", conflicts_with_all = ["manifest", "model", "substeps", "solver_iterations", "precision", "reduce"])]
     pub accuracy: Option<f64>,
     /// Folder of `stochc trade --out`: measurements for `--accuracy`, or to report on the setting in use
-    #[arg(long, value_name = "DIR", conflicts_with = "manifest")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "files",
+        conflicts_with = "manifest"
+    )]
     pub trade: Option<PathBuf>,
     /// Time limit of the measurement that `--accuracy` makes if there is no `--trade`
     #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with_all = ["trade", "manifest", "model", "substeps", "solver_iterations", "precision", "reduce", "sweep", "replan"])]
     pub budget: Duration,
     /// Stop a run after this many ticks; its time is then censored
-    #[arg(long, default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = MAX_TICKS, requires = "files", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: u64,
     /// How they are made.
     #[command(flatten)]
@@ -93,7 +107,8 @@ pub struct SimulateArguments {
     /// What the figures of a sweep are like.
     #[command(flatten)]
     pub figures: FigureOptions,
-    /// Continue an interrupted ensemble in `--out`, or add runs to a finished one
+    /// Continue an interrupted ensemble in `--out`, or add runs to a finished one; without FILE all of it is as the
+    /// folder says
     #[arg(long, requires = "out", conflicts_with_all = ["run", "replan"])]
     pub resume: bool,
     /// Continue it although another build of `stochc` has made its runs, if one of them comes out again as it was

@@ -1,11 +1,15 @@
 //! Files or a manifest to programs that are ready to run.
+use std::path::Path;
+
 use stochc_compiler::LintLevels;
 use stochc_ensemble::{Manifest, OLDEST, check_manifest, survey, this_build};
 use stochc_files::budget::MANIFEST;
 use stochc_files::read_file;
+use stochc_ir::visible;
 use stochc_runtime::rates::Rates;
 use stochc_runtime::{Model, Precision, Settings, Substeps};
 
+use super::arguments::RUNS;
 use super::{SimulateArguments, older_manifest};
 use crate::exit::Failure;
 use crate::host::Host;
@@ -15,10 +19,14 @@ use crate::operations::{rates, sweep};
 
 /// The manifest of what is asked for.
 pub fn prepare(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
-    match &options.manifest {
-        Some(path) => from_manifest(path, &options.levels.levels, host),
-        None => from_files(options, host),
-    }
+    let mut manifest = match (&options.manifest, &options.out) {
+        (Some(path), _) => from_manifest(path, &options.levels.levels, host)?,
+        (None, Some(out)) if options.files.is_empty() => from_folder(out)?,
+        _ => from_files(options, host)?,
+    };
+    manifest.runs = options.runs.unwrap_or(manifest.runs);
+    manifest.within_limits().map_err(Failure::usage)?;
+    Ok(manifest)
 }
 
 /// Refuses settings that the model has no use for.
@@ -57,9 +65,10 @@ fn stored_rates(options: &SimulateArguments) -> Option<Vec<Rates>> {
 fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
     are_used(options)?;
     let levels = &options.levels.levels;
+    let runs = options.runs.unwrap_or(RUNS);
     let mut programs = programs(&options.files, levels, &options.imports.folders, host)?;
     if !options.sweep.is_empty() {
-        programs = sweep::points(&options.sweep, options.runs, &programs, levels, host)?;
+        programs = sweep::points(&options.sweep, runs, &programs, levels, host)?;
     }
     let settings = Settings {
         model: options.model,
@@ -75,17 +84,25 @@ fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, 
         let known = stored_rates(options).unwrap_or(given);
         settings.rates = rates::of_scenes(&known, &programs, options.work.threads, host)?;
     }
-    let manifest = Manifest::new(settings, options.chance.seed, options.runs, programs);
-    manifest.within_limits().map_err(Failure::usage)?;
+    Ok(Manifest::new(settings, options.chance.seed, runs, programs))
+}
+
+/// The manifest of the ensemble that is gone on with.
+fn from_folder(out: &Path) -> Result<Manifest, Failure> {
+    let stored = survey(out).map_err(Failure::usage)?;
+    let mut manifest = stored.ok_or_else(|| {
+        let shown = visible(&out.to_string_lossy());
+        Failure::usage(format!(
+            "there is nothing to resume in `{shown}`; name the programs as well"
+        ))
+    })?;
+    // What is missing is made by this one.
+    manifest.builds = vec![this_build()];
     Ok(manifest)
 }
 
 /// The programs that a manifest holds.
-fn from_manifest(
-    path: &std::path::Path,
-    levels: &LintLevels,
-    host: &dyn Host,
-) -> Result<Manifest, Failure> {
+fn from_manifest(path: &Path, levels: &LintLevels, host: &dyn Host) -> Result<Manifest, Failure> {
     let shown = path.display();
     let bytes = read_file(path, MANIFEST)
         .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
