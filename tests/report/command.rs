@@ -51,6 +51,41 @@ fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
     assert_eq!((quiet.status, quiet.out.as_str()), (0, ""));
 }
 
+/// The links of a chain follow each other without gaps, and fill the run.
+#[test]
+fn a_chain_has_the_way_of_news_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "news.sa");
+    let text = "scene slow from hemisphere { messages { hop 50 ticks } }\n\
+                assembly news in slow { seed plate 3 x 1 { A at (0, 0) B at (2, 0) }\n\
+                phase g { A.up ->> T[1..2] B.up -> X after T[2] } }\n";
+    fs::write(&file, text).unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --model rate --runs 3";
+    assert_eq!(stochc_with(simulate, &[&file, "--out", &out]).status, 0);
+    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+    let chains = fs::read_to_string(path(out.as_ref(), "report-figures/chains.csv")).unwrap();
+    let mut ends = [0; 3];
+    let mut news = 0;
+    for line in chains.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let [_, run, _, event, from, to] = cells[..] else {
+            panic!("{line}")
+        };
+        let [run, from, to] = [run, from, to].map(|it| it.parse::<usize>().unwrap());
+        assert_eq!(from, ends[run], "{chains}");
+        ends[run] = to;
+        news += if event == "news" { to - from } else { 0 };
+    }
+    // To the plate, and over it to the other tower.
+    assert_eq!(news, 3 * 2 * 50, "{chains}");
+    let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    assert!(
+        page.contains("Then the news of it took 100 ticks"),
+        "{page}"
+    );
+}
+
 /// The dots of "Arriving and docking" are captures.
 #[test]
 fn what_is_attached_by_hand_has_no_dot() {

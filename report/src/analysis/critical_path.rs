@@ -30,6 +30,8 @@ pub(crate) enum SegmentKind {
     Event { event: usize, bond: Option<usize> },
     /// A capture that had not happened when the run was stopped.
     Pending { event: usize },
+    /// News of what an event had waited for, on its way to the block that does it.
+    News,
     /// Messages on their way to the plate.
     Reports,
 }
@@ -54,7 +56,7 @@ impl CriticalPathSegment {
     pub fn event(&self) -> Option<usize> {
         match self.kind {
             SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => Some(event),
-            SegmentKind::Reports => None,
+            SegmentKind::News | SegmentKind::Reports => None,
         }
     }
 }
@@ -213,14 +215,16 @@ fn unfinished(
     match waiting.min_by_key(|&(i, _)| moments[i].ready) {
         Some((event, _)) => {
             let since = since(events, moments, event);
+            let from = moments[event].ready.unwrap_or(0);
             segments.push(CriticalPathSegment {
                 phase,
                 kind: SegmentKind::Pending { event },
-                from: moments[event].ready.unwrap_or(0),
+                from,
                 to: record.ticks,
                 since,
             });
             if let Some((first, _)) = since {
+                news(moments, phase, since, from, segments);
                 back(events, moments, first, segments);
             }
         }
@@ -259,17 +263,42 @@ fn back(
         let since = since(events, moments, event);
         // A cell may have been emptied only after the face was magnetized.
         let freed = since.and_then(|(first, _)| moments[first].done);
+        let (phase, from) = (
+            events.events[event].phase,
+            ready.max(freed.unwrap_or(0)).min(done),
+        );
         segments.push(CriticalPathSegment {
-            phase: events.events[event].phase,
+            phase,
             kind: SegmentKind::Event {
                 event,
                 bond: moment.bond,
             },
-            from: ready.max(freed.unwrap_or(0)).min(done),
+            from,
             to: done,
             since,
         });
+        news(moments, phase, since, from, segments);
         next = since.map(|(first, _)| first);
+    }
+}
+
+/// Adds the way of the news of what an event had waited for, until it began; where messages take no time there is none.
+fn news(
+    moments: &[EventTiming],
+    phase: PhaseId,
+    since: Option<(usize, Dependency)>,
+    began: u64,
+    segments: &mut Vec<CriticalPathSegment>,
+) {
+    let happened = since.and_then(|(first, _)| moments[first].done);
+    if let Some(happened) = happened.filter(|&happened| happened < began) {
+        segments.push(CriticalPathSegment {
+            phase,
+            kind: SegmentKind::News,
+            from: happened,
+            to: began,
+            since,
+        });
     }
 }
 
@@ -357,6 +386,41 @@ mod tests {
             .iter()
             .map(|segment| (segment.event(), segment.from, segment.to));
         told.collect()
+    }
+
+    #[test]
+    fn the_way_of_news_is_a_link_of_the_chain() {
+        let bonds = vec![
+            bond(0, 1, 3, 0, 10),
+            bond(0, 0, 2, 0, 30),
+            bond(0, 2, 4, 80, 100),
+        ];
+        let completed = record(Outcome::Completed, 100, &[100], bonds.clone());
+        let events = program();
+        let segments = |record| critical_path(&events, record, &moments(&events, record));
+        let links = segments(&completed);
+        let expected = [(Some(0), 0, 30), (None, 30, 80), (Some(1), 80, 100)];
+        assert_eq!(summary(&links), expected);
+        assert_eq!(links[1].kind, SegmentKind::News);
+        // Where it is stopped, as well.
+        let (phase, by) = (PhaseId(0), Limit::MaxTicks);
+        let mut stopped = record(
+            Outcome::TimedOut { phase, by },
+            95,
+            &[],
+            bonds[..2].to_vec(),
+        );
+        stopped.waiting.push(WaitRecord {
+            phase,
+            parent: RoleId(2),
+            face: Face::Up,
+            child: RoleId(4),
+            cell: Cell::new(0, 0, 0),
+            magnetized: 80,
+            entries: 0,
+        });
+        let links = segments(&stopped);
+        assert_eq!(summary(&links)[1..], [(None, 30, 80), (Some(1), 80, 95)]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
+use crate::analysis::critical_path::SegmentKind;
 use crate::analysis::maps::{AGES, Maps, SliceMap};
 use crate::analysis::reported_program::{FinishedRun, ReportedProgram};
 use crate::analysis::waits::ReportedCapture;
@@ -256,12 +257,17 @@ pub(super) fn chains_header() -> String {
 pub(super) fn chains(subject: &ReportedProgram, run: &FinishedRun) -> String {
     let mut table = CsvTable::part();
     for segment in &run.critical_path {
-        let event = segment.event().map(|event| &subject.events.events[event]);
         table.row([
             subject.label.clone(),
             run.record.run.to_string(),
             subject.program.phase(segment.phase).to_owned(),
-            event.map_or("reports".to_owned(), |event| event.text(subject.program)),
+            match segment.kind {
+                SegmentKind::News => "news".to_owned(),
+                SegmentKind::Reports => "reports".to_owned(),
+                SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => {
+                    subject.events.events[event].text(subject.program)
+                }
+            },
             segment.from.to_string(),
             segment.to.to_string(),
         ]);

@@ -105,8 +105,12 @@ pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
         .iter()
         .max_by_key(|segment| segment.ticks())?;
     let share = longest.ticks() as f64 / total.max(1) as f64;
-    let text = of.events.events[longest.event()?].text(of.program);
-    (share >= 0.25).then(|| format!("{} alone took {} of it.", code(&text), whole_percent(share)))
+    let text = |event: usize| code(&of.events.events[event].text(of.program));
+    let told = match (longest.kind, longest.since) {
+        (SegmentKind::News, Some((first, _))) => format!("The news of {}", text(first)),
+        _ => text(longest.event()?),
+    };
+    (share >= 0.25).then(|| format!("{told} alone took {} of it.", whole_percent(share)))
 }
 
 /// When the largest group of an aggregate had reached each of its sizes, as items of a list.
@@ -160,6 +164,11 @@ pub(crate) fn item(
     match segment.kind {
         SegmentKind::Reports => format!(
             "Then the reports took {}{share} to reach the plate, from tick {} on.",
+            count(segment.ticks()),
+            of.at(segment.from)
+        ),
+        SegmentKind::News => format!(
+            "Then the news of it took {}{share} to reach the block that waited for it, from tick {} on.",
             count(segment.ticks()),
             of.at(segment.from)
         ),
