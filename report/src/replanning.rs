@@ -16,6 +16,8 @@ pub struct Replanning {
     pub plans: u64,
     /// Runs in which the rest could not be planned, and which went on as they were.
     pub not_planned: u64,
+    /// Releases of the program. A plan captures nothing that is let go again, so that where there are any it has less to do.
+    pub releases: usize,
     /// Ticks to completion of the runs as they are.
     pub plain: Option<Time>,
     /// The same with the plans.
@@ -31,6 +33,7 @@ impl Replanning {
         after: u64,
         times: &[(u64, [Observation; 2])],
         (plans, not_planned): (u64, u64),
+        releases: usize,
     ) -> Replanning {
         // Until the first plan they are the same, so that they belong together in pairs.
         let side = |side: usize| -> Vec<(u64, Observation)> {
@@ -44,6 +47,7 @@ impl Replanning {
             runs: times.len(),
             plans,
             not_planned,
+            releases,
             plain: Time::beside(&plain.observations(), last),
             replanned: Time::beside(&replanned.observations(), last),
             difference: compare(&plain, &replanned),

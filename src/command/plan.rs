@@ -15,7 +15,7 @@ use super::run_options::RatesOption;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::plan::{
-    Budget, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, plan, read,
+    Budget, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, is_right_at, plan, read,
 };
 use crate::planning::Planned;
 
@@ -134,6 +134,9 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     let stop = stop_on_interrupt()?;
     let planned = plan(&target, &plan_options, &host)?;
     let stopped = stop.load(Ordering::Relaxed);
+    if let (true, Some(path)) = (options.complete, &options.out) {
+        is_right_at(path, &planned.text, &options.imports.folders)?;
+    }
     write(&planned, out, options)?;
     match stopped {
         false => Ok(Exit::Success),

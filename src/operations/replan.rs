@@ -111,7 +111,7 @@ pub fn replan(
             made = self::made(&rest, how, host)?;
             (chains, programs) = (waiting, rest.programs);
         }
-        results.push(outcomes.summary(&program.name, how.after));
+        results.push(outcomes.summary(program, how.after));
     }
     Ok(results)
 }
@@ -238,13 +238,16 @@ impl Outcomes {
         Some((chain, rest))
     }
 
-    fn summary(&self, program: &str, after: u64) -> Replanning {
+    fn summary(&self, program: &EnsembleProgram, after: u64) -> Replanning {
         let both = self.plain.iter().filter_map(|(run, plain)| {
             let replanned = self.replanned.get(run)?;
             Some((*run, [*plain, *replanned]))
         });
         let times: Vec<_> = both.collect();
-        Replanning::of(program, after, &times, (self.plans, self.not_planned))
+        let events = &program.compiled.graph.events;
+        let releases = events.iter().filter(|event| !event.action.is_capture());
+        let plans = (self.plans, self.not_planned);
+        Replanning::of(&program.name, after, &times, plans, releases.count())
     }
 }
 

@@ -358,6 +358,29 @@ fn a_program_is_completed() {
     let said = stochc_with("plan --complete --quiet", &[&part, "--out", &whole]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert_eq!(stochc_with("check --deny warnings", &[&whole]).status, 0);
+    // Where its imports are not found, it is not written.
+    let imported = "let length = 2\n";
+    fs::write(path(folder.path(), "lengths.sa"), imported).unwrap();
+    let importing = path(folder.path(), "importing.sa");
+    let more = text.replace("M.up -> T", "M.up ->> T[1..length]");
+    let more = more.replace("layer 2 { # }", "layer 2 { # # }");
+    fs::write(&importing, format!("import \"lengths.sa\"\n{more}")).unwrap();
+    let beside = path(folder.path(), "beside.sa");
+    let said = stochc_with("plan --complete --quiet", &[&importing, "--out", &beside]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    fs::create_dir(folder.path().join("elsewhere")).unwrap();
+    let elsewhere = path(folder.path(), "elsewhere/whole.sa");
+    let said = stochc_with(
+        "plan --complete --quiet",
+        &[&importing, "--out", &elsewhere],
+    );
+    assert_eq!(said.status, 2, "{}", said.err);
+    assert!(
+        said.err.contains("into the folder of the program"),
+        "{}",
+        said.err
+    );
+    assert!(!Path::new(&elsewhere).exists());
     let again = stochc_with("plan --complete", &[&whole]);
     assert_eq!(again.status, 1);
     assert!(
@@ -435,6 +458,16 @@ fn planning_the_rest_anew_is_compared_with_runs_as_they_are() {
         "{}",
         told.out
     );
+    // A plan does less than a program that lets go of what it has built.
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "cleared.sa");
+    let text = "assembly cleared { seed plate 1 x 1 { A at (0, 0) }\n\
+                phase build { A.up ->> T[1..4] }\n\
+                phase clear { release T[2], T[3], T[4] } }\n";
+    fs::write(&file, text).unwrap();
+    let line = "simulate --model rate --runs 8 --quiet --replan 300";
+    let told = stochc_with(line, &[&file]);
+    assert!(told.out.contains("pays is not said"), "{}", told.out);
     // It is kept nowhere.
     assert_eq!(stochc(&format!("{compare} 800 --out anywhere")).status, 2);
     assert_eq!(stochc(&format!("{compare} 0")).status, 2);

@@ -67,6 +67,10 @@ fn sentence(it: &Replanning) -> String {
             );
         }
         _ if it.plans == 0 => "nothing was planned anew",
+        // A plan that does less proves nothing.
+        _ if it.releases > 0 => {
+            "whether planning the rest anew pays is not said, because a plan captures nothing that the program lets go again,"
+        }
         Some(Longer::First) => "planning the rest anew pays",
         Some(Longer::Second) => "planning the rest anew costs time",
         Some(Longer::Undecided) | None => "whether planning the rest anew pays is undecided",

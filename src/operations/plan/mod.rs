@@ -6,10 +6,12 @@ mod rest;
 mod seed_plate;
 mod target;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use stochc_compiler::diagnostic::Severity;
 use stochc_compiler::scene::built_in_names;
+use stochc_compiler::{Limits, LintLevels};
 use stochc_ensemble::clock::now;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
@@ -21,6 +23,7 @@ use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::planning::{Completion, Goal, Planned, Unplanned};
 use crate::progress::WorkProgress;
+use crate::reader::DiskReader;
 
 pub use budget::Budget;
 pub use offset::Offset;
@@ -87,6 +90,26 @@ fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
             "--scene: no scene is called `{}`; {} are built in, and `stochc plan FILE.sa` knows those of the program",
             visible(scene),
             built_in_names()
+        ))),
+    }
+}
+
+/// Refuses a completed program for a file from which its imports are not found.
+///
+/// # Errors
+/// If the program has errors there.
+pub fn is_right_at(path: &Path, text: &str, imports: &[PathBuf]) -> Result<(), Failure> {
+    let path = path.to_string_lossy();
+    let mut reader = DiskReader::new(&path, Some(text.as_bytes()), imports);
+    let (limits, levels) = (Limits::default(), LintLevels::default());
+    let checked = stochc_compiler::check_with(&path, &mut reader, limits, &levels);
+    let mut found = checked.diagnostics.iter();
+    match found.find(|found| found.severity == Severity::Error) {
+        None => Ok(()),
+        Some(error) => Err(Failure::usage(format!(
+            "in `{}` the program would not be right: {}; write it into the folder of the program that it completes",
+            visible(&path),
+            error.title
         ))),
     }
 }
