@@ -21,6 +21,8 @@ mod block_demand;
 mod capacity;
 mod checked;
 pub mod cost;
+mod declared_scenes;
+mod declared_shapes;
 pub mod diagnostic;
 pub mod emit;
 mod executable;
@@ -53,6 +55,8 @@ mod unplanned_bonds;
 mod unused;
 
 pub use checked::{Checked, Program};
+pub use declared_scenes::{DeclaredScene, declared_scenes};
+pub use declared_shapes::{DeclaredShape, DeclaredShapes};
 pub use expand::Limits;
 pub use fix::{Fixed, fix};
 pub use lint_levels::{Allowed, Level, LintLevels};

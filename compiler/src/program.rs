@@ -295,7 +295,7 @@ fn programs(
         symbols,
         doubtful,
     } = loaded;
-    let scenes = Scenes::of(modules, symbols, diagnostics);
+    let scenes = Scenes::of(modules, names, symbols, diagnostics);
     let trees = modules.iter().map(|module| (module.file, &module.tree));
     let declarations = declarations(trees, names, symbols, diagnostics);
     let Some(own) = modules.last() else {

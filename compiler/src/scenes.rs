@@ -1,11 +1,14 @@
 //! The scenes of a program: its own and the built-in ones.
-use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{ItemKind, Name, SceneDeclaration};
+use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_grammar::tree::Name;
 use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::scene::Scene;
 
+use crate::declared_scenes::{DeclaredScene, of_trees};
 use crate::diagnostic::{Code, Diagnostic, meant, report};
+use crate::expand::duplicate;
 use crate::load::Module;
+use crate::names::{Definition, Names};
 use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::{FileId, SourceLocation};
 
@@ -13,123 +16,81 @@ use crate::{FileId, SourceLocation};
 const MOST_LISTED: usize = 20;
 
 /// Every scene that a program may name.
-pub struct Scenes {
-    read: FxHashMap<Symbol, Option<Scene>>,
+pub struct Scenes<'a> {
+    names: &'a Names,
+    read: FxHashMap<Definition, Option<Scene>>,
+    /// The built-in ones that others are based on.
+    built_in: FxHashMap<Symbol, Option<Scene>>,
 }
 
-impl Scenes {
+impl<'a> Scenes<'a> {
     /// Reads every declared scene, whether it is used or not.
-    pub fn of(modules: &[Module], symbols: &Symbols, diagnostics: &mut Vec<Diagnostic>) -> Scenes {
-        let mut declared: FxHashMap<Symbol, (FileId, &SceneDeclaration)> = FxHashMap::default();
-        let mut order: Vec<Symbol> = Vec::new();
-        for module in modules {
-            for item in &module.tree.items {
-                let ItemKind::Scene(scene) = &item.kind else {
-                    continue;
-                };
-                let here = SourceLocation {
-                    file: module.file,
-                    span: scene.name.span,
-                };
-                if let Some((file, old)) = declared.get(&scene.name.symbol) {
-                    let old = SourceLocation {
-                        file: *file,
-                        span: old.name.span,
-                    };
-                    let word = symbols.word(scene.name.symbol);
-                    report(
-                        diagnostics,
-                        crate::expand::duplicate(word, old, here, "a scene"),
-                    );
-                    continue;
-                }
-                declared.insert(scene.name.symbol, (module.file, scene));
-                order.push(scene.name.symbol);
-            }
-        }
+    pub fn of(
+        modules: &[Module],
+        names: &'a Names,
+        symbols: &Symbols,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Scenes<'a> {
+        let trees = modules.iter().map(|module| (module.file, &module.tree));
+        let declared = of_trees(trees, names, symbols, &mut |old, new| {
+            let word = symbols.word(new.scene.name.symbol);
+            let (old, new) = (old.location(), new.location());
+            report(diagnostics, duplicate(word, old, new, "a scene"));
+        });
         let mut scenes = Scenes {
+            names,
             read: FxHashMap::default(),
+            built_in: FxHashMap::default(),
         };
-        for name in order {
-            scenes.resolve(name, &declared, symbols, diagnostics);
+        for number in 0..declared.len() {
+            scenes.read_line(number, &declared, symbols, diagnostics);
         }
         scenes
     }
 
-    /// Reads a scene and, before it, those it is derived from.
-    fn resolve(
+    /// Reads a scene and, before it, those it is based on.
+    fn read_line(
         &mut self,
-        name: Symbol,
-        declared: &FxHashMap<Symbol, (FileId, &SceneDeclaration)>,
+        number: usize,
+        declared: &[DeclaredScene<'_>],
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
         // From the scene itself to the first one that is known or stands for itself.
-        let mut line: Vec<(FileId, &SceneDeclaration)> = Vec::new();
-        let mut passed = rustc_hash::FxHashSet::default();
+        let mut line: Vec<&DeclaredScene<'_>> = Vec::new();
+        let mut passed = FxHashSet::default();
         let mut base = None;
-        let mut next = Some(name);
+        let mut next = Some(number);
         while let Some(at) = next {
-            if let Some(known) = self.read.get(&at) {
+            let it = &declared[at];
+            if let Some(known) = self.read.get(&it.definition) {
                 base = known.clone();
                 break;
             }
-            let Some(&(file, tree)) = declared.get(&at) else {
-                base = self.elsewhere(at, &line, symbols, diagnostics);
-                break;
-            };
             if !passed.insert(at) {
-                let mut diagnostic = Diagnostic::new(
-                    Code::UnknownScene,
-                    "scenes derived from each other in a cycle",
-                );
-                for (file, tree) in &line {
-                    let span = tree.base.map_or(tree.name.span, |base| base.span);
-                    diagnostic =
-                        diagnostic.label(SourceLocation { file: *file, span }, "derived from this");
-                }
-                diagnostics.push(diagnostic.help("one of them has to stand for itself"));
+                diagnostics.push(cycle(&line));
                 break;
             }
-            line.push((file, tree));
-            next = tree.base.map(|base| base.symbol);
-            // A scene may take the place of the built-in one it is derived from.
-            if next == Some(at)
-                && let Some(scene) = built_in(symbols.word(at))
-            {
-                base = Some(scene);
-                break;
+            line.push(it);
+            next = it.base;
+            if let (None, Some(name)) = (next, it.scene.base) {
+                let read = || built_in(symbols.word(name.symbol));
+                base.clone_from(self.built_in.entry(name.symbol).or_insert_with(read));
+                if base.is_none() {
+                    let diagnostic = self.unknown(name, it.file, symbols, diagnostics);
+                    report(diagnostics, diagnostic);
+                }
             }
         }
-        for (file, tree) in line.into_iter().rev() {
-            let scene = if tree.base.is_some() && base.is_none() {
+        for it in line.into_iter().rev() {
+            let scene = if it.scene.base.is_some() && base.is_none() {
                 None
             } else {
-                read(tree, base.take(), file, symbols, diagnostics)
+                read(it.scene, base.take(), it.file, symbols, diagnostics)
             };
             base.clone_from(&scene);
-            self.read.insert(tree.name.symbol, scene);
+            self.read.insert(it.definition, scene);
         }
-    }
-
-    fn elsewhere(
-        &mut self,
-        name: Symbol,
-        line: &[(FileId, &SceneDeclaration)],
-        symbols: &Symbols,
-        diagnostics: &mut Vec<Diagnostic>,
-    ) -> Option<Scene> {
-        let word = symbols.word(name);
-        let scene = built_in(word);
-        if scene.is_some() {
-            self.read.insert(name, scene.clone());
-        } else if let Some((file, tree)) = line.last()
-            && let Some(base) = tree.base
-        {
-            let diagnostic = self.unknown(base, *file, symbols, diagnostics);
-            report(diagnostics, diagnostic);
-        }
-        scene
     }
 
     /// The scene of an assembly; `None` if it is unknown or wrong, which has been told.
@@ -140,22 +101,22 @@ impl Scenes {
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<Scene> {
-        let Some(name) = name else {
-            return self.read_or_built_in(symbols.get(DEFAULT), DEFAULT);
+        let definition = match name {
+            Some(name) => self.names.definition(file, name.span),
+            None => (symbols.get(DEFAULT)).and_then(|word| self.names.scene(word)),
         };
-        let scene = self.read_or_built_in(Some(name.symbol), symbols.word(name.symbol));
-        if scene.is_none() && !self.read.contains_key(&name.symbol) {
+        if let Some(scene) = definition.and_then(|it| self.read.get(&it)) {
+            return scene.clone();
+        }
+        let Some(name) = name else {
+            return built_in(DEFAULT);
+        };
+        let scene = built_in(symbols.word(name.symbol));
+        if scene.is_none() {
             let diagnostic = self.unknown(name, file, symbols, diagnostics);
             report(diagnostics, diagnostic);
         }
         scene
-    }
-
-    fn read_or_built_in(&self, symbol: Option<Symbol>, word: &str) -> Option<Scene> {
-        match symbol.and_then(|symbol| self.read.get(&symbol)) {
-            Some(scene) => scene.clone(),
-            None => built_in(word),
-        }
     }
 
     fn unknown(
@@ -167,7 +128,8 @@ impl Scenes {
     ) -> Diagnostic {
         let word = symbols.word(name.symbol);
         let known = || {
-            let read = self.read.keys().map(|&scene| symbols.word(scene));
+            let read = self.read.keys();
+            let read = read.map(|&scene| symbols.word(self.names.word(scene)));
             read.chain(BUILT_IN.iter().map(|(name, _)| *name))
         };
         let location = SourceLocation {
@@ -186,4 +148,19 @@ impl Scenes {
                 format!("known are {}", known.join(", "))
             })
     }
+}
+
+/// Scenes of which each is based on the next, and the last on one of them.
+fn cycle(line: &[&DeclaredScene<'_>]) -> Diagnostic {
+    let title = "scenes derived from each other in a cycle";
+    let mut diagnostic = Diagnostic::new(Code::UnknownScene, title);
+    for it in line {
+        let name = it.scene.base.unwrap_or(it.scene.name);
+        let location = SourceLocation {
+            file: it.file,
+            span: name.span,
+        };
+        diagnostic = diagnostic.label(location, "derived from this");
+    }
+    diagnostic.help("one of them has to stand for itself")
 }

@@ -1,7 +1,6 @@
 //! Rates for `--model rate`: those of files, or measured now.
 use std::path::{Path, PathBuf};
 
-use stochc_compiler::LintLevels;
 use stochc_ensemble::calibration::{Calibration, PROGRAMS, profile};
 use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_files::budget::RATES;
@@ -14,7 +13,7 @@ use stochc_runtime::world::rate::RateWorld;
 
 use super::in_memory::all_runs;
 use crate::exit::{Exit, Failure};
-use crate::facade::{check_texts, compile};
+use crate::facade::{check_text, compile};
 use crate::host::Host;
 
 /// What is simulated if nothing is said: some 30 s of processor time in the default scene.
@@ -179,8 +178,8 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
     }
     let mut observed: Vec<EnsembleProgram> = Vec::new();
     for (name, text) in PROGRAMS {
-        let checked = check_texts(&[(name, text)], &LintLevels::default(), "", &[]);
-        let executables = compile(checked).map_err(|wrong| Failure::usage(wrong.to_string()))?;
+        let executables =
+            compile(check_text(name, text)).map_err(|wrong| Failure::usage(wrong.to_string()))?;
         for mut executable in executables {
             // Blocks that are not there cannot be waited for.
             if executable.tables.captures() as u64 <= u64::from(scene.free.count) {

@@ -5,7 +5,9 @@ use std::ops::Range;
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::placed_blocks::placed_blocks;
 use stochc_compiler::plan::EventKind;
-use stochc_compiler::{Checked, FileId, LintLevels, Program, SourceLocation, shape_cells};
+use stochc_compiler::{
+    Checked, DeclaredShapes, FileId, LintLevels, Program, SourceLocation, shape_cells,
+};
 use stochc_grammar::format;
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_ir::Cell;
@@ -16,7 +18,7 @@ use stochc_planner::{
 };
 use stochc_rates::Rates;
 
-use super::{Planned, Unplanned, estimated_part, known_by, shapes};
+use super::{Planned, Unplanned, estimated_part};
 use crate::check_texts;
 
 /// What is missing in a program.
@@ -242,13 +244,13 @@ fn untrue_claims(checked: &Checked) -> Option<usize> {
 
 /// The first claim that is not true.
 fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, NotCompleted> {
-    let declared = shapes(checked);
+    let shapes = DeclaredShapes::of(checked);
     let mut is_claimed = false;
     for program in &checked.programs {
         for (number, phase) in program.plan.phases.iter().enumerate() {
             for &(symbol, location) in &phase.claims {
                 let name = checked.symbols.word(symbol);
-                let known = known_by(&declared, program, checked, name);
+                let known = shapes.seen_from(&program.plan, name);
                 let Some(declared) = known.filter(|_| shape.is_none_or(|shape| shape == name))
                 else {
                     continue;

@@ -1,17 +1,17 @@
 //! From a shape of a program, or from cells, to a program that builds it and has been checked.
 mod completion;
 mod repair;
+mod scenes;
 
-use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use stochc_compiler::cost::{self, Cost};
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{PlanSeed, ProgramPlan};
-use stochc_compiler::scene::{DEFAULT, built_in};
-use stochc_compiler::{Checked, FileId, LintLevels, Program, shape_cells};
-use stochc_grammar::tree::{Item, ItemKind, Shape, Tree};
-use stochc_grammar::{Symbol, Symbols, print};
+use stochc_compiler::scene::{DEFAULT, is_built_in};
+use stochc_compiler::{Checked, DeclaredShape, DeclaredShapes, Program, shape_cells};
+use stochc_grammar::tree::{Item, Tree};
+use stochc_grammar::{Symbols, print};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
@@ -21,9 +21,10 @@ use stochc_planner::{
 };
 use stochc_rates::{Rates, Times};
 
-use crate::{check_text, check_texts};
+use crate::check_text;
 pub use completion::{Completion, NotCompleted};
 pub use repair::{ExistingStructure, Repair};
+use scenes::WrittenScenes;
 
 /// What is to be built, on what, and where.
 #[derive(Clone, Debug)]
@@ -40,8 +41,8 @@ pub struct Goal {
     pub scene: Option<String>,
     /// Declares the shape.
     shape: Option<String>,
-    /// Declares scenes.
-    scenes: String,
+    /// The scenes that are declared where the shape comes from.
+    scenes: WrittenScenes,
     /// What stands before, and what of it is let go.
     repair: Repair,
     /// The scene, once it has been compiled, by its name.
@@ -70,15 +71,6 @@ pub enum Unplanned {
     Refused(TargetError),
     /// The names, the scene or the room that it has are wrong, as these findings say.
     Wrong(Box<Checked>),
-}
-
-/// A shape that a program declares.
-struct DeclaredShape<'a> {
-    /// The assembly that it stands in, and that alone knows it.
-    assembly: Option<Symbol>,
-    file: FileId,
-    item: &'a Item,
-    shape: &'a Shape,
 }
 
 /// What programs are called in findings.
@@ -119,7 +111,7 @@ impl Goal {
             plate: None,
             seeds: None,
             scene: None,
-            scenes: String::new(),
+            scenes: WrittenScenes::default(),
             repair: Repair::default(),
             compiled: OnceLock::new(),
         }
@@ -138,9 +130,8 @@ impl Goal {
             // The words live as long as the file.
             names.collect()
         };
-        let declared = shapes(checked);
-        let known: Vec<&str> = declared
-            .iter()
+        let declared = DeclaredShapes::of(checked);
+        let known: Vec<&str> = (declared.all().iter())
             .map(|it| symbols.word(it.shape.name.symbol))
             .collect();
         let listed = || {
@@ -159,7 +150,7 @@ impl Goal {
         let claiming = |wanted: &str| {
             programs().find(|program| {
                 let claims = claims(&program.plan);
-                claims.contains(&wanted) && known_by(&declared, program, checked, wanted).is_some()
+                claims.contains(&wanted) && declared.seen_from(&program.plan, wanted).is_some()
             })
         };
         let all_claimed = programs().flat_map(|program| {
@@ -174,8 +165,8 @@ impl Goal {
             (None, _) => {
                 let (program, name) = last_claimed
                     .ok_or_else(|| format!("it declares {}: name one with `--shape`", listed()))?;
-                let is_local = known_by(&declared, program, checked, name)
-                    .is_some_and(|it| it.assembly.is_some());
+                let seen = declared.seen_from(&program.plan, name);
+                let is_local = seen.is_some_and(|it| it.is_local);
                 (
                     name,
                     if is_local {
@@ -186,8 +177,9 @@ impl Goal {
                 )
             }
         };
-        let of_claim = claiming.and_then(|program| known_by(&declared, program, checked, wanted));
-        let first = || (declared.iter()).find(|it| symbols.word(it.shape.name.symbol) == wanted);
+        let of_claim = claiming.and_then(|program| declared.seen_from(&program.plan, wanted));
+        let first =
+            || (declared.all().iter()).find(|it| symbols.word(it.shape.name.symbol) == wanted);
         let found = of_claim.or_else(first);
         let found = found.ok_or_else(|| match known.len() {
             0 => format!("it declares no shape `{wanted}`, nor any other"),
@@ -220,7 +212,7 @@ impl Goal {
             seeds: assembly.and_then(|program| seats(&program.plan)),
             scene: assembly.and_then(scene_of),
             shape: Some(printed(item, symbols)),
-            scenes: declared_scenes(checked),
+            scenes: WrittenScenes::of(checked),
             repair: Repair::default(),
             compiled: OnceLock::new(),
         })
@@ -245,7 +237,7 @@ impl Goal {
     /// Builds it in a scene of this name, which the text declares.
     pub fn declare_scene(&mut self, name: &str, text: &str) {
         self.scene = Some(name.to_owned());
-        text.clone_into(&mut self.scenes);
+        self.scenes = WrittenScenes::of(&check_text(NAME, text));
         self.compiled = OnceLock::new();
     }
 
@@ -272,7 +264,7 @@ impl Goal {
             .map_or(String::new(), |scene| format!(" in {scene}"));
         let text = format!(
             "{}\nassembly probe{scene} {{ seed plate 1 x 1 {{ M at (0, 0) }}\nphase grow {{ M.up -> A }} }}",
-            self.scenes
+            self.scenes.all()
         );
         let mut checked = check_text(NAME, &text);
         let scene = checked
@@ -284,38 +276,14 @@ impl Goal {
 
     /// Whether a scene of this name is built in, or declared where the shape comes from.
     pub fn knows_scene(&self, name: &str) -> bool {
-        let mut symbols = Symbols::new();
-        let declared = stochc_grammar::parse(&self.scenes, &mut symbols).tree.items;
-        let is_it = |item: &Item| match &item.kind {
-            ItemKind::Scene(scene) => symbols.word(scene.name.symbol) == name,
-            _ => false,
-        };
-        built_in(name).is_some() || declared.iter().any(is_it)
+        is_built_in(name) || self.scenes.declare(name)
     }
 
-    /// The scenes that are declared and needed.
+    /// The scenes that are declared and needed, as they are written.
     fn needed_scenes(&self) -> String {
-        let mut reader = stochc_grammar::Symbols::new();
-        let parsed = stochc_grammar::parse(&self.scenes, &mut reader);
         // A file may have a scene of its own by the name of the one that nobody has to name.
-        let mut wanted = BTreeSet::from([self.scene.as_deref().unwrap_or(DEFAULT)]);
-        // Whoever is built on another is declared behind it or before it; a round for each is enough.
-        for _ in 0..parsed.tree.items.len() {
-            for item in &parsed.tree.items {
-                if let ItemKind::Scene(scene) = &item.kind
-                    && wanted.contains(reader.word(scene.name.symbol))
-                    && let Some(base) = scene.base
-                {
-                    wanted.insert(reader.word(base.symbol));
-                }
-            }
-        }
-        let is_needed = |item: &&Item| match &item.kind {
-            ItemKind::Scene(scene) => wanted.contains(reader.word(scene.name.symbol)),
-            _ => false,
-        };
-        let needed = parsed.tree.items.iter().filter(is_needed);
-        needed.map(|item| as_written(item, &self.scenes)).collect()
+        self.scenes
+            .needed_for(self.scene.as_deref().unwrap_or(DEFAULT))
     }
 
     /// The smallest plate under all cells of the lowest layer.
@@ -423,7 +391,7 @@ impl Goal {
     /// What the check finds in the program of a plan.
     fn check(&self, target: &Target, plan: &BuildPlan, allowed: &[(&str, String)]) -> Checked {
         let draft = self.write(plan, allowed, |plan, naming| draft(target, plan, naming));
-        checked(&draft)
+        check_text(NAME, &draft)
     }
 
     /// The program of a plan, with what has to be allowed in it; its estimate becomes that of the whole program.
@@ -446,7 +414,7 @@ impl Goal {
                 || self.check(target, &plan, &allowed).diagnostics.is_empty());
         if !is_accepted {
             // Told of the program as it would be shown.
-            let found = checked(&self.text(target, &plan, &allowed));
+            let found = check_text(NAME, &self.text(target, &plan, &allowed));
             return Err(Unplanned::Wrong(Box::new(found)));
         }
         plan.estimate = estimated(&found, law, plan.estimate);
@@ -469,10 +437,6 @@ impl Goal {
     fn assembly(&self) -> String {
         format!("build_{}", self.name)
     }
-}
-
-fn checked(text: &str) -> Checked {
-    check_texts(&[(NAME, text)], &LintLevels::default(), "", &[])
 }
 
 /// How long a program takes, as `check --cost` says, or as was found when it was looked for.
@@ -500,64 +464,6 @@ fn estimated_part(
         is_typical: rates.is_none(),
         is_first_guess: rates.is_some_and(Rates::is_guess),
     }
-}
-
-/// The shapes of all files, those within assemblies as well.
-fn shapes(checked: &Checked) -> Vec<DeclaredShape<'_>> {
-    let mut found = Vec::new();
-    for (file, tree) in checked.trees() {
-        for outer in &tree.items {
-            let (assembly, items) = match &outer.kind {
-                ItemKind::Assembly(assembly) => (Some(assembly.name.symbol), &assembly.body[..]),
-                _ => (None, std::slice::from_ref(outer)),
-            };
-            found.extend(items.iter().filter_map(|item| match &item.kind {
-                ItemKind::Shape(shape) => Some(DeclaredShape {
-                    assembly,
-                    file,
-                    item,
-                    shape,
-                }),
-                _ => None,
-            }));
-        }
-    }
-    found
-}
-
-/// The shape that a program knows by a name: its own, or one of its files.
-fn known_by<'a>(
-    declared: &'a [DeclaredShape<'a>],
-    program: &Program,
-    checked: &Checked,
-    name: &str,
-) -> Option<&'a DeclaredShape<'a>> {
-    let word = |symbol| checked.symbols.word(symbol);
-    let of_name = || (declared.iter()).filter(|it| word(it.shape.name.symbol) == name);
-    let is_own = |it: &&DeclaredShape<'_>| it.assembly.map(word) == Some(&program.plan.name);
-    (of_name().find(is_own)).or_else(|| of_name().find(|it| it.assembly.is_none()))
-}
-
-/// The scenes that a program declares, as it has written them.
-fn declared_scenes(checked: &Checked) -> String {
-    let mut scenes = String::new();
-    for (file, tree) in checked.trees() {
-        let items = tree.items.iter();
-        for item in items.filter(|item| matches!(item.kind, ItemKind::Scene(_))) {
-            scenes += &as_written(item, &checked.sources.file(file).text);
-        }
-    }
-    scenes
-}
-
-/// An item of a text, with its documentation and its comments.
-fn as_written(item: &Item, text: &str) -> String {
-    let docs = item.docs.0.iter().flat_map(|lines| lines.iter());
-    let docs: String = docs
-        .map(|line| format!("{}\n", format!("/// {line}").trim_end()))
-        .collect();
-    let written = text.get(item.span.start as usize..item.span.end as usize);
-    format!("{docs}{}\n", written.unwrap_or_default())
 }
 
 fn printed(item: &Item, symbols: &Symbols) -> String {

@@ -1,7 +1,7 @@
 //! The rest of a run: what stands at its end is there at the beginning, and what is missing is planned.
 use std::collections::{BTreeMap, BTreeSet};
 
-use stochc_compiler::{Checked, Program};
+use stochc_compiler::{Checked, DeclaredShapes, Program};
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::{RoleId, Tables};
 use stochc_ir::{Cell, Face};
@@ -9,6 +9,7 @@ use stochc_planner::ExistingBlock;
 
 use super::Goal;
 use super::completion::existing;
+use super::scenes::WrittenScenes;
 
 /// A structure as a run left it.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,19 +142,16 @@ impl Goal {
         let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
         let claimed = claims.last().map(|&(name, _)| checked.symbols.word(name));
         let mut goal = match shape.or(claimed) {
-            Some(shape) => {
-                let declared = super::shapes(checked);
-                match super::known_by(&declared, program, checked, shape) {
-                    Some(known) => Goal::of_shape(checked, known, Some(program))?,
-                    None => Goal::of_program(checked, Some(shape))?,
-                }
-            }
+            Some(shape) => match DeclaredShapes::of(checked).seen_from(plan, shape) {
+                Some(known) => Goal::of_shape(checked, known, Some(program))?,
+                None => Goal::of_program(checked, Some(shape))?,
+            },
             None => {
                 let last = plan.phases.len().checked_sub(1);
                 let built = last.map_or(Vec::new(), |last| existing(program, last));
                 let cells = built.into_iter().map(|(block, _)| block.cell);
                 Goal {
-                    scenes: super::declared_scenes(checked),
+                    scenes: WrittenScenes::of(checked),
                     ..Goal::of_cells(&plan.name, cells.collect())
                 }
             }

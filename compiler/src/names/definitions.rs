@@ -2,6 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
+use super::declared::DeclaredNames;
 use super::{Definition, Keep, NameKind, Names, Occurrence, Use};
 use crate::SourceLocation;
 
@@ -87,7 +88,7 @@ impl Definitions {
     }
 
     /// Every name, by file and place.
-    pub fn finish(mut self) -> Names {
+    pub fn finish(mut self, declared: DeclaredNames) -> Names {
         let mut occurrences = std::mem::take(&mut self.occurrences);
         for occurrence in &mut occurrences {
             occurrence.definition = self.root(occurrence.definition);
@@ -111,6 +112,7 @@ impl Definitions {
             occurrences,
             kinds: self.kinds,
             uses,
+            declared,
         }
     }
 }

@@ -7,6 +7,7 @@
 //! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`, since only writing the
 //! program out could tell them apart ([`crate::source_map`] does). A name that may stand for several
 //! definitions, such as a number of the assembly that grows a pattern, makes them one.
+mod declared;
 mod definitions;
 mod resolve;
 
@@ -16,6 +17,7 @@ use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
 use crate::checked::Checked;
 use crate::{FileId, SourceLocation};
+use declared::DeclaredNames;
 
 /// Every name of a program's files.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +29,8 @@ pub struct Names {
     definitions: FxHashMap<(FileId, u32), Definition>,
     /// What each parameter is used as, in source order.
     uses: FxHashMap<Definition, Vec<Use>>,
+    /// Patterns, shapes and scenes by their words.
+    declared: DeclaredNames,
 }
 
 /// A use of a parameter.
@@ -125,6 +129,7 @@ impl NameKind {
                 | NameKind::Parameter
                 | NameKind::Pattern
                 | NameKind::Shape
+                | NameKind::Scene
         )
     }
 
@@ -156,6 +161,12 @@ impl Names {
         Names::of_trees(checked.trees(), Keep::All, cancellation)
     }
 
+    /// Those of declarations alone; no blocks, instances and phases, of which there may be millions.
+    pub(crate) fn of_declarations(checked: &Checked) -> Names {
+        let names = Names::of_trees(checked.trees(), Keep::Declarations, Cancellation::NEVER);
+        names.expect("nobody cancels it")
+    }
+
     /// The same, from the trees of the files: imported ones before those that import them.
     ///
     /// # Errors
@@ -169,9 +180,27 @@ impl Names {
         resolve::resolve(trees, keep, cancellation)
     }
 
-    /// The number, counter, parameter, pattern or shape that is named here; `None`: the name is that of something else, or of nothing.
+    /// The number, counter, parameter, pattern, shape or scene that is named here; `None`: the name is that of something else, or of nothing.
     pub(crate) fn definition(&self, file: FileId, span: Span) -> Option<Definition> {
         self.definitions.get(&(file, span.start)).copied()
+    }
+
+    /// Where the pattern or shape is declared that a word stands for in an assembly, whose name stands at this place.
+    pub(crate) fn seen_from(
+        &self,
+        assembly: SourceLocation,
+        kind: NameKind,
+        word: Symbol,
+    ) -> Option<SourceLocation> {
+        let place = (assembly.file, assembly.span.start);
+        let number = self.declared.assemblies.get(&place).copied();
+        let seen = self.declared.seen_from(number, kind, word);
+        seen.map(|it| it.location)
+    }
+
+    /// The scene of a word, if it is declared or named anywhere.
+    pub(crate) fn scene(&self, word: Symbol) -> Option<Definition> {
+        self.declared.scenes.get(&word).copied()
     }
 
     /// What the parameter that is declared here is used as, in source order.

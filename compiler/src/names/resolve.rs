@@ -6,6 +6,7 @@ use stochc_grammar::tree::{
 };
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
+use super::declared::{DeclaredName, DeclaredNames, DeclaredWords};
 use super::definitions::{Bindings, Definitions};
 use super::{Definition, Keep, NameKind, Names, Use, ValueKind};
 use crate::{FileId, SourceLocation};
@@ -25,7 +26,7 @@ pub fn resolve<'a>(
         file: FileId(0),
         bindings: Bindings::default(),
         file_numbers: FxHashMap::default(),
-        shared: FxHashMap::default(),
+        declared: DeclaredNames::default(),
         scopes: FxHashMap::default(),
         scope_count: 0,
         captured: FxHashSet::default(),
@@ -50,7 +51,7 @@ pub fn resolve<'a>(
     }
     // It may have been given up before its end.
     cancellation.check()?;
-    Ok(resolver.definitions.finish())
+    Ok(resolver.definitions.finish(resolver.declared))
 }
 
 /// Whose blocks and instances are spoken of: those of an assembly, or of a pattern.
@@ -70,13 +71,12 @@ enum EnclosingScope {
     Pattern,
 }
 
-/// What an assembly declares for itself.
+/// The numbers that an assembly declares for itself.
 #[derive(Default)]
-struct Own {
+struct OwnNumbers {
     numbers: FxHashMap<Symbol, Vec<Definition>>,
     /// The same, by the place of their names.
     lets: FxHashMap<u32, Definition>,
-    named: FxHashMap<(NameKind, Symbol), Definition>,
 }
 
 struct Resolver<'c> {
@@ -84,8 +84,8 @@ struct Resolver<'c> {
     file: FileId,
     bindings: Bindings,
     file_numbers: FxHashMap<Symbol, Definition>,
-    /// Patterns, shapes and scenes of all files.
-    shared: FxHashMap<(NameKind, Symbol), Definition>,
+    /// Patterns, shapes and scenes.
+    declared: DeclaredNames,
     /// For every pattern, whose names it has.
     scopes: FxHashMap<Definition, BlockScope>,
     scope_count: u32,
@@ -95,7 +95,7 @@ struct Resolver<'c> {
     blocks: FxHashMap<(BlockScope, NameKind, Symbol), Definition>,
     /// The patterns that the instances of a name have grown from.
     grown: FxHashMap<Definition, Vec<BlockScope>>,
-    assemblies: Vec<Own>,
+    assemblies: Vec<OwnNumbers>,
     enclosing: EnclosingScope,
     scope: BlockScope,
     cancellation: Cancellation<'c>,
@@ -104,7 +104,7 @@ struct Resolver<'c> {
 impl Resolver<'_> {
     fn declare_file(&mut self, items: &[Item]) {
         let named = self.declare(items);
-        self.shared.extend(named);
+        self.declared.shared.extend(named);
         for item in items {
             match &item.kind {
                 ItemKind::Scene(scene) => {
@@ -117,10 +117,12 @@ impl Resolver<'_> {
                     self.file_numbers.insert(let_.name.symbol, definition);
                 }
                 ItemKind::Assembly(assembly) => {
-                    let mut own = Own {
-                        named: self.declare(&assembly.body),
-                        ..Own::default()
-                    };
+                    let place = (self.file, assembly.name.span.start);
+                    let number = self.assemblies.len();
+                    self.declared.assemblies.insert(place, number);
+                    let named = self.declare(&assembly.body);
+                    self.declared.own.push(named);
+                    let mut own = OwnNumbers::default();
                     for item in &assembly.body {
                         if let ItemKind::Let(let_) = &item.kind {
                             let word = let_.name.symbol;
@@ -137,8 +139,8 @@ impl Resolver<'_> {
     }
 
     /// Patterns and shapes, which may stand behind their use.
-    fn declare(&mut self, items: &[Item]) -> FxHashMap<(NameKind, Symbol), Definition> {
-        let mut named = FxHashMap::default();
+    fn declare(&mut self, items: &[Item]) -> DeclaredWords {
+        let mut named = DeclaredWords::default();
         for item in items {
             let (kind, name) = match &item.kind {
                 ItemKind::Pattern(pattern) => (NameKind::Pattern, pattern.name),
@@ -147,7 +149,14 @@ impl Resolver<'_> {
             };
             let definition = self.definitions.add(kind, name.symbol);
             self.occur(definition, name.span, true);
-            named.insert((kind, name.symbol), definition);
+            let location = self.location(name.span);
+            named.insert(
+                (kind, name.symbol),
+                DeclaredName {
+                    definition,
+                    location,
+                },
+            );
             if let ItemKind::Pattern(pattern) = &item.kind {
                 let scope = self.new_scope();
                 self.scopes.insert(definition, scope);
@@ -217,13 +226,9 @@ impl Resolver<'_> {
 
     /// A scene, declared or built in.
     fn scene(&mut self, name: Name) -> Definition {
-        let key = (NameKind::Scene, name.symbol);
-        if let Some(&definition) = self.shared.get(&key) {
-            return definition;
-        }
-        let definition = self.definitions.add(NameKind::Scene, name.symbol);
-        self.shared.insert(key, definition);
-        definition
+        let definitions = &mut self.definitions;
+        let add = || definitions.add(NameKind::Scene, name.symbol);
+        *self.declared.scenes.entry(name.symbol).or_insert_with(add)
     }
 
     fn pattern(&mut self, pattern: &Pattern, enclosing: EnclosingScope) {
@@ -519,7 +524,7 @@ impl Resolver<'_> {
         if let Some(definition) = self.bindings.get(word) {
             return Some(definition);
         }
-        let of = |own: &Own| own.numbers.get(&word).cloned().unwrap_or_default();
+        let of = |own: &OwnNumbers| own.numbers.get(&word).cloned().unwrap_or_default();
         let mut definitions: Vec<Definition> = match self.enclosing {
             EnclosingScope::File | EnclosingScope::Assembly(_) => return None,
             EnclosingScope::OwnPattern(number) => {
@@ -533,25 +538,22 @@ impl Resolver<'_> {
 
     /// The pattern or shape of a word.
     fn named(&mut self, kind: NameKind, word: Symbol) -> Option<Definition> {
-        let own = |own: &Own| own.named.get(&(kind, word)).copied();
-        let mut definitions: Vec<Definition> = match self.enclosing {
-            EnclosingScope::Assembly(number) | EnclosingScope::OwnPattern(number) => self
-                .assemblies
-                .get(number)
-                .and_then(own)
-                .into_iter()
-                .collect(),
-            EnclosingScope::File | EnclosingScope::Pattern => Vec::new(),
+        let assembly = match self.enclosing {
+            EnclosingScope::Assembly(number) | EnclosingScope::OwnPattern(number) => Some(number),
+            EnclosingScope::File | EnclosingScope::Pattern => None,
         };
-        if definitions.is_empty() {
-            definitions.extend(self.shared.get(&(kind, word)));
+        let seen = self.declared.seen_from(assembly, kind, word);
+        if seen.is_some() || self.enclosing != EnclosingScope::Pattern {
+            return seen.map(|it| it.definition);
         }
         // A pattern of the file may be grown where only the assembly knows the word.
-        if definitions.is_empty() && self.enclosing == EnclosingScope::Pattern {
-            definitions.extend(self.assemblies.iter().filter_map(own));
-            self.definitions.unite(definitions.iter().copied());
-        }
-        definitions.first().copied()
+        let own = self.declared.own.iter();
+        let own: Vec<Definition> = own
+            .filter_map(|own| own.get(&(kind, word)))
+            .map(|it| it.definition)
+            .collect();
+        self.definitions.unite(own.iter().copied());
+        own.first().copied()
     }
 
     fn refer(&mut self, kind: NameKind, name: Name) -> Option<Definition> {

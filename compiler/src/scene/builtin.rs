@@ -36,6 +36,11 @@ pub fn built_in(name: &str) -> Option<Scene> {
     read(scene, base, file, &symbols, &mut Vec::new())
 }
 
+/// Whether a built-in scene has this name.
+pub fn is_built_in(name: &str) -> bool {
+    BUILT_IN.iter().any(|&(known, _)| known == name)
+}
+
 /// The names of the built-in scenes, for a sentence.
 pub fn built_in_names() -> String {
     BUILT_IN.map(|(name, _)| format!("`{name}`")).join(", ")

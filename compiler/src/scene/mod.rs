@@ -8,7 +8,7 @@ mod tests;
 mod words;
 
 pub use crate::units::to_si;
-pub use builtin::{BUILT_IN, DEFAULT, built_in, built_in_names};
+pub use builtin::{BUILT_IN, DEFAULT, built_in, built_in_names, is_built_in};
 pub(crate) use change::diagnostic;
 pub use quantity::quantity;
 pub(crate) use read::read;

@@ -1,0 +1,70 @@
+//! The shapes that the files of a program declare.
+use stochc_grammar::tree::{Item, ItemKind, Shape};
+
+use crate::names::{NameKind, Names};
+use crate::plan::ProgramPlan;
+use crate::{Checked, FileId, SourceLocation};
+
+/// The shapes of all files, those within assemblies as well.
+pub struct DeclaredShapes<'a> {
+    checked: &'a Checked,
+    names: Names,
+    shapes: Vec<DeclaredShape<'a>>,
+}
+
+/// A shape, with its file.
+#[derive(Clone, Copy, Debug)]
+pub struct DeclaredShape<'a> {
+    /// Its file.
+    pub file: FileId,
+    /// What declares it.
+    pub item: &'a Item,
+    /// The shape itself.
+    pub shape: &'a Shape,
+    /// Whether it stands in an assembly, which alone sees it.
+    pub is_local: bool,
+}
+
+impl<'a> DeclaredShapes<'a> {
+    /// Those of a file that has been checked and of all that it imports.
+    pub fn of(checked: &'a Checked) -> DeclaredShapes<'a> {
+        let mut shapes = Vec::new();
+        for (file, tree) in checked.trees() {
+            for outer in &tree.items {
+                let (is_local, items) = match &outer.kind {
+                    ItemKind::Assembly(assembly) => (true, &assembly.body[..]),
+                    _ => (false, std::slice::from_ref(outer)),
+                };
+                shapes.extend(items.iter().filter_map(|item| match &item.kind {
+                    ItemKind::Shape(shape) => Some(DeclaredShape {
+                        file,
+                        item,
+                        shape,
+                        is_local,
+                    }),
+                    _ => None,
+                }));
+            }
+        }
+        DeclaredShapes {
+            checked,
+            names: Names::of_declarations(checked),
+            shapes,
+        }
+    }
+
+    /// All of them: those of imported files before those of the files that import them.
+    pub fn all(&self) -> &[DeclaredShape<'a>] {
+        &self.shapes
+    }
+
+    /// The shape that a word stands for in a program.
+    pub fn seen_from(&self, program: &ProgramPlan, word: &str) -> Option<&DeclaredShape<'a>> {
+        let word = self.checked.symbols.get(word)?;
+        let seen = (self.names).seen_from(program.location, NameKind::Shape, word)?;
+        self.shapes.iter().find(|it| {
+            let (file, span) = (it.file, it.shape.name.span);
+            SourceLocation { file, span } == seen
+        })
+    }
+}

@@ -1,0 +1,64 @@
+//! The scenes that a program declares, as it has written them.
+use stochc_compiler::{Checked, declared_scenes};
+use stochc_grammar::tree::Item;
+
+/// Scenes of a program, in the order in which they are declared.
+#[derive(Clone, Debug, Default)]
+pub(super) struct WrittenScenes(Vec<WrittenScene>);
+
+/// One of them.
+#[derive(Clone, Debug)]
+struct WrittenScene {
+    name: String,
+    /// The number of the one that it is based on.
+    base: Option<usize>,
+    text: String,
+}
+
+impl WrittenScenes {
+    /// Those of all files of a program.
+    pub(super) fn of(checked: &Checked) -> WrittenScenes {
+        let scenes = declared_scenes(checked).into_iter().map(|it| WrittenScene {
+            name: checked.symbols.word(it.scene.name.symbol).to_owned(),
+            base: it.base,
+            text: as_written(it.item, &checked.sources.file(it.file).text),
+        });
+        WrittenScenes(scenes.collect())
+    }
+
+    /// Whether one has this name.
+    pub(super) fn declare(&self, name: &str) -> bool {
+        self.number_of(name).is_some()
+    }
+
+    /// All of them.
+    pub(super) fn all(&self) -> String {
+        self.0.iter().map(|scene| scene.text.as_str()).collect()
+    }
+
+    /// The one of this name, if there is one, and those that it is based on.
+    pub(super) fn needed_for(&self, name: &str) -> String {
+        let mut is_needed = vec![false; self.0.len()];
+        let mut next = self.number_of(name);
+        while let Some(number) = next.filter(|&number| !is_needed[number]) {
+            is_needed[number] = true;
+            next = self.0[number].base;
+        }
+        let needed = self.0.iter().zip(is_needed).filter(|&(_, needed)| needed);
+        needed.map(|(scene, _)| scene.text.as_str()).collect()
+    }
+
+    fn number_of(&self, name: &str) -> Option<usize> {
+        self.0.iter().position(|scene| scene.name == name)
+    }
+}
+
+/// An item of a text, with its documentation and its comments.
+fn as_written(item: &Item, text: &str) -> String {
+    let docs = item.docs.0.iter().flat_map(|lines| lines.iter());
+    let docs: String = docs
+        .map(|line| format!("{}\n", format!("/// {line}").trim_end()))
+        .collect();
+    let written = text.get(item.span.start as usize..item.span.end as usize);
+    format!("{docs}{}\n", written.unwrap_or_default())
+}
