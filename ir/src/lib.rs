@@ -4,6 +4,7 @@
 //! [records](record). All three are here, so that neither needs to know the other.
 mod cell;
 mod cell_bounds;
+mod draw;
 pub mod emit;
 mod executable;
 mod face;
@@ -23,6 +24,7 @@ pub mod table;
 
 pub use cell::{Cell, offsets_within};
 pub use cell_bounds::CellBounds;
+pub use draw::Draw;
 pub use executable::{Executable, ExecutableError, FORMAT, sha256};
 pub use face::Face;
 pub use invisible::{is_invisible, visible, visible_lines};

@@ -15,9 +15,8 @@ mod steps;
 mod timed_phase;
 mod waits;
 
-pub use sampling::Draw;
-
 use rustc_hash::FxHashMap;
+use stochc_ir::Draw;
 use stochc_rates::{Interaction, Rates, Times, Wait};
 
 use crate::Program;

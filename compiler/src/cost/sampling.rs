@@ -3,7 +3,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
-use stochc_ir::Cell;
+use stochc_ir::{Cell, Draw};
 use stochc_rates::Times;
 
 use super::drawn_times::{DrawnTimes, NOBODY, exponential};
@@ -22,15 +22,6 @@ const MOST: usize = 4000;
 
 /// The numbers are the same whenever a program is asked for.
 const SEED: u64 = 0;
-
-/// One time that a program was gone through.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Draw {
-    /// What it took \[tick\].
-    pub ticks: f64,
-    /// Whether all phases were complete before their timeouts.
-    pub is_complete: bool,
-}
 
 /// What comes out.
 pub struct Sampled {

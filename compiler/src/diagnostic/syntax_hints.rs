@@ -1,8 +1,8 @@
 //! The most frequent mistakes of syntax: what to do about them, and how they are fixed.
+use stochc_ir::scene::units::unit_meant;
 use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::{Edit, Fix};
-use crate::units::unit_meant;
 use crate::{SourceLocation, Span};
 
 /// A place where something else had to stand.

@@ -1,15 +1,12 @@
 //! Scenes as they are written: read, built in, and changed.
 mod builtin;
 mod change;
-mod quantity;
 mod read;
 #[cfg(test)]
 mod tests;
 mod words;
 
-pub use crate::units::to_si;
 pub use builtin::{BUILT_IN, DEFAULT, built_in, built_in_names, is_built_in};
 pub(crate) use change::diagnostic;
-pub use quantity::quantity;
 pub(crate) use read::read;
 pub use words::WordContext;

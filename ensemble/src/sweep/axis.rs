@@ -1,6 +1,6 @@
 //! What the command line says of one number: `free=50..600/6 log`.
-use stochc_compiler::scene::{quantity, to_si};
 use stochc_ir::scene::schema::SchemaNumber;
+use stochc_ir::scene::units::WrittenQuantity;
 
 use crate::Varied;
 
@@ -113,9 +113,9 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
 /// # Errors
 /// In words, when the number may not have it.
 pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, String> {
-    let given = quantity(&format!("{said} {unit}"))?;
+    let given = format!("{said} {unit}");
     let value = number
-        .accept(to_si(&given))
+        .accept(WrittenQuantity::of(&given)?.to_si())
         .map_err(|error| error.to_string())?;
     Ok(Varied {
         of: number.name().to_owned(),
@@ -199,11 +199,8 @@ fn list(text: &str) -> Result<(AxisValues, String), String> {
 
 /// A number, and its unit as text.
 pub(crate) fn value(text: &str) -> Result<(f64, String), String> {
-    let number = quantity(text)?.value;
-    // No unit begins with one of these.
-    let is_number = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
-    let unit = text.trim().trim_start_matches(is_number).trim();
-    Ok((number, unit.to_owned()))
+    let WrittenQuantity { value, unit, .. } = WrittenQuantity::of(text)?;
+    Ok((value, unit.to_owned()))
 }
 
 /// The unit of the last value, which is that of those that have none.

@@ -1,5 +1,5 @@
 //! What is said of programs without a run, beside the settings that make runs.
-use stochc_compiler::cost::Draw;
+use stochc_ir::Draw;
 
 use super::sample::{End, Measured, Sample};
 use super::thread_time::thread_time;

@@ -2,11 +2,11 @@
 use stochc_grammar::is_unit;
 use stochc_grammar::tree::{Quantity, Term};
 use stochc_ir::scene::schema::{self, SchemaNumber};
-use stochc_ir::scene::units::Dimension;
+use stochc_ir::scene::units::{Dimension, UNITS, unit_meant};
 
 use super::{ClauseContent, SceneReader, span};
 use crate::diagnostic::{Code, Diagnostic, report};
-use crate::units::{to_si, unit_meant};
+use crate::units::to_si;
 
 impl<'a> SceneReader<'a, '_> {
     /// A value for a number.
@@ -105,11 +105,7 @@ impl<'a> SceneReader<'a, '_> {
             let location = self.location(name.span);
             let diagnostic = Diagnostic::new(Code::WrongDimension, title)
                 .label(location, format!("`{word}` is no unit"))
-                .suggest(location, unit_meant(word), || {
-                    "units are those of the SI, with prefixes such as `m` and `k`, and min, h, \
-                     L, rev, deg and ticks"
-                        .to_owned()
-                });
+                .suggest(location, unit_meant(word), || UNITS.to_owned());
             report(self.diagnostics, diagnostic);
             return None;
         }

@@ -1,3 +1,4 @@
 mod describe;
 mod groups;
 mod scalars;
+mod written;

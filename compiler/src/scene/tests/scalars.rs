@@ -5,10 +5,12 @@ use stochc_grammar::{Symbols, parse};
 use stochc_ir::scene::describe::terms;
 use stochc_ir::scene::scalars::{ScalarChange, ScalarError, changed, find, scalars};
 use stochc_ir::scene::schema::{CLAUSES, numbers};
+use stochc_ir::scene::units::WrittenQuantity;
 use stochc_ir::scene::{Agitation, Scene};
 
 use crate::diagnostic::Code;
-use crate::scene::{BUILT_IN, built_in, quantity, read, to_si};
+use crate::scene::{BUILT_IN, built_in, read};
+use crate::units::to_si;
 use crate::{FileId, Sources};
 
 /// Scenes that between them have every term of the model; a new term belongs in one of them.
@@ -275,7 +277,7 @@ fn names_that_a_scene_does_not_have_are_told_with_those_it_has() {
 fn a_value_of_another_dimension_is_told_with_the_right_one() {
     let of = |name, text| {
         let scalar = find(&scene(0), name).unwrap();
-        scalar.accept(to_si(&quantity(text).unwrap()))
+        scalar.accept(WrittenQuantity::of(text).unwrap().to_si())
     };
     assert_eq!(of("block.side", "20cm"), Ok(0.2));
     let told = |name, text| of(name, text).unwrap_err().to_string();

@@ -1,8 +1,13 @@
 //! Units of the values of a scene, in powers of the base units.
+mod meant;
+mod written;
+
+pub use meant::{UNITS, unit_meant};
+pub use written::WrittenQuantity;
 
 /// Powers of kilogram, metre, second, ampere and kelvin, and of the tick, the scene's own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Dimension(pub(super) [i8; 6]);
+pub struct Dimension(pub(in crate::scene) [i8; 6]);
 
 const TURN: f64 = std::f64::consts::TAU;
 

@@ -1,0 +1,187 @@
+//! A value that stands alone, read as the language reads it in a scene.
+use super::{BASES, Dimension, PREFIXES, UNITS, to_si, unit_meant};
+
+/// A number with its unit, such as `4.5 N`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenQuantity<'a> {
+    /// The number as written.
+    pub value: f64,
+    /// The unit as written; empty: none.
+    pub unit: &'a str,
+    /// Its factors, each with its power.
+    factors: Vec<(&'a str, i8)>,
+}
+
+impl<'a> WrittenQuantity<'a> {
+    /// Reads a text that is nothing else.
+    ///
+    /// # Errors
+    /// In words, when it is none.
+    pub fn of(text: &'a str) -> Result<WrittenQuantity<'a>, String> {
+        let text = text.trim();
+        let none = || format!("`{text}` is no value; write a number and its unit, such as `4.5 N`");
+        let (number, behind) = text.split_at(number(text));
+        let value: f64 = number.parse().map_err(|_| none())?;
+        let start = behind.trim_start_matches(BLANK);
+        let (factors, length) = match begins_tick(start) {
+            true => (Vec::new(), 0),
+            false => factors(start),
+        };
+        let (unit, behind) = start.split_at(length);
+        let rest = behind.trim_start();
+        let word = rest.split(|c| !is_word(c)).next().unwrap_or_default();
+        if !value.is_finite() || !rest.is_empty() && (word.is_empty() || begins_digit(word)) {
+            return Err(none());
+        }
+        if !word.is_empty() {
+            let help = unit_meant(word).map_or(UNITS.to_owned(), |meant| meant.help());
+            return Err(format!("`{word}` is no unit; {help}"));
+        }
+        Ok(WrittenQuantity {
+            value,
+            unit,
+            factors,
+        })
+    }
+
+    /// In SI units, with its dimension.
+    pub fn to_si(&self) -> (f64, Dimension) {
+        to_si(self.value, self.factors.iter().copied())
+    }
+}
+
+const BLANK: [char; 2] = [' ', '\t'];
+
+fn is_word(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
+}
+
+fn begins_digit(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_digit())
+}
+
+fn digits(text: &str) -> usize {
+    text.bytes().take_while(u8::is_ascii_digit).count()
+}
+
+/// The length of the number with which a text begins, such as `-1.5e-3`.
+fn number(text: &str) -> usize {
+    let sign = usize::from(text.starts_with('-'));
+    let mut end = sign + digits(&text[sign..]);
+    if end == sign {
+        return 0;
+    }
+    if let Some(fraction) = text[end..].strip_prefix('.').filter(|it| begins_digit(it)) {
+        end += 1 + digits(fraction);
+    }
+    if let Some(exponent) = text[end..].strip_prefix(['e', 'E']) {
+        let sign = usize::from(exponent.starts_with(['+', '-']));
+        if begins_digit(&exponent[sign..]) {
+            end += 1 + sign + digits(&exponent[sign..]);
+        }
+    }
+    end
+}
+
+/// The factors of the unit with which a text begins, and its length; none and 0: it begins with none.
+fn factors(text: &str) -> (Vec<(&str, i8)>, usize) {
+    let (mut factors, mut end) = (Vec::new(), 0);
+    let mut next = Some((false, 0));
+    while let Some((divides, space)) = next {
+        let Some((symbol, power, length)) = factor(&text[end + space..]) else {
+            break;
+        };
+        factors.push((symbol, if divides { -power } else { power }));
+        end += space + length;
+        next = operator(&text[end..]);
+    }
+    (factors, end)
+}
+
+/// The factor with which a text begins, such as `mm^2`: symbol, power and length.
+fn factor(text: &str) -> Option<(&str, i8, usize)> {
+    let base = |text: &str| {
+        let mut lengths = BASES.iter().filter(|(base, ..)| text.starts_with(base));
+        let is_whole = |length: &usize| !text[*length..].starts_with(is_word);
+        lengths.find_map(|(base, ..)| Some(base.len()).filter(is_whole))
+    };
+    let prefixed = || {
+        PREFIXES.iter().find_map(|prefix| {
+            let length = base(text.strip_prefix(prefix.sign)?)?;
+            Some(prefix.sign.len_utf8() + length)
+        })
+    };
+    let (symbol, behind) = text.split_at(base(text).or_else(prefixed)?);
+    let Some(exponent) = behind.strip_prefix('^') else {
+        return Some((symbol, 1, symbol.len()));
+    };
+    let sign = usize::from(exponent.starts_with('-'));
+    let length = sign + digits(&exponent[sign..]).min(2);
+    Some(match exponent[..length].parse() {
+        Ok(power) => (symbol, power, symbol.len() + 1 + length),
+        Err(_) => (symbol, 1, symbol.len()),
+    })
+}
+
+/// What stands between two factors: whether it divides, and its length.
+fn operator(text: &str) -> Option<(bool, usize)> {
+    let behind = text.trim_start_matches(BLANK);
+    let space = text.len() - behind.len();
+    if let Some(next) = behind.strip_prefix(['/', '*']) {
+        let length = text.len() - next.trim_start_matches(BLANK).len();
+        return Some((behind.starts_with('/'), length));
+    }
+    (space > 0 && !begins_tick(behind)).then_some((false, space))
+}
+
+/// Whether a text begins with the term `tick 20 ms`, which is no unit of what stands before.
+fn begins_tick(text: &str) -> bool {
+    let behind = text.strip_prefix("tick").unwrap_or_default();
+    let next = behind.trim_start_matches([' ', '\t', '\r', '\n']);
+    next.len() < behind.len() && begins_digit(next)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_those_of_the_language() {
+        let si = |text: &str| WrittenQuantity::of(text).unwrap().to_si();
+        assert_eq!(si("20cm"), (0.2, Dimension::LENGTH));
+        assert_eq!(si(" 5 N s/m "), (5.0, Dimension::DAMPING));
+        assert_eq!(si("300"), (300.0, Dimension::NUMBER));
+        assert_eq!(si("-1.5e-3 N"), (-0.0015, Dimension::FORCE));
+        for micro in ["u", "\u{b5}", "\u{3bc}"] {
+            assert_eq!(
+                si(&format!("20 {micro}s")),
+                (20e-6, Dimension::TIME),
+                "{micro}"
+            );
+        }
+        assert_eq!(WrittenQuantity::of(" 5 N s/m ").unwrap().unit, "N s/m");
+    }
+
+    #[test]
+    fn what_is_no_value_is_told() {
+        for text in [
+            "",
+            "x",
+            "1..2",
+            "1 2",
+            "}",
+            "1 } scene t { v 2",
+            "1 { }",
+            "1 //",
+            "{",
+            "1\n2",
+            "∞",
+        ] {
+            let told = WrittenQuantity::of(text).unwrap_err();
+            assert!(told.contains("is no value"), "{text}: {told}");
+        }
+        let told = |text| WrittenQuantity::of(text).unwrap_err();
+        assert_eq!(told("3 newton"), "`newton` is no unit; did you mean `N`?");
+        assert!(told("3 furlongs").contains("of the SI"));
+    }
+}
