@@ -66,6 +66,3 @@ pub use reader::Reader;
 pub use shape::cells as shape_cells;
 pub use source::{FileId, SourceFile, SourceLocation, Sources};
 pub use stochc_grammar::{Cancellation, Cancelled, Span, Symbols};
-
-/// A digest of this crate's sources: two builds with one digest compute the same.
-pub const SOURCES: &str = env!("STOCHC_SOURCES");

@@ -1,8 +1,8 @@
 //! Which build of `stochc` made a run.
 //!
-//! A version number changes with a release, what a run does with every change of the grammar, the compiler
-//! or the runtime. A build is told from others by a digest of their sources, which is the same on every
-//! machine.
+//! A version number changes with a release, what a run makes of its tables and its scene with every change of the
+//! protocol, the rates or the runtime. A build is told from others by a digest of their sources, which is the same on every
+//! machine. What the compiler makes of a text is in the manifest.
 
 /// The build of a folder that does not say which it was.
 pub(super) const UNKNOWN: &str = "unknown";
@@ -12,8 +12,6 @@ pub fn this_build() -> String {
     let sources = [
         stochc_ir::SOURCES,
         stochc_rates::SOURCES,
-        stochc_grammar::SOURCES,
-        stochc_compiler::SOURCES,
         stochc_protocol::SOURCES,
         stochc_runtime::SOURCES,
     ];

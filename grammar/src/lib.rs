@@ -29,6 +29,3 @@ pub use symbol::{Symbol, Symbols};
 
 /// The mark of the byte order, with which some editors begin a text: it says nothing in UTF-8.
 pub const BYTE_ORDER_MARK: &str = "\u{feff}";
-
-/// A digest of this crate's sources: two builds with one digest compute the same.
-pub const SOURCES: &str = env!("STOCHC_SOURCES");

@@ -1,4 +1,0 @@
-//! Tells the crate what its sources are.
-fn main() -> std::io::Result<()> {
-    stochc_digest::emit()
-}
