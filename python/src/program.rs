@@ -12,7 +12,8 @@ use stochc::exit::Failure;
 use stochc::ir::Executable;
 use stochc::ir::emit::{graph_text, table_text};
 use stochc::operations::codes;
-use stochc::operations::programs::{accept, programs, recompile};
+use stochc::operations::kept_text::KeptText;
+use stochc::operations::programs::{accept, programs};
 use stochc::report::figures::structure;
 use stochc::runtime::Settings;
 
@@ -250,14 +251,9 @@ impl PythonProgram {
     ) -> PyResult<Option<String>> {
         let entry = self.0.clone();
         call(py, None, move |_| {
-            if entry.sources.is_empty() {
-                return Ok(None);
-            }
-            let (sources, varied) = (&entry.sources, &entry.varied);
-            let checked = recompile(sources, varied, entry.assembly(), &LintLevels::default());
-            let mut programs = checked.programs.iter();
-            let program = programs.find(|program| program.plan.name == entry.assembly());
-            Ok(program.and_then(|program| say(program, &checked)))
+            let text = KeptText::of(&entry, &LintLevels::default());
+            let program = text.program();
+            Ok(program.and_then(|program| say(program, &text.checked)))
         })
     }
 }

@@ -10,7 +10,7 @@ use stochc_runtime::rates::Rates;
 use stochc_runtime::{Model, Settings};
 
 use super::in_memory::all_runs;
-use super::programs::recompile;
+use super::kept_text::KeptText;
 use super::rates::{at_hand, of_files_for, of_scenes, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
@@ -72,12 +72,7 @@ pub fn estimates(
 
 /// The plan of a program, with the words of that; `None`: it is compiled already, and its text not at hand.
 pub fn planned(program: &EnsembleProgram) -> Option<(Planned, Symbols)> {
-    let assembly = &program.tables().assembly;
-    let levels = LintLevels::default();
-    let checked = recompile(&program.sources, &program.varied, assembly, &levels);
-    let mut programs = checked.programs.into_iter();
-    let planned = programs.find(|it| it.plan.name == *assembly)?;
-    Some((planned, checked.symbols))
+    KeptText::of(program, &LintLevels::default()).into_program()
 }
 
 /// From the waits of its captures, added up along its graph.

@@ -8,6 +8,7 @@ pub mod estimate;
 pub mod export;
 pub mod fit;
 mod in_memory;
+pub mod kept_text;
 pub mod memory;
 pub mod plan;
 pub mod programs;

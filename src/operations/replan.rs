@@ -12,8 +12,8 @@ use stochc_rates::Rates;
 use stochc_report::replanning::Replanning;
 
 use super::in_memory::{all_runs, stopped};
+use super::kept_text::KeptText;
 use super::plan::refuse_aggregate;
-use super::programs::recompile;
 use super::rates::of_files;
 use crate::check_text;
 use crate::exit::Failure;
@@ -135,17 +135,14 @@ fn made(
 /// What a program builds in the end.
 fn end(program: &EnsembleProgram) -> Result<Goal, Failure> {
     refuse_aggregate(program)?;
-    let assembly = &program.tables().assembly;
-    let levels = LintLevels::default();
-    let checked = recompile(&program.sources, &program.varied, assembly, &levels);
-    let found = checked.programs.iter().find(|it| it.plan.name == *assembly);
-    let plan = found.ok_or_else(|| {
+    let text = KeptText::of(program, &LintLevels::default());
+    let plan = text.program().ok_or_else(|| {
         Failure::usage(format!(
             "the rest of `{}` cannot be planned: it is compiled, and its text is not at hand",
             program.name
         ))
     })?;
-    Goal::of_end(&checked, plan, None)
+    Goal::of_end(&text.checked, plan, None)
         .map_err(|reason| Failure::invalid_program(format!("`{}`: {reason}", program.name)))
 }
 

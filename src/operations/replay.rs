@@ -10,7 +10,7 @@ use stochc_files::atomic::{Draft, Replaces, begins_with};
 use stochc_report::replay::{EventLocation, MARK, about, tour, write as write_page};
 
 use super::chosen_run::ChosenRun;
-use super::programs::recompile;
+use super::kept_text::KeptText;
 use crate::exit::Failure;
 use crate::host::Host;
 
@@ -79,18 +79,11 @@ fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
     if program.sources.is_empty() || program.compiled.graph.events.len() > MOST_STATEMENTS {
         return Vec::new();
     }
-    let checked = recompile(
-        &program.sources,
-        &program.varied,
-        program.assembly(),
-        &LintLevels::default(),
-    );
-    let mut same =
-        (checked.programs.iter()).filter(|it| it.tables.as_ref() == Some(program.tables()));
-    let Some(plan) = same.next().map(|program| &program.plan) else {
+    let text = KeptText::of(program, &LintLevels::default());
+    let Some(plan) = text.same_program().map(|program| &program.plan) else {
         return Vec::new();
     };
-    let files: Vec<Option<usize>> = (checked.sources.files().iter())
+    let files: Vec<Option<usize>> = (text.checked.sources.files().iter())
         .map(|file| (program.sources.iter()).position(|source| source.path == file.name))
         .collect();
     let places = (0..).zip(&plan.events).filter_map(|(event, written)| {

@@ -9,7 +9,8 @@ use stochc_ir::Executable;
 use stochc_ir::visible;
 use stochc_report::figures::{Figures, sweep as pictures};
 
-use super::programs::{recompile, verdict};
+use super::kept_text::KeptText;
+use super::programs::verdict;
 use crate::exit::Failure;
 use crate::host::Host;
 
@@ -86,23 +87,21 @@ pub(crate) fn at_point(
     levels: &LintLevels,
     host: &dyn Host,
 ) -> Result<(), Failure> {
-    let checked = recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
-    if checked.has_errors() {
+    let text = KeptText::of(entry, levels);
+    if text.checked.has_errors() {
         let name = visible(&entry.name);
-        let drawn = host.draw(&checked);
+        let drawn = host.draw(&text.checked);
         return Err(Failure {
-            exit: verdict(&checked),
+            exit: verdict(&text.checked),
             message: format!("error: `{name}` cannot be run:\n{drawn}"),
         });
     }
-    let programs = checked.programs.into_iter();
-    let mut compiled = programs.filter_map(stochc_compiler::Program::into_executable);
-    let found = compiled.find(|executable| executable.tables.assembly == entry.assembly());
+    let program = text.into_program();
     let Some(Executable {
         tables,
         scene,
         graph,
-    }) = found
+    }) = program.and_then(|(program, _)| program.into_executable())
     else {
         return Err(Failure::usage(format!("`{}` does not compile", entry.name)));
     };

@@ -2,11 +2,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use stochc_compiler::LintLevels;
 use stochc_ensemble::EnsembleProgram;
 
 use super::super::chosen_run::choose;
-use super::super::programs::{recompile, verdict};
+use super::super::kept_text::KeptText;
+use super::super::programs::verdict;
 use super::super::results::read;
 use super::{PlanOptions, impossible, placed, refused, target};
 use crate::exit::Failure;
@@ -82,15 +82,8 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
             }
         )));
     }
-    let checked = recompile(
-        &entry.sources,
-        &[],
-        entry.assembly(),
-        &LintLevels::default(),
-    );
-    let mut same =
-        (checked.programs.iter()).filter(|it| it.tables.as_ref() == Some(entry.tables()));
-    let program = same.next().ok_or_else(|| {
+    let text = KeptText::as_written(entry);
+    let program = text.same_program().ok_or_else(|| {
         Failure::usage(format!(
             "`{}` does not hold the text of the program, or this version compiles it otherwise",
             options.target
@@ -101,7 +94,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
             "numbers of the scene were varied in these runs: name the scene to plan for with `--scene`",
         ));
     }
-    let goal = Goal::of_end(&checked, program, options.shape);
+    let goal = Goal::of_end(&text.checked, program, options.shape);
     goal.and_then(|mut goal| {
         goal.stand_on(&structure, &dead)?;
         Ok(goal)
