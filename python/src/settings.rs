@@ -9,7 +9,7 @@ use stochc::files::bound::folder;
 use stochc::host::Host;
 use stochc::operations::codes::warning;
 use stochc::operations::rates;
-use stochc::runtime::{Model, Precision, Reduction, Settings, Substeps};
+use stochc::runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
 
 /// A warning and its level: `allow`, `warn` or `deny`.
 pub type LevelSetting = (String, String);
@@ -84,20 +84,19 @@ impl Computed {
     /// Refuses what is set and the model has no use for.
     fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
         let model = settings.model;
-        let unused = model.unused(&[
-            ("substeps", settings.steps() != Substeps::DEFAULT),
-            ("solver-iterations", self.solver_iterations.is_some()),
-            ("precision", settings.precision != Precision::default()),
-            ("reduce", self.reduce.is_some()),
-            ("rates", !self.rates.is_empty()),
-        ]);
-        unused.map_or(Ok(()), |option| {
-            Err(Failure::usage(format!(
-                "{}: the model `{}` has no use for it",
-                option.replace('-', "_"),
-                model.name()
-            )))
-        })
+        let rates = (!self.rates.is_empty()).then_some(Setting::Rates);
+        let parameter = match model.unused(settings.chosen().chain(rates)) {
+            None => return Ok(()),
+            Some(Setting::Steps) => "substeps",
+            Some(Setting::SolverIterations) => "solver_iterations",
+            Some(Setting::Precision) => "precision",
+            Some(Setting::Reduction) => "reduce",
+            Some(Setting::Rates) => "rates",
+        };
+        Err(Failure::usage(format!(
+            "{parameter}: the model `{}` has no use for it",
+            model.name()
+        )))
     }
 }
 

@@ -39,7 +39,7 @@ pub use stochc_rates as rates;
 
 pub use run::{drive, observe, run};
 pub use run_error::RunError;
-pub use settings::{Model, Precision, Reduction, Settings, Substeps};
+pub use settings::{Model, Precision, Reduction, Setting, Settings, Substeps};
 pub use step_error::{StepError, step_errors};
 pub use watch::{Save, Watch};
 

@@ -123,6 +123,21 @@ pub enum Model {
     Shuffle,
 }
 
+/// What may be said of how runs are computed, and not every model has a use for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// [`Settings::steps`].
+    Steps,
+    /// [`Settings::solver_iterations`].
+    SolverIterations,
+    /// [`Settings::precision`].
+    Precision,
+    /// [`Settings::reduction`].
+    Reduction,
+    /// [`Settings::rates`].
+    Rates,
+}
+
 /// Digits of the physics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -183,20 +198,19 @@ impl Model {
         }
     }
 
-    /// Whether an option of `simulate` about how runs are computed changes anything for it.
-    pub fn uses(self, option: &str) -> bool {
+    /// Whether a setting changes anything for it.
+    pub const fn uses(self, setting: Setting) -> bool {
         match self {
-            Model::Rigid => option != "rates",
-            Model::Rapier => matches!(option, "substeps" | "solver-iterations"),
-            Model::Rate => option == "rates",
+            Model::Rigid => !matches!(setting, Setting::Rates),
+            Model::Rapier => matches!(setting, Setting::Steps | Setting::SolverIterations),
+            Model::Rate => matches!(setting, Setting::Rates),
             Model::Shuffle => false,
         }
     }
 
-    /// The first of the options that are set of which it has no use.
-    pub fn unused<'o>(self, options: &[(&'o str, bool)]) -> Option<&'o str> {
-        let unused = |(option, is_set): &&(&str, bool)| *is_set && !self.uses(option);
-        options.iter().find(unused).map(|&(option, _)| option)
+    /// The first of these settings of which it has no use.
+    pub fn unused(self, given: impl IntoIterator<Item = Setting>) -> Option<Setting> {
+        given.into_iter().find(|&setting| !self.uses(setting))
     }
 }
 
@@ -307,6 +321,19 @@ impl Settings {
         }
     }
 
+    /// Those that are not as usual.
+    pub fn chosen(&self) -> impl Iterator<Item = Setting> {
+        let chosen = [
+            (Setting::Steps, self.steps() != Substeps::DEFAULT),
+            (Setting::SolverIterations, self.solver_iterations.is_some()),
+            (Setting::Precision, self.precision != Precision::default()),
+            (Setting::Reduction, self.reduction.is_some()),
+            (Setting::Rates, !self.rates.is_empty()),
+        ];
+        let chosen = chosen.into_iter().filter(|&(_, is_chosen)| is_chosen);
+        chosen.map(|(setting, _)| setting)
+    }
+
     /// How hard contacts are worked on: 4 for `rapier`, its own default, and 10 for `rigid`.
     pub fn iterations(&self) -> u32 {
         let usual = match self.model {
@@ -339,32 +366,36 @@ impl Settings {
             [
                 (None, "the model", of.model.name().to_owned()),
                 (
-                    Some("substeps"),
+                    Some(Setting::Steps),
                     "the number of substeps",
                     of.steps().to_string(),
                 ),
                 (None, "the limit of ticks", limit(of)),
                 (
-                    Some("solver-iterations"),
+                    Some(Setting::SolverIterations),
                     "`solver-iterations`",
                     of.iterations().to_string(),
                 ),
                 (
-                    Some("precision"),
+                    Some(Setting::Precision),
                     "`precision`",
                     of.precision.name().to_owned(),
                 ),
-                (Some("reduce"), "`reduce`", reduction(of)),
-                (Some("rates"), "the fingerprint of the rates", rates(of)),
+                (Some(Setting::Reduction), "`reduce`", reduction(of)),
+                (
+                    Some(Setting::Rates),
+                    "the fingerprint of the rates",
+                    rates(of),
+                ),
             ]
         };
-        // What only one of two models has a use for comes with the model; what is no option of one, every model uses.
+        // What only one of two models has a use for comes with the model; the rest every model uses.
         let is_same = self.model == other.model;
-        let uses = |option: &str| self.model.uses(option) && other.model.uses(option);
-        let counts = |option: &Option<&str>| is_same || option.is_none_or(uses);
+        let uses = |setting| self.model.uses(setting) && other.model.uses(setting);
+        let counts = |setting: Option<Setting>| is_same || setting.is_none_or(uses);
         let pairs = values(self).into_iter().zip(values(other));
         let differ =
-            pairs.filter(|((option, _, here), (_, _, there))| counts(option) && here != there);
+            pairs.filter(|((setting, _, here), (_, _, there))| counts(*setting) && here != there);
         differ
             .map(|((_, what, here), (_, _, there))| (what, here, there))
             .collect()

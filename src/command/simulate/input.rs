@@ -7,7 +7,7 @@ use stochc_files::budget::MANIFEST;
 use stochc_files::read_file;
 use stochc_ir::visible;
 use stochc_runtime::rates::Rates;
-use stochc_runtime::{Model, Precision, Settings, Substeps};
+use stochc_runtime::{Model, Setting, Settings, Substeps};
 
 use super::arguments::RUNS;
 use super::{SimulateArguments, older_manifest};
@@ -29,29 +29,37 @@ pub fn prepare(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest,
     Ok(manifest)
 }
 
+/// How runs are computed, but for rates.
+fn settings(options: &SimulateArguments) -> Settings {
+    Settings {
+        model: options.model,
+        solver_iterations: options.solver_iterations,
+        precision: options.precision,
+        reduction: options.reduce,
+        max_ticks: Some(options.max_ticks),
+        ..Settings::default().with_steps(options.substeps.unwrap_or(Substeps::DEFAULT))
+    }
+}
+
 /// Refuses settings that the model has no use for.
-fn are_used(options: &SimulateArguments) -> Result<(), Failure> {
-    let model = options.model;
-    let unused = model.unused(&[
-        ("substeps", options.substeps.is_some()),
-        ("solver-iterations", options.solver_iterations.is_some()),
-        ("precision", options.precision != Precision::default()),
-        ("reduce", options.reduce.is_some()),
-    ]);
-    if let Some(option) = unused {
-        return Err(Failure::usage(format!(
-            "the model `{}` has no `--{option}`; `--model rigid` has it",
-            model.name()
-        )));
-    }
-    let takes_rates = model.uses("rates") || options.replan.is_some();
-    if !options.rates.is_empty() && !takes_rates {
-        return Err(Failure::usage(format!(
-            "the model `{}` has no use for `--rates`; they are for `--model rate`",
-            model.name()
-        )));
-    }
-    Ok(())
+fn are_used(options: &SimulateArguments, settings: &Settings) -> Result<(), Failure> {
+    let model = settings.model;
+    // The usual number may be said as well.
+    let steps = options.substeps.map(|_| Setting::Steps);
+    // What is planned anew goes by rates, whatever the model.
+    let has_rates = !options.rates.is_empty() && options.replan.is_none();
+    let rates = has_rates.then_some(Setting::Rates);
+    let given = steps.into_iter().chain(settings.chosen()).chain(rates);
+    let has_no = |option| Err(format!("no `--{option}`; `--model rigid` has it"));
+    let used = match model.unused(given) {
+        None => Ok(()),
+        Some(Setting::Steps) => has_no("substeps"),
+        Some(Setting::SolverIterations) => has_no("solver-iterations"),
+        Some(Setting::Precision) => has_no("precision"),
+        Some(Setting::Reduction) => has_no("reduce"),
+        Some(Setting::Rates) => Err("no use for `--rates`; they are for `--model rate`".to_owned()),
+    };
+    used.map_err(|what| Failure::usage(format!("the model `{}` has {what}", model.name())))
 }
 
 /// The rates of the ensemble that is to be gone on with, unless others are given. What is wrong with its folder is told when that is opened.
@@ -63,21 +71,14 @@ fn stored_rates(options: &SimulateArguments) -> Option<Vec<Rates>> {
 }
 
 fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
-    are_used(options)?;
+    let settings = settings(options);
+    are_used(options, &settings)?;
     let levels = &options.levels.levels;
     let runs = options.runs.unwrap_or(RUNS);
     let mut programs = programs(&options.files, levels, &options.imports.folders, host)?;
     if !options.sweep.is_empty() {
         programs = sweep::points(&options.sweep, runs, &programs, levels, host)?;
     }
-    let settings = Settings {
-        model: options.model,
-        solver_iterations: options.solver_iterations,
-        precision: options.precision,
-        reduction: options.reduce,
-        max_ticks: Some(options.max_ticks),
-        ..Settings::default().with_steps(options.substeps.unwrap_or(Substeps::DEFAULT))
-    };
     let mut settings = settings.resolved();
     let given = rates::of_files_for(&options.rates, programs.iter().map(|it| &it.scene), host)?;
     if settings.model == Model::Rate {
