@@ -432,6 +432,18 @@ fn mistakes_in_loops_are_told_a_bounded_number_of_times() {
     );
 }
 
+/// What an expression takes to work out counts, not only the statement that it stands in.
+#[test]
+fn long_expressions_in_loops_meet_the_limit() {
+    let sum = vec!["1"; 800].join(" + ");
+    for (rounds, has_enough) in [(100, false), (1_000, true)] {
+        let text = program(&format!("for i in 1..{rounds} {{ let _x = {sum} }}"));
+        let checked = run(text.as_bytes(), SMALL);
+        let is_stopped = codes(&checked).contains(&Code::ExpansionLimit);
+        assert_eq!(is_stopped, has_enough, "{rounds}");
+    }
+}
+
 #[test]
 fn recursive_patterns_are_told_of() {
     let patterns = "pattern p(a) { q(a) } pattern q(a) { a.up -> b r(b) } pattern r(a) { p(a) }";

@@ -6,7 +6,7 @@ use stochc_grammar::{
 };
 use stochc_ir::visible;
 
-use crate::diagnostic::{Code, Diagnostic, Fix, removal, report};
+use crate::diagnostic::{Code, Diagnostic, Edit, Fix, removal, report};
 use crate::reader::Reader;
 use crate::{FileId, SourceLocation, Sources};
 
@@ -184,9 +184,10 @@ impl Loader<'_> {
             }
         };
         self.bytes = self.bytes.saturating_add(bytes.len() as u64);
-        let (text, invalid) = decode(bytes);
+        let (mark, text, invalid) = decode(bytes);
         if let Some(at) = invalid {
             let file = self.sources.add_lossy(path.clone(), text);
+            self.sources.set_mark(file, mark);
             let at = at as u32;
             let span = Span::new(at, at + '\u{fffd}'.len_utf8() as u32);
             self.diagnostics.push(
@@ -198,9 +199,11 @@ impl Loader<'_> {
             return Ok(None);
         }
         let file = self.sources.add(path.clone(), text);
+        self.sources.set_mark(file, mark);
         let text = self.sources.file(file).text.clone();
         let parsed = parse_cancellable(&text, &mut self.loaded.symbols, self.cancellation)?;
         self.loaded.doubtful.extend(parsed.doubtful);
+        self.diagnostics.extend(lone_returns(file, &text));
         let errors = parsed.errors.iter();
         self.diagnostics
             .extend(errors.map(|error| Diagnostic::from_syntax(file, error, &text)));
@@ -278,16 +281,51 @@ impl Loader<'_> {
     }
 }
 
+/// What ends lines for most editors, and none for the grammar: code behind a comment would be read as a part of it.
+fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
+    /// All are replaced at once, if there are not more.
+    const MOST: usize = 10_000;
+    let bytes = text.as_bytes();
+    let is_lone = |&at: &usize| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n');
+    let mut places = (0..bytes.len()).filter(is_lone).map(|at| SourceLocation {
+        file,
+        span: Span::new(at as u32, at as u32 + 1),
+    });
+    let first = places.next()?;
+    let diagnostic = Diagnostic::new(Code::Syntax, "a carriage return without a line feed")
+        .label(first, "looks like the end of a line, and is none")
+        .help("save the file with line feeds at the ends of its lines");
+    let edits: Vec<Edit> = std::iter::once(first)
+        .chain(places)
+        .take(MOST + 1)
+        .map(|location| Edit {
+            location,
+            text: "\n".to_owned(),
+        })
+        .collect();
+    Some(match edits.len() {
+        0..=MOST => diagnostic.fix(Fix {
+            title: "end lines with line feeds".to_owned(),
+            edits,
+            safe: true,
+        }),
+        _ => diagnostic,
+    })
+}
+
 /// The text of a file without the mark of the byte order, and where it is none.
-fn decode(mut bytes: Vec<u8>) -> (String, Option<usize>) {
-    if bytes.starts_with(BYTE_ORDER_MARK.as_bytes()) {
-        bytes.drain(..BYTE_ORDER_MARK.len());
-    }
+fn decode(mut bytes: Vec<u8>) -> (u32, String, Option<usize>) {
+    let mark = match bytes.starts_with(BYTE_ORDER_MARK.as_bytes()) {
+        true => BYTE_ORDER_MARK.len(),
+        false => 0,
+    };
+    bytes.drain(..mark);
+    let mark = mark as u32;
     match String::from_utf8(bytes) {
-        Ok(text) => (text, None),
+        Ok(text) => (mark, text, None),
         Err(error) => {
             let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-            (text, Some(error.utf8_error().valid_up_to()))
+            (mark, text, Some(error.utf8_error().valid_up_to()))
         }
     }
 }
@@ -309,6 +347,8 @@ pub fn without_dots(path: &str) -> String {
     for part in path.split('/') {
         match part {
             "." => {}
+            // Two slashes are one, but at the beginning, where there is none otherwise.
+            "" if !path.starts_with('/') || parts.iter().any(|part| !part.is_empty()) => {}
             ".." if parts.last().is_some_and(|last| !matches!(*last, ".." | "")) => {
                 parts.pop();
             }
@@ -331,5 +371,11 @@ mod tests {
         assert_eq!(join("../a.sa", "../b.sa"), "../../b.sa");
         assert_eq!(join("/x/a.sa", "../../b.sa"), "/../b.sa");
         assert_eq!(join("x/a.sa", "/b.sa"), "/b.sa");
+        for importer in [".//a.sa", "././/a.sa", "x/..//a.sa"] {
+            assert_eq!(join(importer, "b.sa"), "b.sa", "{importer}");
+        }
+        assert_eq!(join("x//a.sa", "y//b.sa"), "x/y/b.sa");
+        assert_eq!(join("a.sa", ".//b.sa"), "b.sa");
+        assert_eq!(join("/x//a.sa", "b.sa"), "/x/b.sa");
     }
 }

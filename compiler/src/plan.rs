@@ -35,6 +35,8 @@ pub struct ProgramPlan {
     pub aggregate: Option<u32>,
     /// The instances of patterns, by their scope: that of [`NameKey::scope`] 1 comes first.
     pub grown: Vec<PatternInstance>,
+    /// Statements that were looked at to write it out.
+    pub(crate) steps: usize,
     /// The words of blocks and instances that may be missing, or gone, because a statement could not be worked out.
     pub doubtful: FxHashSet<Symbol>,
 }

@@ -1,4 +1,6 @@
 //! Claimed shapes against built ones.
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Expr, ExprKind, Shape, Subscript};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
@@ -30,12 +32,12 @@ pub fn check(
 ) -> Result<(), Cancelled> {
     // Sorted, or `None` for what is no shape.
     let mut known: FxHashMap<Symbol, Option<Vec<Cell>>> = FxHashMap::default();
-    let mut built: FxHashSet<Cell> = FxHashSet::default();
+    let mut built = BuiltCells::default();
+    // A claim of what has been compared already; many phases may claim a large shape.
+    let mut compared: FxHashSet<(Symbol, u64)> = FxHashSet::default();
     for (phase, (emptied, filled)) in plan.phases.iter().zip(&layout.changes) {
-        for cell in emptied {
-            built.remove(cell);
-        }
-        built.extend(filled);
+        emptied.iter().for_each(|&cell| built.remove(cell));
+        filled.iter().for_each(|&cell| built.insert(cell));
         for &(name, location) in &phase.claims {
             cancellation.check()?;
             let word = symbols.word(name);
@@ -59,12 +61,16 @@ pub fn check(
                 Some(claimed)
             });
             let Some(claimed) = claimed else { continue };
-            let is_built = || claimed.iter().all(|cell| built.contains(cell));
-            if (claimed.len() == built.len() && is_built()) || is_full(diagnostics, Severity::Error)
-            {
+            let now = (name, built.fingerprint);
+            let is_built = || claimed.iter().all(|cell| built.cells.contains(cell));
+            if compared.contains(&now) || is_full(diagnostics, Severity::Error) {
                 continue;
             }
-            let mut built: Vec<Cell> = built.iter().copied().collect();
+            if claimed.len() == built.cells.len() && is_built() {
+                compared.insert(now);
+                continue;
+            }
+            let mut built: Vec<Cell> = built.cells.iter().copied().collect();
             built.sort_unstable();
             let declared = SourceLocation {
                 file,
@@ -77,6 +83,34 @@ pub fn check(
         }
     }
     Ok(())
+}
+
+/// What stands.
+#[derive(Default)]
+struct BuiltCells {
+    cells: FxHashSet<Cell>,
+    /// The sum of the hashes of all cells, modulo 2^64: the same for the same cells, whatever came before.
+    fingerprint: u64,
+}
+
+impl BuiltCells {
+    fn insert(&mut self, cell: Cell) {
+        if self.cells.insert(cell) {
+            self.fingerprint = self.fingerprint.wrapping_add(hash(cell));
+        }
+    }
+
+    fn remove(&mut self, cell: Cell) {
+        if self.cells.remove(&cell) {
+            self.fingerprint = self.fingerprint.wrapping_sub(hash(cell));
+        }
+    }
+}
+
+fn hash(cell: Cell) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    cell.hash(&mut hasher);
+    hasher.finish()
 }
 
 /// The cells of a shape, unsorted; `None` if it cannot be read, which is told.

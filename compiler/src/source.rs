@@ -43,6 +43,8 @@ pub struct SourceFile {
     pub text: Arc<str>,
     /// Whether its bytes are those of the text.
     pub(crate) is_exact: bool,
+    /// Bytes of the file before its text: a mark of the byte order, or nothing.
+    pub(crate) mark: u32,
     /// Where its lines begin.
     lines: Vec<u32>,
     /// The text as it can be shown, once it has been.
@@ -69,6 +71,7 @@ impl Sources {
             name,
             text,
             is_exact,
+            mark: 0,
             lines,
             shown: OnceLock::new(),
         });
@@ -83,6 +86,11 @@ impl Sources {
     /// Every file.
     pub fn files(&self) -> &[SourceFile] {
         &self.files
+    }
+
+    /// A file of which so many bytes stand before its text.
+    pub(crate) fn set_mark(&mut self, id: FileId, bytes: u32) {
+        self.files[id.0 as usize].mark = bytes;
     }
 
     /// The text of a location.
@@ -102,6 +110,11 @@ impl Sources {
 }
 
 impl SourceFile {
+    /// Where a byte of the text is in the file, from 0.
+    pub fn offset(&self, at: u32) -> u32 {
+        self.mark + at
+    }
+
     /// Line and column of a byte, both from 1; the column counts characters.
     pub fn position(&self, at: u32) -> (usize, usize) {
         let line = self.line_of(at);

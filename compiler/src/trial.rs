@@ -19,6 +19,9 @@ const MOST: usize = 64;
 /// Bytes of text and events of plans that are looked at again, at most.
 const WORK: usize = 1 << 21;
 
+/// Statements that take as long to look at as an event.
+pub(crate) const OF_AN_EVENT: usize = 16;
+
 /// Checks a program with some texts changed.
 pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Result<Checked, Cancelled> + 'a;
 
@@ -90,8 +93,9 @@ pub(crate) fn distrust(checked: &mut Checked) {
 /// What one more check has to look at.
 fn size(checked: &Checked) -> usize {
     let texts = checked.sources.files().iter().map(|file| file.text.len());
-    let events = checked.programs.iter().map(|it| it.plan.events.len());
-    texts.chain(events).sum()
+    let programs = checked.programs.iter();
+    let plans = programs.map(|it| it.plan.events.len() + it.plan.steps / OF_AN_EVENT);
+    texts.chain(plans).sum()
 }
 
 /// Whether some fixes, made at once, fix what they are for and bring nothing new; and those of

@@ -12,7 +12,7 @@ pub fn document(diagnostics: Vec<Value>) -> String {
 
 /// The findings of a file as JSON, each as
 /// `{ code, severity, title, count, help, labels: [{ file, start, end, text }], fix }`; `count` is more
-/// than 1 where one statement has been found wrong so many times, as in a loop. `start` and `end` have `offset` in bytes from 0, `line` and `column` from 1, the column in characters. `fix` is
+/// than 1 where one statement has been found wrong so many times, as in a loop. `start` and `end` have `offset` in bytes of the file from 0, `line` and `column` from 1, the column in characters. `fix` is
 /// `null` or `{ title, safe, edits: [{ file, start, end, text }] }`, where `text` takes the place
 /// of what stands from `start` to `end`.
 pub fn values(checked: &Checked) -> impl Iterator<Item = Value> {
@@ -44,7 +44,8 @@ fn change(fix: &Fix, sources: &Sources) -> Value {
 fn place(sources: &Sources, location: SourceLocation, text: &str) -> Value {
     let point = |at: u32| {
         let (line, column) = position(sources, location, at);
-        json!({ "offset": at, "line": line, "column": column })
+        let offset = sources.file(location.file).offset(at);
+        json!({ "offset": offset, "line": line, "column": column })
     };
     json!({
         "file": sources.file(location.file).name,

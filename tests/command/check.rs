@@ -497,3 +497,31 @@ fn a_scene_that_is_not_built_in_is_told_with_those_that_are() {
         said.err
     );
 }
+
+/// A mark of the byte order counts, as the file has it.
+#[test]
+fn offsets_are_those_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "marked.sa");
+    let text = "\u{feff}assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A let z = 2 }\n}\n";
+    fs::write(&file, text).unwrap();
+    let found = stochc_with("check --format json", &[&file]).json();
+    let edit = &found[0]["fix"]["edits"][0];
+    let [start, end] = ["start", "end"].map(|it| edit[it]["offset"].as_u64().unwrap() as usize);
+    assert_eq!(text[start..end].trim(), "let z = 2", "{found:#}");
+}
+
+/// The same place in every form, whatever stands before it on its line.
+#[test]
+fn columns_are_characters_in_every_form() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "wide.sa");
+    let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { allow unused-let \"größer, µm\" X.up -> A } }\n";
+    fs::write(&file, text).unwrap();
+    let short = stochc_with("check --allow warnings --format short", &[&file]).out;
+    let column = text[..text.find("X.up").unwrap()].chars().count() + 1;
+    assert!(short.contains(&format!(":1:{column}: error")), "{short}");
+    let drawn = stochc_with("check --allow warnings", &[&file]);
+    let drawn = drawn.out + &drawn.err;
+    assert!(drawn.contains(&format!(":1:{column}]")), "{drawn}");
+}

@@ -218,7 +218,8 @@ impl SourceCode for Excerpt<'_> {
             end += 1;
         }
         let line = file.line_of(start as u32);
-        let column = start - file.line_range(line).0;
+        // As all other forms tell it, in characters.
+        let column = file.position(start as u32).1 - 1;
         Ok(Box::new(MietteSpanContents::new_named(
             stochc_ir::visible(&file.name),
             &text.as_bytes()[start..end],

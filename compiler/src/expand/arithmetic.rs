@@ -29,6 +29,7 @@ impl Expander<'_, '_> {
                 self.in_range(value.checked_neg(), expr)
             }
             ExprKind::Binary(operator, sides) => {
+                self.operation();
                 let left = self.evaluate(&sides.0);
                 let right = self.evaluate(&sides.1);
                 let (left, right) = (left?, right?);
@@ -42,6 +43,16 @@ impl Expander<'_, '_> {
                 }
                 self.in_range(operator.of(left, right), expr)
             }
+        }
+    }
+
+    /// Counts an operation: so many of them take as long as a statement.
+    fn operation(&mut self) {
+        const OF_A_STEP: usize = 8;
+        self.operations += 1;
+        if self.operations == OF_A_STEP {
+            self.operations = 0;
+            self.steps = self.steps.saturating_add(1);
         }
     }
 

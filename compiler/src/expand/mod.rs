@@ -150,6 +150,7 @@ pub fn expand_probed<'a>(
         );
         expander.pass = pass;
         expander.assembly(assembly);
+        expander.plan.steps = expander.steps;
         let (plan, shapes, outgrown) = (expander.plan, expander.declared.shapes, expander.outgrown);
         // It may have been given up before its end.
         cancellation.check()?;
@@ -264,6 +265,8 @@ struct Expander<'a, 'f> {
     anonymous: u32,
     nesting: usize,
     steps: usize,
+    /// Operations of expressions that are not counted as a step yet.
+    operations: usize,
     /// Whether there are enough errors, and among how many findings that was looked for.
     errors: (usize, bool),
     limits: Limits,
@@ -311,6 +314,7 @@ impl<'a, 'f> Expander<'a, 'f> {
                 afters: Vec::new(),
                 aggregate: None,
                 grown: Vec::new(),
+                steps: 0,
                 doubtful: Default::default(),
             },
             declared: declarations.declared.clone(),
@@ -324,6 +328,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             anonymous: 0,
             nesting: 0,
             steps: 0,
+            operations: 0,
             errors: (0, false),
             limits: bounds.limits,
             cancellation: bounds.cancellation,

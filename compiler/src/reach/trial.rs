@@ -4,6 +4,7 @@ use super::edit::CaptureStatement;
 use super::{EventId, ReachAnalysis, ReportedFinding};
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Fix};
+use crate::trial::OF_AN_EVENT;
 
 /// Checks a program's files again with changes of the program's own file, and gives the errors, sorted, also those
 /// that are told as one. `None`: the changes do not fit together.
@@ -155,7 +156,8 @@ impl<'a> ReachAnalysis<'a> {
     /// Whether an error goes with a change, and no other comes; `None`: no more is tried.
     fn helps(&mut self, error: &ReportedFinding, delayed: &[DelayedStatement<'a>]) -> Option<bool> {
         let trial = self.subject.trial.filter(|_| !self.trials.is_spent())?;
-        self.trials.steps += self.subject.plan.events.len() as u64 + OVERHEAD;
+        let plan = self.subject.plan;
+        self.trials.steps += (plan.events.len() + plan.steps / OF_AN_EVENT) as u64 + OVERHEAD;
         let before = match self.untouched.take() {
             Some(before) => before,
             None => trial(&[])?,
