@@ -1,5 +1,5 @@
 //! Free blocks with magnets that always attract: they pull each other, bond, move as groups, and are torn apart.
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
 
@@ -17,11 +17,13 @@ pub(crate) struct FreeBonds {
     /// How much of a force's effect is left in a step.
     response: Response,
     pub groups: BlockGroups,
+    /// What rejected blocks get in the next step: changes of velocity.
+    impulses: BTreeMap<u32, Vector3<f64>>,
 }
 
 stochc_ir::state! {
     () FreeBonds;
-    values: groups;
+    values: groups, impulses;
     parts: ;
     same: magnet, passive, response
 }
@@ -37,6 +39,7 @@ impl FreeBonds {
             passive,
             response,
             groups: BlockGroups::default(),
+            impulses: BTreeMap::new(),
         })
     }
 
@@ -60,9 +63,28 @@ impl FreeBonds {
         }
     }
 
-    /// All forces of a step but kicks and heat have acted: groups take them up as one body, or are torn.
+    /// All forces of a step but kicks and heat have acted: groups take them up as one body, or are torn. Then those that have
+    /// been rejected are pushed away.
     pub fn settle(&mut self, blocks: &mut impl Blocks, dt: f64) {
         (self.groups).settle(blocks, self.passive.hold, self.response, dt);
+        self.push_away(blocks);
+    }
+
+    /// A block is rejected. What it gets is kept until the drag of the step has acted, which has no part in it, and the bonds
+    /// have been looked at: it is over at once, and no force that they have to hold.
+    pub fn reject(&mut self, id: u32, impulse: Vector3<f64>) {
+        *self.impulses.entry(id).or_default() += impulse;
+    }
+
+    fn push_away(&mut self, blocks: &mut impl Blocks) {
+        if self.impulses.is_empty() {
+            return;
+        }
+        for (id, impulse) in std::mem::take(&mut self.impulses) {
+            let Motion { velocity, spin, .. } = blocks.motion(id);
+            blocks.set_motion(id, velocity + impulse, spin);
+        }
+        self.stiffen(blocks);
     }
 
     /// Groups take up as one body what has acted since, whatever their bonds hold.
@@ -122,17 +144,15 @@ impl FreeBonds {
 
     /// A structure has taken a block, which rejects what hangs on it: who that is.
     pub fn leave(&mut self, id: u32, blocks: &mut impl Blocks) -> Vec<u32> {
-        let from = blocks.pose(id).position;
+        self.impulses.remove(&id);
+        let from = blocks.exact_position(id);
         let neighbours = self.groups.remove(id, blocks);
         for &neighbour in &neighbours {
-            let Motion {
-                position,
-                velocity,
-                spin,
-            } = blocks.motion(neighbour);
-            let way = position - from;
-            let kick = way * (self.passive.impulse / way.norm().max(1e-9));
-            blocks.set_motion(neighbour, velocity + kick, spin);
+            let way = blocks.exact_position(neighbour) - from;
+            self.reject(
+                neighbour,
+                way * (self.passive.impulse / way.norm().max(1e-9)),
+            );
         }
         neighbours
     }

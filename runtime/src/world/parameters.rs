@@ -205,13 +205,16 @@ impl WorldParameters {
         [long.unwrap_or(short), short]
     }
 
-    /// Where a force leaves only this part of its effect in a step: what drag takes of kicks, walls and contacts is not
-    /// there to move a block.
+    /// Where a force leaves only this part of its effect in a step: what drag takes of kicks, rejections, walls and contacts is
+    /// not there to move a block.
     ///
     /// `dt`: length of a step \[tick\].
     pub fn weakened(mut self, response: f64, dt: f64) -> WorldParameters {
         if let Some(magnet) = &mut self.bond {
             magnet.square_of_step = dt * dt * response;
+            if let Attraction::Passive(Passive { impulse, .. }) = &mut magnet.law {
+                *impulse *= response;
+            }
         }
         if let Some(shell) = &mut self.shell {
             shell.stiffness *= response;

@@ -496,8 +496,11 @@ impl<I: Integrator> World for Stepper<I> {
         let Some(faces) = &mut self.faces else {
             return;
         };
-        if let Some(ReleasedBlock { body: id, velocity }) = faces.switch_off(site) {
-            self.blocks.release(id, velocity);
+        if let Some(ReleasedBlock { body: id, impulse }) = faces.switch_off(site) {
+            self.blocks.release(id, Vector3::zeros());
+            if let Some(bonds) = &mut self.free_bonds {
+                bonds.reject(id, cast(impulse));
+            }
             self.integrator.released();
             self.disturb();
             self.blind = true;

@@ -21,5 +21,6 @@ mod local_steps;
 mod magnets;
 mod orientation;
 mod reductions;
+mod rejection;
 mod tumbling;
 mod weight;

@@ -6,14 +6,15 @@
 )]
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::{
-    Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Enclosure, Free, Measure,
-    Reach, Scene,
+    Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Enclosure, Fluid, Free,
+    Magnets, Measure, Reach, Scene,
 };
 use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::counter_rng::{Draws, Stream, direction, unit};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, BodyState, World};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, Docking, World};
 use stochc_runtime::{Model, Precision, Settings};
 
 /// Blocks that do nothing but fly.
@@ -75,6 +76,41 @@ pub fn attract(pull: f64, anchor: f64) -> Option<Bond> {
             within: anchor,
             tilt: 26f64.to_radians(),
         },
+    })
+}
+
+pub const ANCHOR: Anchor = Anchor {
+    measure: Measure::Centres,
+    within: 0.05,
+    tilt: 0.25,
+};
+
+/// Faces that always attract.
+pub fn reject(hold: f64, impulse: f64) -> Scene {
+    Scene {
+        bond: Some(Bond::Reject {
+            magnets: Magnets {
+                hold,
+                depth: 0.2,
+                within: 1.5,
+            },
+            anchor: ANCHOR,
+            impulse,
+        }),
+        ..empty()
+    }
+}
+
+/// A viscosity at which a velocity decays at this rate.
+pub fn viscosity(rate: f64) -> f64 {
+    rate / Fluid::friction(1.0, 1.0)
+}
+
+/// A fluid in which a velocity decays at this rate.
+pub fn viscous(rate: f64) -> Option<Fluid> {
+    Some(Fluid {
+        density: None,
+        viscosity: Some(viscosity(rate)),
     })
 }
 
@@ -217,6 +253,24 @@ macro_rules! in_either_precision {
     };
 }
 
+/// In four steps a tick.
+pub fn in_steps<W: Arena>(scene: &Scene, blocks: &[BodyState]) -> W {
+    world(scene, &Settings::of(Model::Rapier, 4), blocks)
+}
+
+/// The upper face of the middle of the plate.
+pub const SEED: BlockFace = BlockFace {
+    body: Body::Seed(Cell { x: 1, y: 1, z: 0 }),
+    face: Face::Up,
+};
+
+pub fn moving(position: Vector3<f64>, velocity: Vector3<f64>) -> BodyState {
+    BodyState {
+        velocity,
+        ..BodyState::at_rest(position)
+    }
+}
+
 pub fn states(world: &impl Arena) -> Vec<BodyState> {
     (0..world.count()).map(|id| world.state(id)).collect()
 }
@@ -237,6 +291,15 @@ pub fn pass(world: &mut impl World, ticks: u64) {
         world.step(&mut dockings).expect("sound physics");
     }
     assert_eq!(dockings, []);
+}
+
+/// Lets ticks pass; what docked.
+pub fn dockings(world: &mut impl World, ticks: u64) -> Vec<Docking> {
+    let mut dockings = Vec::new();
+    for _ in 0..ticks {
+        world.step(&mut dockings).expect("sound physics");
+    }
+    dockings
 }
 
 /// So many blocks in a ball, given by its middle and radius, that move and turn anyhow at this speed; no two centres are nearer than

@@ -42,8 +42,8 @@ pub(crate) struct Faces<R: Real> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReleasedBlock<R: Real> {
     pub body: u32,
-    /// What it leaves with.
-    pub velocity: Vector3<R>,
+    /// What it is rejected with: change of its velocity in the next step.
+    pub impulse: Vector3<R>,
 }
 
 /// A face that is on and holds nothing.
@@ -219,7 +219,7 @@ impl<R: Real> Faces<R> {
             }
             return Some(ReleasedBlock {
                 body: self.holds.remove(&site)?,
-                velocity: Vector3::zeros(),
+                impulse: Vector3::zeros(),
             });
         };
         let body = self.holds.remove(&site)?;
@@ -229,7 +229,7 @@ impl<R: Real> Faces<R> {
         self.expose();
         Some(ReleasedBlock {
             body,
-            velocity: out * R::of(passive.impulse),
+            impulse: out * R::of(passive.impulse),
         })
     }
 
