@@ -36,6 +36,17 @@ pub(crate) struct Pose {
     pub rotation: UnitQuaternion<f64>,
 }
 
+impl Pose {
+    /// Where a block comes to that moves as one body with another one, which goes from here to there.
+    pub fn carried(&self, from: &Pose, to: &Pose) -> Pose {
+        let turn = to.rotation * from.rotation.inverse();
+        Pose {
+            position: to.position + turn * (self.position - from.position),
+            rotation: turn * self.rotation,
+        }
+    }
+}
+
 /// How a block moves, in block units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Motion {

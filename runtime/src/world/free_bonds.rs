@@ -128,13 +128,16 @@ impl FreeBonds {
             if self.groups.same(a, b) || self.groups.are_parted(a, b) {
                 continue;
             }
+            let seat = seat(&blocks.pose(a), pair.face, &blocks.pose(b), pair.other);
+            if !self.groups.have_room(a, b, &seat, blocks) {
+                continue;
+            }
             let motions: Vec<Motion> = [a, b]
                 .into_iter()
                 .flat_map(|id| self.groups.with(id))
                 .map(|id| blocks.motion(id))
                 .collect();
             if lost(&motions) < energy(&self.passive) {
-                let seat = seat(&blocks.pose(a), pair.face, &blocks.pose(b), pair.other);
                 self.groups.join(a, b, &seat, blocks, self.response);
                 joined = true;
             }

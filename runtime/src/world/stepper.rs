@@ -349,10 +349,18 @@ impl<I: Integrator> Stepper<I> {
             return;
         };
         let mut held = Vec::new();
-        faces.capture(self.tick, self.dt, &mut self.blocks, |block, docking| {
-            held.push(block);
-            dockings.push(docking);
-        });
+        let bonds = self.free_bonds.as_ref();
+        let is_bonded = |id, face| bonds.is_some_and(|bonds| bonds.groups.is_bonded(id, face));
+        faces.capture(
+            self.tick,
+            self.dt,
+            &mut self.blocks,
+            is_bonded,
+            |block, docking| {
+                held.push(block);
+                dockings.push(docking);
+            },
+        );
         for block in held {
             if let (Some(bonds), Some(faces)) = (&mut self.free_bonds, &mut self.faces) {
                 let hanging = bonds.leave(block.body, &mut self.blocks);

@@ -16,6 +16,7 @@ mod conservation;
 mod contact_order;
 mod extremes;
 mod fluid;
+mod free_pairs;
 mod friction;
 mod local_steps;
 mod magnets;

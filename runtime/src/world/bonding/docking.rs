@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn};
@@ -374,12 +375,13 @@ impl<R: Real> Faces<R> {
 
     /// The blocks have moved for `dt`: surveys them, and anchors those that were close and straight enough on their way:
     /// the closest first, then the lowest number, then the lowest site. A face takes one block, and
-    /// a block one face.
+    /// a block one face, which `is_bonded` to no other free block.
     pub fn capture(
         &mut self,
         tick: u64,
         dt: R,
         blocks: &mut impl Blocks<Real = R>,
+        is_bonded: impl Fn(u32, Face) -> bool,
         mut hold: impl FnMut(Anchored<R>, Docking),
     ) {
         self.seen = false;
@@ -387,6 +389,9 @@ impl<R: Real> Faces<R> {
         self.survey(tick + 1, blocks);
         let mut ready: Vec<DockingCandidate<R>> = Vec::new();
         for &DockingCandidate { active, body, near } in &self.candidates {
+            if is_bonded(body, near.face) {
+                continue;
+            }
             let motion = [blocks.velocity(body), blocks.spin(body)];
             let sweep = FaceSweep::of_step(&near, blocks.position(body), motion, dt);
             if let Some(distance) = sweep.docks(&self.active[active].target, &self.magnet) {

@@ -17,6 +17,7 @@ use super::external_forces::Response;
 use rigid_motion::RigidMotion;
 pub(crate) use rigid_motion::lost;
 use serde::{Deserialize, Serialize};
+use stochc_ir::Face;
 
 /// All groups.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -66,17 +67,10 @@ impl BlockGroups {
     /// The bonds as they lie, each with the faces that meet, in rising order.
     pub fn bonded_faces(&self) -> Vec<FreeBond> {
         let bonded = |group: &BlockGroup, (a, b): (u32, u32)| {
-            let of = |id: u32| {
-                let at = (group.members).binary_search_by_key(&id, |member| member.id);
-                at.ok().map(|at| group.members[at])
-            };
-            let [first, second] = [of(a.min(b))?, of(a.max(b))?];
-            let face = |from: GroupMember, to: GroupMember| {
-                AttractingFace::<f64>::facing(from.offset, from.turn, to.offset)
-            };
+            let (first, second) = (a.min(b), a.max(b));
             Some(FreeBond {
-                bodies: [first.id, second.id],
-                faces: [face(first, second), face(second, first)],
+                bodies: [first, second],
+                faces: [group.face(first, second)?, group.face(second, first)?],
             })
         };
         let mut all: Vec<FreeBond> = (self.groups.values())
@@ -112,6 +106,32 @@ impl BlockGroups {
         self.parted.retain(|pair| parting.contains(pair));
     }
 
+    /// Whether no block would come to where another one is if `b` and all that moves with it came to `seat`, its place on `a`:
+    /// then no face is bonded twice, either.
+    pub fn have_room(&self, a: u32, b: u32, seat: &Pose, blocks: &mut impl Blocks) -> bool {
+        let was = blocks.pose(b);
+        let there: Vec<_> = (self.with(a).into_iter())
+            .map(|id| blocks.exact_position(id))
+            .collect();
+        self.with(b).into_iter().all(|id| {
+            let comes_to = blocks.pose(id).carried(&was, seat).position;
+            // Side by side they are a side apart, in one place not at all.
+            there.iter().all(|at| (at - comes_to).norm() > 0.5)
+        })
+    }
+
+    /// Whether a face of a block is bonded to another free one.
+    pub fn is_bonded(&self, id: u32, face: Face) -> bool {
+        let group = self.of.get(&id).and_then(|key| self.groups.get(key));
+        group.is_some_and(|group| {
+            (group.bonds.iter()).any(|&(a, b)| match id {
+                _ if a == id => group.face(a, b) == Some(face),
+                _ if b == id => group.face(b, a) == Some(face),
+                _ => false,
+            })
+        })
+    }
+
     /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`, and
     /// all move as one body at once.
     pub fn join(
@@ -123,18 +143,11 @@ impl BlockGroups {
         response: Response,
     ) {
         let was = blocks.pose(b);
-        let turn = seat.rotation * was.rotation.inverse();
         let (mut members, mut bonds) = self.take(a);
         let (moved, others) = self.take(b);
         for &id in &moved {
-            let pose = blocks.pose(id);
-            blocks.set_pose(
-                id,
-                &Pose {
-                    position: seat.position + turn * (pose.position - was.position),
-                    rotation: turn * pose.rotation,
-                },
-            );
+            let pose = blocks.pose(id).carried(&was, seat);
+            blocks.set_pose(id, &pose);
         }
         members.extend(moved);
         bonds.extend(others);
@@ -288,6 +301,21 @@ impl BlockGroups {
 }
 
 impl BlockGroup {
+    fn member(&self, id: u32) -> Option<&GroupMember> {
+        let at = (self.members).binary_search_by_key(&id, |member| member.id);
+        at.ok().map(|at| &self.members[at])
+    }
+
+    /// The face of a member that meets another one.
+    fn face(&self, id: u32, other: u32) -> Option<Face> {
+        let (from, to) = (self.member(id)?, self.member(other)?);
+        Some(AttractingFace::<f64>::facing(
+            from.offset,
+            from.turn,
+            to.offset,
+        ))
+    }
+
     /// How its members move, in their order.
     fn motions(&self, blocks: &impl Blocks) -> Vec<Motion> {
         let motion = |member: &GroupMember| blocks.motion(member.id);

@@ -1,0 +1,63 @@
+//! Two free blocks that bond: where, when, and what stays as it was.
+
+use crate::scenes::{SEED, at, dockings, gas, hemisphere, in_steps, reject, states};
+use stochc_ir::scene::{Agitation, Drag};
+use stochc_runtime::world::{Arena, BodyState};
+
+in_every_world!(
+    a_face_takes_one_block,
+    blocks_of_a_group_sit_side_by_side,
+    a_block_does_not_dock_by_a_face_that_holds_another_one,
+);
+
+/// The least distance between two blocks of one group; at most 2.
+fn nearest(world: &impl Arena) -> f64 {
+    let blocks = states(world);
+    let mut least: f64 = 2.0;
+    for group in world.groups() {
+        for (i, &a) in group.iter().enumerate() {
+            for &b in &group[i + 1..] {
+                let way = blocks[a as usize].position - blocks[b as usize].position;
+                least = least.min(way.norm());
+            }
+        }
+    }
+    least
+}
+
+fn a_face_takes_one_block<W: Arena>() {
+    let places = [
+        at(0.0, 0.0, 10.0),
+        at(1.02, 0.0, 10.0),
+        at(1.03, 0.01, 10.0),
+    ];
+    let mut world: W = in_steps(&reject(1e-6, 0.0), &places.map(BodyState::at_rest));
+    dockings(&mut world, 3);
+    assert_eq!(world.groups(), [[0, 1]]);
+}
+
+/// Without contact nothing else keeps them from the same place.
+fn blocks_of_a_group_sit_side_by_side<W: Arena>() {
+    let mut scene = reject(0.05, 0.0);
+    scene.agitation = Some(Agitation::Kicks { speed: (0.0, 0.02) });
+    scene.drag = Some(Drag { rate: 0.1 });
+    scene.enclosure = hemisphere(3.5, 0.05);
+    let blocks = gas(24, 5, (at(0.0, 0.0, 2.0), 2.0), 0.9, 0.01);
+    let mut world: W = in_steps(&scene, &blocks);
+    for tick in 0..300 {
+        dockings(&mut world, 1);
+        let least = nearest(&world);
+        assert!(least > 0.9, "tick {tick}: {least}");
+    }
+    assert!(world.largest_group() > 4, "{:?}", world.groups());
+}
+
+fn a_block_does_not_dock_by_a_face_that_holds_another_one<W: Arena>() {
+    let places = [at(1.03, 0.0, 0.5), at(0.03, 0.0, 0.5), at(0.0, 5.0, 5.0)];
+    let mut world: W = in_steps(&reject(1e-6, 0.01), &places.map(BodyState::at_rest));
+    dockings(&mut world, 1);
+    assert_eq!(world.groups(), [[0, 1]]);
+    world.plant(SEED).expect("a free block");
+    assert!(dockings(&mut world, 4).is_empty());
+    assert_eq!(world.groups(), [[0, 1]]);
+}
