@@ -168,12 +168,24 @@ pub(crate) struct Suction {
 }
 
 impl Magnet {
-    /// Beyond this distance between the centres of two faces, nothing is felt \[side\].
+    /// Beyond this distance between the centres of two faces, nothing is felt, and no block is anchored \[side\].
     pub fn reach(&self) -> f64 {
+        let felt = match self.law {
+            Attraction::Switched { pull, align } => {
+                pull.within.max(align.map_or(0.0, |align| align.within))
+            }
+            Attraction::Passive(passive) => passive.within,
+            Attraction::Suction(suction) => suction.seal,
+        };
+        felt.max(self.anchoring())
+    }
+
+    /// A block that is closer has come into the reach of the pull, and is counted \[side\].
+    pub fn field(&self) -> f64 {
         match self.law {
             Attraction::Switched { pull, .. } => pull.within,
             Attraction::Passive(passive) => passive.within,
-            Attraction::Suction(suction) => suction.seal.max(self.anchoring()),
+            Attraction::Suction(_) => self.reach(),
         }
     }
 

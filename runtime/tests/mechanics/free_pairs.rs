@@ -1,13 +1,14 @@
 //! Two free blocks that bond: where, when, and what stays as it was.
 
 use crate::scenes::{SEED, at, dockings, gas, hemisphere, in_steps, reject, states};
-use stochc_ir::scene::{Agitation, Drag};
+use stochc_ir::scene::{Agitation, Bond, Drag};
 use stochc_runtime::world::{Arena, BodyState};
 
 in_every_world!(
     a_face_takes_one_block,
     blocks_of_a_group_sit_side_by_side,
     a_block_does_not_dock_by_a_face_that_holds_another_one,
+    blocks_bond_from_beyond_the_reach_of_their_magnets,
 );
 
 /// The least distance between two blocks of one group; at most 2.
@@ -59,5 +60,16 @@ fn a_block_does_not_dock_by_a_face_that_holds_another_one<W: Arena>() {
     assert_eq!(world.groups(), [[0, 1]]);
     world.plant(SEED).expect("a free block");
     assert!(dockings(&mut world, 4).is_empty());
+    assert_eq!(world.groups(), [[0, 1]]);
+}
+
+fn blocks_bond_from_beyond_the_reach_of_their_magnets<W: Arena>() {
+    let mut scene = reject(0.01, 0.0);
+    if let Some(Bond::Reject { magnets, .. }) = &mut scene.bond {
+        magnets.within = 0.01;
+    }
+    let places = [at(0.0, 0.0, 10.0), at(1.03, 0.0, 10.0)];
+    let mut world: W = in_steps(&scene, &places.map(BodyState::at_rest));
+    dockings(&mut world, 1);
     assert_eq!(world.groups(), [[0, 1]]);
 }

@@ -2,7 +2,7 @@
 
 use crate::scenes::{Kind, at, attract, empty, world};
 use nalgebra::UnitQuaternion;
-use stochc_ir::scene::Bond;
+use stochc_ir::scene::{Bond, Reach, Scene};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 use stochc_runtime::{Substeps, step_errors};
@@ -11,11 +11,67 @@ in_every_kind!(
     a_fast_block_docks_if_its_way_leads_through_the_window,
     a_block_next_to_the_middle_of_a_magnet_stays_there,
     a_block_swings_about_the_middle_of_a_magnet_without_gain_or_loss,
+    each_force_of_a_magnet_has_its_own_reach,
+    a_block_docks_from_beyond_the_reach_of_the_pull,
 );
 
 fn open(world: &mut impl World) {
     let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
     world.magnetize(BlockFace { body, face });
+}
+
+/// Pull and alignment with these reaches, and a docking window of 0.05.
+fn reaches(pull: f64, align: f64) -> Scene {
+    let reach = |force, within| Reach { force, within };
+    let mut scene = empty();
+    scene.bond = attract(0.0, 0.05);
+    if let Some(Bond::Attract {
+        pull: to_middle,
+        align: to_corners,
+        ..
+    }) = &mut scene.bond
+    {
+        *to_middle = reach(0.02, pull);
+        *to_corners = Some(reach(0.01, align));
+    }
+    scene
+}
+
+/// A twisted block 0.3 over the face.
+fn each_force_of_a_magnet_has_its_own_reach<K: Kind>() {
+    let block = BodyState {
+        orientation: UnitQuaternion::from_scaled_axis(at(0.0, 0.0, 0.2)),
+        ..BodyState::at_rest(at(0.0, 0.0, 0.8))
+    };
+    let after = |pull, align| {
+        let mut world = K::world(&reaches(pull, align), &[block]);
+        open(&mut world);
+        crate::scenes::pass(&mut world, 1);
+        let entries = world.active()[0].1;
+        (world.state(0).velocity, world.state(0).spin, entries)
+    };
+    let (both, pull, align, neither) = (
+        after(1.0, 1.0),
+        after(1.0, 0.1),
+        after(0.1, 1.0),
+        after(0.1, 0.1),
+    );
+    assert!((pull.0 - at(0.0, 0.0, -0.02)).norm() < 1e-6 && pull.1.norm() < 1e-6);
+    assert!(align.1.z < -1e-3, "{align:?}");
+    assert!((pull.0 + align.0 - both.0).norm() < 1e-6);
+    assert!((align.1 - both.1).norm() < 1e-6);
+    assert!(neither.0.norm() + neither.1.norm() < 1e-6);
+    // Who is in the reach of the pull has come in.
+    assert_eq!([both.2, pull.2, align.2, neither.2], [1, 1, 0, 0]);
+}
+
+fn a_block_docks_from_beyond_the_reach_of_the_pull<K: Kind>() {
+    let block = BodyState::at_rest(at(0.03, 0.0, 0.5));
+    let mut world = K::world(&reaches(0.01, 0.01), &[block]);
+    open(&mut world);
+    let docked = crate::scenes::dockings(&mut world, 1);
+    assert_eq!(docked.len(), 1);
+    assert_eq!((docked[0].entries, docked[0].entered), (1, 1));
 }
 
 /// It passes the face at three times the width of the window in a step, wherever steps end.

@@ -322,7 +322,7 @@ impl<R: Real> Faces<R> {
         }
         self.seen = true;
         self.candidates.clear();
-        let reach = R::of(self.magnet.reach());
+        let [reach, field] = [self.magnet.reach(), self.magnet.field()].map(R::of);
         let far = self.horizon() * self.horizon();
         for (i, active) in self.active.iter_mut().enumerate() {
             let before = self.candidates.len();
@@ -339,10 +339,9 @@ impl<R: Real> Faces<R> {
                     });
                 }
             }
-            let seen = &self.candidates[before..];
-            active
-                .inside
-                .retain(|&(id, _)| seen.iter().any(|s| s.body == id));
+            let seen = self.candidates[before..].iter();
+            let seen = seen.filter(|s| s.near.distance < field);
+            (active.inside).retain(|&(id, _)| seen.clone().any(|s| s.body == id));
             for candidate in seen {
                 if active.inside.iter().all(|&(id, _)| id != candidate.body) {
                     active.inside.push((candidate.body, tick));
@@ -438,8 +437,9 @@ impl<R: Real> Faces<R> {
                 child: candidate.body,
                 child_face: candidate.near.face,
                 turn,
-                entries: active.entries,
-                entered: entry.map_or(tick, |&(_, entered)| entered),
+                // Who docks from farther than the pull reaches comes in by it.
+                entries: active.entries + u32::from(entry.is_none()),
+                entered: entry.map_or(tick + 1, |&(_, entered)| entered),
             };
             let held = Anchored {
                 body: candidate.body,

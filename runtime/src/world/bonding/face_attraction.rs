@@ -108,7 +108,7 @@ impl<R: Real> AttractingFace<R> {
         }
     }
 
-    /// What the face does to a block within its reach.
+    /// What the face does to a block within its reach: each of its forces only where it is closer than that says.
     ///
     /// A force that has the same magnitude at any distance is turned round when the block passes the middle, which may be
     /// many times in a step. Where a step would take a block past it, the force falls off so that the block
@@ -145,8 +145,10 @@ impl<R: Real> AttractingFace<R> {
                 pull: to_centre,
                 align,
             } => {
-                let force = R::of(to_centre.force);
-                pull(near.centre, self.centre, FACE_YIELDS, &|_| force);
+                if near.distance < R::of(to_centre.within) {
+                    let force = R::of(to_centre.force);
+                    pull(near.centre, self.centre, FACE_YIELDS, &|_| force);
+                }
                 if let Some(Pull { force, within }) = align
                     && near.distance < R::of(within)
                 {
@@ -157,7 +159,12 @@ impl<R: Real> AttractingFace<R> {
                     }
                 }
             }
-            Attraction::Passive(Passive { hold, depth, .. }) => {
+            Attraction::Passive(Passive {
+                hold,
+                depth,
+                within,
+                ..
+            }) if near.distance < R::of(within) => {
                 let half = |corner: Vector3<R>, centre: Vector3<R>| {
                     centre + (corner - centre) * R::of(0.5)
                 };
@@ -174,20 +181,19 @@ impl<R: Real> AttractingFace<R> {
                     pull(half(corner, near.centre), to, CORNERS_YIELD, &dipoles);
                 }
             }
-            Attraction::Suction(Suction { seal, .. }) => {
-                if near.distance < R::of(seal) {
-                    let own = own();
-                    let turn = self.pairing(&own);
-                    pull(near.centre, self.centre, FACE_YIELDS, &|_| {
-                        drop * R::of(0.5)
+            Attraction::Suction(Suction { seal, .. }) if near.distance < R::of(seal) => {
+                let own = own();
+                let turn = self.pairing(&own);
+                pull(near.centre, self.centre, FACE_YIELDS, &|_| {
+                    drop * R::of(0.5)
+                });
+                for (i, &corner) in own.iter().enumerate() {
+                    pull(corner, self.counterpart(turn, i), CORNERS_YIELD, &|_| {
+                        drop * R::of(0.125)
                     });
-                    for (i, &corner) in own.iter().enumerate() {
-                        pull(corner, self.counterpart(turn, i), CORNERS_YIELD, &|_| {
-                            drop * R::of(0.125)
-                        });
-                    }
                 }
             }
+            Attraction::Passive(_) | Attraction::Suction(_) => {}
         }
         push
     }

@@ -6,7 +6,7 @@ use stochc_protocol::Orientation;
 use super::face_attraction::{AttractingFace, VelocityChange, best_turn};
 use super::swept_docking::FaceSweep;
 use crate::world::blocks::Pose;
-use crate::world::parameters::{Attraction, Magnet, Passive};
+use crate::world::parameters::{Magnet, Passive};
 use crate::world::real::normal;
 use crate::world::rotation::quaternion;
 
@@ -54,17 +54,14 @@ pub(crate) fn energy(passive: &Passive) -> f64 {
     passive.hold * passive.depth / 3.0
 }
 
-/// The faces of two blocks that are near each other; `None`: too far apart, or faces do not attract by themselves.
+/// The faces of two blocks that are near each other; `None`: too far apart.
 pub(crate) fn face_pair(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<FacePair> {
-    let Attraction::Passive(passive) = magnet.law else {
-        return None;
-    };
     // The face of each that points most towards the other's centre.
     let face = AttractingFace::<f64>::facing(first.position, first.rotation, second.position);
     let target = AttractingFace::turned(first.position, first.rotation, face);
     let other = AttractingFace::<f64>::facing(second.position, second.rotation, first.position);
     let near = target.at(second.position, second.rotation, other);
-    if near.distance >= passive.within {
+    if near.distance >= magnet.reach() {
         return None;
     }
     let second_push = target.push(&near, second.position, second.rotation, magnet, 0.0);
@@ -99,6 +96,7 @@ mod tests {
     use stochc_ir::scene::Measure;
 
     use super::*;
+    use crate::world::parameters::Attraction;
     use crate::world::unit_cube::INVERSE_INERTIA;
 
     fn magnet() -> Magnet {
