@@ -85,6 +85,8 @@ impl<'t> Controller<'t> {
     /// A world without enough free blocks for it leaves a [`Controller::fault`].
     pub fn start(&mut self, world: &mut impl World) {
         self.recorder.tick = world.tick();
+        let seeds: Vec<Cell> = self.tables.seeds().map(|(_, cell)| cell).collect();
+        world.place_seeds(&seeds);
         self.note_phase(self.structure.phase());
         self.structure.start(&mut self.recorder.in_world(world));
         self.plant(world);

@@ -54,6 +54,7 @@ macro_rules! delegate {
                 largest_group() -> u32
             );
             delegate!(@change $by
+                place_seeds(cells: &[Cell]) -> (),
                 magnetize(site: BlockFace) -> (),
                 switch_off(site: BlockFace) -> (),
                 plant(site: BlockFace) -> Option<Docking>,

@@ -73,6 +73,10 @@ pub trait World: State {
     /// Ticks that have passed.
     fn tick(&self) -> u64;
 
+    /// Says in which cells of the plate there are blocks that belong to the structure: before the first tick, and before anything
+    /// else is asked. Where every face attracts by itself, theirs do from then on.
+    fn place_seeds(&mut self, _cells: &[Cell]) {}
+
     /// Switches a face of an anchored block on, to capture the first block that docks there.
     ///
     /// A face that already is on, or holds a block, stays as it is.

@@ -483,6 +483,14 @@ impl<I: Integrator> World for Stepper<I> {
         self.tick
     }
 
+    fn place_seeds(&mut self, cells: &[Cell]) {
+        if let Some(faces) = &mut self.faces {
+            let at = |&cell: &Cell| (cell, cast(self.cells.centre(cell)));
+            faces.place_seeds(cells.iter().map(at));
+            (self.stale, self.blind) = (true, true);
+        }
+    }
+
     fn magnetize(&mut self, site: BlockFace) {
         let (centre, orientation) = match site.body {
             Body::Seed(cell) => (cast(self.cells.centre(cell)), Orientation::IDENTITY),

@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::scenes::{at, dockings, in_steps, reject};
 use crate::tables::{Draft, at_once, chain, magnetize};
 use proptest::prelude::*;
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, RunRecord};
@@ -11,8 +12,10 @@ use stochc_ir::table::{Action, Condition, News, PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::control::Controller;
 use stochc_runtime::world::shuffle::ShuffleWorld;
-use stochc_runtime::world::{Body, World};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 use stochc_runtime::{RunError, drive};
+
+in_every_world!(a_seed_that_captures_nothing_attracts_as_well);
 
 fn go(_: u64, _: PhaseId) -> ControlFlow<()> {
     ControlFlow::Continue(())
@@ -403,6 +406,61 @@ fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
     }
     // Half of the ticks, of which each run has eight at least, but for the first.
     assert!((500..1200).contains(&all), "{all}");
+}
+
+/// Two seeds, of which only the first ever captures.
+fn idle_seed() -> (Tables, [RoleId; 2]) {
+    let mut draft = Draft::default();
+    let phase = draft.phase(1);
+    let [p, q] = [("P", 0), ("Q", 2)].map(|(name, x)| draft.seed(name, x, 1));
+    let a = draft.role("A");
+    let rules = vec![at_once(magnetize(Face::Up, a, Cell::new(0, 1, 1)))];
+    draft.start(p, phase, rules);
+    draft.anchored(a, phase, vec![at_once(Action::Report)]);
+    (passive(draft.tables()), [p, q])
+}
+
+#[test]
+fn a_seed_that_captures_nothing_gets_strays_as_well() {
+    let (tables, [p, q]) = idle_seed();
+    let mut by = [0, 0];
+    for run in 0..200 {
+        let mut world = ShuffleWorld::new(&tables, 30, 5, run).with_strays(1.0);
+        let record =
+            drive(&tables, None, &mut world, Some(1), (5, run), &mut go).expect("nobody cancels");
+        by[0] += record
+            .unplanned_bonds
+            .iter()
+            .filter(|bond| bond.parent == p)
+            .count();
+        by[1] += record
+            .unplanned_bonds
+            .iter()
+            .filter(|bond| bond.parent == q)
+            .count();
+    }
+    // One a tick, before anything else: the face of the other seed is expected to capture.
+    assert_eq!(by, [0, 200]);
+}
+
+/// Midway between the two.
+fn a_seed_that_captures_nothing_attracts_as_well<W: Arena>() {
+    let (tables, _) = idle_seed();
+    let block = BodyState::at_rest(at(0.0, 0.0, 0.8));
+    let mut world: W = in_steps(&reject(0.1, 0.0), &[block]);
+    Controller::new(&tables, None, 5, 0).start(&mut world);
+    let on: Vec<BlockFace> = world.active().into_iter().map(|(site, _)| site).collect();
+    let up = |x| BlockFace {
+        body: Body::Seed(Cell::new(x, 1, 0)),
+        face: Face::Up,
+    };
+    assert_eq!(on, [up(0), up(2)]);
+    assert!(dockings(&mut world, 1).is_empty());
+    let velocity = world.state(0).velocity;
+    assert!(
+        velocity.z < -1e-4 && velocity.x.abs() < 1e-3 * -velocity.z,
+        "{velocity}"
+    );
 }
 
 #[test]

@@ -23,7 +23,7 @@ struct Plain {
     count: u32,
     lattice: Lattice,
     strays: f64,
-    /// The blocks of the plate whose faces have been on.
+    /// The blocks of the plate.
     seeds: BTreeSet<Cell>,
 }
 
@@ -34,9 +34,6 @@ impl Plain {
     }
 
     fn magnetize(&mut self, site: BlockFace) {
-        if let Body::Seed(cell) = site.body {
-            self.seeds.insert(cell);
-        }
         self.lattice.magnetize(site);
     }
 
@@ -152,7 +149,7 @@ proptest! {
             count,
             lattice: Lattice::default(),
             strays,
-            seeds: BTreeSet::new(),
+            seeds: plate.map(|(x, y)| Cell::new(x, y, 0)).into(),
         };
         for (deed, which, face) in deeds {
             let seeds = plate.map(|(x, y)| Body::Seed(Cell::new(x, y, 0)));

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use stochc_ir::Face;
+use stochc_ir::{Cell, Face};
 use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn};
@@ -121,14 +121,24 @@ impl<R: Real> Faces<R> {
         }
     }
 
+    /// Blocks of the plate with these centres belong to the structure: where all faces attract by themselves, theirs do from now on.
+    pub fn place_seeds(&mut self, seeds: impl Iterator<Item = (Cell, Vector3<R>)>) {
+        if let Attraction::Passive(_) = self.magnet.law {
+            for (cell, centre) in seeds {
+                self.placed
+                    .insert(Body::Seed(cell), centre, Orientation::IDENTITY);
+            }
+            self.expose();
+        }
+    }
+
     /// Switches a face on, unless it is or holds something; the block it belongs to is at `centre`. Where all
     /// faces attract by themselves, those of the block do from now on.
     ///
     /// Whether faces are on that were not: see [`Faces::set_nearby`].
     pub fn magnetize(&mut self, site: BlockFace, centre: Vector3<R>, parent: Orientation) -> bool {
         if let Attraction::Passive(_) = self.magnet.law {
-            self.placed.insert(site.body, centre, parent);
-            return self.expose();
+            return self.placed.insert(site.body, centre, parent) && self.expose();
         }
         if self.holds.contains_key(&site) {
             return false;

@@ -15,8 +15,9 @@ use crate::world::{BlockFace, Body};
 pub(super) struct PlacedBlocks<R: Real>(BTreeMap<Body, (Vector3<R>, Orientation)>);
 
 impl<R: Real> PlacedBlocks<R> {
-    pub fn insert(&mut self, body: Body, centre: Vector3<R>, orientation: Orientation) {
-        self.0.insert(body, (centre, orientation));
+    /// Whether the block was not placed before.
+    pub fn insert(&mut self, body: Body, centre: Vector3<R>, orientation: Orientation) -> bool {
+        self.0.insert(body, (centre, orientation)).is_none()
     }
 
     pub fn remove(&mut self, body: Body) {

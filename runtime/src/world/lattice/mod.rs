@@ -44,7 +44,7 @@ pub(super) type Changes = SmallVec<[FaceChange; 4]>;
 pub(super) struct AnchoredBlock {
     pub cell: Cell,
     pub orientation: Orientation,
-    /// Those that are on and hold nothing; also [`WORKED`].
+    /// Those that are on and hold nothing.
     pub on: u8,
     /// Those that hold a block.
     pub holding: u8,
@@ -58,9 +58,6 @@ struct CellContent {
     /// From which neighbours a face that is on points to it: the directions of those faces, one bit each.
     aimed: u8,
 }
-
-/// That a block has had a face on.
-pub(super) const WORKED: u8 = 1 << Face::ALL.len();
 
 /// The seat of no block.
 pub(super) const NOBODY: u32 = u32::MAX;
@@ -90,7 +87,6 @@ pub(super) fn bit(face: Face) -> u8 {
 /// The faces of a set of bits.
 #[inline]
 pub(super) fn faces(mut bits: u8) -> impl Iterator<Item = Face> {
-    bits &= !WORKED;
     std::iter::from_fn(move || {
         let face = *Face::ALL.get(bits.trailing_zeros() as usize)?;
         bits &= bits - 1;
@@ -193,7 +189,7 @@ impl LatticeStructure {
         if (of.on | of.holding) & bit(face) != 0 {
             return None;
         }
-        of.on |= bit(face) | WORKED;
+        of.on |= bit(face);
         let way = of.orientation.to_structure(face);
         let content = self.grid.get_mut(of.across(face)?);
         content.aimed |= bit(way);

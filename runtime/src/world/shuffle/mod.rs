@@ -12,7 +12,7 @@ use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation};
 
-use super::lattice::{FaceChange, LatticeStructure, NOBODY, WORKED, bit, site};
+use super::lattice::{FaceChange, LatticeStructure, NOBODY, bit, site};
 use super::ranked::RankedSet;
 use super::{Fault, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
@@ -70,10 +70,14 @@ impl ShuffleWorld {
     /// The same, where with this chance per tick a block also docks on a face that nobody has
     /// switched on, of those to which a block can come: as where every face always attracts.
     pub fn with_strays(self, probability: f64) -> ShuffleWorld {
-        ShuffleWorld {
+        let mut world = ShuffleWorld {
             strays: probability,
             ..self
+        };
+        for seat in 0..world.lattice.seeds.len() {
+            world.expose(world.lattice.seats[seat].cell);
         }
+        world
     }
 
     /// The occupied cells above the plate, each with the number of its block.
@@ -118,9 +122,7 @@ impl ShuffleWorld {
             let faces = seat.map_or(0, |seat| {
                 let on = self.lattice.seats[seat].on;
                 let exposed = Face::ALL.into_iter().filter(|&face| {
-                    // Of the plate, only blocks that have been at work.
-                    let counts = !is_seed || (face == Face::Up && on & WORKED != 0);
-                    counts && on & bit(face) == 0 && self.lattice.target(seat, face).is_some()
+                    on & bit(face) == 0 && self.lattice.target(seat, face).is_some()
                 });
                 exposed.fold(0, |faces, face| faces | bit(face))
             });
