@@ -109,14 +109,14 @@ impl FreeBonds {
                 && pair.bonds
             {
                 // A pair that has been torn is let bond again when it parts no faster than its magnets can stop
-                // in a step.
+                // in a step, of which drag takes its part.
                 let way = (places[j].1 - places[i].1).normalize();
                 let (one, other) = (blocks.motion(a), blocks.motion(b));
                 let turning = other.spin - one.spin;
                 // Their middles, or two of their edges.
                 let opening = (other.velocity - one.velocity).dot(&way)
                     + 0.5 * (turning - way * turning.dot(&way)).norm();
-                if opening > self.passive.hold * dt {
+                if opening > self.passive.hold * dt * self.response.linear {
                     parting.insert((a, b));
                 }
                 ready.push((a, b, pair));

@@ -1,13 +1,15 @@
 //! Two free blocks that bond: where, when, and what stays as it was.
 
-use crate::scenes::{SEED, at, dockings, gas, hemisphere, in_steps, reject, states};
-use stochc_ir::scene::{Agitation, Bond, Drag};
+use crate::scenes::{SEED, at, dockings, gas, hemisphere, in_steps, reject, states, viscous};
+use nalgebra::{UnitQuaternion, Vector3};
+use stochc_ir::scene::{Agitation, Bond, Drag, Flow, Scene, Stir};
 use stochc_runtime::world::{Arena, BodyState};
 
 in_every_world!(
     a_face_takes_one_block,
     blocks_of_a_group_sit_side_by_side,
     a_block_does_not_dock_by_a_face_that_holds_another_one,
+    a_pair_that_drag_tears_apart_stays_apart,
     blocks_bond_from_beyond_the_reach_of_their_magnets,
 );
 
@@ -61,6 +63,36 @@ fn a_block_does_not_dock_by_a_face_that_holds_another_one<W: Arena>() {
     world.plant(SEED).expect("a free block");
     assert!(dockings(&mut world, 4).is_empty());
     assert_eq!(world.groups(), [[0, 1]]);
+}
+
+/// In a strain of a fluid that pulls two blocks apart at a relative speed u, their bond has to hold γ u / 2.
+fn a_pair_that_drag_tears_apart_stays_apart<W: Arena>() {
+    let (rate, apart, from_axis) = (40.0, 0.05, 3.0);
+    let load = rate * apart / 2.0;
+    for (hold, holds) in [(4.0 * load, true), (load / 4.0, false)] {
+        let scene = Scene {
+            fluid: viscous(rate),
+            // Beyond the core u = Ω r²/s; at 45 degrees to the radius it strains by Ω r²/s².
+            flow: Some(Flow::Stir(Stir {
+                radius: 1.0,
+                rate: apart * from_axis * from_axis,
+                force: None,
+                follow: 1.0,
+            })),
+            ..reject(hold, 0.0)
+        };
+        let out = at(0.5, -0.5, 0.0).normalize();
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * -std::f64::consts::FRAC_PI_4);
+        let blocks = [-0.5, 0.5].map(|along| BodyState {
+            orientation: turn,
+            ..BodyState::at_rest(at(from_axis, 0.0, 10.0) + out * along)
+        });
+        let mut world: W = in_steps(&scene, &blocks);
+        dockings(&mut world, 6);
+        let gap = (world.state(1).position - world.state(0).position).norm() - 1.0;
+        assert_eq!(!world.groups().is_empty(), holds, "{hold}: {gap}");
+        assert_eq!(gap < 0.01, holds, "{hold}: {gap}");
+    }
 }
 
 fn blocks_bond_from_beyond_the_reach_of_their_magnets<W: Arena>() {
