@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Vector3;
 
 use super::blocks::{Blocks, Motion, Pose};
-use super::bonding::pair_attraction::{close, energy, face_pair, seat};
+use super::bonding::pair_attraction::{FacePair, close, energy, seat};
 use super::external_forces::Response;
 use super::groups::{BlockGroups, lost};
 use super::parameters::{Attraction, Magnet, Passive};
@@ -51,10 +51,12 @@ impl FreeBonds {
             if self.groups.same(a, b) {
                 continue;
             }
-            let Some(pair) = face_pair(&self.magnet, &blocks.pose(a), &blocks.pose(b)) else {
+            let (first, second) = (blocks.pose(a), blocks.pose(b));
+            let pair = FacePair::of(&first, &second);
+            let Some(pushes) = pair.pushes(&self.magnet, &first, &second) else {
                 continue;
             };
-            for (id, push) in [(a, pair.pushes[0]), (b, pair.pushes[1])] {
+            for (id, push) in [a, b].into_iter().zip(pushes) {
                 let Motion { velocity, spin, .. } = blocks.motion(id);
                 let linear = push.linear * (dt * self.response.linear);
                 let angular = push.angular * (dt * self.response.angular);
@@ -97,21 +99,26 @@ impl FreeBonds {
         self.groups.carry(blocks, self.response, dt);
     }
 
-    /// Bonds the blocks that are close and straight enough, unless more energy would have to go than the bond can
+    /// Bonds the blocks that are close and straight enough, or were in the step of length `dt` that ends here, unless more energy would have to go than the bond can
     /// take up; whether some did, and were moved into their places.
     pub fn join(&mut self, free: &[u32], blocks: &mut impl Blocks, dt: f64) -> bool {
         let places = places(free, blocks);
         let mut parting = BTreeSet::new();
         let mut ready = Vec::new();
-        for (i, j) in close(&places, self.magnet.anchoring()) {
+        // Two that have been close in the step are no farther apart now than both have come.
+        let fastest = places
+            .iter()
+            .map(|&(id, _)| blocks.motion(id).velocity.norm());
+        let way = 2.0 * dt * fastest.fold(0.0, f64::max);
+        for (i, j) in close(&places, self.magnet.anchoring() + way) {
             let (a, b) = (places[i].0, places[j].0);
-            if let Some(pair) = face_pair(&self.magnet, &blocks.pose(a), &blocks.pose(b))
-                && pair.bonds
-            {
+            let (first, second) = (blocks.pose(a), blocks.pose(b));
+            let (one, other) = (blocks.motion(a), blocks.motion(b));
+            let pair = FacePair::of(&first, &second);
+            if pair.bonds(&self.magnet, [(&first, &one), (&second, &other)], dt) {
                 // A pair that has been torn is let bond again when it parts no faster than its magnets can stop
                 // in a step, of which drag takes its part.
                 let way = (places[j].1 - places[i].1).normalize();
-                let (one, other) = (blocks.motion(a), blocks.motion(b));
                 let turning = other.spin - one.spin;
                 // Their middles, or two of their edges.
                 let opening = (other.velocity - one.velocity).dot(&way)

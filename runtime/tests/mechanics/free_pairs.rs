@@ -1,6 +1,8 @@
 //! Two free blocks that bond: where, when, and what stays as it was.
 
-use crate::scenes::{SEED, at, dockings, gas, hemisphere, in_steps, reject, states, viscous};
+use crate::scenes::{
+    SEED, at, dockings, gas, hemisphere, in_steps, moving, reject, states, viscous,
+};
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::{Agitation, Bond, Drag, Flow, Scene, Stir};
 use stochc_runtime::world::{Arena, BodyState};
@@ -10,6 +12,7 @@ in_every_world!(
     blocks_of_a_group_sit_side_by_side,
     a_block_does_not_dock_by_a_face_that_holds_another_one,
     a_pair_that_drag_tears_apart_stays_apart,
+    a_pair_bonds_wherever_a_step_ends_and_however_fast_both_move,
     blocks_bond_from_beyond_the_reach_of_their_magnets,
 );
 
@@ -92,6 +95,23 @@ fn a_pair_that_drag_tears_apart_stays_apart<W: Arena>() {
         let gap = (world.state(1).position - world.state(0).position).norm() - 1.0;
         assert_eq!(!world.groups().is_empty(), holds, "{hold}: {gap}");
         assert_eq!(gap < 0.01, holds, "{hold}: {gap}");
+    }
+}
+
+/// They pull each other together from a tenth of a side, and pass the window, which is 0.01 sides wide, by 0.024 in a step.
+fn a_pair_bonds_wherever_a_step_ends_and_however_fast_both_move<W: Arena>() {
+    let mut scene = reject(0.05, 0.0);
+    if let Some(Bond::Reject { anchor, .. }) = &mut scene.bond {
+        anchor.within = 0.005;
+    }
+    for start in 0..16 {
+        for common in [Vector3::zeros(), at(0.3, 0.2, -0.4)] {
+            let gap = 0.1 + 0.024 * f64::from(start) / 16.0;
+            let places = [at(0.0, 0.0, 10.0), at(1.0 + gap, 0.0, 10.0)];
+            let mut world: W = in_steps(&scene, &places.map(|place| moving(place, common)));
+            dockings(&mut world, 5);
+            assert_eq!(world.groups(), [[0, 1]], "{start} {common}");
+        }
     }
 }
 

@@ -1,11 +1,11 @@
 //! Free blocks whose magnets always attract: how two of them pull each other, and when they bond.
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
-use super::face_attraction::{AttractingFace, VelocityChange, best_turn};
+use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn};
 use super::swept_docking::FaceSweep;
-use crate::world::blocks::Pose;
+use crate::world::blocks::{Motion, Pose};
 use crate::world::parameters::{Magnet, Passive};
 use crate::world::real::normal;
 use crate::world::rotation::quaternion;
@@ -13,17 +13,71 @@ use crate::world::rotation::quaternion;
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f64 = 0.5;
 
-/// Two faces that are near each other.
+/// The faces of two blocks that look at each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FacePair {
     /// Of the first block.
     pub face: Face,
     /// Of the second.
     pub other: Face,
-    /// Whether they are close and straight enough to bond.
-    pub bonds: bool,
-    /// What each of the two feels.
-    pub pushes: [VelocityChange<f64>; 2],
+    /// The face of the first, and that of the second seen from there.
+    target: AttractingFace<f64>,
+    near: Near<f64>,
+}
+
+impl FacePair {
+    /// The face of each that points most towards the other's centre.
+    pub fn of(first: &Pose, second: &Pose) -> FacePair {
+        let face = AttractingFace::<f64>::facing(first.position, first.rotation, second.position);
+        let target = AttractingFace::turned(first.position, first.rotation, face);
+        let other = AttractingFace::<f64>::facing(second.position, second.rotation, first.position);
+        FacePair {
+            face,
+            other,
+            target,
+            near: target.at(second.position, second.rotation, other),
+        }
+    }
+
+    /// What each of the two feels; `None`: nothing, so far apart they are.
+    pub fn pushes(
+        &self,
+        magnet: &Magnet,
+        first: &Pose,
+        second: &Pose,
+    ) -> Option<[VelocityChange<f64>; 2]> {
+        let is_felt = self.near.distance < magnet.field();
+        is_felt.then(|| {
+            let back = AttractingFace::turned(second.position, second.rotation, self.other);
+            let near = back.at(first.position, first.rotation, self.face);
+            let (target, seen) = (&self.target, &self.near);
+            [
+                back.push(&near, first.position, first.rotation, magnet, 0.0),
+                target.push(seen, second.position, second.rotation, magnet, 0.0),
+            ]
+        })
+    }
+
+    /// Whether they are close and straight enough to bond anywhere on their way through a step of length `dt`, at the end of
+    /// which they are placed and move like this.
+    pub fn bonds(&self, magnet: &Magnet, ends: [(&Pose, &Motion); 2], dt: f64) -> bool {
+        let [(first, _), (second, _)] = ends;
+        let [from, start] = ends.map(|(pose, motion)| Pose {
+            position: pose.position - motion.velocity * dt,
+            rotation: UnitQuaternion::from_scaled_axis(motion.spin * -dt) * pose.rotation,
+        });
+        // As the first block sees it, which moves itself.
+        let start = start.carried(&from, first);
+        let seen = (self.target).at(start.position, start.rotation, self.other);
+        let sweep = FaceSweep {
+            centre: [seen.centre, self.near.centre],
+            normal: [
+                (seen.centre - start.position) * 2.0,
+                (self.near.centre - second.position) * 2.0,
+            ],
+        };
+        sweep.docks(&self.target, magnet).is_some()
+    }
 }
 
 /// The pairs of blocks that may be in each other's reach, in rising order: a sweep along x.
@@ -54,30 +108,6 @@ pub(crate) fn energy(passive: &Passive) -> f64 {
     passive.hold * passive.depth / 3.0
 }
 
-/// The faces of two blocks that are near each other; `None`: too far apart.
-pub(crate) fn face_pair(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<FacePair> {
-    // The face of each that points most towards the other's centre.
-    let face = AttractingFace::<f64>::facing(first.position, first.rotation, second.position);
-    let target = AttractingFace::turned(first.position, first.rotation, face);
-    let other = AttractingFace::<f64>::facing(second.position, second.rotation, first.position);
-    let near = target.at(second.position, second.rotation, other);
-    if near.distance >= magnet.reach() {
-        return None;
-    }
-    let second_push = target.push(&near, second.position, second.rotation, magnet, 0.0);
-    let back = AttractingFace::turned(second.position, second.rotation, other);
-    let first_near = back.at(first.position, first.rotation, face);
-    let first_push = back.push(&first_near, first.position, first.rotation, magnet, 0.0);
-    Some(FacePair {
-        face,
-        other,
-        bonds: FaceSweep::resting(&near, second.position)
-            .docks(&target, magnet)
-            .is_some(),
-        pushes: [first_push, second_push],
-    })
-}
-
 /// Where the second block sits straight on a face of the first, in the quarter turn next to its own.
 pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose {
     // As if the first sat on the lattice.
@@ -92,7 +122,6 @@ pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::UnitQuaternion;
     use stochc_ir::scene::Measure;
 
     use super::*;
@@ -121,26 +150,51 @@ mod tests {
         }
     }
 
+    fn pushes(a: &Pose, b: &Pose) -> [VelocityChange<f64>; 2] {
+        let pair = FacePair::of(a, b);
+        pair.pushes(&magnet(), a, b).expect("in reach")
+    }
+
+    /// Whether two blocks bond that turn as one body about the origin, by this angle in a step.
+    fn turning(a: &Pose, b: &Pose, spin: Vector3<f64>) -> bool {
+        let [first, second] = [a, b].map(|pose| Motion {
+            position: pose.position,
+            velocity: spin.cross(&pose.position),
+            spin,
+        });
+        FacePair::of(a, b).bonds(&magnet(), [(a, &first), (b, &second)], 1.0)
+    }
+
+    fn rest(a: &Pose, b: &Pose) -> bool {
+        turning(a, b, Vector3::zeros())
+    }
+
+    #[test]
+    fn a_pair_that_turns_as_one_is_as_close_as_one_that_rests() {
+        let a = pose(-0.5, 0.0, 0.0, Vector3::zeros());
+        for gap in [0.04, 0.06] {
+            let b = pose(0.5 + gap, 0.0, 0.0, Vector3::zeros());
+            for spin in [Vector3::z(), Vector3::x(), Vector3::new(0.2, -0.4, 0.3)] {
+                assert_eq!(turning(&a, &b, spin * 0.1), gap < 0.05, "{gap} {spin}");
+            }
+        }
+    }
+
     #[test]
     fn straight_faces_attract_as_the_law_says() {
         for gap in [0.0, 0.1, 0.5, 1.2] {
-            let pair = face_pair(
-                &magnet(),
-                &pose(0.0, 0.0, 0.0, Vector3::zeros()),
-                &pose(
-                    1.0 + gap,
-                    0.0,
-                    0.0,
-                    Vector3::z() * std::f64::consts::FRAC_PI_2,
-                ),
+            let turn = Vector3::z() * std::f64::consts::FRAC_PI_2;
+            let (a, b) = (
+                pose(0.0, 0.0, 0.0, Vector3::zeros()),
+                pose(1.0 + gap, 0.0, 0.0, turn),
             );
-            let pair = pair.expect("in reach");
+            let pair = FacePair::of(&a, &b);
             let force = if gap == 0.0 {
                 0.0
             } else {
                 0.8 / (1.0 + gap / 0.2).powi(4)
             };
-            let [first, second] = pair.pushes;
+            let [first, second] = pair.pushes(&magnet(), &a, &b).expect("in reach");
             assert!(
                 (first.linear - Vector3::x() * force).norm() < 1e-12,
                 "{gap}"
@@ -150,7 +204,7 @@ mod tests {
                 "{gap}"
             );
             assert!(first.angular.norm() + second.angular.norm() < 1e-12);
-            assert_eq!(pair.bonds, gap < 0.05);
+            assert_eq!(rest(&a, &b), gap < 0.05);
         }
     }
 
@@ -172,7 +226,7 @@ mod tests {
     fn a_pair_keeps_its_momentum_and_its_angular_momentum() {
         let a = pose(0.1, -0.2, 0.3, Vector3::new(0.2, -0.4, 0.1));
         let b = pose(1.2, 0.3, 0.1, Vector3::new(-0.3, 0.1, 0.7));
-        let [first, second] = face_pair(&magnet(), &a, &b).expect("in reach").pushes;
+        let [first, second] = pushes(&a, &b);
         assert!(first.linear.norm() > 1e-3);
         assert!((first.linear + second.linear).norm() < 1e-12);
         let turning = |pose: &Pose, push: &VelocityChange<f64>| {
@@ -186,7 +240,7 @@ mod tests {
         let (a, twist) = (pose(0.0, 0.0, 0.0, Vector3::zeros()), 0.2);
         for (angle, sense) in [(twist, -1.0), (std::f64::consts::FRAC_PI_2 - twist, 1.0)] {
             let b = pose(1.05, 0.0, 0.0, Vector3::x() * angle);
-            let [_, second] = face_pair(&magnet(), &a, &b).expect("in reach").pushes;
+            let [_, second] = pushes(&a, &b);
             assert!(
                 second.angular.x * sense > 1e-3,
                 "{angle}: {}",
@@ -205,14 +259,13 @@ mod tests {
             position: a.position + off,
             rotation: a.rotation * twist,
         };
-        let pair = face_pair(&magnet(), &a, &b).expect("in reach");
+        let pair = FacePair::of(&a, &b);
         assert_eq!(pair.face, Face::North);
         let seat = seat(&a, pair.face, &b, pair.other);
         assert!((seat.position - b.position).norm() < 0.03);
         assert!(seat.rotation.angle_to(&b.rotation) < 0.06);
-        let straight = face_pair(&magnet(), &a, &seat).expect("in reach");
-        assert!(straight.bonds);
-        assert!(straight.pushes[0].linear.norm() < 1e-9);
+        assert!(rest(&a, &seat));
+        assert!(pushes(&a, &seat)[0].linear.norm() < 1e-9);
     }
 
     #[test]

@@ -17,15 +17,6 @@ pub(crate) struct FaceSweep<R: Real> {
 }
 
 impl<R: Real> FaceSweep<R> {
-    /// Of a face that is where it is.
-    pub fn resting(near: &Near<R>, position: Vector3<R>) -> FaceSweep<R> {
-        let normal = (near.centre - position) * R::of(2.0);
-        FaceSweep {
-            centre: [near.centre; 2],
-            normal: [normal; 2],
-        }
-    }
-
     /// Of a face that is where it is after a step of length `dt` at this velocity and spin.
     pub fn of_step(
         near: &Near<R>,
