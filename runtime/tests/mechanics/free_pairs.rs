@@ -14,6 +14,7 @@ in_every_world!(
     a_pair_that_drag_tears_apart_stays_apart,
     a_pair_bonds_wherever_a_step_ends_and_however_fast_both_move,
     blocks_bond_from_beyond_the_reach_of_their_magnets,
+    bonding_moves_no_middle_and_shares_the_turn,
 );
 
 /// The least distance between two blocks of one group; at most 2.
@@ -124,4 +125,29 @@ fn blocks_bond_from_beyond_the_reach_of_their_magnets<W: Arena>() {
     let mut world: W = in_steps(&scene, &places.map(BodyState::at_rest));
     dockings(&mut world, 1);
     assert_eq!(world.groups(), [[0, 1]]);
+}
+
+fn bonding_moves_no_middle_and_shares_the_turn<W: Arena>() {
+    let twist = |angle: f64| UnitQuaternion::from_scaled_axis(Vector3::x() * angle);
+    for (off, angle) in [(at(0.03, 0.0, 0.0), 0.2), (at(0.01, 0.02, -0.03), 0.0)] {
+        let first = at(0.0, 0.0, 10.0);
+        let blocks = [
+            BodyState::at_rest(first),
+            BodyState {
+                orientation: twist(angle),
+                ..BodyState::at_rest(first + Vector3::x() + off)
+            },
+        ];
+        let mut world: W = in_steps(&reject(1e-9, 0.0), &blocks);
+        dockings(&mut world, 1);
+        assert_eq!(world.groups(), [[0, 1]]);
+        let [a, b] = [0, 1].map(|id| world.state(id));
+        let middle = first + (Vector3::x() + off) / 2.0;
+        assert!(((a.position + b.position) / 2.0 - middle).norm() < 1e-5);
+        assert!((b.position - a.position - a.orientation * Vector3::x()).norm() < 1e-5);
+        if angle > 0.0 {
+            assert!(a.orientation.angle_to(&twist(angle / 2.0)) < 1e-3);
+            assert!(b.orientation.angle_to(&twist(angle / 2.0)) < 1e-3);
+        }
+    }
 }

@@ -132,8 +132,9 @@ impl BlockGroups {
         })
     }
 
-    /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`, and
-    /// all move as one body at once.
+    /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`: both give way, so
+    /// that the middle of all stays where it is, and nothing turns on the whole. They move as one body at once, with their momentum
+    /// and their angular momentum.
     pub fn join(
         &mut self,
         a: u32,
@@ -145,18 +146,33 @@ impl BlockGroups {
         let was = blocks.pose(b);
         let (mut members, mut bonds) = self.take(a);
         let (moved, others) = self.take(b);
-        for &id in &moved {
-            let pose = blocks.pose(id).carried(&was, seat);
-            blocks.set_pose(id, &pose);
-        }
-        members.extend(moved);
+        members.extend(&moved);
         bonds.extend(others);
         bonds.push((a, b));
+        let motions: Vec<Motion> = members.iter().map(|&id| blocks.motion(id)).collect();
+        let (mut compound, turning) = RigidMotion::momenta(&motions, response);
+        let poses = members.iter().map(|&id| {
+            let pose = blocks.pose(id);
+            let comes = moved.contains(&id);
+            [
+                pose,
+                if comes {
+                    pose.carried(&was, seat)
+                } else {
+                    pose
+                },
+            ]
+        });
+        let poses: Vec<[Pose; 2]> = poses.collect();
+        for (&id, pose) in members.iter().zip(rigid_motion::without_drift(&poses)) {
+            blocks.set_pose(id, &pose);
+        }
         if let Some(key) = self.add(members, bonds, blocks) {
             // Whatever its bonds would have to hold for that.
             let group = &self.groups[&key];
-            let motions = group.motions(blocks);
-            group.stiffen(&RigidMotion::of(&motions, response), &motions, blocks);
+            let arms = group.members.iter().map(|member| member.offset);
+            compound.spin = rigid_motion::spin(turning, arms, response);
+            group.stiffen(&compound, &group.motions(blocks), blocks);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Several cubes as one rigid body.
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::world::blocks::Motion;
+use crate::world::blocks::{Motion, Pose};
 use crate::world::external_forces::Response;
 use crate::world::unit_cube::INVERSE_INERTIA;
 
@@ -64,6 +64,26 @@ pub(super) fn spin(
     }
     // More than nothing in every direction.
     (inertia.cholesky()).map_or(turning / own, |it| it.solve(&turning))
+}
+
+/// Where cubes come to that go from here to there, less what they would move and turn by on the whole.
+pub(super) fn without_drift(ways: &[[Pose; 2]]) -> impl Iterator<Item = Pose> {
+    let way = |[from, to]: &[Pose; 2]| Motion {
+        position: from.position,
+        velocity: to.position - from.position,
+        spin: (to.rotation * from.rotation.inverse()).scaled_axis(),
+    };
+    let motions: Vec<Motion> = ways.iter().map(way).collect();
+    let whole = RigidMotion::of(&motions, Response::FREE);
+    let from = Pose {
+        position: whole.middle + whole.velocity,
+        rotation: UnitQuaternion::identity(),
+    };
+    let to = Pose {
+        position: whole.middle,
+        rotation: UnitQuaternion::from_scaled_axis(-whole.spin),
+    };
+    ways.iter().map(move |[_, pose]| pose.carried(&from, &to))
 }
 
 /// Kinetic energy \[side^2 / tick^2\] that goes when cubes take the motion of one rigid body.

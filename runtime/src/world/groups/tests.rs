@@ -177,9 +177,33 @@ fn a_group_that_joins_another_comes_along_as_it_is() {
     };
     groups.join(1, 2, &seat, &mut blocks, Response::FREE);
     assert_eq!(groups.list(), [[0, 1, 2, 3]]);
-    let last = blocks.pose(3).position;
-    assert!(
-        (last - Vector3::new(2.0, 0.0, 1.0)).norm() < 1e-12,
-        "{last}"
-    );
+    // All as the first sees it.
+    let first = blocks.pose(0);
+    for (id, expected) in [
+        (1, [1.0, 0.0, 0.0]),
+        (2, [2.0, 0.0, 0.0]),
+        (3, [2.0, 0.0, 1.0]),
+    ] {
+        let way = first.rotation.inverse() * (blocks.pose(id).position - first.position);
+        assert!((way - Vector3::from(expected)).norm() < 1e-12, "{id} {way}");
+    }
+}
+
+#[test]
+fn what_bonds_keeps_its_middle_and_its_momenta() {
+    let places = [[0.0; 3], [1.03, -0.02, 0.01], [1.03, 0.98, 0.01]];
+    let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
+    let seat = blocks.pose(2);
+    groups.join(1, 2, &seat, &mut blocks, Response::FREE);
+    blocks.set_velocity(0, Vector3::new(0.1, 0.2, -0.3), Vector3::new(0.3, 0.1, 0.2));
+    let middle = |blocks: &Bodies<f64>| motions(blocks).map(|m| m.position).sum::<Vector3<f64>>();
+    let before = (momenta(&blocks), middle(&blocks));
+    let seat = Pose {
+        position: Vector3::x(),
+        rotation: UnitQuaternion::from_scaled_axis(Vector3::new(0.05, -0.02, 0.1)),
+    };
+    groups.join(0, 1, &seat, &mut blocks, Response::FREE);
+    let after = (momenta(&blocks), middle(&blocks));
+    assert!((before.1 - after.1).norm() < 1e-12);
+    assert!((before.0.0 - after.0.0).norm() + (before.0.1 - after.0.1).norm() < 1e-12);
 }
