@@ -43,8 +43,8 @@ impl FreeBonds {
         })
     }
 
-    /// What the free blocks do to each other's velocities in a step.
-    pub fn pull(&self, free: &[u32], blocks: &mut impl Blocks, dt: f64) {
+    /// What the free blocks do to each other's velocities in a step, and, if blocks turn at all, to their spins.
+    pub fn pull(&self, free: &[u32], blocks: &mut impl Blocks, dt: f64, turns: bool) {
         let places = places(free, blocks);
         for (a, b) in close(&places, self.passive.within) {
             let (a, b) = (places[a].0, places[b].0);
@@ -58,9 +58,12 @@ impl FreeBonds {
             };
             for (id, push) in [a, b].into_iter().zip(pushes) {
                 let Motion { velocity, spin, .. } = blocks.motion(id);
-                let linear = push.linear * (dt * self.response.linear);
-                let angular = push.angular * (dt * self.response.angular);
-                blocks.set_motion(id, velocity + linear, spin + angular);
+                let velocity = velocity + push.linear * (dt * self.response.linear);
+                let spin = match turns {
+                    true => spin + push.angular * (dt * self.response.angular),
+                    false => spin,
+                };
+                blocks.set_motion(id, velocity, spin);
             }
         }
     }

@@ -327,7 +327,7 @@ impl<I: Integrator> Stepper<I> {
         };
         let dt = self.dt.double();
         self.blocks.list_free(&mut self.free);
-        bonds.pull(&self.free, &mut self.blocks, dt);
+        bonds.pull(&self.free, &mut self.blocks, dt, self.turns);
         bonds.settle(&mut self.blocks, dt);
     }
 

@@ -1,6 +1,8 @@
 //! What a reduction leaves out is left out, and nothing else is.
 
-use crate::scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, kicks, pass, states};
+use crate::scenes::{
+    Dice, Kind, at, attract, contact, empty, hemisphere, kicks, pass, reject, states,
+};
 use nalgebra::Vector3;
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
@@ -9,6 +11,7 @@ use stochc_runtime::{Reduction, Settings};
 
 in_either_precision!(
     without_rotation_nothing_turns_whatever_pushes_it,
+    without_rotation_two_magnets_turn_no_block,
     without_rotation_a_corner_yields_no_more_than_a_face,
     spheres_touch_at_one_side_whatever_their_orientation,
     spheres_that_collide_off_centre_push_along_their_centres,
@@ -68,6 +71,22 @@ fn without_rotation_nothing_turns_whatever_pushes_it<K: Kind>() {
     // In the same scene in full, nearly every block has been turned.
     let turned = end_of(&K::settings());
     assert!(turned.iter().filter(|b| b.spin.norm() > 1e-3).count() > 12);
+}
+
+fn without_rotation_two_magnets_turn_no_block<K: Kind>() {
+    let mut dice = Dice::new(6);
+    let blocks = [at(0.0, 0.0, 8.0), at(1.4, 0.3, 8.2)].map(|position| BodyState {
+        orientation: dice.rotation(),
+        ..BodyState::at_rest(position)
+    });
+    let scene = reject(0.01, 0.0);
+    let mut world: K::World =
+        crate::scenes::world(&scene, &reduced::<K>(Reduction::NoRotation), &blocks);
+    pass(&mut world, 10);
+    for (before, after) in blocks.iter().zip(states(&world)) {
+        assert!(after.velocity.norm() > 1e-5 && after.spin == Vector3::zeros());
+        assert!(before.orientation.angle_to(&after.orientation) < 1e-6);
+    }
 }
 
 /// Without rotation a contact feels the mass alone, wherever it is: v' = -e v along the normal.
