@@ -79,7 +79,8 @@ pub trait World: State {
 
     /// Switches a face of an anchored block on, to capture the first block that docks there.
     ///
-    /// A face that already is on, or holds a block, stays as it is.
+    /// A face that already is on, or holds a block, stays as it is; where faces attract by themselves, one that is on counts
+    /// entries from now on.
     fn magnetize(&mut self, site: BlockFace);
 
     /// Switches a face off: what it holds drifts away from rest, with all that hangs on it.
@@ -92,7 +93,8 @@ pub trait World: State {
     fn plant(&mut self, site: BlockFace) -> Option<Docking>;
 
     /// Times so far that a free block came into the reach of a face that is on and holds nothing,
-    /// re-entries included; 0 for other faces, and where nothing has a place.
+    /// re-entries included; 0 for other faces, and where nothing has a place. A block that is there for a moment on another one's
+    /// face, in the cell before this one, changes nothing.
     fn entries(&self, _site: BlockFace) -> u32 {
         0
     }

@@ -1,14 +1,17 @@
 //! What becomes of a block that is rejected, and of those that hang on one that docks.
 
 use crate::scenes::{SEED, at, dockings, in_steps, reject, viscous};
-use stochc_ir::Face;
+use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::Scene;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
     an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step,
     what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse,
+    a_face_keeps_its_entries_while_a_stray_fills_its_cell,
+    entries_count_from_when_a_block_is_expected,
 );
 
 /// Of the block that is planted first.
@@ -64,4 +67,71 @@ fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: Arena>()
         let off = velocity - at(impulse / 3.0, 0.0, 0.0);
         assert!(off.norm() < 0.1 * impulse / 3.0, "{velocity}");
     }
+}
+
+/// Two planted blocks, 1 and 2, the east face of the one and the south face of the other before one cell; block 0 waits far away.
+fn corner<W: Arena>() -> (W, BlockFace, BlockFace) {
+    let places = [at(0.0, 9.0, 9.0), at(-5.0, 0.0, 5.0), at(0.0, 5.0, 5.0)];
+    let mut world: W = in_steps(&reject(1e-6, 0.5), &places.map(BodyState::at_rest));
+    let other = BlockFace {
+        body: Body::Seed(Cell::new(2, 2, 0)),
+        face: Face::Up,
+    };
+    let [one, other] = [SEED, other].map(|seed| {
+        let docking = world.plant(seed).expect("a free block");
+        Body::Free(docking.child)
+    });
+    let east = BlockFace {
+        body: one,
+        face: Face::East,
+    };
+    let south = BlockFace {
+        body: other,
+        face: Face::South,
+    };
+    (world, east, south)
+}
+
+/// Block 0 comes into the reach of what lies before the cell east of the middle, and leaves.
+fn visit(world: &mut impl Arena) {
+    for place in [at(1.5, 0.0, 0.5), at(0.0, 9.0, 9.0)] {
+        world.set_state(0, &BodyState::at_rest(place));
+        assert!(dockings(world, 1).is_empty());
+    }
+}
+
+fn a_face_keeps_its_entries_while_a_stray_fills_its_cell<W: Arena>() {
+    let (mut world, east, south) = corner::<W>();
+    world.magnetize(east);
+    visit(&mut world);
+    visit(&mut world);
+    assert_eq!(world.entries(east), 2);
+    // Turned so that its face is nearer to that of the other block.
+    let stray = BodyState {
+        orientation: UnitQuaternion::from_scaled_axis(Vector3::z() * 0.04),
+        ..BodyState::at_rest(at(1.03, -0.01, 0.5))
+    };
+    world.set_state(0, &stray);
+    let docked = dockings(&mut world, 1);
+    assert_eq!((docked.len(), docked[0].site), (1, south));
+    assert_eq!(world.entries(east), 3);
+    world.switch_off(south);
+    assert!(dockings(&mut world, 1).is_empty());
+    assert_eq!(world.entries(east), 3);
+}
+
+fn entries_count_from_when_a_block_is_expected<W: Arena>() {
+    let (mut world, east, _) = corner::<W>();
+    visit(&mut world);
+    visit(&mut world);
+    world.magnetize(east);
+    assert_eq!(world.entries(east), 0);
+    visit(&mut world);
+    assert_eq!(world.entries(east), 1);
+    // Who is there already comes in with the wait.
+    world.set_state(0, &BodyState::at_rest(at(1.5, 0.0, 0.5)));
+    dockings(&mut world, 1);
+    world.magnetize(east);
+    dockings(&mut world, 1);
+    assert_eq!(world.entries(east), 1);
 }

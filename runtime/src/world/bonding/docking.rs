@@ -25,6 +25,9 @@ pub(crate) struct Faces<R: Real> {
     magnet: Magnet,
     /// The faces that are on and hold nothing, by site.
     active: Vec<Active<R>>,
+    /// Those that attract by themselves, but whose cell is full by now of what they do not hold: it may leave again, and they go on
+    /// counting.
+    covered: Vec<Active<R>>,
     /// The faces that hold a block.
     holds: BTreeMap<BlockFace, u32>,
     /// Who is in reach of what, by face and number.
@@ -86,7 +89,7 @@ pub(crate) struct Anchored<R: Real> {
 
 stochc_ir::state! {
     (<R: Real>) Faces<R>;
-    values: active, holds, candidates, seen, placed, rejected, pressures;
+    values: active, covered, holds, candidates, seen, placed, rejected, pressures;
     parts: ;
     same: magnet
 }
@@ -112,6 +115,7 @@ impl<R: Real> Faces<R> {
         Faces {
             magnet,
             active: Vec::new(),
+            covered: Vec::new(),
             holds: BTreeMap::new(),
             candidates: Vec::new(),
             seen: false,
@@ -138,7 +142,9 @@ impl<R: Real> Faces<R> {
     /// Whether faces are on that were not: see [`Faces::set_nearby`].
     pub fn magnetize(&mut self, site: BlockFace, centre: Vector3<R>, parent: Orientation) -> bool {
         if let Attraction::Passive(_) = self.magnet.law {
-            return self.placed.insert(site.body, centre, parent) && self.expose();
+            let is_new = self.placed.insert(site.body, centre, parent) && self.expose();
+            self.count_anew(site);
+            return is_new;
         }
         if self.holds.contains_key(&site) {
             return false;
@@ -149,6 +155,16 @@ impl<R: Real> Faces<R> {
         self.active.insert(at, Active::new(site, centre, parent));
         self.change();
         true
+    }
+
+    /// A block is expected on a face that attracts all the time: entries count from now on, as they do where a face is switched on.
+    fn count_anew(&mut self, site: BlockFace) {
+        let mut faces = self.active.iter_mut().chain(&mut self.covered);
+        if let Some(face) = faces.find(|face| face.site == site) {
+            face.entries = 0;
+            face.inside.clear();
+            self.change();
+        }
     }
 
     /// Which faces are on has changed, or which hold something.
@@ -167,14 +183,20 @@ impl<R: Real> Faces<R> {
                 continue;
             }
             // Both lists are in the order of sites.
-            match old.binary_search_by_key(&site, |on| on.site) {
-                Ok(at) => self.active.push(old.remove(at)),
-                Err(_) => {
-                    is_new = true;
-                    self.active.push(Active::new(site, centre, parent));
-                }
+            if let Ok(at) = old.binary_search_by_key(&site, |on| on.site) {
+                self.active.push(old.remove(at));
+                continue;
             }
+            is_new = true;
+            let known = self.covered.iter().position(|face| face.site == site);
+            self.active.push(match known {
+                Some(at) => self.covered.swap_remove(at),
+                None => Active::new(site, centre, parent),
+            });
         }
+        self.covered.append(&mut old);
+        let (covered, placed) = (&mut self.covered, &self.placed);
+        covered.retain(|face| placed.has(face.site.body));
         is_new
     }
 
@@ -289,10 +311,12 @@ impl<R: Real> Faces<R> {
             .map(|active| (active.site, active.entries))
     }
 
-    /// Entries into the reach of a face so far; 0 for one that is off or holds something.
+    /// Entries into the reach of a face so far, since a block is expected there; 0 for one that is off or holds something.
     pub fn entries(&self, site: BlockFace) -> u32 {
         let at = self.active.binary_search_by_key(&site, |on| on.site);
-        at.map_or(0, |at| self.active[at].entries)
+        let covered = || self.covered.iter().find(|face| face.site == site);
+        let face = at.ok().map(|at| &self.active[at]).or_else(covered);
+        face.map_or(0, |face| face.entries)
     }
 
     /// Who is in reach of which active face, with the tick of the entry.

@@ -20,6 +20,10 @@ impl<R: Real> PlacedBlocks<R> {
         self.0.insert(body, (centre, orientation)).is_none()
     }
 
+    pub fn has(&self, body: Body) -> bool {
+        self.0.contains_key(&body)
+    }
+
     pub fn remove(&mut self, body: Body) {
         self.0.remove(&body);
     }
