@@ -118,6 +118,7 @@ pub fn simulate(
             memory: None,
             threads,
             has_warned_of_build: false,
+            goes_on: false,
             figures: &Figures::default(),
             viewer: None,
         };

@@ -41,6 +41,8 @@ pub struct EnsembleOptions<'a> {
     pub memory: Option<u64>,
     /// Whether it has been told already that other builds have made runs of the manifest.
     pub has_warned_of_build: bool,
+    /// Whether more runs may follow, so that nothing is finished yet.
+    pub goes_on: bool,
     /// What the figures of a sweep are like.
     pub figures: &'a Figures,
     /// Who looks at it meanwhile.
@@ -142,6 +144,7 @@ pub fn make(
                     visible(&out.to_string_lossy())
                 )),
                 FolderState::New => {}
+                FolderState::Finished if how.goes_on => {}
                 FolderState::Finished => host.warn(&format!(
                     "`{}` is finished already\n",
                     visible(&out.to_string_lossy())

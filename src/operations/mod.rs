@@ -11,6 +11,7 @@ mod in_memory;
 pub mod kept_text;
 pub mod memory;
 pub mod plan;
+pub mod precision;
 pub mod programs;
 pub mod rates;
 mod recordings;

@@ -202,3 +202,54 @@ fn without_blocks(text: &str) -> String {
     };
     text.lines().map(line).collect()
 }
+
+/// As many runs as it takes, the same whenever it is asked.
+#[test]
+fn runs_are_made_until_means_are_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let line =
+        "simulate examples/line.sa examples/open_platform.sa --model rate --quiet --format json";
+    let until = |share: &str, more: &[&str]| {
+        let said = stochc_with(line, &[&["--until", share, "--out", &out], more].concat());
+        assert_eq!(said.status, 0, "{}", said.err);
+        (said.json(), said.err)
+    };
+    let relative = |said: &serde_json::Value| -> Vec<f64> {
+        let programs = said["programs"].as_array().unwrap();
+        let half = |it: &serde_json::Value| {
+            let [half, mean] = ["half_width", "mean"].map(|key| it["time"][key].as_f64().unwrap());
+            half / mean
+        };
+        programs.iter().map(half).collect()
+    };
+    let (said, err) = until("3%", &[]);
+    let runs = said["programs"][0]["runs"].as_u64().unwrap();
+    assert!(relative(&said).iter().all(|&half| half <= 0.03), "{said}");
+    assert!((60..400).contains(&runs) && err.is_empty(), "{runs}: {err}");
+    // The same runs as if they had been asked for.
+    let at_once = path(folder.path(), "at_once");
+    let asked = stochc_with(line, &["--runs", &runs.to_string(), "--out", &at_once]).json();
+    assert_eq!(asked, said);
+    // Once more it is there already, and further it goes only if that is said.
+    assert_eq!(until("3%", &[]).0, said);
+    let unsaid = stochc_with(line, &["--until", "2%", "--out", &out]);
+    assert_eq!(unsaid.status, 2, "{}", unsaid.err);
+    // Further, and no further than is allowed.
+    let (further, _) = until("2%", &["--resume"]);
+    assert!(further["programs"][0]["runs"].as_u64().unwrap() > runs);
+    let other = path(folder.path(), "other");
+    let few = stochc_with(line, &["--until", "2%", "--runs", "40", "--out", &other]);
+    assert_eq!(few.status, 0);
+    assert!(
+        few.err.contains("not every mean is known to within 2 %"),
+        "{}",
+        few.err
+    );
+    assert_eq!(few.json()["programs"][0]["runs"], 40);
+    assert_eq!(
+        stochc_with(line, &["--until", "3%"]).status,
+        2,
+        "it needs a folder"
+    );
+}

@@ -20,6 +20,9 @@ use crate::operations::time;
 /// Runs of each program, unless the user says otherwise.
 pub const RUNS: u64 = 50;
 
+/// The most of them with `--until`, unless the user says otherwise.
+pub const MOST_UNTIL: u64 = 10_000;
+
 /// Ticks after which a run is stopped, unless the user says otherwise.
 pub const MAX_TICKS: u64 = 1_000_000;
 
@@ -42,9 +45,13 @@ pub struct SimulateArguments {
     /// Repeat the runs of a `manifest.json`, with the sources and settings in it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "seed", "model", "substeps", "solver_iterations", "precision", "reduce", "max_ticks"])]
     pub manifest: Option<PathBuf>,
-    /// Number of runs of each program [default: 50; of what is repeated or gone on with, as many as it has]
+    /// Number of runs of each program; with `--until` the most there may be [default: 50; 10000 with `--until`; else of what
+    /// is repeated or gone on with, as many as it has]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=MOST_RUNS))]
     pub runs: Option<u64>,
+    /// Make runs until half of the 95 % interval of every program's mean is at most PERCENT of it, such as 3%
+    #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["shards", "run", "replan", "record", "watch"])]
+    pub until: Option<f64>,
     /// Vary a number of the scene: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `tick=10,20 ms`;
     /// with several, every combination is simulated
     #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, requires = "files", conflicts_with_all = ["manifest", "accuracy"])]

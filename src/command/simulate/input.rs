@@ -9,7 +9,7 @@ use stochc_ir::visible;
 use stochc_runtime::rates::Rates;
 use stochc_runtime::{Model, Setting, Settings, Substeps};
 
-use super::arguments::RUNS;
+use super::arguments::{MOST_UNTIL, RUNS};
 use super::{SimulateArguments, older_manifest};
 use crate::exit::Failure;
 use crate::host::Host;
@@ -24,7 +24,8 @@ pub fn prepare(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest,
         (None, Some(out)) if options.files.is_empty() => from_folder(out)?,
         _ => from_files(options, host)?,
     };
-    manifest.runs = options.runs.unwrap_or(manifest.runs);
+    let most = options.runs.or(options.until.map(|_| MOST_UNTIL));
+    manifest.runs = most.unwrap_or(manifest.runs);
     manifest.within_limits().map_err(Failure::usage)?;
     Ok(manifest)
 }

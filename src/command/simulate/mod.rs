@@ -23,6 +23,7 @@ use crate::operations::ensemble::{
     EnsembleOptions, MadeEnsemble, can_record, make, warn_of_doubts,
 };
 use crate::operations::estimate::{Estimating, estimates};
+use crate::operations::precision::make_until;
 use crate::operations::replan::{Replan, replan};
 use crate::operations::runs::try_out_all;
 use crate::viewer::Viewer;
@@ -157,13 +158,19 @@ fn ensemble(
         memory: options.memory.limit,
         // Of a manifest that is given it has been told.
         has_warned_of_build: options.manifest.is_some(),
+        goes_on: false,
         figures: &options.figures.figures(),
         viewer: watching.as_ref().map(|it| it as &dyn Viewer),
     };
+    let (manifest, made) = match options.until {
+        Some(within) => make_until(manifest.clone(), within, &how, host)?,
+        None => (manifest.clone(), make(manifest, &how, host)?),
+    };
+    let manifest = &manifest;
     let MadeEnsemble {
         results,
         unrecorded,
-    } = make(manifest, &how, host)?;
+    } = made;
     let shown = ResultsView {
         form: options.format,
         bonds: options.bonds,

@@ -1,0 +1,136 @@
+//! As many runs as it takes to know means well enough.
+use std::path::Path;
+
+use stochc_ensemble::text::percent;
+use stochc_ensemble::{
+    Comparison, ComparisonTally, Manifest, ProgramSummary, Records, Resume, survey,
+};
+use stochc_ir::visible;
+
+use super::ensemble::{EnsembleOptions, MadeEnsemble, make};
+use crate::exit::Failure;
+use crate::host::Host;
+
+/// Runs of each program with which it begins.
+const FIRST: u64 = 30;
+
+/// Runs without two that completed after which no mean is waited for.
+const HOPELESS: u64 = 100;
+
+/// Makes runs until half of the 95 % interval of every program's mean is no more than the part `within` of it, or until there
+/// are as many as `manifest` says; how many there are then, with all of them.
+///
+/// The numbers of runs depend on the times of the runs before alone, so that the same command makes the same runs.
+///
+/// # Errors
+/// Those of [`make`].
+pub fn make_until(
+    mut manifest: Manifest,
+    within: f64,
+    how: &EnsembleOptions<'_>,
+    host: &dyn Host,
+) -> Result<(Manifest, MadeEnsemble), Failure> {
+    let most = manifest.runs;
+    let there = how.out.and_then(stored_runs);
+    manifest.runs = FIRST.max(there.unwrap_or(0)).min(most);
+    let mut stage = EnsembleOptions {
+        goes_on: true,
+        ..*how
+    };
+    loop {
+        let made = make(&manifest, &stage, host)?;
+        if !made.results.complete {
+            return Ok((manifest, made));
+        }
+        let comparison = compared(&manifest, &made.results.finished)?;
+        let programs = comparison.programs.iter();
+        let programs = programs.map(|it| (it.completed, relative(it)));
+        let Some(more) = wanted(programs, manifest.runs, within) else {
+            return Ok((manifest, made));
+        };
+        if manifest.runs == most {
+            warn_of_unknown(&comparison, most, within, host);
+            return Ok((manifest, made));
+        }
+        manifest.runs = more.min(most);
+        // What it has begun itself it may go on with; of somebody else's runs it has to be told.
+        if stage.resume == Resume::No && there.is_none() {
+            stage.resume = Resume::SameBuild;
+        }
+        stage.has_warned_of_build = true;
+    }
+}
+
+/// How many runs of each program a folder is for.
+fn stored_runs(out: &Path) -> Option<u64> {
+    let stored = survey(out).ok().flatten();
+    stored.map(|stored| stored.runs)
+}
+
+fn compared(manifest: &Manifest, finished: &Records) -> Result<Comparison, Failure> {
+    let mut tally = ComparisonTally::new(manifest);
+    (finished.each(|done| tally.add(done))).map_err(Failure::usage)?;
+    Ok(tally.finish())
+}
+
+/// Half of the interval of a mean, as a part of it.
+fn relative(program: &ProgramSummary) -> f64 {
+    match &program.time {
+        Some(time) if time.mean <= 0.0 => 0.0,
+        Some(time) => time
+            .half_width
+            .map_or(f64::INFINITY, |half| half / time.mean),
+        None => f64::INFINITY,
+    }
+}
+
+/// How many runs of each program there should be, where so many do not tell all means well enough; of each program how many
+/// completed, and half of the interval as a part of the mean.
+fn wanted(programs: impl Iterator<Item = (u64, f64)>, runs: u64, within: f64) -> Option<u64> {
+    let hopeful = programs.filter(|&(completed, _)| completed >= 2 || runs < HOPELESS);
+    let worst = hopeful.map(|(_, relative)| relative).fold(0.0, f64::max);
+    if worst <= within {
+        return None;
+    }
+    // Intervals fall with the root of the number; the first ones tell little of it.
+    let needed = runs as f64 * (worst / within).powi(2);
+    let [least, most] = [runs + runs / 10 + 1, runs.saturating_mul(4)];
+    Some((needed.min(most as f64).ceil() as u64).max(least))
+}
+
+fn warn_of_unknown(comparison: &Comparison, most: u64, within: f64, host: &dyn Host) {
+    let unknown = comparison
+        .programs
+        .iter()
+        .filter(|it| relative(it) > within);
+    let unknown: Vec<String> = unknown
+        .map(|it| match relative(it) {
+            half if half.is_finite() => format!("{} (± {})", visible(&it.name), percent(half)),
+            _ => visible(&it.name).into_owned(),
+        })
+        .collect();
+    host.warn(&format!(
+        "with {most} runs, the most there may be (`--runs`), not every mean is known to within {}: {}\n",
+        percent(within),
+        unknown.join(", ")
+    ));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wanted;
+
+    #[test]
+    fn runs_grow_with_the_square_of_what_is_missing() {
+        let of = |programs: &[(u64, f64)], runs| wanted(programs.iter().copied(), runs, 0.05);
+        assert_eq!(of(&[(30, 0.05), (30, 0.01)], 30), None);
+        assert_eq!(of(&[(30, 0.075), (30, 0.01)], 30), Some(68));
+        // No more than four times as many, and some more in any case.
+        assert_eq!(of(&[(30, 0.9)], 30), Some(120));
+        assert_eq!(of(&[(200, 0.0501)], 200), Some(221));
+        // Nobody waits for a program that does not complete.
+        let never = (0, f64::INFINITY);
+        assert_eq!(of(&[never], 30), Some(120));
+        assert_eq!(of(&[never, (120, 0.04)], 120), None);
+    }
+}
