@@ -148,7 +148,7 @@ fn what_cannot_be_is_refused() {
         "merge",
         &[&out],
         3,
-        "3 of 4 pieces are missing or damaged (0, 2, 3)",
+        "3 of 4 pieces are missing or damaged (0, 2 and 3)",
     );
     for piece in ["0", "2", "3"] {
         stochc_with("shard --quiet", &[&out, piece]);

@@ -321,14 +321,14 @@ fn holes_are_refused_and_named() {
     cut(folder.path(), 5);
     refused(
         folder.path(),
-        "5 of 5 pieces are missing or damaged (0, 1, 2, 3, 4)",
+        "5 of 5 pieces are missing or damaged (0, 1, 2, 3 and 4)",
     );
     for number in [0, 2, 4] {
         make(folder.path(), number, 1);
     }
     make_until(folder.path(), 3, 1, 2);
     assert_eq!(missing(folder.path()), [1, 3]);
-    refused(folder.path(), "2 of 5 pieces are missing or damaged (1, 3)");
+    refused(folder.path(), "2 of 5 pieces are missing or damaged (1 and 3)");
     make(folder.path(), 1, 1);
     refused(folder.path(), "stochc shard");
     assert!(matches!(
