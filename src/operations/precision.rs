@@ -106,7 +106,7 @@ fn warn_of_unknown(comparison: &Comparison, most: u64, within: f64, host: &dyn H
     let unknown: Vec<String> = unknown
         .map(|it| match relative(it) {
             half if half.is_finite() => format!("{} (± {})", visible(&it.name), percent(half)),
-            _ => visible(&it.name).into_owned(),
+            _ => visible(&it.name),
         })
         .collect();
     host.warn(&format!(
