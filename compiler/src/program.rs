@@ -1,6 +1,6 @@
 //! The pipeline.
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{Assembly, ItemKind, Tree};
+use stochc_grammar::tree::{Assembly, Item, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::{BondKind, Scene};
@@ -206,8 +206,12 @@ fn check_all(
         true => diagnostics,
         false => fold(diagnostics),
     };
-    let (mut diagnostics, allowed) = file_levels.apply(diagnostics, levels, &sources);
+    let (mut diagnostics, mut allowed) = file_levels.apply(diagnostics, levels, &sources);
     diagnostics.sort_by_key(Diagnostic::place);
+    let allowed_ones = allowed.iter_mut().map(|allowed| &mut allowed.diagnostic);
+    for diagnostic in diagnostics.iter_mut().chain(allowed_ones) {
+        attribute_by_place(diagnostic, &tree);
+    }
     // A denied warning has come too late to keep a program from being lowered.
     if diagnostics.iter().any(Diagnostic::is_denied) {
         programs
@@ -305,6 +309,7 @@ fn programs(
     let mut seen = FxHashMap::default();
     let mut programs = Vec::new();
     for item in &own.tree.items {
+        let before = diagnostics.len();
         let (name, scene) = match &item.kind {
             ItemKind::Assembly(assembly) => (assembly.name, assembly.scene),
             ItemKind::Aggregate(aggregate) => (aggregate.name, aggregate.scene),
@@ -340,6 +345,7 @@ fn programs(
                 let program =
                     compile_aggregate(plan, scene, wrong, (symbols, sources), &mut errors)?;
                 diagnostics.append(&mut errors);
+                attribute(&mut diagnostics[before..], programs.len());
                 programs.push(program);
                 continue;
             }
@@ -354,9 +360,32 @@ fn programs(
             readable,
             trial: (!about.is_trial).then_some(&trial),
         };
-        programs.push(input.compile(scene, symbols, doubtful, diagnostics, done)?);
+        let program = input.compile(scene, symbols, doubtful, diagnostics, done)?;
+        attribute(&mut diagnostics[before..], programs.len());
+        programs.push(program);
     }
     Ok(programs)
+}
+
+/// Says of findings which program they are about.
+fn attribute(diagnostics: &mut [Diagnostic], program: usize) {
+    for diagnostic in diagnostics {
+        diagnostic.programs = vec![program];
+    }
+}
+
+/// Says so of a finding about the text of a file, where that text is a program's.
+fn attribute_by_place(diagnostic: &mut Diagnostic, tree: &Tree) {
+    let Some((FileId(0), at)) = diagnostic.place() else {
+        return;
+    };
+    let is_program =
+        |item: &&Item| matches!(item.kind, ItemKind::Assembly(_) | ItemKind::Aggregate(_));
+    let mut programs = tree.items.iter().filter(is_program);
+    if diagnostic.programs.is_empty() {
+        let around = programs.position(|item| (item.span.start..item.span.end).contains(&at));
+        diagnostic.programs.extend(around);
+    }
 }
 
 /// An aggregate: most of the pipeline has nothing to do.

@@ -176,6 +176,52 @@ fn a_warning_is_no_error() {
 }
 
 #[test]
+fn each_assembly_counts_its_own_warnings() {
+    let text = "\
+let unused = 1
+assembly clean { seed plate 3 x 3 { M at (1, 1) } phase grow { M.up -> A } }
+assembly careless { seed plate 3 x 3 { M at (1, 1)  N at (0, 0) } let own = 1 phase grow { M.up -> A } }
+assembly calm {
+    allow unused-seed \"for the camera\"
+    seed plate 3 x 3 { M at (1, 1)  N at (0, 0) }
+    phase grow { M.up -> A }
+}
+";
+    let said = stochc_reading("check -", text);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let verdict = |of: &str| {
+        let mut lines = said.out.lines();
+        let line = lines.find(|line| line.contains(of)).unwrap();
+        line.rsplit("; ").next().unwrap().to_owned()
+    };
+    assert_eq!(verdict("assembly clean"), "all is well");
+    assert_eq!(verdict("assembly careless"), "2 warnings");
+    assert_eq!(verdict("assembly calm"), "all is well, 1 warning allowed");
+    let outside = "outside of assemblies and aggregates: 1 warning";
+    assert_eq!(said.out.matches(outside).count(), 1, "{}", said.out);
+    assert!(said.err.contains("\n3 warnings;"), "{}", said.err);
+}
+
+#[test]
+fn a_warning_in_a_pattern_counts_for_each_assembly_that_has_it() {
+    let text = "\
+pattern row(base) { base.up -> A after base }
+assembly one { seed plate 3 x 3 { M at (1, 1) } phase grow { row(M) as a } }
+assembly two { seed plate 3 x 3 { M at (1, 1) } phase grow { row(M) as b } }
+";
+    let said = stochc_reading("check -", text);
+    assert_eq!(
+        said.out.matches("; 1 warning\n").count(),
+        2,
+        "{}{}",
+        said.out,
+        said.err
+    );
+    assert!(!said.out.contains("outside of"), "{}", said.out);
+    assert!(said.err.contains("\n1 warning"), "{}", said.err);
+}
+
+#[test]
 fn files_that_cannot_be_read_are_another_status() {
     let folder = tempfile::tempdir().unwrap();
     let missing = crate::stochc::path(folder.path(), "missing.sa");

@@ -37,6 +37,9 @@ pub struct Diagnostic {
     pub fix: Option<Fix>,
     /// The same, said of others: of the other rounds of a loop.
     pub others: Others,
+    /// The programs that it is about, by their places in [`Checked::programs`](crate::Checked::programs), in order;
+    /// none for what is about the file.
+    pub programs: Vec<usize>,
 }
 
 /// A change of the text that fixes a finding.
@@ -169,6 +172,7 @@ impl Diagnostic {
             remedy: None,
             fix: None,
             others: Others::default(),
+            programs: Vec::new(),
         }
     }
 

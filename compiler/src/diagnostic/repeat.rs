@@ -34,6 +34,7 @@ impl Diagnostic {
             return false;
         }
         if self.title == other.title {
+            self.add_programs(&other.programs);
             return true;
         }
         // Several things may be missing at one place.
@@ -47,6 +48,7 @@ impl Diagnostic {
         if self.fix != other.fix {
             self.fix = None;
         }
+        self.add_programs(&other.programs);
         let subject = subject.to_owned();
         if let Some(remedy) = &other.remedy {
             self.add_remedy(&subject, remedy);
@@ -58,6 +60,13 @@ impl Diagnostic {
             }
         }
         true
+    }
+
+    /// Has it be about these programs as well.
+    fn add_programs(&mut self, programs: &[usize]) {
+        self.programs.extend(programs);
+        self.programs.sort_unstable();
+        self.programs.dedup();
     }
 
     /// Adds what helps another one to the help, unless that has been said.

@@ -7,6 +7,7 @@ mod scene;
 use std::path::PathBuf;
 
 use clap::Args;
+use stochc_compiler::diagnostic::Diagnostic;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Limits, Program, check_with};
 use stochc_files::programs::{STDIN, programs};
@@ -183,33 +184,51 @@ fn check(file: &str, text: Option<Vec<u8>>, options: &CheckArguments) -> Checked
 fn summary(file: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {
     let file = visible(file);
     if checked.programs.is_empty() {
-        let verdict = judgement(checked);
+        let verdict = judgement(checked, |_| true);
         return format!("{file}: {verdict}; it declares no assembly or aggregate\n");
     }
     let mut out = String::new();
-    for program in &checked.programs {
-        out.push_str(&format!("{file}: {}", describe(program, checked)));
+    for (place, program) in checked.programs.iter().enumerate() {
+        let verdict = judgement(checked, |finding| finding.programs.contains(&place));
+        out.push_str(&format!("{file}: {}", describe(program, checked, &verdict)));
         if cost.is_none() {
             out.push_str(&summed_up(program, rates));
         }
         out.push_str(&costs(program, &checked.symbols, cost, rates));
     }
+    let of_file = |finding: &Diagnostic| finding.programs.is_empty();
+    let allowed = checked.allowed.iter().map(|allowed| &allowed.diagnostic);
+    if checked.diagnostics.iter().chain(allowed).any(of_file) {
+        let verdict = judgement(checked, of_file);
+        out.push_str(&format!(
+            "{file}: outside of assemblies and aggregates: {verdict}\n"
+        ));
+    }
     out
 }
 
-/// What can be said of a file without errors.
-fn judgement(checked: &Checked) -> String {
-    let verdict = match checked.diagnostics.len() {
+/// What can be said of a file without errors, or of a part of it: whether its findings are `part`.
+fn judgement(checked: &Checked, part: impl Fn(&Diagnostic) -> bool) -> String {
+    let warnings = checked
+        .diagnostics
+        .iter()
+        .filter(|&finding| part(finding))
+        .count();
+    let verdict = match warnings {
         0 => "all is well".to_owned(),
         warnings => counted(warnings, "warning"),
     };
-    match checked.allowed.len() {
+    let allowed = checked
+        .allowed
+        .iter()
+        .filter(|allowed| part(&allowed.diagnostic));
+    match allowed.count() {
         0 => verdict,
         allowed => format!("{verdict}, {} allowed", counted(allowed, "warning")),
     }
 }
 
-fn describe(program: &Program, checked: &Checked) -> String {
+fn describe(program: &Program, checked: &Checked, verdict: &str) -> String {
     let plan = &program.plan;
     let scene = program.scene.as_ref().map_or("?", |scene| &scene.name);
     let Some(order) = &program.order else {
@@ -218,21 +237,19 @@ fn describe(program: &Program, checked: &Checked) -> String {
     if let Some(size) = plan.aggregate {
         let free = program.scene.as_ref().map_or(0, |scene| scene.free.count);
         return format!(
-            "aggregate {} in {scene}: complete when {size} of {free} free blocks are bonded; {}\n",
+            "aggregate {} in {scene}: complete when {size} of {free} free blocks are bonded; {verdict}\n",
             plan.name,
-            judgement(checked),
         );
     }
     let (captures, releases) = plan.counts();
     let by_hand = plan.phases.iter().filter(|phase| phase.planted);
     let planted = by_hand.map(|phase| phase.events.len()).sum::<usize>();
     let mut out = format!(
-        "assembly {} in {scene}: {}, {}, {}; {}\n",
+        "assembly {} in {scene}: {}, {}, {}; {verdict}\n",
         plan.name,
         counted(plan.phases.len() - usize::from(planted > 0), "phase"),
         counted(captures - planted, "capture"),
         counted(releases, "release"),
-        judgement(checked),
     );
     let width = plan
         .phases
