@@ -1,5 +1,5 @@
 //! `stochc results`, and the table that `simulate` ends with.
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use stochc_ensemble::{Manifest, Records};
@@ -38,11 +38,13 @@ pub enum ResultsFormat {
 
 /// What to show of an ensemble.
 #[derive(Clone, Copy, Debug)]
-pub struct ResultsView {
+pub struct ResultsView<'a> {
     /// In which form.
     pub form: ResultsFormat,
     /// The captures as well.
     pub bonds: bool,
+    /// Where its runs are kept; `None`: nowhere.
+    pub folder: Option<&'a Path>,
 }
 
 /// Shows what a folder holds, finished or not.
@@ -62,17 +64,24 @@ pub fn run(options: &ResultsArguments) -> Result<Exit, Failure> {
         &ResultsView {
             form: options.format,
             bonds: options.bonds,
+            folder: Some(&options.folder),
         },
     )
 }
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
-pub fn show(manifest: &Manifest, finished: &Records, shown: &ResultsView) -> Result<Exit, Failure> {
+pub fn show(
+    manifest: &Manifest,
+    finished: &Records,
+    shown: &ResultsView<'_>,
+) -> Result<Exit, Failure> {
     let told = ensemble_results(manifest, finished, shown.bonds)?;
+    let failure = told.failure(shown.folder);
     let exit = Exit::of_runs(told.are_all_successful());
     print(&match shown.form {
         ResultsFormat::Text => told.text(output_width()),
         ResultsFormat::Json => told.json(),
     })?;
+    failure.iter().for_each(|failure| warn(failure));
     Ok(exit)
 }

@@ -5,9 +5,11 @@ use serde_json::json;
 use stochc_ensemble::sweep::{Sweep, SweepTally};
 use stochc_ensemble::text::visible;
 use stochc_ensemble::{
-    Comparison, ComparisonTally, Folder, Manifest, Records, WaitsTally, captures,
+    Comparison, ComparisonTally, Finished, Folder, Manifest, Records, WaitsTally, captures,
 };
 use stochc_files::shell::file as shell_file;
+use stochc_ir::record::Outcome;
+use stochc_ir::table::PhaseId;
 use stochc_report::tables::{
     KNOWN_BIAS, captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text,
 };
@@ -58,6 +60,34 @@ pub struct EnsembleResults<'a> {
     pub sweep: Option<Sweep>,
     /// Of each program; none are there if nobody asked for captures.
     waits: Vec<WaitsTally>,
+    /// `None`: no run failed.
+    failure: Option<Failed>,
+}
+
+/// The first run whose physics broke down.
+#[derive(Debug)]
+struct Failed {
+    program: usize,
+    run: u64,
+    phase: PhaseId,
+    tick: u64,
+    reason: String,
+}
+
+impl Failed {
+    fn of(done: &Finished) -> Option<Failed> {
+        let record = &done.record;
+        let Outcome::Failed { phase, reason } = &record.outcome else {
+            return None;
+        };
+        Some(Failed {
+            program: done.program,
+            run: record.run,
+            phase: *phase,
+            tick: record.ticks,
+            reason: reason.clone(),
+        })
+    }
 }
 
 /// Goes through the runs of an ensemble once; for their captures as well, if they are asked for.
@@ -75,7 +105,9 @@ pub fn ensemble_results<'a>(
         true => vec![WaitsTally::default(); manifest.programs.len()],
         false => Vec::new(),
     };
+    let mut failure = None;
     let told = finished.each(|done| {
+        failure = failure.take().or_else(|| Failed::of(done));
         comparison.add(done);
         sweep.iter_mut().for_each(|sweep| sweep.add(done));
         if let Some(waits) = waits.get_mut(done.program) {
@@ -88,6 +120,7 @@ pub fn ensemble_results<'a>(
         comparison: comparison.finish(),
         sweep: sweep.map(SweepTally::finish),
         waits,
+        failure,
     })
 }
 
@@ -126,6 +159,40 @@ impl EnsembleResults<'_> {
             }
         };
         format!("{value:#}\n")
+    }
+
+    /// Why the first run failed that did, and what shows more of it: the runs are in `folder`, or nowhere. `None`: no run failed.
+    pub fn failure(&self, folder: Option<&Path>) -> Option<String> {
+        let first = self.failure.as_ref()?;
+        let program = &self.manifest.programs[first.program];
+        let programs = self.comparison.programs.iter();
+        let all: u64 = programs.map(|column| column.failed).sum();
+        let failed = match all {
+            1 => "1 run failed:".to_owned(),
+            all => format!("{all} runs failed, first of all"),
+        };
+        let more = match folder {
+            Some(folder) => {
+                let manifest = folder.join("manifest.json");
+                let manifest = shell_file(&visible(&manifest.to_string_lossy()));
+                format!(
+                    "`stochc simulate --manifest {manifest} --run {}`",
+                    first.run
+                )
+            }
+            None => format!(
+                "`stochc simulate ... --run {}`, with the same programs, seed and settings,",
+                first.run
+            ),
+        };
+        Some(format!(
+            "{failed} run {} of {}, in phase {}, at tick {}: {}\n{more} shows its events\n",
+            first.run,
+            visible(&program.name),
+            visible(program.phase(first.phase)),
+            first.tick,
+            visible(&first.reason),
+        ))
     }
 
     /// Whether every run that is finished has completed.

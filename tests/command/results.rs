@@ -22,6 +22,44 @@ fn a_folder_tells_what_was_told_when_it_was_filled() {
     }
 }
 
+/// Kicks that no number of the physics stands: somebody who simulates without a folder has nothing else to look at.
+#[test]
+fn the_first_reason_of_runs_that_fail_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "scene wild from hemisphere { agitation kicks { speed 1e20 m/s } }\n\
+                assembly tower in wild { seed plate 1 x 1 { M at (0, 0) } phase foot { M.up -> A } }\n";
+    let (file, out) = (path(folder.path(), "wild.sa"), path(folder.path(), "out"));
+    fs::write(&file, text).unwrap();
+    let simulate = "simulate --quiet --runs 2";
+    let said = stochc_with(simulate, &[&file]);
+    assert_eq!(said.status, 3, "{}", said.err);
+    assert!(
+        said.err
+            .contains("2 runs failed, first of all run 0 of tower, in phase foot, at tick "),
+        "{}",
+        said.err
+    );
+    assert!(said.err.contains("block "), "{}", said.err);
+    assert!(
+        said.err.contains("`stochc simulate ... --run 0`"),
+        "{}",
+        said.err
+    );
+    let kept = stochc_with(simulate, &[&file, "--out", &out]);
+    let told = stochc_with("results", &[&out]);
+    for said in [kept, told] {
+        assert!(said.err.contains("2 runs failed"), "{}", said.err);
+        let (_, command) = said.err.rsplit_once("`stochc ").unwrap();
+        let (command, _) = command.split_once('`').unwrap();
+        let again = stochc_with(command, &["--quiet"]);
+        assert!(
+            again.out.contains("failed in phase foot"),
+            "{command}: {}",
+            again.err
+        );
+    }
+}
+
 /// The same program with and without a timeout on the first of its phases, by the same runs: those that it ends are the slow ones,
 /// and count as slower than all others, not as if they had gone on like the fast ones.
 #[test]

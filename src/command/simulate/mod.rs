@@ -174,6 +174,7 @@ fn ensemble(
     let shown = ResultsView {
         form: options.format,
         bonds: options.bonds,
+        folder: options.out.as_deref(),
     };
     let exit = show(manifest, &results.finished, &shown)?;
     completion_curves::close(options, manifest, &results.finished)?;
