@@ -6,6 +6,7 @@
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
+use serde_json::{Value, json};
 use stochc::compiler::Program;
 use stochc::ir::{Executable, ExecutableError};
 use stochc::runtime::{Model, Settings, run};
@@ -73,6 +74,50 @@ fn another_file_is_told_from_a_damaged_one() {
             matches!(error, ExecutableError::Damaged(_)),
             "{what}: {error}"
         );
+    }
+}
+
+/// What each part says by itself is right, and not what they say together.
+#[test]
+fn parts_that_do_not_go_together_are_refused_by_name() {
+    let file = written(&executables("examples/line.sa"));
+    let line: Value = serde_json::from_slice(&file).unwrap();
+    let read = |program: &dyn Fn(&mut Value)| {
+        let mut file = line.clone();
+        program(&mut file["programs"][0]);
+        Executable::read_all(file.to_string().as_bytes())
+    };
+    assert!(read(&|_| {}).is_ok());
+    let roles = &line["programs"][0]["tables"]["roles"];
+    let captured = (roles.as_array().unwrap().iter()).position(|role| role["seed"].is_null());
+    let captured = captured.unwrap();
+    let edits: [(&str, &dyn Fn(&mut Value)); 7] = [
+        ("tables.bond", &|it| it["tables"]["bond"] = json!("reject")),
+        ("tables.faces", &|it| it["tables"]["faces"] = json!(2)),
+        ("tables.phases[0].reports", &|it| {
+            it["tables"]["phases"][0]["reports"] = json!(0)
+        }),
+        ("tables.phases[0].timeout", &|it| {
+            it["tables"]["phases"][0]["timeout"] = json!(0)
+        }),
+        ("scene.free.count", &|it| {
+            it["scene"]["free"]["count"] = json!(1)
+        }),
+        (&format!("tables.roles[{captured}].name"), &|it| {
+            it["tables"]["roles"][captured]["name"] = it["tables"]["roles"][0]["name"].clone()
+        }),
+        (&format!("tables.roles[{captured}].seed"), &|it| {
+            // Seeds come first.
+            let roles = it["tables"]["roles"].as_array_mut().unwrap();
+            for role in &mut roles[..=captured] {
+                role["seed"] = json!([0, 0, 0]);
+            }
+        }),
+    ];
+    for (field, edit) in edits {
+        let error = read(edit).unwrap_err();
+        let told = error.to_string();
+        assert!(told.contains(&format!("`{field}`")), "{field}: {told}");
     }
 }
 

@@ -72,6 +72,7 @@ impl Executable {
     /// What is wrong, in words.
     pub fn validate(&self) -> Result<(), String> {
         self.scene.validate()?;
+        self.tables.validate_in(&self.scene)?;
         self.graph.validate(&self.tables)
     }
 

@@ -128,9 +128,13 @@ impl Manifest {
             let sources = sources.map(|&place| stored.sources.get(place).cloned());
             let (scene, name) = (program.scene, program.name);
             scene.validate().map_err(|reason| damaged(&reason))?;
+            let compiled = compiled.get(program.compiled).cloned();
+            let compiled = compiled.ok_or_else(missing)?;
+            let fits = compiled.tables.validate_in(&scene);
+            fits.map_err(|reason| damaged(&reason))?;
             Ok(EnsembleProgram {
                 name,
-                compiled: (compiled.get(program.compiled).cloned()).ok_or_else(missing)?,
+                compiled,
                 scene,
                 varied: program.varied,
                 sources: sources.collect::<Option<_>>().ok_or_else(missing)?,

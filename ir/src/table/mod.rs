@@ -8,6 +8,7 @@
 //! conditions have come true, and only speaks of what its block can see: its own faces, and
 //! messages. The runtime needs nothing else, and holds no script.
 mod hardware;
+mod in_scene;
 mod stored;
 
 use serde::{Deserialize, Serialize};

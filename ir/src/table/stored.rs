@@ -1,4 +1,6 @@
 //! Event tables in files: written as they are, read with distrust.
+use std::collections::BTreeMap;
+
 use serde::ser::SerializeStruct as _;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -119,13 +121,52 @@ impl StoredTables {
         if self.phases.iter().skip(1).any(is_planted) {
             return Err("only the first phase can be attached by hand".to_owned());
         }
+        self.validate_roles()?;
         let key = |duty: &StoredDuty| (duty.role, duty.phase, duty.trigger);
         if !self.duties.is_sorted_by(|a, b| key(a) < key(b)) {
             return Err("the duties are not sorted, or one comes twice".to_owned());
         }
         self.duties
             .iter()
-            .try_for_each(|duty| self.validate_duty(duty))
+            .try_for_each(|duty| self.validate_duty(duty))?;
+        self.validate_phases()
+    }
+
+    fn validate_roles(&self) -> Result<(), String> {
+        let mut places = BTreeMap::new();
+        for (place, role) in self.roles.iter().enumerate() {
+            if let Some(other) = places.insert(&*role.name, place) {
+                return Err(format!(
+                    "`tables.roles[{place}].name` is that of `tables.roles[{other}]`"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether phases can end, and not before their blocks have reported.
+    fn validate_phases(&self) -> Result<(), String> {
+        let mut reports = vec![0; self.phases.len()];
+        for duty in &self.duties {
+            let all = duty.rules.iter().filter(|rule| rule.then == Action::Report);
+            reports[duty.phase.0 as usize] += all.count() as u64;
+        }
+        for (place, (phase, made)) in self.phases.iter().zip(reports).enumerate() {
+            let Phase {
+                reports, timeout, ..
+            } = *phase;
+            if u64::from(reports) != made {
+                return Err(format!(
+                    "`tables.phases[{place}].reports` is {reports}, and its blocks make {made}"
+                ));
+            }
+            if timeout == Some(0) {
+                return Err(format!(
+                    "`tables.phases[{place}].timeout` is 0: it is at least 1, or null"
+                ));
+            }
+        }
+        Ok(())
     }
 
     fn validate_plate(&self) -> Result<(), String> {
@@ -172,6 +213,12 @@ impl StoredTables {
             match rule.then {
                 Action::Magnetize { child, cell, .. } => {
                     self.known(child)?;
+                    let place = child.0 as usize;
+                    if self.roles[place].seed.is_some() {
+                        return Err(format!(
+                            "`tables.roles[{place}].seed` is a cell, and a block is captured in that role"
+                        ));
+                    }
                     let far = |at: i32| at.unsigned_abs() > FARTHEST as u32;
                     if far(cell.x) || far(cell.y) || far(cell.z) {
                         return Err(format!("{cell} is too far away"));
