@@ -3,6 +3,8 @@
     clippy::disallowed_methods,
     reason = "the tests read programs from the disk"
 )]
+mod vocabulary;
+
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
