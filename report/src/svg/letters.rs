@@ -17,14 +17,22 @@ pub(crate) static FACE: LazyLock<Face<'static>> = LazyLock::new(|| {
 
 /// Width of a line of text, in units of a drawing.
 pub(crate) fn width(text: &str) -> f64 {
-    let em = f64::from(FACE.units_per_em());
-    let advance = |sign: char| {
-        let glyph = FACE.glyph_index(sign)?;
-        Some(f64::from(FACE.glyph_hor_advance(glyph)?) / em)
-    };
     // What another font has to show is as wide as it is high.
-    let ems: f64 = text.chars().map(|sign| advance(sign).unwrap_or(1.0)).sum();
-    TYPE * ems
+    let widths = text.chars().map(|sign| advance(sign).unwrap_or(TYPE));
+    widths.sum()
+}
+
+/// The same, where all of it is known: `None` for text that is empty, or that another font has to show.
+pub(crate) fn known_width(text: &str) -> Option<f64> {
+    let width: Option<f64> = text.chars().map(advance).sum();
+    width.filter(|&width| width > 0.0)
+}
+
+/// Width of a letter; `None`: the font does not have it.
+fn advance(sign: char) -> Option<f64> {
+    let glyph = FACE.glyph_index(sign)?;
+    let width = f64::from(FACE.glyph_hor_advance(glyph)?);
+    Some(TYPE * width / f64::from(FACE.units_per_em()))
 }
 
 /// The widest of some lines.

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use stochc_ensemble::text::escaped;
 
 use super::drawing::Drawing;
+use super::letters::known_width;
 use super::medium::{Medium, TYPE};
 use super::shape::{DrawnShape, Form, TextAnchor};
 use super::style::stylesheet;
@@ -114,10 +115,15 @@ fn write(out: &mut String, shape: &DrawnShape) {
                 TextAnchor::Middle => " text-anchor=\"middle\"",
                 TextAnchor::End => " text-anchor=\"end\"",
             };
+            // A reader whose font is wider, such as DejaVu Sans, has as much room.
+            let room = known_width(content).map(|width| {
+                format!(" textLength=\"{width:.1}\" lengthAdjust=\"spacingAndGlyphs\"")
+            });
+            let room = room.unwrap_or_default();
             // Writing to a string cannot fail.
             let _ = writeln!(
                 out,
-                "<text {class} x=\"{x:.1}\" y=\"{y:.1}\"{more}>{}</text>",
+                "<text {class} x=\"{x:.1}\" y=\"{y:.1}\"{more}{room}>{}</text>",
                 escaped(content)
             );
             return;
@@ -144,4 +150,26 @@ fn write(out: &mut String, shape: &DrawnShape) {
 fn joined(places: &[(f64, f64)]) -> String {
     let places = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}"));
     places.collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::svg::letters::width;
+
+    #[test]
+    fn text_takes_the_room_that_it_was_laid_out_with_in_any_font() {
+        let mut drawing = Drawing::new(Medium::Screen, "name", "Title", "Description");
+        let long = "serial, agitation.speed=0.4 m/s, free=600";
+        drawing.text("ink", (10.0, 20.0), long);
+        let file = drawing.file();
+        let length = format!("textLength=\"{:.1}\" lengthAdjust", width(long));
+        assert!(file.contains(&length), "{file}");
+        // Nobody knows how wide it is.
+        for unknown in ["", "\u{5854}"] {
+            let mut drawing = Drawing::new(Medium::Screen, "name", "Title", "Description");
+            drawing.text("ink", (10.0, 20.0), unknown);
+            assert!(!drawing.file().contains("textLength"), "{unknown}");
+        }
+    }
 }
