@@ -1,9 +1,10 @@
 //! The command line.
+use std::ffi::OsString;
 use std::num::{IntErrorKind, ParseIntError};
 
-use clap::error::ContextKind;
+use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
-use stochc_ir::is_invisible;
+use stochc_ir::{is_invisible, visible};
 
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::no_memory::exit_without_memory;
@@ -87,6 +88,9 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
         }
         return Ok(Exit::Success);
     }
+    if error.kind() == ErrorKind::InvalidUtf8 {
+        return Err(Failure::usage(no_utf8(std::env::args_os())));
+    }
     let mut arguments = std::env::args_os().map(|it| it.to_string_lossy().into_owned());
     let strange = arguments.find(|it| it.contains(is_invisible));
     match strange {
@@ -96,6 +100,17 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
         ))),
         None => error.exit(),
     }
+}
+
+/// Which arguments are no UTF-8, as it is needed of names and of programs' files.
+fn no_utf8(arguments: impl Iterator<Item = OsString>) -> String {
+    let strange = arguments.filter(|it| it.to_str().is_none());
+    let strange = strange.map(|it| format!("`{}`", visible(&it.to_string_lossy())));
+    let strange: Vec<_> = strange.collect();
+    format!(
+        "{} is not in UTF-8 (\u{fffd} stands for what is not): give the file another name",
+        strange.join(", ")
+    )
 }
 
 /// What the command line says. Numbers below 0 are values and no options, so that each is refused by what it is for.

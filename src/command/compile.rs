@@ -31,9 +31,9 @@ pub struct CompileArguments {
     /// Stage to print
     #[arg(long, value_name = "STAGE", default_value = "table")]
     emit: EmittedStage,
-    /// Output format; `dot` for the graph only, `svg` for the structure only
-    #[arg(long, value_name = "FORM", default_value = "text")]
-    format: EmittedFormat,
+    /// Output format; `dot` for the graph only, `svg` for the structure only [default: text, of an executable json]
+    #[arg(long, value_name = "FORM")]
+    format: Option<EmittedFormat>,
     /// Show one of the file's programs only; a picture is of one
     #[arg(long, value_name = "NAME")]
     program: Option<String>,
@@ -76,7 +76,17 @@ enum EmittedFormat {
 
 /// Compiles a file and shows a stage.
 pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
-    let only = match options.format {
+    let is_executable_wanted = options.emit == EmittedStage::Executable;
+    let form = options.format.unwrap_or(match is_executable_wanted {
+        true => EmittedFormat::Json,
+        false => EmittedFormat::Text,
+    });
+    if is_executable_wanted && form == EmittedFormat::Text {
+        return Err(Failure::usage(
+            "`--emit executable` is JSON, and has no `--format text`",
+        ));
+    }
+    let only = match form {
         EmittedFormat::Dot => Some(("dot", EmittedStage::Graph, "graph")),
         EmittedFormat::Svg => Some(("svg", EmittedStage::Structure, "structure")),
         EmittedFormat::Text | EmittedFormat::Json => None,
@@ -100,7 +110,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     if checked.has_errors() {
         return Ok(verdict(&checked));
     }
-    let (stage, form) = (options.emit, options.format);
+    let stage = options.emit;
     if stage == EmittedStage::Executable && checked.programs.is_empty() {
         return Err(nothing_to_run(&options.file));
     }

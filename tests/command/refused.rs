@@ -85,6 +85,7 @@ fn an_option_without_effect_is_refused() {
         "plan FILE --complete --program nobody",
         "estimate FILE --seed 5",
         "estimate FILE --max-ticks 500",
+        "compile FILE --emit executable --format text",
     ] {
         let words: Vec<_> = (line.split(' '))
             .map(|word| match word {
@@ -276,4 +277,21 @@ fn none_of_something_is_no_number_to_show_or_to_try() {
         let said = stochc(line);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
     }
+}
+
+/// Programs are named in text; of several names the wrong one has to be found.
+#[test]
+#[cfg(unix)]
+fn an_argument_that_is_no_text_is_named() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let mut command = crate::stochc::command(["check", "tests/fixtures/tower.sa"]);
+    command.arg(std::ffi::OsStr::from_bytes(b"caf\xe9.sa"));
+    let said = crate::stochc::said(&mut command);
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(
+        said.err
+            .starts_with("error: `caf\u{fffd}.sa` is not in UTF-8"),
+        "{}",
+        said.err
+    );
 }
