@@ -11,7 +11,7 @@ use stochc_ensemble::{Manifest, Progress, Snapshot, time_left};
 pub struct WorkProgress {
     /// The part that is done, 0 to 1.
     pub share: f64,
-    /// What is done, as the last line says it too: `3 of 50 runs, 1 failed`.
+    /// What is done, as the last line says it too: `3 of 50 runs, 1 failed`; empty: there is nothing to say of it.
     pub done: String,
     /// What else there is to say meanwhile; a narrow terminal cuts off the end.
     pub more: String,

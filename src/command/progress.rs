@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use stochc_ensemble::clock::now;
 use stochc_ensemble::text::{visible, words};
 
-use super::terminal::warn;
+use super::terminal::{is_dumb, warn};
 use crate::progress::WorkProgress;
 
 /// How to show progress on standard error.
@@ -28,11 +28,11 @@ struct Cadence {
 }
 
 impl Display {
-    /// A bar where standard error is a terminal, lines where it is not, nothing for `quiet`.
+    /// A bar where standard error is a terminal that can draw it, lines where it is none, nothing for `quiet`.
     pub fn on_standard_error(quiet: bool) -> Display {
         if quiet {
             Display::Quiet
-        } else if std::io::stderr().is_terminal() {
+        } else if std::io::stderr().is_terminal() && !is_dumb() {
             Display::Bar
         } else {
             Display::Lines
@@ -81,6 +81,9 @@ fn lines(state: impl Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
 }
 
 fn print_last(state: &WorkProgress, elapsed: Duration) {
+    if state.done.is_empty() {
+        return;
+    }
     print_line(&format!("{}, after {}", state.done, words(elapsed)));
 }
 

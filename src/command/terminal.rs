@@ -94,12 +94,22 @@ pub fn exit_of(done: Result<Exit, Failure>) -> Exit {
 
 /// Whether standard error shows colours.
 pub fn has_colour() -> bool {
-    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+    std::io::stderr().is_terminal() && wants_colour()
 }
 
 /// Whether the output shows colours.
 pub fn output_has_colour() -> bool {
-    std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+    std::io::stdout().is_terminal() && wants_colour()
+}
+
+/// Whether nobody says otherwise: by `NO_COLOR`, or by a terminal that does nothing but print.
+fn wants_colour() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && !is_dumb()
+}
+
+/// Whether a terminal knows none of the sequences that colour text and move the cursor.
+pub fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|name| name == "dumb")
 }
 
 /// Whether somebody looks at the output, now.

@@ -215,6 +215,7 @@ fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
         said.err
     );
     assert!(!said.err.contains("U+000A"), "{}", said.err);
+    assert!(!said.err.contains("plans tried"), "{}", said.err);
 }
 
 /// What cannot be written is told before anything is looked for.

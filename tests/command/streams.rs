@@ -31,14 +31,36 @@ fn nothing_is_coloured_outside_a_terminal() {
 /// A terminal as `script` plays one; `None`: there is no `script`.
 #[cfg(target_os = "linux")]
 fn on_a_terminal(arguments: &str) -> Option<String> {
+    on_a_terminal_called("xterm", arguments)
+}
+
+/// The same, of a terminal of this kind.
+#[cfg(target_os = "linux")]
+fn on_a_terminal_called(kind: &str, arguments: &str) -> Option<String> {
     let line = format!("{} {arguments}", env!("CARGO_BIN_EXE_stochc"));
     let mut script = std::process::Command::new("script");
     script
         .args(["-qec", &line, "/dev/null"])
         .stdin(Stdio::null());
-    let output = script.env("TERM", "xterm").output();
+    let output = script.env("TERM", kind).env_remove("NO_COLOR").output();
     let output = output.inspect_err(|_| crate::skipped::skipped("bsdutils", "script"));
     Some(String::from_utf8(output.ok()?.stdout).unwrap())
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_terminal_that_can_only_print_gets_no_colours_and_no_bar() {
+    for line in [
+        "check tests/fixtures/wrong.sa",
+        "simulate --model shuffle --runs 3 tests/fixtures/tower.sa",
+    ] {
+        let Some(dumb) = on_a_terminal_called("dumb", line) else {
+            return;
+        };
+        assert!(!dumb.contains('\x1b'), "{dumb:?}");
+        let able = on_a_terminal(line).unwrap();
+        assert!(able.contains('\x1b'), "{able:?}");
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ mod seed_plate;
 mod target;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use stochc_compiler::diagnostic::Severity;
 use stochc_compiler::scene::built_in_names;
@@ -215,18 +215,29 @@ fn search(
         keeps_scaffolds: options.keeps_scaffolds,
         tried: &count,
     };
+    let is_refused = AtomicBool::new(false);
     let state = |elapsed| {
         let tried = tried.load(Ordering::Relaxed);
         WorkProgress {
             share: budget.share(tried, elapsed),
-            done: format!("{tried} plans tried"),
+            // Of what cannot be planned the error says all.
+            done: match is_refused.load(Ordering::Relaxed) {
+                true => String::new(),
+                false => format!("{tried} plans tried"),
+            },
             more: match best.load(Ordering::Relaxed) {
                 0 => String::new(),
                 best => format!("; the best takes about {best} ticks"),
             },
         }
     };
-    let planned = during(host, state, || plan(search));
+    let planned = during(host, state, || {
+        let planned = plan(search);
+        let refused =
+            matches!(&planned, Err(Unplanned::Refused(error)) if *error != TargetError::Cancelled);
+        is_refused.store(refused, Ordering::Relaxed);
+        planned
+    });
     planned.map_err(|unplanned| failure_of(&unplanned, options, host))
 }
 
