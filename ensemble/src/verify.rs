@@ -32,7 +32,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         files.push(FileIntegrity { name, health });
     };
     if !path.join(MANIFEST).exists() {
-        return Err(without_manifest(path, FolderError::Absent));
+        return Err(without_manifest(path, FolderError::absent));
     }
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(&in_manifest)?;
     let format = std::str::from_utf8(&bytes).map_err(|error| error.to_string());

@@ -137,6 +137,11 @@ impl EnsembleResults<'_> {
         }
         for (program, waits) in self.manifest.programs.iter().zip(self.waits) {
             let name = visible(&program.name);
+            if program.tables().aggregate.is_some() {
+                let none = "an aggregate, has no captures: its blocks bond where they meet.";
+                text += &format!("\n{}", paragraph(&format!("{name}, {none}"), width));
+                continue;
+            }
             text += &format!("\n{name}, capture by capture\n");
             let captures = captures(program, waits);
             text += &captures_to_text(&captures, program.scene.tick, width);

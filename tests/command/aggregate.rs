@@ -76,6 +76,9 @@ fn its_phases_are_the_sizes_that_it_reaches() {
     // All three stand side by side.
     assert_eq!(said.row("Construction phases"), ["1", "3", "1"]);
     assert_eq!(said.row("Total units involved"), ["2", "4", "1"]);
+    let none = "\ntwo, an aggregate, has no captures: its blocks bond where they meet.\n";
+    assert!(said.out.contains(none), "{}", said.out);
+    assert_eq!(said.out.matches("capture by capture").count(), 1);
     let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();
     let mut largest = Vec::new();
     for line in journal.lines().skip(1) {

@@ -48,6 +48,16 @@ fn every_setting_is_measured_and_kept() {
     let out = path(folder.path(), "out");
     let said = stochc_with(DENSE, &["--out", &out]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
+    for command in ["results", "report", "verify"] {
+        let other = stochc_with(command, &[&out]);
+        assert_eq!((other.status, other.out.as_str()), (2, ""), "{command}");
+        let told = format!(
+            "`{out}` holds a trade, and no results; `stochc trade FILE... --out {out} --resume`"
+        );
+        assert!(other.err.contains(&told), "{}", other.err);
+    }
+    let again = stochc_with(DENSE, &["--out", &out, "--resume"]);
+    assert_eq!((again.status, again.out.as_str()), (0, said.out.as_str()));
     let text = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
     let trade: Value = serde_json::from_str(&text).unwrap();
     for candidate in candidates(&trade) {
