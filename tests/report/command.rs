@@ -345,3 +345,41 @@ fn figures_of_an_earlier_report_go() {
     assert!(!figures.join("waits-2.svg").exists());
     assert!(figures.join("waits-1.svg").is_file() && figures.join("notes.txt").is_file());
 }
+
+/// All that would be told of the mean is where the timeout is.
+#[test]
+fn a_program_that_no_run_completes_has_no_mean_in_short() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "hasty.sa");
+    let text = "assembly hasty { seed plate 1 x 1 { M at (0, 0) }\n\
+                phase grow timeout 1 ticks { M.up ->> T[1..3] } }\n";
+    fs::write(&file, text).unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --model shuffle --runs 5 --out";
+    assert_eq!(stochc_with(simulate, &[&out, &file]).status, 3);
+    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+    let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    let begin = "</strong>: 0 of 5 runs completed, 5 stopped before. ";
+    let (_, rest) = page.split_once(begin).unwrap();
+    let item = rest.split_once("</li>").unwrap().0;
+    assert!(!item.contains("most of that"), "{item}");
+}
+
+#[test]
+fn a_sweep_of_several_programs_is_told_to_have_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --model shuffle --runs 2 --sweep free=20,30 --sweep drag=1,2Hz \
+                    tests/fixtures/tower.sa tests/fixtures/importing.sa --out";
+    let said = stochc_with(simulate, &[&out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+    let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    let (_, rest) = page.split_once("These are runs of ").unwrap();
+    let told = rest.split_once("</p>").unwrap().0;
+    assert!(
+        told.contains("; those of one program differ in nothing but ")
+            && told.contains("free</bdi></code> and <code"),
+        "{told}"
+    );
+}

@@ -11,7 +11,7 @@ use super::runs::{Runs, comparable};
 use super::{Summary, holm};
 
 /// Below this, a difference is called one: outside of the 95 % interval.
-const SIGNIFICANT: f64 = 0.05;
+pub const SIGNIFICANT: f64 = 0.05;
 
 /// What two samples differ by.
 #[derive(Clone, Debug, PartialEq, Serialize)]

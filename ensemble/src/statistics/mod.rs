@@ -19,7 +19,7 @@ mod summary;
 mod survival;
 
 pub(crate) use difference::correct;
-pub use difference::{Difference, Longer, Test, compare};
+pub use difference::{Difference, Longer, SIGNIFICANT, Test, compare};
 use holm::holm;
 pub(crate) use kolmogorov::{Distance, distance};
 pub use mean::Mean;

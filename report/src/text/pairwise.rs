@@ -1,6 +1,6 @@
 //! What a test of two programs found, in words.
 use stochc_ensemble::PairwiseResult;
-use stochc_ensemble::statistics::{Difference, Longer, Test};
+use stochc_ensemble::statistics::{Difference, Longer, SIGNIFICANT, Test};
 use stochc_ensemble::text::number;
 
 /// The sentence on two programs; `names` as they are to stand in it.
@@ -62,12 +62,39 @@ pub fn method(found: &Difference, unit: &str) -> String {
     }
 }
 
-/// A probability, as tables write it.
+/// A probability, as tables write it: below [`SIGNIFICANT`] only where it is.
 pub fn probability(p: f64) -> String {
+    // What rounds to it gets more digits.
+    if (0.0495..SIGNIFICANT).contains(&p) {
+        let digits = (4..).map(|digits| format!("{p:.digits$}"));
+        let mut below =
+            digits.filter(|told| told.parse().is_ok_and(|told: f64| told < SIGNIFICANT));
+        return below.next().expect("it is told exactly at last");
+    }
     match p {
         p if p < 1e-4 => "< 0.0001".to_owned(),
         p if p < 0.01 => format!("{p:.4}"),
         p if p < 0.1 => format!("{p:.3}"),
         p => format!("{p:.2}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::probability;
+
+    #[test]
+    fn what_is_below_the_limit_of_a_difference_is_told_so() {
+        for (p, told) in [
+            (0.0497, "0.0497"),
+            (0.04999, "0.04999"),
+            (0.05, "0.050"),
+            (0.0503, "0.050"),
+            (0.0494, "0.049"),
+            (0.00004, "< 0.0001"),
+            (0.5, "0.50"),
+        ] {
+            assert_eq!(probability(p), told);
+        }
     }
 }

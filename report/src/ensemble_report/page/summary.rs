@@ -1,4 +1,5 @@
 //! What comes first: the page in a few sentences.
+use stochc_ensemble::statistics::{Observation, Status};
 use stochc_ensemble::text::whole_percent;
 
 use super::Parts;
@@ -23,7 +24,12 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
                 item += &format!(", {n} {what}");
             }
         }
-        if let Some(time) = parts.time(subject) {
+        // Of runs that a timeout has ended, all of them, no mean says anything: none completes.
+        let may_complete = |it: &Observation| it.status != Status::Competing;
+        let is_any = subject.times().iter().any(may_complete);
+        let mut of = "the time";
+        if let Some(time) = parts.time(subject).filter(|_| is_any) {
+            of = "that";
             let beside = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
             let beside = beside.unwrap_or_default();
             item += &format!(", in {} {unit}{beside} on average", mean(&time));
@@ -33,7 +39,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         let most = waits.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
         if let Some(wait) = most.filter(|wait| share(wait) > 0.0) {
             item += &format!(
-                "The capture that decides most of that is {}, with {} of all time.",
+                "The capture that decides most of {of} is {}, with {} of all time.",
                 code(&wait.text),
                 whole_percent(share(&wait))
             );

@@ -1,6 +1,7 @@
 //! What was varied, and what became of the times.
 use stochc_ensemble::sweep::{Sweep, SweepPoint};
 use stochc_ensemble::text::{number, percent};
+use stochc_ir::series;
 
 use super::common::{figure, mean_cell, show};
 use super::{Parts, ROWS};
@@ -15,9 +16,15 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
     out.heading(2, "sweeps", "What was varied");
     for (i, sweep) in parts.sweeps.iter().enumerate() {
         let numbers: Vec<String> = sweep.axes.iter().map(|axis| code(&axis.of)).collect();
+        let programs: Vec<String> = sweep.programs().into_iter().map(name).collect();
+        let differing = match programs.len() {
+            1 => ", which",
+            _ => "; those of one program",
+        };
         out.paragraph(&format!(
-            "These programs differ in nothing but {} of their scenes.",
-            numbers.join(", ")
+            "These are runs of {}{differing} differ in nothing but {} of its scene.",
+            series(&programs, "and"),
+            series(&numbers, "and"),
         ));
         let prefix = format!("sweep-{}", i + 1);
         let drawn = |medium| pictures(medium, sweep, &prefix);
