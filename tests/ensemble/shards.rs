@@ -328,7 +328,10 @@ fn holes_are_refused_and_named() {
     }
     make_until(folder.path(), 3, 1, 2);
     assert_eq!(missing(folder.path()), [1, 3]);
-    refused(folder.path(), "2 of 5 pieces are missing or damaged (1 and 3)");
+    refused(
+        folder.path(),
+        "2 of 5 pieces are missing or damaged (1 and 3)",
+    );
     make(folder.path(), 1, 1);
     refused(folder.path(), "stochc shard");
     assert!(matches!(
