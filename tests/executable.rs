@@ -82,9 +82,10 @@ fn another_file_is_told_from_a_damaged_one() {
 /// What each part says by itself is right, and not what they say together.
 #[test]
 fn parts_that_do_not_go_together_are_refused_by_name() {
+    type Edit<'a> = &'a dyn Fn(&mut Value);
     let file = written(&executables("examples/line.sa"));
     let line: Value = serde_json::from_slice(&file).unwrap();
-    let read = |program: &dyn Fn(&mut Value)| {
+    let read = |program: Edit| {
         let mut file = line.clone();
         program(&mut file["programs"][0]);
         Executable::read_all(file.to_string().as_bytes())
@@ -93,7 +94,7 @@ fn parts_that_do_not_go_together_are_refused_by_name() {
     let roles = &line["programs"][0]["tables"]["roles"];
     let captured = (roles.as_array().unwrap().iter()).position(|role| role["seed"].is_null());
     let captured = captured.unwrap();
-    let edits: [(&str, &dyn Fn(&mut Value)); 7] = [
+    let edits: [(&str, Edit); 7] = [
         ("tables.bond", &|it| it["tables"]["bond"] = json!("reject")),
         ("tables.faces", &|it| it["tables"]["faces"] = json!(2)),
         ("tables.phases[0].reports", &|it| {
