@@ -55,7 +55,7 @@ pub fn program(name: &str) -> EnsembleProgram {
     let phase = |name: &str| Phase {
         name: name.into(),
         timeout: None,
-        reports: 1,
+        reports: 0,
         planted: false,
     };
     let catch = |child, z| Action::Magnetize {
