@@ -224,16 +224,16 @@ fn slips_in_a_phase_are_mended() {
 /// For most editors it ends a line, so that what stands behind a comment looks like a part of the program.
 #[test]
 fn a_carriage_return_alone_is_no_end_of_a_line() {
-    let text = program("phase rest { A.up -> B }").replace('\n', "\r");
+    let text = program("phase rest { A.up -> B N.up -> C }").replace('\n', "\r");
     let found = checked(&text);
     let first = &found.diagnostics[0];
     assert_eq!(first.title, "a carriage return without a line feed");
     assert_eq!(fixed(&text), text.replace('\r', "\n"));
     // What a comment has swallowed is not brought back unasked, if that is wrong.
-    let text = format!("{PLATE}    phase base {{ M.up -> A }} // N.up\r}}\n}}\n");
+    let text = format!("{PLATE}    phase base {{ M.up -> A N.up -> C }} // D.up\r}}\n}}\n");
     assert!(checked(&text).has_errors());
     assert_eq!(fixed(&text), text);
-    let text = program("phase rest { A.up -> B }").replace('\n', "\r\n");
+    let text = program("phase rest { A.up -> B N.up -> C }").replace('\n', "\r\n");
     assert!(checked(&text).diagnostics.is_empty());
 }
 
