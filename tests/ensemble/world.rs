@@ -55,13 +55,17 @@ pub fn program(name: &str) -> EnsembleProgram {
     let phase = |name: &str| Phase {
         name: name.into(),
         timeout: None,
-        reports: 0,
+        reports: 1,
         planted: false,
     };
     let catch = |child, z| Action::Magnetize {
         face: Face::Up,
         child: RoleId(child),
         cell: Cell::new(0, 0, z),
+    };
+    let report = |role, phase| {
+        let rules = vec![(vec![], Action::Report)];
+        (RoleId(role), PhaseId(phase), Trigger::Anchored, rules)
     };
     let tables = Tables::assemble(
         name,
@@ -80,12 +84,14 @@ pub fn program(name: &str) -> EnsembleProgram {
                 Trigger::Start,
                 vec![(vec![], catch(1, 1))],
             ),
+            report(1, 0),
             (
                 RoleId(1),
                 PhaseId(1),
                 Trigger::Start,
                 vec![(vec![], catch(2, 2))],
             ),
+            report(2, 1),
         ],
     );
     let source = Source {
