@@ -51,7 +51,7 @@ impl ProgramPlan {
     }
 
     /// Whether a block may be missing, or gone, because a statement could not be worked out.
-    pub fn is_doubtful(&self, role: RoleId) -> bool {
+    pub(crate) fn is_doubtful(&self, role: RoleId) -> bool {
         self.doubtful.contains(&self.roles.key(role).word)
     }
 

@@ -178,7 +178,7 @@ impl File {
     }
 
     /// What the system has, for those to whom no test speaks.
-    pub fn as_plain(&mut self) -> &mut fs::File {
+    pub(crate) fn as_plain(&mut self) -> &mut fs::File {
         &mut self.file
     }
 }

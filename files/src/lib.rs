@@ -41,7 +41,7 @@ pub fn read_file(path: &Path, budget: ReadBudget) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// Those of the stream, and of one beyond its budget.
-pub fn read_stream(mut stream: impl Read, budget: ReadBudget) -> io::Result<Vec<u8>> {
+pub(crate) fn read_stream(mut stream: impl Read, budget: ReadBudget) -> io::Result<Vec<u8>> {
     /// Bytes between two looks at what has come; smaller files are not worth one.
     const PIECE: u64 = 1 << 24;
     let mut bytes = Vec::new();

@@ -56,7 +56,7 @@ impl Symbols {
     }
 
     /// Whether the word belongs to the language.
-    pub fn is_reserved(&self, symbol: Symbol) -> bool {
+    pub(crate) fn is_reserved(&self, symbol: Symbol) -> bool {
         (symbol.0 as usize) < RESERVED.len()
     }
 

@@ -440,7 +440,7 @@ impl Operator {
 
 impl Item {
     /// The statements of a block; `None` for what has none.
-    pub fn body_mut(&mut self) -> Option<&mut Vec<Item>> {
+    pub(crate) fn body_mut(&mut self) -> Option<&mut Vec<Item>> {
         match &mut self.kind {
             ItemKind::For(block) => Some(&mut block.body),
             ItemKind::Phase(block) => Some(&mut block.body),

@@ -37,7 +37,7 @@ pub struct PlanEstimate {
 
 impl PlanEstimate {
     /// What it rests on, where that has to be told.
-    pub fn caveat(&self) -> &'static str {
+    pub(crate) fn caveat(&self) -> &'static str {
         match (self.is_typical, self.is_first_guess) {
             (true, _) => {
                 ", if waits were those of the default scene: nobody has measured them in this one"

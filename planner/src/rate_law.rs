@@ -85,7 +85,7 @@ impl<'a> RateLaw<'a> {
 
     /// Whether blocks are known to get free again between two faces across a corner. That has been looked at in plans for the default scene, the one of which it is
     /// known as well that blocks pass gaps.
-    pub fn has_passable_corners(&self) -> bool {
+    pub(crate) fn has_passable_corners(&self) -> bool {
         self.has_passable_gaps
     }
 

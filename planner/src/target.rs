@@ -121,7 +121,7 @@ impl Target {
     }
 
     /// Whether its first captures begin with the run, when the gas is at rest.
-    pub fn is_at_rest(&self) -> bool {
+    pub(crate) fn is_at_rest(&self) -> bool {
         self.is_at_rest
     }
 
@@ -141,7 +141,7 @@ impl Target {
     }
 
     /// The block in a cell that is there before.
-    pub fn existing_at(&self, cell: Cell) -> Option<&ExistingBlock> {
+    pub(crate) fn existing_at(&self, cell: Cell) -> Option<&ExistingBlock> {
         let at = self
             .existing
             .binary_search_by_key(&cell, |block| block.cell);

@@ -143,7 +143,7 @@ impl Emulator {
     ///
     /// The variance of the polynomials is that of a design's point on average. With that of each place, data that nothing explains
     /// would be likeliest where least is known.
-    pub fn log_likelihood(&self, at: &[f64], n: usize, mean: f64, sd: f64) -> f64 {
+    pub(crate) fn log_likelihood(&self, at: &[f64], n: usize, mean: f64, sd: f64) -> f64 {
         let features = self.features(at);
         let covariance = self.unit_covariance / n as f64
             + Matrix2::from_diagonal(&Vector2::from(self.variance(self.mean_leverage)));
@@ -158,7 +158,7 @@ impl Emulator {
     }
 
     /// Variance of the logarithm of the mean of n runs, by chance alone.
-    pub fn sampling_variance(&self, n: usize) -> [f64; 2] {
+    pub(crate) fn sampling_variance(&self, n: usize) -> [f64; 2] {
         [0, 1].map(|which| self.unit_covariance[(which, which)] / n as f64)
     }
 }

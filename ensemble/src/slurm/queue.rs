@@ -119,7 +119,7 @@ impl SlurmJob {
     }
 
     /// Whether it has not begun.
-    pub fn is_pending(&self) -> bool {
+    pub(crate) fn is_pending(&self) -> bool {
         self.state == "PENDING"
     }
 

@@ -164,7 +164,7 @@ impl KaplanMeier {
 
     /// The mean of min(time, horizon): the area under the curve up to `horizon`, which is brought
     /// down to where the curve is known, or to the last time seen if there is no other end.
-    pub fn restricted_mean(&self, horizon: f64) -> RestrictedMean {
+    pub(crate) fn restricted_mean(&self, horizon: f64) -> RestrictedMean {
         let horizon = self.known_until(horizon);
         let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
         // From the right, so that the area after each step is at hand for Greenwood's sum.
@@ -193,7 +193,7 @@ impl KaplanMeier {
     /// them: pseudo-observations (P. K. Andersen, M. G. Hansen and J. P. Klein, Lifetime Data Anal. 10
     /// (2004), 335-350), by the estimate's influence function, so that their squares add up to
     /// Greenwood's sum.
-    pub fn contributions(&self, observations: &[Observation], horizon: f64) -> Vec<f64> {
+    pub(crate) fn contributions(&self, observations: &[Observation], horizon: f64) -> Vec<f64> {
         let horizon = self.known_until(horizon);
         let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
         let n = observations.len() as f64;

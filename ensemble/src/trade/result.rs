@@ -186,7 +186,7 @@ impl Trade {
     }
 
     /// How many runs of a program the limit of ticks has stopped, among those of the reference and of its last doubling.
-    pub fn reference_runs_at_limit(&self, program: usize) -> usize {
+    pub(crate) fn reference_runs_at_limit(&self, program: usize) -> usize {
         let own = self.reference_candidate();
         let own = own.map_or(0, |candidate| candidate.programs[program].at_limit);
         let doublings = self.reference.as_ref().map(|it| &it.doublings[..]);

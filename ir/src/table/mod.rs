@@ -357,7 +357,7 @@ impl Tables {
     }
 
     /// The duties of one role, sorted by (phase, trigger).
-    pub fn duties_of(&self, role: RoleId) -> impl ExactSizeIterator<Item = Duty<'_>> {
+    pub(crate) fn duties_of(&self, role: RoleId) -> impl ExactSizeIterator<Item = Duty<'_>> {
         let start = self.duties.partition_point(|row| row.role < role);
         let end = self.duties.partition_point(|row| row.role <= role);
         (start..end).map(|i| self.duty_at(i))

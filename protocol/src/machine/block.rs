@@ -306,7 +306,7 @@ impl<M> StructureBlock<M> {
     }
 
     /// Whether it neither acts nor passes anything on any more; what it knew is lost.
-    pub fn is_dead(&self) -> bool {
+    pub(crate) fn is_dead(&self) -> bool {
         self.is_dead
     }
 
@@ -337,7 +337,7 @@ impl<M> StructureBlock<M> {
 
     /// Whether a rule of its duty has fired.
     #[inline]
-    pub fn has_fired(&self, rule: usize) -> bool {
+    pub(crate) fn has_fired(&self, rule: usize) -> bool {
         let word = match rule / 64 {
             0 => self.fired,
             word => self.fired_later().get(word - 1).copied().unwrap_or(0),

@@ -112,7 +112,7 @@ pub fn unit(word: u32) -> f64 {
 }
 
 /// Four independent numbers of mean 0 and variance 1, normally distributed (G. E. P. Box and M. E. Muller 1958).
-pub fn gaussians(words: [u32; WORDS as usize]) -> [f64; 4] {
+pub(crate) fn gaussians(words: [u32; WORDS as usize]) -> [f64; 4] {
     let pair = |radius: u32, angle: u32| {
         let radius = (-2.0 * libm::log(unit(radius))).sqrt();
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit(angle));

@@ -43,7 +43,7 @@ impl BlockUnits {
     }
 
     /// Sides per tick in \[m/s\].
-    pub fn speed_si(self, value: f64) -> f64 {
+    pub(crate) fn speed_si(self, value: f64) -> f64 {
         value * self.side / self.tick
     }
 

@@ -40,7 +40,7 @@ impl Gas {
 
     /// The mean way of a block between two meetings with others \[side\]: 1 / (√2 n S / 4), as the
     /// cross-section of convex bodies that are turned at random is a quarter of their surface.
-    pub fn free_path(&self) -> f64 {
+    pub(crate) fn free_path(&self) -> f64 {
         1.0 / (2f64.sqrt() * self.density * MEETING_SURFACE / 4.0)
     }
 

@@ -60,7 +60,7 @@ impl ShuffleWorld {
     }
 
     /// The same, where in about every other tick two free blocks drawn at random bond to each other.
-    pub fn with_groups(self) -> ShuffleWorld {
+    pub(crate) fn with_groups(self) -> ShuffleWorld {
         ShuffleWorld {
             groups: Some(DisjointSets::new(self.lattice.count)),
             ..self
