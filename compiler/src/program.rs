@@ -379,10 +379,10 @@ fn attribute_by_place(diagnostic: &mut Diagnostic, tree: &Tree) {
     let Some((FileId(0), at)) = diagnostic.place() else {
         return;
     };
-    let is_program =
-        |item: &&Item| matches!(item.kind, ItemKind::Assembly(_) | ItemKind::Aggregate(_));
-    let mut programs = tree.items.iter().filter(is_program);
     if diagnostic.programs.is_empty() {
+        let is_program =
+            |item: &&Item| matches!(item.kind, ItemKind::Assembly(_) | ItemKind::Aggregate(_));
+        let mut programs = tree.items.iter().filter(is_program);
         let around = programs.position(|item| (item.span.start..item.span.end).contains(&at));
         diagnostic.programs.extend(around);
     }

@@ -73,7 +73,7 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     match (options.run, options.shards.zip(options.out.as_ref())) {
         (Some(number), _) => single::run(options, &manifest, number, stop),
         (None, Some((shards, out))) => cut(options, &manifest, shards, out),
-        (None, None) => ensemble(options, &manifest, &host),
+        (None, None) => ensemble(options, manifest, &host),
     }
 }
 
@@ -141,7 +141,7 @@ fn cut(
 
 fn ensemble(
     options: &SimulateArguments,
-    manifest: &Manifest,
+    manifest: Manifest,
     host: &Terminal,
 ) -> Result<Exit, Failure> {
     let watching = options.watch.map(Watching::at).transpose()?;
@@ -163,8 +163,11 @@ fn ensemble(
         viewer: watching.as_ref().map(|it| it as &dyn Viewer),
     };
     let (manifest, made) = match options.until {
-        Some(within) => make_until(manifest.clone(), within, &how, host)?,
-        None => (manifest.clone(), make(manifest, &how, host)?),
+        Some(within) => make_until(manifest, within, &how, host)?,
+        None => {
+            let made = make(&manifest, &how, host)?;
+            (manifest, made)
+        }
     };
     let manifest = &manifest;
     let MadeEnsemble {
