@@ -1,7 +1,7 @@
 //! What the files of a results folder are called.
 
 /// What the ensemble depends on.
-pub(crate) const MANIFEST: &str = "manifest.json";
+pub const MANIFEST: &str = "manifest.json";
 /// Every finished run.
 pub(crate) const JOURNAL: &str = "journal.jsonl";
 /// Checksums of the others.

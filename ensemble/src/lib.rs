@@ -83,7 +83,7 @@ pub use comparison::{
     Comparison, ComparisonTally, Pair, PhaseTime, ProgramSummary, Time, last_seen,
 };
 pub use executor::RunCancelled;
-pub use file_names::CHECKPOINTS;
+pub use file_names::{CHECKPOINTS, MANIFEST};
 pub use finished::Finished;
 pub use folder::{
     Contents, Folder, FolderState, Further, FurtherFiles, Resume, check_manifest, survey,

@@ -29,6 +29,8 @@ mod grid;
 mod hardware;
 mod limits;
 mod makespan;
+#[cfg(test)]
+mod optimality_gap;
 mod plan;
 mod precedence;
 mod rate_law;
@@ -54,7 +56,7 @@ pub use plan::{Alternative, BuildPlan, Plans, baseline_plans, plan};
 pub use precedence::Why;
 pub use rate_law::{CellState, Moment, RateLaw};
 pub use scaffold::{Dismantling, HandOver, Mast};
-pub use search::{AdaptiveGap, PlanSearch, ScheduleGap, adaptive_gap, gap};
+pub use search::PlanSearch;
 pub use target::{ExistingBlock, Target};
 pub use target_error::{LoosePart, TargetError};
 pub use voxels::{UnreadableVoxels, layers, magica_voxel};

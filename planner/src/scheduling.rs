@@ -2,12 +2,10 @@
 //!
 //! The most urgent cell that may open does: its blocks to wait for are there, a neighbour of it stands and has a face to spare,
 //! and no face is open that [jams together with it](crate::crowding).
-mod adaptive;
 mod exact;
 mod insertion;
 mod phase;
 mod priorities;
-mod programs;
 mod serial;
 
 use std::cmp::Reverse;
@@ -25,11 +23,9 @@ use crate::rate_law::{CellState, Moment, RateLaw};
 use crate::scaffold::{SitePart, SiteRoles};
 use crate::schedule::Schedule;
 use crate::sites::{NONE, Sites};
-pub use adaptive::{ExactTimes, MOST_ADAPTIVE};
 pub use exact::{Branching, estimated, value};
 use phase::SchedulePhase;
 pub use priorities::Priorities;
-pub use programs::FixedProgram;
 
 /// Sites of a target for which all schedules are looked at.
 pub const MOST_SITES: usize = 12;
@@ -445,7 +441,11 @@ impl ScheduleState<'_> {
 
 /// Looks at the job that a target makes of so many free blocks, with one face a block and typical rates.
 #[cfg(test)]
-fn with_job<T>(target: &crate::Target, free: u32, look: impl FnOnce(&SchedulingJob<'_>) -> T) -> T {
+pub(crate) fn with_job<T>(
+    target: &crate::Target,
+    free: u32,
+    look: impl FnOnce(&SchedulingJob<'_>) -> T,
+) -> T {
     let sites = Sites::of(target);
     let spaces = [2, 1].map(|side| crate::free_space::FreeSpace::of(&sites, side));
     let keys = vec![0.5; sites.len()];

@@ -4,6 +4,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use stochc_grammar::Cancellation;
 
+use crate::TargetError;
 use crate::corridor::Corridors;
 use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
@@ -11,12 +12,8 @@ use crate::hardware::Hardware;
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::rate_law::RateLaw;
 use crate::schedule::Schedule;
-use crate::scheduling::{
-    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Priorities, SchedulingJob,
-    WAIT, estimated, value,
-};
+use crate::scheduling::{Branching, MOST_SITES, Priorities, SchedulingJob, WAIT, estimated, value};
 use crate::sites::Sites;
-use crate::{Target, TargetError};
 
 /// How to look for a plan.
 #[derive(Clone, Copy)]
@@ -186,9 +183,6 @@ const OTHER_RUNS: usize = 1000;
 /// Ways in of small targets are looked for so often.
 const ALL_VARIANTS: u64 = 24;
 
-/// States that are looked at, in all trees of captures, to say what no program can be faster than: each site is absent, open or there.
-const MOST_STATES: usize = 2_000_000;
-
 /// The part of a time for which no other schedule is taken.
 const WORTH: f64 = 0.005;
 
@@ -208,13 +202,13 @@ pub fn search(
 ) -> Result<FoundSchedule, TargetError> {
     let mut found = heuristic(sites, hardware, waits, how)?;
     if sites.len() <= MOST_SITES && sites.existing_count() == 0 && found.rounds >= VARIANTS {
-        found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?.is_finished;
+        found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?;
     }
     Ok(found)
 }
 
 /// The best that is found by trying.
-fn heuristic(
+pub(crate) fn heuristic(
     sites: &Sites<'_>,
     hardware: Hardware,
     waits: &RateLaw<'_>,
@@ -380,87 +374,14 @@ fn takes_gaps(waits: &RateLaw<'_>, variant: u64) -> bool {
     waits.has_passable_gaps() && variant % 2 == 1
 }
 
-/// How far the search that tries is off the best of all schedules.
-#[derive(Clone, Copy, Debug)]
-pub struct ScheduleGap {
-    /// How long the schedule takes that it finds \[ticks\].
-    pub heuristic: f64,
-    /// How long the best one takes that is known \[ticks\].
-    pub best: f64,
-    /// Whether all schedules have been looked at.
-    pub is_finished: bool,
-}
-
-/// Compares the search that tries with the best of all schedules; `None`: the target has too many cells.
-///
-/// # Errors
-/// If no order builds it, or nobody waits for it.
-pub fn gap(
-    target: &Target,
-    hardware: Hardware,
-    waits: &RateLaw<'_>,
-    how: PlanSearch<'_>,
-) -> Result<Option<ScheduleGap>, TargetError> {
-    let sites = Sites::of(target);
-    if sites.len() > MOST_SITES {
-        return Ok(None);
-    }
-    let mut found = heuristic(&sites, hardware, waits, how)?;
-    branch_and_bound(&sites, hardware, waits, how, &mut found).map(Some)
-}
-
-/// How far a plan is off the best program and the best policies, if waits are exponential. All are mean times \[ticks\].
-#[derive(Clone, Copy, Debug)]
-pub struct AdaptiveGap {
-    /// Of the plan.
-    pub planned: f64,
-    /// Of the best program that was found.
-    pub program: f64,
-    /// Less than of any program; `None`: there are too many trees of captures to say.
-    pub fixed: Option<f64>,
-    /// Of the best policy that sees every docking.
-    pub policy: f64,
-    /// Of the best policy that does, and need not keep ways in open.
-    pub heedless: f64,
-}
-
-/// Compares the plan of a target with the best program and the best policies; `None`: the target has too many cells.
-///
-/// # Errors
-/// If no order builds it, or nobody waits for it.
-pub fn adaptive_gap(
-    target: &Target,
-    hardware: Hardware,
-    waits: &RateLaw<'_>,
-    how: PlanSearch<'_>,
-) -> Result<Option<AdaptiveGap>, TargetError> {
-    let sites = Sites::of(target);
-    if sites.len() > MOST_ADAPTIVE || sites.existing_count() > 0 {
-        return Ok(None);
-    }
-    let found = search(&sites, hardware, waits, how)?;
-    let job = found.job(&sites, hardware, waits);
-    let mut heedless = ExactTimes::new(&job, false);
-    // Where a plan has narrow ways, others may as well.
-    let mut times = ExactTimes::new(&job, found.disassembly.narrow_count() == 0);
-    let planned = FixedProgram::of(&times, &found.schedule);
-    Ok(Some(AdaptiveGap {
-        planned: times.of(&planned),
-        program: times.best_program(&found.schedule, how.seed),
-        fixed: times.best_fixed(MOST_STATES / 3usize.pow(sites.len() as u32)),
-        policy: times.best(),
-        heedless: heedless.best(),
-    }))
-}
-
-/// Looks at all schedules of a small target, with several ways in, and keeps the best.
-fn branch_and_bound(
+/// Looks at all schedules of a small target, with several ways in, and keeps the best; whether there was the time to look at all of them.
+pub(crate) fn branch_and_bound(
     sites: &Sites<'_>,
     hardware: Hardware,
     waits: &RateLaw<'_>,
     search: PlanSearch<'_>,
     found: &mut FoundSchedule,
-) -> Result<ScheduleGap, TargetError> {
+) -> Result<bool, TargetError> {
     let value = |samples: &Samples, found: &FoundSchedule| {
         let job = found.job(sites, hardware, waits);
         value(&job, samples, &found.schedule, search.objective)
@@ -505,15 +426,10 @@ fn branch_and_bound(
     }
     // By other chances than those by which it was chosen.
     let samples = Samples::new(sites.len(), OTHER_RUNS, search.seed ^ 0xbb);
-    let (heuristic, least) = (value(&samples, found), value(&samples, &best));
-    if least < heuristic {
+    if value(&samples, &best) < value(&samples, found) {
         *found = best;
     }
-    Ok(ScheduleGap {
-        heuristic,
-        best: least.min(heuristic),
-        is_finished: left > 0,
-    })
+    Ok(left > 0)
 }
 
 /// How a schedule is changed to get another one.

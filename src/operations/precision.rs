@@ -5,7 +5,7 @@ use stochc_ensemble::text::percent;
 use stochc_ensemble::{
     Comparison, ComparisonTally, Manifest, ProgramSummary, Records, Resume, survey,
 };
-use stochc_ir::visible;
+use stochc_ir::{listed, visible};
 
 use super::ensemble::{EnsembleOptions, MadeEnsemble, make};
 use crate::exit::Failure;
@@ -112,7 +112,7 @@ fn warn_of_unknown(comparison: &Comparison, most: u64, within: f64, host: &dyn H
     host.warn(&format!(
         "with {most} runs, the most there may be (`--runs`), not every mean is known to within {}: {}\n",
         percent(within),
-        unknown.join(", ")
+        listed(&unknown, unknown.len())
     ));
 }
 

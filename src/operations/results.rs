@@ -5,7 +5,8 @@ use serde_json::json;
 use stochc_ensemble::sweep::{Sweep, SweepTally};
 use stochc_ensemble::text::visible;
 use stochc_ensemble::{
-    Comparison, ComparisonTally, Finished, Folder, Manifest, Records, WaitsTally, captures,
+    Comparison, ComparisonTally, Finished, Folder, MANIFEST, Manifest, Records, WaitsTally,
+    captures,
 };
 use stochc_files::shell::file as shell_file;
 use stochc_ir::record::Outcome;
@@ -178,7 +179,7 @@ impl EnsembleResults<'_> {
         };
         let more = match folder {
             Some(folder) => {
-                let manifest = folder.join("manifest.json");
+                let manifest = folder.join(MANIFEST);
                 let manifest = shell_file(&visible(&manifest.to_string_lossy()));
                 format!(
                     "`stochc simulate --manifest {manifest} --run {}`",

@@ -3,7 +3,6 @@
     clippy::disallowed_methods,
     reason = "the tests read shapes from the disk"
 )]
-mod gap;
 mod order;
 mod random;
 mod refused;

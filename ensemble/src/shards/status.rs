@@ -119,7 +119,7 @@ fn status_by(
 ///
 /// # Errors
 /// Those of the file system.
-pub fn listed(path: &Path) -> io::Result<u64> {
+pub fn count_pieces(path: &Path) -> io::Result<u64> {
     let is_piece = |entry: &PathBuf| entry.extension().is_some_and(|it| it == "jsonl");
     match disk::list(&path.join(SHARDS)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(0),

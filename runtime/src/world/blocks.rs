@@ -79,8 +79,8 @@ pub(crate) trait Blocks {
     fn set_velocity(&mut self, id: u32, velocity: Vector3<Self::Real>, spin: Vector3<Self::Real>);
     /// Fixes a block on the lattice.
     fn anchor(&mut self, id: u32, centre: Vector3<Self::Real>, orientation: Orientation);
-    /// Sets an anchored block free, without spin.
-    fn release(&mut self, id: u32, velocity: Vector3<Self::Real>);
+    /// Sets an anchored block free, at rest.
+    fn release(&mut self, id: u32);
 
     fn is_free(&self, id: u32) -> bool {
         self.anchored(id).is_none()

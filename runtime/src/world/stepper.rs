@@ -513,7 +513,7 @@ impl<I: Integrator> World for Stepper<I> {
             return;
         };
         if let Some(ReleasedBlock { body: id, impulse }) = faces.switch_off(site) {
-            self.blocks.release(id, Vector3::zeros());
+            self.blocks.release(id);
             if let Some(bonds) = &mut self.free_bonds {
                 bonds.reject(id, cast(impulse));
             }

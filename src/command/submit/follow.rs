@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use stochc_ensemble::clock::now;
-use stochc_ensemble::shards::listed;
+use stochc_ensemble::shards::count_pieces;
 use stochc_ensemble::slurm::{
     JobArray, Queue, SlurmJob, Stop, Submission, Workflow, WorkflowStep, last_lines,
 };
@@ -212,7 +212,7 @@ impl Follower<'_> {
 
     /// Shows how far it is, and what else there is to say.
     fn show(&self, more: &str) {
-        let there = listed(&self.jobs.ensemble.path).unwrap_or_default();
+        let there = count_pieces(&self.jobs.ensemble.path).unwrap_or_default();
         self.shown(there.min(self.jobs.ensemble.pieces), more);
     }
 

@@ -1,4 +1,5 @@
 //! Where blocks are, over the runs that were recorded.
+use stochc_ensemble::MANIFEST;
 use stochc_files::shell;
 
 use super::Parts;
@@ -28,7 +29,7 @@ pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut V
     }
     if maps.runs == 0 {
         let path = &parts.inputs[subject.folder].path;
-        let manifest = shell::file(&inside(path, "manifest.json"));
+        let manifest = shell::file(&inside(path, MANIFEST));
         let line = format!("stochc simulate --manifest {manifest} --record all --out AGAIN");
         out.note(&format!(
             "There is no map, because no run of it has a recording here that can be read: {} makes the same \

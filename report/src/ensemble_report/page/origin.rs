@@ -1,6 +1,6 @@
 //! What was run, how to run it again, and how to read the page.
-use stochc_ensemble::EnsembleProgram;
 use stochc_ensemble::text::number;
+use stochc_ensemble::{EnsembleProgram, MANIFEST};
 use stochc_files::shell;
 use stochc_ir::scene::describe;
 use stochc_runtime::{Precision, Settings};
@@ -42,7 +42,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         out.paragraph("The same runs again, bit for bit:");
         out.raw(&command(&format!(
             "stochc simulate --manifest {} --out AGAIN",
-            shell::file(&inside(&input.path, "manifest.json"))
+            shell::file(&inside(&input.path, MANIFEST))
         )));
         out.paragraph("From its files, as they were then:");
         out.raw(&command(&simulate(manifest)));

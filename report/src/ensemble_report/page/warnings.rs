@@ -1,4 +1,5 @@
 //! What a reader has to know before believing anything.
+use stochc_ensemble::MANIFEST;
 use stochc_files::shell;
 use stochc_runtime::Model;
 
@@ -20,7 +21,7 @@ pub(super) fn warnings(input: &Input) -> Vec<String> {
             manifest.total(),
             code(&format!(
                 "stochc simulate --manifest {} --out {} --resume",
-                shell::file(&inside(&input.path, "manifest.json")),
+                shell::file(&inside(&input.path, MANIFEST)),
                 shell::file(&input.path)
             ))
         ));

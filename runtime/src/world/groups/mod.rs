@@ -146,22 +146,18 @@ impl BlockGroups {
         let was = blocks.pose(b);
         let (mut members, mut bonds) = self.take(a);
         let (moved, others) = self.take(b);
-        members.extend(&moved);
+        let stay = members.len();
+        members.extend(moved);
         bonds.extend(others);
         bonds.push((a, b));
         let motions: Vec<Motion> = members.iter().map(|&id| blocks.motion(id)).collect();
         let (mut compound, turning) = RigidMotion::momenta(&motions, response);
-        let poses = members.iter().map(|&id| {
+        let poses = members.iter().enumerate().map(|(place, &id)| {
             let pose = blocks.pose(id);
-            let comes = moved.contains(&id);
-            [
-                pose,
-                if comes {
-                    pose.carried(&was, seat)
-                } else {
-                    pose
-                },
-            ]
+            match place < stay {
+                true => [pose, pose],
+                false => [pose, pose.carried(&was, seat)],
+            }
         });
         let poses: Vec<[Pose; 2]> = poses.collect();
         for (&id, pose) in members.iter().zip(rigid_motion::without_drift(&poses)) {

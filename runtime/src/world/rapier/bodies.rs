@@ -189,12 +189,12 @@ impl Blocks for EngineBodies {
         body.set_position(pose3(centre, rotation), false);
     }
 
-    fn release(&mut self, id: u32, velocity: Vector3<f32>) {
+    fn release(&mut self, id: u32) {
         let block = &mut self.copies[id as usize];
-        (block.anchored, block.velocity) = (None, velocity);
+        (block.anchored, block.velocity) = (None, Vector3::zeros());
         let body = &mut self.engine.bodies[self.handles[id as usize]];
         body.set_body_type(RigidBodyType::Dynamic, false);
-        body.set_linvel(vec3(velocity), false);
+        body.set_linvel(Vec3::ZERO, false);
         body.set_angvel(Vec3::ZERO, false);
     }
 }

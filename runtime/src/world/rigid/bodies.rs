@@ -409,12 +409,12 @@ impl<R: Lane> Blocks for Bodies<R> {
         self.groups[group].mobility[lane] = R::zero();
     }
 
-    fn release(&mut self, id: u32, velocity: Vector3<R>) {
+    fn release(&mut self, id: u32) {
         let before = self.anchored[id as usize].take();
         self.anchored_count -= usize::from(before.is_some());
         let (group, lane) = place(id);
         self.groups[group].mobility[lane] = R::one();
-        self.set_moved(id, velocity);
+        self.set_moved(id, Vector3::zeros());
     }
 }
 

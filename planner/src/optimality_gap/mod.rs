@@ -1,11 +1,51 @@
 //! How far plans of small shapes are off the best there are.
-use stochc::ir::scene::Scene;
-use stochc::ir::table::Plate;
-use stochc::ir::{Cell, Face};
-use stochc::planner::{
-    AdaptiveGap, Hardware, PlanSearch, RateLaw, ScheduleGap, Target, adaptive_gap, gap,
-};
-use stochc::planning::Goal;
+mod adaptive;
+mod programs;
+
+use stochc_compiler::scene::built_in;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
+
+use crate::makespan::Samples;
+use crate::scheduling::value;
+use crate::search::{FoundSchedule, branch_and_bound, heuristic, search};
+use crate::sites::Sites;
+use crate::{Hardware, PlanSearch, RateLaw, Target};
+use adaptive::{ExactTimes, MOST_ADAPTIVE};
+use programs::FixedProgram;
+
+/// States that are looked at, in all trees of captures, to say what no program can be faster than: each site is absent, open or there.
+const MOST_STATES: usize = 2_000_000;
+
+/// Runs by which schedules are compared.
+const RUNS: usize = 1000;
+
+/// How far the search that tries is off the best of all schedules.
+#[derive(Clone, Copy, Debug)]
+struct ScheduleGap {
+    /// How long the schedule takes that it finds \[ticks\].
+    heuristic: f64,
+    /// How long the best one takes that is known \[ticks\].
+    best: f64,
+    /// Whether all schedules have been looked at.
+    is_finished: bool,
+}
+
+/// How far a plan is off the best program and the best policies, if waits are exponential. All are mean times \[ticks\].
+#[derive(Clone, Copy, Debug)]
+struct AdaptiveGap {
+    /// Of the plan.
+    planned: f64,
+    /// Of the best program that was found.
+    program: f64,
+    /// Less than of any program; `None`: there are too many trees of captures to say.
+    fixed: Option<f64>,
+    /// Of the best policy that sees every docking.
+    policy: f64,
+    /// Of the best policy that does, and need not keep ways in open.
+    heedless: f64,
+}
 
 /// A shape of so many cells that hang together, from a number.
 fn shape(count: usize, number: u32) -> Vec<Cell> {
@@ -29,7 +69,7 @@ fn shape(count: usize, number: u32) -> Vec<Cell> {
 }
 
 fn scene() -> Scene {
-    Goal::of_cells("any", Vec::new()).scene().unwrap()
+    built_in("hemisphere").unwrap()
 }
 
 /// A shape on a plate, and how it is looked at.
@@ -37,30 +77,56 @@ fn posed<T>(
     scene: &Scene,
     cells: Vec<Cell>,
     rounds: u64,
-    of: impl Fn(&Target, Hardware, &RateLaw<'_>, PlanSearch<'_>) -> T,
+    of: impl Fn(&Sites<'_>, Hardware, &RateLaw<'_>, PlanSearch<'_>) -> T,
 ) -> T {
     let plate = Plate { width: 3, depth: 3 };
     let target = Target::new(cells, plate, None, scene.free.count).unwrap();
-    let search = PlanSearch {
+    let how = PlanSearch {
         rounds,
         ..PlanSearch::default()
     };
-    of(
-        &target,
-        Hardware::of(scene),
-        &RateLaw::of(scene, &[]),
-        search,
-    )
+    let waits = RateLaw::of(scene, &[]);
+    of(&Sites::of(&target), Hardware::of(scene), &waits, how)
 }
 
+/// Compares the search that tries with the best of all schedules.
 fn gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> ScheduleGap {
-    let found = posed(scene, cells, rounds, gap);
-    found.unwrap().expect("the shape is small")
+    posed(scene, cells, rounds, |sites, hardware, waits, how| {
+        // By the chances by which the better one is chosen.
+        let samples = Samples::new(sites.len(), RUNS, how.seed ^ 0xbb);
+        let value = |found: &FoundSchedule| {
+            let job = found.job(sites, hardware, waits);
+            value(&job, &samples, &found.schedule, how.objective)
+        };
+        let mut found = heuristic(sites, hardware, waits, how).unwrap();
+        let heuristic = value(&found);
+        let is_finished = branch_and_bound(sites, hardware, waits, how, &mut found).unwrap();
+        ScheduleGap {
+            heuristic,
+            best: value(&found),
+            is_finished,
+        }
+    })
 }
 
+/// Compares a plan with the best program and the best policies.
 fn adaptive_gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> AdaptiveGap {
-    let found = posed(scene, cells, rounds, adaptive_gap);
-    found.unwrap().expect("the shape is small")
+    assert!(cells.len() <= MOST_ADAPTIVE);
+    posed(scene, cells, rounds, |sites, hardware, waits, how| {
+        let found = search(sites, hardware, waits, how).unwrap();
+        let job = found.job(sites, hardware, waits);
+        let mut heedless = ExactTimes::new(&job, false);
+        // Where a plan has narrow ways, others may as well.
+        let mut times = ExactTimes::new(&job, found.disassembly.narrow_count() == 0);
+        let planned = FixedProgram::of(&times, &found.schedule);
+        AdaptiveGap {
+            planned: times.of(&planned),
+            program: times.best_program(&found.schedule, how.seed),
+            fixed: times.best_fixed(MOST_STATES / 3usize.pow(sites.len() as u32)),
+            policy: times.best(),
+            heedless: heedless.best(),
+        }
+    })
 }
 
 #[test]

@@ -7,9 +7,9 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use super::SchedulingJob;
 use crate::free_space::{FreeSpace, WayIn};
 use crate::rate_law::{CellState, Moment};
+use crate::scheduling::SchedulingJob;
 use crate::sites::{NONE, Sites};
 
 /// Sites of a target whose best policy is looked for, at most.

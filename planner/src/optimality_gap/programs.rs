@@ -139,10 +139,9 @@ mod tests {
     use stochc_ir::Cell;
     use stochc_ir::table::Plate;
 
-    use super::super::with_job;
     use super::*;
     use crate::Target;
-    use crate::scheduling::Priorities;
+    use crate::scheduling::{Priorities, with_job};
 
     /// What is found of the job of these cells and its listed schedule.
     fn of_job<R>(
