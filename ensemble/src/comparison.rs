@@ -263,12 +263,15 @@ impl Time {
             });
         }
         let curve = KaplanMeier::of(observations)?;
-        let mean = curve.restricted_mean(curve.last().max(horizon));
+        let horizon = curve.last().max(horizon);
+        let mean = curve.restricted_mean(horizon);
+        // As where all are known: an interval of another kind would jump with the first run that is stopped.
+        let spread = Summary::of(&curve.contributions(observations, horizon));
         Some(Time {
             completed: completed.len(),
             censored,
             mean: mean.mean,
-            half_width: (completed.len() > 1).then(|| mean.half_width()),
+            half_width: (spread.filter(|_| completed.len() > 1)).and_then(|it| it.half_width),
             horizon: Some(mean.horizon),
             min: summary.map(|summary| summary.min),
             max: None,
@@ -317,5 +320,23 @@ impl ProgramTally {
                 })
                 .collect(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The last of five is stopped where it would have completed: mean and interval stay as they are.
+    #[test]
+    fn an_interval_is_of_one_kind_whether_or_not_a_run_is_stopped() {
+        let times = [310.0, 420.0, 500.0, 760.0, 980.0];
+        let all = Time::of(&times.map(Observation::completed)).unwrap();
+        let mut some = times.map(Observation::completed);
+        some[4] = Observation::censored(980.0);
+        let some = Time::of(&some).unwrap();
+        assert!((some.mean - all.mean).abs() < 1e-9);
+        let [half, known] = [some.half_width, all.half_width].map(Option::unwrap);
+        assert!((half - known).abs() < 1e-9 * known, "{half} {known}");
     }
 }

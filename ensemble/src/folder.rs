@@ -55,6 +55,8 @@ pub struct Folder {
     kept: Records,
     shortest: Option<Finished>,
     whole: u64,
+    /// Whether its journal has damaged lines that have to go before it gets more runs than it was for.
+    has_foul_lines: bool,
     damage: Vec<String>,
     further: MakeFurther,
     checkpoints: Option<Arc<Checkpoints>>,
@@ -159,6 +161,7 @@ impl Folder {
                 kept: Records::default(),
                 shortest: None,
                 whole: 0,
+                has_foul_lines: false,
                 damage: Vec::new(),
                 further: MakeFurther(Box::new(|_, _| Ok(Vec::new()))),
                 checkpoints: None,
@@ -178,15 +181,9 @@ impl Folder {
                 asked: manifest.runs,
             });
         }
-        let mut journal = journal::read(&path.join(JOURNAL), &stored, &stored.identity())?;
-        // Of a run that there was not until now, some line could say later on what can be.
+        let journal = journal::read(&path.join(JOURNAL), &stored, &stored.identity())?;
         let is_extended = resume != Resume::No && stored.runs < manifest.runs;
-        if is_extended && !journal.damage.is_empty() {
-            let damage = std::mem::take(&mut journal.damage);
-            keep_sound_lines(path, &stored)?;
-            journal = journal::read(&path.join(JOURNAL), &stored, &stored.identity())?;
-            journal.damage = damage;
-        }
+        let has_foul_lines = is_extended && !journal.damage.is_empty();
         let kept = journal.finished;
         let damage = damage(path, journal.damage);
         let (done, total) = (kept.len() as u64, manifest.total());
@@ -232,6 +229,7 @@ impl Folder {
             kept,
             shortest: journal.shortest,
             whole: journal.whole,
+            has_foul_lines,
             damage,
             further: MakeFurther(Box::new(|_, _| Ok(Vec::new()))),
             checkpoints: None,
@@ -341,6 +339,24 @@ impl Folder {
     /// The shortest of them that did not fail.
     pub(super) fn shortest(&self) -> Option<&Finished> {
         self.shortest.as_ref()
+    }
+
+    /// Leaves the damaged lines of its journal behind, where there will be more runs than it was for: of one of those some line could say what
+    /// can be. To be called when nothing is refused any more.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub(super) fn leave_foul_lines(&mut self) -> Result<(), FolderError> {
+        if std::mem::take(&mut self.has_foul_lines) {
+            // Runs that there were not until now are left out.
+            let stored =
+                survey(&self.path)?.ok_or_else(|| FolderError::absent(self.path.clone()))?;
+            keep_sound_lines(&self.path, &stored)?;
+            write_checksums(&self.path, &[])?;
+            let journal = journal::read(&self.path.join(JOURNAL), &stored, &stored.identity())?;
+            (self.kept, self.whole) = (journal.finished, journal.whole);
+        }
+        Ok(())
     }
 
     /// Opens the journal for the runs that are still to be done; once, since it begins where the
@@ -489,6 +505,11 @@ fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
     }
 }
 
+/// Whether an entry of a folder is nobody's: a lock, or the draft of a process that was killed.
+pub fn is_remnant(entry: &Path) -> bool {
+    entry.file_name().is_some_and(|name| name == LOCK) || atomic::is_partial(entry)
+}
+
 /// Reads the manifest of a folder; `None`: there is no folder, or nothing of anybody's in it.
 ///
 /// # Errors
@@ -520,7 +541,7 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
             }
             return Manifest::from_json(&json).map(Some).map_err(unreadable);
         }
-        foreign |= name != LOCK && !atomic::is_partial(&entry);
+        foreign |= !is_remnant(&entry);
     }
     match foreign {
         false => Ok(None),

@@ -264,29 +264,36 @@ pub(super) fn salvaged(
     let mut file = BufReader::new(files::open(path)?);
     let mut text = line(&JournalHeader::of(identity)).into_bytes();
     let mut next = Vec::new();
-    // Where the first line is sound, it says whose the others are; where it is not, nobody says.
+    // Where the first line is sound, it says whose the others are; where it is not, nobody says. Without checksums are those behind
+    // a first line without one alone: of another journal they have lost theirs.
     let most = most_line(manifest);
-    read_line(&mut file, most, &mut next)?;
+    let mut count = read_or_end(&mut file, most, &mut next)?;
+    let mut is_sealed = true;
     if let Ok(header) = serde_json::from_slice::<JournalHeader>(&next) {
         let first = next.strip_suffix(b"\n").unwrap_or(&next);
-        let sound = match header.journal {
-            Some(_) => checksum::check(first) == LineIntegrity::Sound,
-            None => true,
-        };
+        is_sealed = (header.journal, header.crc) != (None, None);
+        let sound = !is_sealed || checksum::check(first) == LineIntegrity::Sound;
         if sound && header.ensemble != identity {
             return Ok(None);
         }
     }
     // The first line may have lost its end, and be the first run as well.
-    loop {
+    while count > 0 {
         let whole = next.strip_suffix(b"\n").unwrap_or(&next);
-        if let Ok(finished) = run(whole, false, manifest) {
+        if let Ok(finished) = run(whole, is_sealed, manifest) {
             text.extend(line(&finished).into_bytes());
         }
         next.clear();
-        if read_line(&mut file, most, &mut next)? == 0 {
-            return Ok(Some(text));
-        }
+        count = read_or_end(&mut file, most, &mut next)?;
+    }
+    Ok(Some(text))
+}
+
+/// Reads the next line, as [`read_line`] does; at one of `most` bytes what is sound has come to an end.
+fn read_or_end(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
+    match read_line(file, most, line) {
+        Err(error) if error.kind() == io::ErrorKind::FileTooLarge => Ok(0),
+        read => read,
     }
 }
 

@@ -86,7 +86,8 @@ pub use executor::RunCancelled;
 pub use file_names::{CHECKPOINTS, MANIFEST};
 pub use finished::Finished;
 pub use folder::{
-    Contents, Folder, FolderState, Further, FurtherFiles, Resume, check_manifest, survey,
+    Contents, Folder, FolderState, Further, FurtherFiles, Resume, check_manifest, is_remnant,
+    survey,
 };
 pub use folder_error::FolderError;
 pub use journal_error::JournalError;

@@ -268,7 +268,7 @@ impl Progress {
         if let Some(finished) = finished {
             let mut totals = self.totals.lock().expect("nobody panics while counting");
             totals.count(finished);
-            totals.ticks_here += finished.record.ticks;
+            totals.ticks_here = (totals.ticks_here).saturating_add(finished.record.ticks);
             drop(totals);
             self.keep_time(finished);
         }
@@ -328,7 +328,7 @@ impl Progress {
             if let Some(pace) = totals.programs.get_mut(program) {
                 let tick = slot.tick.load(Ordering::Relaxed);
                 pace.under_way += tick;
-                ticks_here += tick;
+                ticks_here = u64::saturating_add(ticks_here, tick);
                 under_way.push((program, PhaseId(slot.phase.load(Ordering::Relaxed))));
             }
         }
@@ -347,7 +347,7 @@ impl Totals {
     fn count(&mut self, finished: &Finished) {
         let pace = &mut self.programs[finished.program];
         pace.done += 1;
-        pace.ticks += finished.record.ticks;
+        pace.ticks = pace.ticks.saturating_add(finished.record.ticks);
         pace.left = pace.left.saturating_sub(1);
         match finished.record.outcome {
             Outcome::Completed => {}

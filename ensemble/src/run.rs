@@ -126,7 +126,8 @@ pub fn run(
             let all = all.into_inner().expect("every thread has ended well");
             Ok(Results::of(manifest, all.into()))
         }
-        Destination::Folder(folder) => {
+        Destination::Folder(mut folder) => {
+            folder.leave_foul_lines()?;
             progress.keep(folder.kept())?;
             let (manifest, kept) = (folder.manifest(), folder.kept());
             let pending = PendingRuns::all(manifest, 0..manifest.total(), Some(kept));

@@ -11,7 +11,7 @@ pub fn time_left(snapshot: &Snapshot, elapsed: Duration) -> Option<Duration> {
     let programs = &snapshot.totals.programs;
     let overall = mean(
         programs.iter().map(|pace| pace.done).sum(),
-        programs.iter().map(|pace| pace.ticks).sum(),
+        (programs.iter()).fold(0, |sum, pace| pace.ticks.saturating_add(sum)),
     )?;
     let ticks: f64 = programs.iter().map(|pace| ticks_left(pace, overall)).sum();
     if snapshot.ticks_here == 0 {

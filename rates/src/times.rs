@@ -6,7 +6,7 @@ use serde::Serialize;
 pub struct Times {
     /// Its mean; `None`: there are cases in which it never ends.
     pub mean: Option<f64>,
-    /// Of the mean.
+    /// Of the mean, by the normal distribution; `None`: of fewer than two times.
     pub half_width: Option<f64>,
     /// In a tenth of all cases it is less; `None`: in fewer.
     pub p10: Option<f64>,
@@ -29,14 +29,15 @@ impl Times {
         let count = times.len() as f64;
         let mean = times.iter().sum::<f64>() / count;
         let squares: f64 = times.iter().map(|time| (time - mean).powi(2)).sum();
-        let half_width_of_mean = NORMAL * (squares / (count - 1.0).max(1.0) / count).sqrt();
+        let is_known = never == 0 && count > 1.0;
+        let half_width_of_mean = NORMAL * (squares / (count - 1.0) / count).sqrt();
         let cases = Cases {
             sorted: &times,
             never,
         };
         Some(Times {
             mean: (never == 0).then_some(mean),
-            half_width: (never == 0).then_some(half_width_of_mean),
+            half_width: is_known.then_some(half_width_of_mean),
             p10: Some(cases.quantile(0.1)?),
             p10_half_width: cases.half_width(0.1),
             median: cases.quantile(0.5),

@@ -1,6 +1,6 @@
 //! When a program will be complete, by rates.
 use serde::Serialize;
-use stochc_ensemble::statistics::Observation;
+use stochc_ensemble::statistics::{Observation, Summary};
 use stochc_ensemble::{EnsembleProgram, completion_time, phase_time};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::rates::{Interaction, Times};
@@ -113,25 +113,34 @@ fn times(seen: &[Observation]) -> Option<Times> {
     let longest = times.iter().copied().fold(0.0, f64::max);
     let is_slower = |it: &Observation| it.is_completed() || it.at_risk_until() >= longest;
     let never = seen.len() - times.len();
-    (seen.iter().all(is_slower)).then(|| Times::of(times, never))?
+    if !seen.iter().all(is_slower) {
+        return None;
+    }
+    // Student's interval, as that of a table of the same runs.
+    let half_width = Summary::of(&times).and_then(|summary| summary.half_width);
+    let times = Times::of(times, never)?;
+    Some(Times {
+        half_width: half_width.filter(|_| times.mean.is_some()),
+        ..times
+    })
 }
 
 /// Who was waited for along the critical paths.
 fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
     let events = Events::of(program);
-    let mut ticks = vec![0_u64; events.events.len()];
+    let mut ticks = vec![0.0; events.events.len()];
     for record in records {
         for segment in critical_path(&events, record, &moments(&events, record)) {
             if let Some(event) = segment.event() {
-                ticks[event] += segment.ticks();
+                ticks[event] += segment.ticks() as f64;
             }
         }
     }
-    let all: u64 = records.iter().map(|record| record.ticks).sum();
-    let mut shares: Vec<(u64, Share)> = (events.events.iter().zip(ticks))
-        .filter(|(_, ticks)| *ticks > 0)
+    let all: f64 = records.iter().map(|record| record.ticks as f64).sum();
+    let mut shares: Vec<(f64, Share)> = (events.events.iter().zip(ticks))
+        .filter(|(_, ticks)| *ticks > 0.0)
         .map(|(event, ticks)| {
-            let share = ticks as f64 / all.max(1) as f64;
+            let share = ticks / all.max(1.0);
             let phase = program.phases()[event.phase.0 as usize].name.clone();
             let event = event.text(program);
             (
@@ -144,6 +153,6 @@ fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
             )
         })
         .collect();
-    shares.sort_by_key(|(ticks, _)| std::cmp::Reverse(*ticks));
+    shares.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     shares.into_iter().map(|(_, share)| share).collect()
 }

@@ -45,13 +45,11 @@ pub fn make_until(
         let comparison = compared(&manifest, &made.results.finished)?;
         let programs = comparison.programs.iter();
         let programs = programs.map(|it| (it.completed, relative(it)));
-        let Some(more) = wanted(programs, manifest.runs, within) else {
+        let more = wanted(programs, manifest.runs, within);
+        let Some(more) = more.filter(|_| manifest.runs < most) else {
+            warn_of_unknown(&comparison, [manifest.runs, most], within, host);
             return Ok((manifest, made));
         };
-        if manifest.runs == most {
-            warn_of_unknown(&comparison, most, within, host);
-            return Ok((manifest, made));
-        }
         manifest.runs = more.min(most);
         // What it has begun itself it may go on with; of somebody else's runs it has to be told.
         if stage.resume == Resume::No && there.is_none() {
@@ -98,7 +96,8 @@ fn wanted(programs: impl Iterator<Item = (u64, f64)>, runs: u64, within: f64) ->
     Some((needed.min(most as f64).ceil() as u64).max(least))
 }
 
-fn warn_of_unknown(comparison: &Comparison, most: u64, within: f64, host: &dyn Host) {
+/// Tells which means are not known well enough after so many runs, if there may be so many.
+fn warn_of_unknown(comparison: &Comparison, [runs, most]: [u64; 2], within: f64, host: &dyn Host) {
     let unknown = comparison
         .programs
         .iter()
@@ -106,11 +105,18 @@ fn warn_of_unknown(comparison: &Comparison, most: u64, within: f64, host: &dyn H
     let unknown: Vec<String> = unknown
         .map(|it| match relative(it) {
             half if half.is_finite() => format!("{} (± {})", visible(&it.name), percent(half)),
-            _ => visible(&it.name),
+            _ => format!("{} ({} completed)", visible(&it.name), it.completed),
         })
         .collect();
+    if unknown.is_empty() {
+        return;
+    }
+    let runs = match runs == most {
+        true => format!("with {runs} runs, the most there may be (`--runs`)"),
+        false => format!("with {runs} runs, of which more are not waited for"),
+    };
     host.warn(&format!(
-        "with {most} runs, the most there may be (`--runs`), not every mean is known to within {}: {}\n",
+        "{runs}, not every mean is known to within {}: {}\n",
         percent(within),
         listed(&unknown, unknown.len())
     ));

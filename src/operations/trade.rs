@@ -4,9 +4,9 @@ use std::path::Path;
 use stochc_compiler::cost::estimate;
 use stochc_ensemble::trade::{
     EstimatedSamples, MEASUREMENT_JOURNAL, MeasurementJournal, MeasurementProgress, Setup, Trade,
-    measure,
+    has_entries, measure,
 };
-use stochc_ensemble::{EnsembleProgram, FolderError, JournalError};
+use stochc_ensemble::{EnsembleProgram, FolderError, JournalError, is_remnant};
 use stochc_files::atomic::{self, Replaces};
 use stochc_report::figures::{Figures, trade as trade_figure};
 use stochc_runtime::world::SceneError;
@@ -114,8 +114,14 @@ pub fn claim(out: &Path, resume: bool) -> Result<(), String> {
     }
     atomic::make_folder(out).map_err(io)?;
     let is_ours = out.join(MEASUREMENT_JOURNAL).is_file();
-    let mut entries = std::fs::read_dir(out).map_err(io)?;
-    match entries.next() {
+    let has_entries = has_entries(out).map_err(io)?;
+    let mut entries = stochc_files::disk::list(out).map_err(io)?;
+    // What is left of a trade that has measured nothing is in nobody's way.
+    entries.retain(|entry| {
+        let is_journal = (entry.file_name()).is_some_and(|name| name == MEASUREMENT_JOURNAL);
+        !is_remnant(entry) && (has_entries || !is_journal)
+    });
+    match entries.first() {
         None => Ok(()),
         Some(_) if is_ours && resume => Ok(()),
         Some(_) if is_ours => Err(format!(

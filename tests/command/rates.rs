@@ -325,3 +325,19 @@ fn nothing_is_recorded_of_blocks_that_have_no_places() {
     assert_ne!(tank.status, 0);
     assert!(tank.err.contains("suction"), "{}", tank.err);
 }
+
+/// Of the same few runs both commands tell the same mean and the same interval.
+#[test]
+fn an_estimate_by_runs_is_as_sure_as_an_ensemble() {
+    let line = "--runs 5 --seed 3 --quiet --format json";
+    let runs = stochc(&format!("simulate examples/line.sa --model rate {line}")).json();
+    let estimate = stochc(&format!("estimate examples/line.sa {line}")).json();
+    let (time, total) = (&runs["programs"][0]["time"], &estimate[0]["total"]);
+    for figure in ["mean", "half_width"] {
+        let [known, found] = [time, total].map(|of| of[figure].as_f64().unwrap());
+        assert!(
+            (found / known - 1.0).abs() < 1e-9,
+            "{figure}: {found} {known}"
+        );
+    }
+}

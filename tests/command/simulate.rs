@@ -247,6 +247,16 @@ fn runs_are_made_until_means_are_known() {
         few.err
     );
     assert_eq!(few.json()["programs"][0]["runs"], 40);
+    // Nobody waits for what never completes, but it is told.
+    let never = path(folder.path(), "never.sa");
+    let program = "assembly never { seed plate 3 x 3 { M at (1, 1) } phase grow timeout 5 ticks { M.up -> A } }";
+    std::fs::write(&never, program).unwrap();
+    let out = path(folder.path(), "endless");
+    let endless = ["--model", "rate", "--until", "5%", "--quiet", "--out", &out];
+    let said = stochc_with("simulate", &[&[never.as_str()], &endless[..]].concat());
+    assert_eq!(said.status, 3);
+    let told = "not every mean is known to within 5 %: never (0 completed)";
+    assert!(said.err.contains(told), "{}", said.err);
     assert_eq!(
         stochc_with(line, &["--until", "3%"]).status,
         2,

@@ -494,3 +494,27 @@ fn a_reduced_model_is_told_of() {
         told.err
     );
 }
+
+/// A trade that was refused or killed before its first run leaves nothing that is in the way.
+#[test]
+fn what_is_left_of_a_trade_without_runs_is_in_nobodys_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, program) = (path(folder.path(), "out"), path(folder.path(), "dense.sa"));
+    let dense = fs::read_to_string("tests/fixtures/dense.sa").unwrap();
+    let stiff = dense.replace("wall 25 N/m", "wall 25000 N/m");
+    assert_ne!(stiff, dense);
+    fs::write(&program, stiff).unwrap();
+    let command = [
+        "trade", &program, "--runs", "2", "--finest", "2", "--quiet", "--out", &out,
+    ];
+    let [trade, more @ ..] = command;
+    let refused = stochc_with(trade, &more);
+    assert_eq!(refused.status, 1);
+    assert!(refused.err.contains("too stiff"), "{}", refused.err);
+    fs::write(&program, dense).unwrap();
+    fs::write(format!("{out}/.lock"), "").unwrap();
+    let said = stochc_with(trade, &more);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    // Now there is something.
+    assert_eq!(stochc_with(trade, &more).status, 2);
+}

@@ -256,3 +256,72 @@ fn a_line_that_is_left_out_stays_out_where_more_runs_are_made() {
     let aside = folder.path().join("damaged/journal.jsonl");
     assert_eq!(fs::read_to_string(aside).unwrap(), with_it);
 }
+
+/// What has lost its checksum with its content is damaged, whatever it says now.
+#[test]
+fn a_line_without_its_checksum_is_not_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(4), 1);
+    let tables = bytes(folder.path());
+    let path = folder.path().join("journal.jsonl");
+    let journal = fs::read_to_string(&path).unwrap();
+    let line = journal.lines().nth(2).unwrap();
+    let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
+    let other = object.replacen("\"hops\":", "\"hops\":7", 1) + "}";
+    assert_ne!(other.len(), object.len() + 1);
+    put(&path, journal.replace(line, &other));
+    assert_eq!(damaged(folder.path()), ["journal.jsonl"]);
+    repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
+    assert_eq!(Folder::read(folder.path()).unwrap().finished.len(), 7);
+    complete(folder.path(), &manifest(4), 1);
+    assert!(bytes(folder.path()) == tables);
+}
+
+/// Behind a line that is longer than any run nobody looks for others; those before it are saved.
+#[test]
+fn what_is_before_endless_rubbish_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(4), 1);
+    let path = folder.path().join("journal.jsonl");
+    let journal = fs::read_to_string(&path).unwrap();
+    let rubbish = "x".repeat(70 << 20);
+    for (whole, left) in [(3, 2), (9, 8)] {
+        let before: String = journal.split_inclusive('\n').take(whole).collect();
+        put(
+            &path,
+            format!("{before}{rubbish}\n{}", &journal[before.len()..]),
+        );
+        assert_eq!(damaged(folder.path()), ["journal.jsonl"]);
+        assert!(Folder::read(folder.path()).is_err());
+        repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
+        assert_eq!(Folder::read(folder.path()).unwrap().finished.len(), left);
+        assert!(damaged(folder.path()).is_empty());
+    }
+}
+
+/// Who is refused more runs finds the folder as it was, damage included.
+#[test]
+fn a_refused_extension_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(4), 1);
+    fs::remove_file(folder.path().join("checksums.json")).unwrap();
+    let mut other = manifest(4);
+    other.builds = vec!["0123456789abcdef".to_owned()];
+    put(&folder.path().join("manifest.json"), other.to_json());
+    let path = folder.path().join("journal.jsonl");
+    let spoilt = fs::read_to_string(&path)
+        .unwrap()
+        .replacen("\"ticks\":", "\"tocks\":", 1);
+    put(&path, &spoilt);
+    let error = Folder::open(folder.path(), &manifest(6), true).unwrap_err();
+    assert!(matches!(error, FolderError::OtherBuild { .. }), "{error}");
+    // Nor is it changed before the first run.
+    let resumed = Folder::open(
+        folder.path(),
+        &manifest(6),
+        stochc::ensemble::Resume::MixedBuilds,
+    );
+    assert_eq!(resumed.unwrap().damage().len(), 1);
+    assert_eq!(fs::read_to_string(&path).unwrap(), spoilt);
+    assert!(!folder.path().join("damaged").exists());
+}

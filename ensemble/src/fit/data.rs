@@ -1,5 +1,5 @@
 //! Measured times, from a table of comma-separated values.
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use stochc_files::csv::original;
 
 use crate::statistics::Summary;
@@ -76,6 +76,7 @@ impl Observed {
             _ => return Err(DataError::Columns(format!("`{}`", columns.join(",")))),
         };
         let mut order: Vec<String> = Vec::new();
+        let mut known: HashSet<String> = HashSet::new();
         let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
         let mut observed = Vec::new();
         for record in reader.records() {
@@ -90,7 +91,7 @@ impl Observed {
                     .ok_or_else(|| wrong(format!("`{text}` is no number above 0, and up to 1e15")))
             };
             let program = original(record.get(0).unwrap_or_default()).to_owned();
-            let is_new = !order.contains(&program);
+            let is_new = known.insert(program.clone());
             if is_summed_up {
                 if !is_new {
                     return Err(wrong(format!("`{program}` has a row already")));

@@ -59,13 +59,6 @@ pub struct RestrictedMean {
     pub horizon: f64,
 }
 
-impl RestrictedMean {
-    /// Half the width of the 95 % confidence interval of the mean, 1.96 standard errors.
-    pub fn half_width(&self) -> f64 {
-        normal_quantile() * self.error
-    }
-}
-
 impl KaplanMeier {
     /// Estimates from observations in any order; `None`: there are none.
     pub fn of(observations: &[Observation]) -> Option<KaplanMeier> {

@@ -1,10 +1,12 @@
 //! What a measurement has found, run by run, in a file that outlives a kill.
 use std::collections::BTreeMap;
+use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
+use stochc_files as files;
 use stochc_files::checksum::{self, LineIntegrity};
 use stochc_files::{File, budget};
 use stochc_ir::sha256;
@@ -14,7 +16,7 @@ use super::plan::Job;
 use super::sample::Measured;
 use crate::JournalError;
 use crate::folder::lock;
-use crate::journal::{Journal, JournalHeader, read_lines};
+use crate::journal::{Journal, JournalHeader, JournalLine, read_lines};
 use crate::{EnsembleProgram, FolderError, this_build};
 
 /// Its name in the folder of a trade.
@@ -62,7 +64,7 @@ impl MeasurementJournal {
         let programs: Vec<_> = programs.iter().map(|it| (&it.name, it.hash())).collect();
         let header = JournalHeader::of(&sha256(&("trade", this_build(), seed, programs)));
         let (mut known, mut elapsed) = (BTreeMap::new(), Duration::ZERO);
-        let (whole, _) = read_lines(&path, &header, budget::record(most), |line| {
+        let mut note = |line: JournalLine| {
             // A damaged line costs its run, which is measured again.
             if checksum::check(line.text) == LineIntegrity::Sound
                 && let Ok(entry) = serde_json::from_slice::<Entry>(line.text)
@@ -75,7 +77,12 @@ impl MeasurementJournal {
                     *longest = entry.run;
                 }
             }
-        })?;
+        };
+        // Whoever it was of has measured nothing.
+        let whole = match has_entries(folder).map_err(JournalError::Io)? {
+            true => read_lines(&path, &header, budget::record(most), &mut note)?.0,
+            false => 0,
+        };
         Ok(MeasurementJournal {
             known,
             elapsed,
@@ -133,6 +140,20 @@ impl MeasurementJournal {
         let closed = self.journal.close();
         broken.map_or(closed, Err)
     }
+}
+
+/// Whether anything was measured by whoever made the journal of a folder, if there is one.
+///
+/// # Errors
+/// Those of the file system.
+pub fn has_entries(folder: &Path) -> io::Result<bool> {
+    let mut file = match files::open(&folder.join(MEASUREMENT_JOURNAL)) {
+        Ok(file) => BufReader::new(file),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+        Err(error) => return Err(error),
+    };
+    file.skip_until(b'\n')?;
+    Ok(!file.fill_buf()?.is_empty())
 }
 
 /// What a run depends on but the limit of ticks, which only says how far it is seen.

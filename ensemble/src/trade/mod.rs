@@ -21,7 +21,7 @@ pub use candidates::{FINEST, base};
 pub use convergence::{CLOSE, Convergence, Doubling};
 pub use estimate::EstimatedSamples;
 pub use measure::{MeasurementProgress, Setup, measure};
-pub use measurement_journal::{MEASUREMENT_JOURNAL, MeasurementJournal};
+pub use measurement_journal::{MEASUREMENT_JOURNAL, MeasurementJournal, has_entries};
 pub use plan::{CandidateOutcome, Extent};
 pub use ranking::{Ranked, Verdict};
 pub use result::{

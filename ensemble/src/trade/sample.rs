@@ -132,9 +132,9 @@ impl Sample {
 
     /// The processor time of a tick \[s\], over all runs.
     pub fn cost_of_tick(&self) -> Option<f64> {
-        let ticks: u64 = self.runs.iter().map(|run| run.ticks).sum();
+        let ticks: f64 = self.runs.iter().map(|run| run.ticks as f64).sum();
         let cpu: f64 = self.runs.iter().map(|run| run.cpu).sum();
-        (ticks > 0).then(|| cpu / ticks as f64)
+        (ticks > 0.0).then(|| cpu / ticks)
     }
 }
 

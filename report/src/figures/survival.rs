@@ -21,8 +21,8 @@ pub(crate) fn incomplete() -> PlotAxis {
     PlotAxis::new("runs not complete yet", "%")
 }
 
-/// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many still go on at the
-/// ticks of the axis. `axis` is that of the times, and `of` that of the shares.
+/// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many are at risk at the
+/// ticks of the axis, as the estimate counts them. `axis` is that of the times, and `of` that of the shares.
 pub(crate) fn survival(
     medium: Medium,
     name: &str,
@@ -120,8 +120,9 @@ pub(crate) fn survival(
         foot += ROW - LINE;
         out.text("dim", (EDGE, foot), RISK);
         for tick in out.ticks_across(&x) {
-            let going = curve.times.iter().filter(|time| time.time >= tick).count();
-            out.text_around("dim", (x.at(tick), foot), &going.to_string());
+            let at_risk = |time: &&Observation| time.at_risk_until() >= tick;
+            let at_risk = curve.times.iter().filter(at_risk).count();
+            out.text_around("dim", (x.at(tick), foot), &at_risk.to_string());
         }
         foot += ROW + 2.0;
     }

@@ -14,7 +14,8 @@ impl Scale {
         let values = if values.1 > values.0 {
             values
         } else {
-            (values.0, values.0 + 1.0)
+            // So far that it is another number.
+            (values.0, values.0 + values.0.abs().max(1.0))
         };
         Scale {
             values,
@@ -104,5 +105,7 @@ mod tests {
         assert!((3..=10).contains(&scale.ticks(5).len()));
         // No room at all is no reason for an endless axis.
         assert!(Scale::linear((3.0, 3.0), (0.0, 1.0)).ticks(4).len() < 9);
+        // One more is the same number here.
+        assert_eq!(Scale::linear((1e17, 1e17), (0.0, 1.0)).at(1e17), 0.0);
     }
 }

@@ -335,10 +335,13 @@ fn not_known(what: &'static str) -> SceneError {
     }
 }
 
-/// The first tick at or after a time that is not negative, or one beyond all.
+/// The first tick at or after a time that is not negative; `u64::MAX`, which is never, where a tick more or less cannot be told.
 fn boundary(time: f64) -> u64 {
-    let whole = time.min(9e15) as i64;
-    whole as u64 + u64::from((whole as f64) < time.min(9e15))
+    if time >= 9e15 {
+        return u64::MAX;
+    }
+    let whole = time as u64;
+    whole + u64::from((whole as f64) < time)
 }
 
 /// A draw from the exponential distribution of mean 1.
@@ -405,5 +408,17 @@ impl World for RateWorld<'_> {
             self.capture(scheduled, dockings);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::boundary;
+
+    #[test]
+    fn captures_come_at_the_next_tick_or_never() {
+        assert_eq!([0.0, 0.2, 3.0, 3.5].map(boundary), [0, 1, 3, 4]);
+        assert_eq!(boundary(8.9e15), 8_900_000_000_000_000);
+        assert_eq!([1e16, 1e300, f64::INFINITY].map(boundary), [u64::MAX; 3]);
     }
 }
