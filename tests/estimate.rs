@@ -74,7 +74,10 @@ fn blocks_that_are_let_go_have_their_head_start() {
 fn messages_take_their_time() {
     agree(&["tests/fixtures/messages/apart.sa"], Interaction::Apart);
     agree(
-        &["tests/fixtures/messages/releases.sa"],
+        &[
+            "tests/fixtures/messages/releases.sa",
+            "tests/fixtures/messages/lossy.sa",
+        ],
         Interaction::Releases,
     );
 }

@@ -270,8 +270,12 @@ fn messages_take_time_by_hops() {
             (off / 10000.0 - hops).abs() < 0.05,
             "{body}: {off}, not {hops}"
         );
-        // Half of all hops are made again, after 2 h + 1 ticks: once on average.
-        let lost = mean("messages { hop 10000 ticks loss 50% }", body) - none;
-        assert!((lost / 30001.0 - hops).abs() < 0.05, "{body}: {lost}");
+        // Half of all hops are made again, after 2 h + 1 ticks: once on average, with a standard deviation of 0.94 of such a
+        // hop. Where branches end beside each other, the later report counts (`tests/estimate.rs` has runs of such programs).
+        let lost = (mean("messages { hop 10000 ticks loss 50% }", body) - none) / 30001.0;
+        let chance = 4.0 * 0.94 * (hops / 4000_f64).sqrt();
+        let is_alone = [tower, gone].contains(&body);
+        assert!(lost > hops - chance, "{body}: {lost}");
+        assert!(!is_alone || lost < hops + chance, "{body}: {lost}");
     }
 }

@@ -217,9 +217,14 @@ impl Target {
     /// The fewest cells with which a part hangs together with the rest or with a seed; `None`: too many to look for.
     fn bridge(&self, part: &[Cell], held: &FxHashSet<Cell>) -> Option<Vec<Cell>> {
         const FARTHEST: usize = 200_000;
-        let mut from: FxHashMap<Cell, Cell> = part.iter().map(|&cell| (cell, cell)).collect();
-        let mut open: VecDeque<Cell> = part.iter().copied().collect();
-        while let Some(at) = open.pop_front() {
+        let mut from: FxHashMap<Cell, (Cell, usize)> =
+            part.iter().map(|&cell| (cell, (cell, 0))).collect();
+        let mut open: VecDeque<(Cell, usize)> = part.iter().map(|&cell| (cell, 0)).collect();
+        while let Some((at, more)) = open.pop_front() {
+            if from[&at].1 < more {
+                // Another way to it takes fewer.
+                continue;
+            }
             let touches = |next: Cell| held.contains(&next) && !self.is_inert(next);
             let is_there = self.is_on_seed(at)
                 || Face::ALL
@@ -229,10 +234,12 @@ impl Target {
             if is_there {
                 let mut bridge = Vec::new();
                 let mut here = at;
-                while from[&here] != here {
+                while from[&here].0 != here {
                     bridge.push(here);
-                    here = from[&here];
+                    here = from[&here].0;
                 }
+                // Another part that it leads through is there in any case.
+                bridge.retain(|cell| self.cells.binary_search(cell).is_err());
                 bridge.sort_unstable();
                 return Some(bridge);
             }
@@ -241,9 +248,15 @@ impl Target {
             }
             for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
                 // What stands and can hold nothing is no bridge.
-                if next.z >= 1 && !from.contains_key(&next) && !self.is_inert(next) {
-                    from.insert(next, at);
-                    open.push_back(next);
+                let is_part = self.cells.binary_search(&next).is_ok();
+                let more = more + usize::from(!is_part);
+                let is_shorter = from.get(&next).is_none_or(|known| more < known.1);
+                if next.z >= 1 && is_shorter && !self.is_inert(next) {
+                    from.insert(next, (at, more));
+                    match is_part {
+                        true => open.push_front((next, more)),
+                        false => open.push_back((next, more)),
+                    }
                 }
             }
         }

@@ -96,7 +96,9 @@ impl fmt::Display for TargetError {
             }
             TargetError::TooFewBlocks { needed, free } => write!(
                 f,
-                "the target has {needed} cells, and the scene {free} free blocks"
+                "the target has {}, and the scene {}",
+                cells(*needed),
+                counted(*free as usize, "free block")
             ),
             TargetError::Sealed(sealed) => write!(
                 f,
@@ -120,16 +122,19 @@ impl TargetError {
                 Some("layer 1 rests on the plate: move the target up".to_owned())
             }
             TargetError::Loose(parts) => {
-                let bridge = parts.first()?.bridge.as_ref()?;
-                Some(match bridge.len() {
-                    0 => return None,
-                    _ => format!(
-                        "with {} more, {}, the first part would be held; or let a block of the plate \
-                         under it capture",
-                        cells(bridge.len()),
-                        listed_cells(bridge)
-                    ),
-                })
+                let part = parts.first()?;
+                let bridge = part.bridge.as_ref().filter(|bridge| !bridge.is_empty())?;
+                // The plate holds nothing but what rests on it.
+                let rests = part.cells.iter().any(|cell| cell.z == 1);
+                Some(format!(
+                    "with {} more, {}, the first part would be held{}",
+                    cells(bridge.len()),
+                    listed_cells(bridge),
+                    match rests {
+                        true => "; or let a block of the plate under it capture",
+                        false => "",
+                    }
+                ))
             }
             TargetError::TooFewBlocks { needed, .. } => Some(format!(
                 "plan a smaller target, or in a scene with `free {needed} uniform` or more"

@@ -37,10 +37,12 @@ pub fn magica_voxel(bytes: &[u8]) -> Result<Vec<Cell>, UnreadableVoxels> {
         left = rest;
     }
     let [model] = models[..] else {
-        return Err(unreadable(format!(
-            "it holds {} models, and one is needed: join them into one in the editor",
-            models.len()
-        )));
+        return Err(match models.len() {
+            0 => unreadable("it holds no model"),
+            several => unreadable(format!(
+                "it holds {several} models, and one is needed: join them into one in the editor"
+            )),
+        });
     };
     let (count, voxels) = number(model)?;
     let voxels = (count as usize)

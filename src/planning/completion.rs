@@ -370,7 +370,7 @@ fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
         if lines == 0 {
             break;
         }
-        if let Some(doc) = line.find("///") {
+        if let Some(doc) = comment(line).filter(|&doc| is_doc(&line[doc..])) {
             (start, lines) = (at + doc, lines - 1);
         }
     }
@@ -380,8 +380,24 @@ fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
 /// The place behind one, or behind the comment with which its line ends.
 fn behind(text: &str, at: usize) -> usize {
     let line = text[at..].split('\n').next().unwrap_or_default();
-    match line.trim_start().starts_with("//") {
+    let rest = line.trim_start();
+    // A comment with three strokes belongs to what comes behind it.
+    match rest.starts_with("//") && !is_doc(rest) {
         true => at + line.len(),
         false => at,
     }
+}
+
+/// Where in a line a comment begins.
+fn comment(line: &str) -> Option<usize> {
+    let mut is_quoted = false;
+    line.char_indices().find_map(|(at, sign)| {
+        is_quoted ^= sign == '"';
+        (!is_quoted && line[at..].starts_with("//")).then_some(at)
+    })
+}
+
+/// Whether a comment is one that belongs to a statement.
+fn is_doc(comment: &str) -> bool {
+    comment.starts_with("///") && !comment.starts_with("////")
 }

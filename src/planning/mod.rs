@@ -3,6 +3,7 @@ mod completion;
 mod repair;
 mod scenes;
 
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use stochc_compiler::cost::{self, Cost};
@@ -83,20 +84,21 @@ const MOST_COMPARED: usize = 1000;
 const MANY: usize = 100;
 
 /// The only warnings that a planned program may have, each with the reason why.
-const ALLOWED: [(Code, &str); 3] = [
-    (
-        Code::TightApproach,
-        "no order was found in which every block has a way in two cells wide",
-    ),
-    (
-        Code::UnplannedBond,
-        "where every face attracts, none can be kept from it",
-    ),
-    (
-        Code::ReachUndecided,
-        "the planner has found a way in for every block",
-    ),
-];
+fn allowed(code: Code, hardware: Hardware) -> Option<&'static str> {
+    match code {
+        Code::TightApproach => {
+            Some("no order was found in which every block has a way in two cells wide")
+        }
+        Code::ReachUndecided => Some("the planner has found a way in for every block"),
+        Code::TooManyBlocks => Some("the scene is as it was given"),
+        Code::UnplannedBond | Code::CrowdedCaptures | Code::BlockedRelease
+            if hardware.attracts_always =>
+        {
+            Some("where every face attracts, none can be kept from it")
+        }
+        _ => None,
+    }
+}
 
 impl Goal {
     /// Cells under a name, which has to be one of the language.
@@ -201,7 +203,10 @@ impl Goal {
         let mut diagnostics: Vec<Diagnostic> = Vec::new();
         let cells = shape_cells(shape, *file, &mut diagnostics);
         let cells = cells.ok_or_else(|| match diagnostics.first() {
-            Some(diagnostic) => diagnostic.message(),
+            Some(diagnostic) => match diagnostic.labels.first() {
+                Some(label) => format!("{}: {}", diagnostic.message(), label.text),
+                None => diagnostic.message(),
+            },
             None => "the shape cannot be read as cells".to_owned(),
         })?;
         let symbols = &checked.symbols;
@@ -315,9 +320,9 @@ impl Goal {
         let target = target.map_err(Unplanned::Refused)?;
         let law = RateLaw::of(&scene, rates);
         let found = plan(&target, hardware, &law, search).map_err(Unplanned::Refused)?;
-        let mut best = self.accepted(&target, found.plain, &law)?;
+        let mut best = self.accepted(&target, found.plain, hardware, &law)?;
         if let Some(scaffolded) = found.scaffolded
-            && let Ok(other) = self.accepted(&target, scaffolded, &law)
+            && let Ok(other) = self.accepted(&target, scaffolded, hardware, &law)
         {
             let value = |planned: &Planned| planned.plan.estimate.of(search.objective);
             let has_narrow = |planned: &Planned| planned.text.contains(Code::TightApproach.name());
@@ -399,26 +404,31 @@ impl Goal {
         &self,
         target: &Target,
         mut plan: BuildPlan,
+        hardware: Hardware,
         law: &RateLaw<'_>,
     ) -> Result<Planned, Unplanned> {
         let found = self.check(target, &plan, &[]);
-        let is_found = |code: Code| found.diagnostics.iter().any(|it| it.code == code);
-        let mut allowed: Vec<(&str, String)> = Vec::new();
-        for (code, reason) in ALLOWED.into_iter().filter(|&(code, _)| is_found(code)) {
-            allowed.push((code.name(), reason.to_owned()));
-        }
-        let is_allowed = |it: &Diagnostic| ALLOWED.iter().any(|&(code, _)| code == it.code);
+        let codes: BTreeSet<Code> = found.diagnostics.iter().map(|it| it.code).collect();
+        let reasons = codes.into_iter().filter_map(|code| {
+            let reason = allowed(code, hardware)?;
+            Some((code.name(), reason.to_owned()))
+        });
+        let allowed_here: Vec<(&str, String)> = reasons.collect();
+        let is_allowed = |it: &Diagnostic| allowed(it.code, hardware).is_some();
         // Where there are many findings, others may not have been told of.
         let is_accepted = found.diagnostics.iter().all(is_allowed)
             && (found.diagnostics.len() < MANY
-                || self.check(target, &plan, &allowed).diagnostics.is_empty());
+                || self
+                    .check(target, &plan, &allowed_here)
+                    .diagnostics
+                    .is_empty());
         if !is_accepted {
             // Told of the program as it would be shown.
-            let found = check_text(NAME, &self.text(target, &plan, &allowed));
+            let found = check_text(NAME, &self.text(target, &plan, &allowed_here));
             return Err(Unplanned::Wrong(Box::new(found)));
         }
         plan.estimate = estimated(&found, law, plan.estimate);
-        let text = self.text(target, &plan, &allowed);
+        let text = self.text(target, &plan, &allowed_here);
         Ok(self.planned(plan, text))
     }
 

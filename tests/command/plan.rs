@@ -489,3 +489,79 @@ fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
     // In the program and in what explains it.
     assert_eq!(planned("hemisphere_soft"), 2);
 }
+
+/// Whatever `check` warns of in a scene or where every face attracts, there is a program, or it is refused.
+#[test]
+fn a_warning_is_no_reason_for_no_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let cube = "layer 1..2 { # #\n # # }";
+    for (name, scene, shape) in [
+        (
+            "reject",
+            "scene own from magnet_tank { free 20 uniform  enclosure hemisphere { radius 1 m  wall 200 N/m } }",
+            cube,
+        ),
+        (
+            "dense",
+            "scene own from hemisphere { free 30000 uniform }",
+            "layer 1..2 { # }",
+        ),
+    ] {
+        let file = path(folder.path(), &format!("{name}.sa"));
+        let out = path(folder.path(), &format!("{name}_planned.sa"));
+        fs::write(&file, format!("{scene}\nshape goal {{ {shape} }}\n")).unwrap();
+        let said = stochc_with(
+            "plan --scene own --budget 5 --quiet",
+            &[&file, "--out", &out],
+        );
+        assert_eq!(said.status, 0, "{name}: {}", said.err);
+        let checked = stochc_with("check --deny warnings", &[&out]);
+        assert_eq!(checked.status, 0, "{name}: {}", checked.err);
+    }
+}
+
+/// What is completed may have other claims that are still to be made true, and comments of all kinds.
+#[test]
+fn a_completed_program_keeps_its_other_claims_and_its_comments() {
+    let folder = tempfile::tempdir().unwrap();
+    let (part, whole) = (
+        path(folder.path(), "part.sa"),
+        path(folder.path(), "whole.sa"),
+    );
+    let text = "\
+shape low { layer 1 { # # } }
+shape high { layer 1..2 { # # } }
+assembly x {
+    seed plate 2 x 1 { M at (0, 0)   N at (1, 0) }
+    phase a {
+        M.up -> A
+        /// What is low.
+        // not /// that
+        yields low
+    } /// What is high.
+    phase b { yields high }
+}
+";
+    fs::write(&part, text).unwrap();
+    let said = stochc_with(
+        "plan --complete --quiet --budget 5",
+        &[&part, "--out", &whole],
+    );
+    assert_eq!(said.status, 0, "{}", said.err);
+    let written = fs::read_to_string(&whole).unwrap();
+    for kept in [
+        "// not /// that",
+        "/// What is low.",
+        "/// What is high.\n    phase b {",
+    ] {
+        assert!(written.contains(kept), "{kept}: {written}");
+    }
+    let all = path(folder.path(), "all.sa");
+    let said = stochc_with(
+        "plan --complete --quiet --budget 5",
+        &[&whole, "--out", &all],
+    );
+    assert_eq!(said.status, 0, "{}", said.err);
+    let checked = stochc_with("check", &[&all]);
+    assert_eq!(checked.status, 0, "{}", checked.err);
+}

@@ -26,9 +26,27 @@ fn parts_in_the_air_are_refused_with_a_bridge() {
     assert_eq!(
         text,
         "1 cell of the target: (2, 0, 3), hangs together with no block of the plate that may capture; \
-         with 1 cell more, (1, 0, 3), the first part would be held; or let a block of the plate under it \
-         capture"
+         with 1 cell more, (1, 0, 3), the first part would be held"
     );
+}
+
+/// Of a target on a plate of so many blocks, of which one may capture.
+fn on_plate(text: &str, width: u32, seed: (i32, i32)) -> Goal {
+    let mut goal = drawn(text);
+    goal.plate = Some(Plate { width, depth: 1 });
+    goal.seeds = Some(vec![seed]);
+    goal
+}
+
+/// What is a part of the target is there in any case, and the plate helps what rests on it.
+#[test]
+fn a_bridge_leads_through_other_parts() {
+    let (_, text) = error(&on_plate("# . # . #", 5, (4, 0)));
+    let help = "with 2 cells more, (1, 0, 1) and (3, 0, 1), the first part would be held; or let a block of the plate under it capture";
+    assert!(text.ends_with(help), "{text}");
+    // Three cells through the other part, or five past it.
+    let (_, text) = error(&on_plate("# . . # .\n# # . # #\n# . . . .", 6, (5, 0)));
+    assert!(text.contains("with 3 cells more, "), "{text}");
 }
 
 /// The room itself is built; what floats in it is held by nothing.

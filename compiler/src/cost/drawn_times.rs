@@ -42,17 +42,17 @@ impl DrawnTimes {
     }
 
     /// When a step can begin, of a phase that began at a time, as all that it waits for has happened.
-    pub fn begin(&mut self, step: &Step, began: f64) -> f64 {
+    pub fn begin(&mut self, step: &Step, began: f64, rng: &mut ChaCha8Rng) -> f64 {
         let messages = step.messages.as_deref();
         let mut start = (began, NOBODY);
         for (i, &event) in step.before.iter().enumerate() {
             let end = self.ends[event as usize];
-            let heard = messages.map_or(end, |it| it.news[i].heard(end, &self.ends));
+            let heard = messages.map_or(end, |it| it.heard(i, end, &self.ends, rng));
             if heard >= start.0 {
                 start = (heard, event);
             }
         }
-        start.0 += messages.map_or(0.0, |it| it.request);
+        start.0 += messages.map_or(0.0, |it| it.request(rng));
         (
             self.starts[step.event as usize],
             self.last[step.event as usize],

@@ -2,10 +2,12 @@
 //! They go along the bonds, hop by hop, and who sends which is what [lowering](crate::lower) writes into the tables.
 use petgraph::Direction::Outgoing;
 use petgraph::graph::NodeIndex;
+use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use stochc_ir::scene::Messages;
 use stochc_ir::table::RoleId;
 
+use super::drawn_times::exponential;
 use crate::Program;
 use crate::graph::{LocatedDependency, anchored_by};
 use crate::plan::{EventId, EventKind, PlanPhase};
@@ -24,40 +26,81 @@ type NamedBlock = (RoleId, Block);
 pub struct StepMessages {
     /// The news of each event that is waited for.
     pub news: Vec<MessagePath>,
-    /// Of a release: how long the block takes to ask for it.
-    pub request: f64,
-    /// How long the phase takes to hear that this was the last.
-    pub report: f64,
+    /// Of a release: hops of the block that asks for it.
+    request: u32,
+    /// Hops until the phase hears that this was the last.
+    report: u32,
+    hop: HopTime,
+}
+
+impl StepMessages {
+    /// When news number `news` is heard of what happened at a time; `ends`: when each event happens, those that it waits for at least.
+    pub fn heard(&self, news: usize, happened: f64, ends: &[f64], rng: &mut ChaCha8Rng) -> f64 {
+        let path = &self.news[news];
+        let mut at = happened + self.hop.draw(path.hops, rng);
+        for &capture in &path.handed_to {
+            at = at.max(ends[capture as usize]) + self.hop.draw(1, rng);
+        }
+        at
+    }
+
+    /// Of a release: how long the block takes to ask for it \[tick\].
+    pub fn request(&self, rng: &mut ChaCha8Rng) -> f64 {
+        self.hop.draw(self.request, rng)
+    }
+
+    /// How long the phase takes to hear that this was the last \[tick\].
+    pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
+        self.hop.draw(self.report, rng)
+    }
+}
+
+/// How long a message takes from one block to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct HopTime {
+    /// Where it does not get lost \[tick\].
+    whole: f64,
+    /// With this probability it does, and is sent again 2 h + 1 ticks later.
+    loss: f64,
+}
+
+impl HopTime {
+    fn of(messages: &Messages) -> HopTime {
+        HopTime {
+            whole: f64::from(messages.hop),
+            loss: messages.loss.unwrap_or(0.0),
+        }
+    }
+
+    /// The time of so many hops, one after the other.
+    fn draw(self, hops: u32, rng: &mut ChaCha8Rng) -> f64 {
+        let mut time = self.whole * f64::from(hops);
+        if self.loss > 0.0 {
+            let per_loss = libm::log(self.loss);
+            for _ in 0..hops {
+                // Geometric: an exponential draw, rounded down.
+                let losses = (-exponential(rng) / per_loss).floor();
+                time += losses * (2.0 * self.whole + 1.0);
+            }
+        }
+        time
+    }
 }
 
 /// The path of news to a block.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MessagePath {
-    /// The hops between blocks that are there \[tick\].
-    delay: f64,
+    /// The hops between blocks that are there.
+    hops: u32,
     /// Then, one after the other, the captures of the phase that anchor the last blocks on the way, [`MOST_HANDED`] at most: where
     /// nobody has a name yet, news waits at the block that will capture it.
     handed_to: Vec<u32>,
-    /// A hop \[tick\].
-    hop: f64,
-}
-
-impl MessagePath {
-    /// When it is heard of what happened at a time; `ends`: when each event happens, those that it waits for at least.
-    pub fn heard(&self, happened: f64, ends: &[f64]) -> f64 {
-        let mut at = happened + self.delay;
-        for &capture in &self.handed_to {
-            at = at.max(ends[capture as usize]) + self.hop;
-        }
-        at
-    }
 }
 
 /// The blocks of a program and the bonds between them.
 pub struct MessageTimes<'a> {
     program: &'a Program,
-    /// A hop \[tick\].
-    hop: f64,
+    hop: HopTime,
     /// Of each capture: the block that captures; of each release: the one that lets go.
     parents: Vec<NamedBlock>,
     /// Of each event: the block that it is up to.
@@ -73,7 +116,10 @@ impl<'a> MessageTimes<'a> {
     /// `None`: messages take no time in the scene.
     pub fn of(program: &'a Program) -> Option<MessageTimes<'a>> {
         let messages = program.scene.as_ref()?.messages.as_ref()?;
-        let hop = Some(mean_hop(messages)).filter(|hop| *hop > 0.0)?;
+        let hop = HopTime::of(messages);
+        if hop.whole <= 0.0 && hop.loss <= 0.0 {
+            return None;
+        }
         let count = program.plan.events.len();
         let mut times = MessageTimes {
             program,
@@ -186,9 +232,8 @@ impl<'a> MessageTimes<'a> {
             .collect();
         handed_to.reverse();
         MessagePath {
-            delay: self.hop * (f64::from(hops) - handed_to.len() as f64),
+            hops: hops - handed_to.len() as u32,
             handed_to,
-            hop: self.hop,
         }
     }
 
@@ -199,15 +244,15 @@ impl<'a> MessageTimes<'a> {
         phase: usize,
         before: impl Iterator<Item = (EventId, LocatedDependency)>,
     ) -> StepMessages {
-        let of = |hops: u32| self.hop * f64::from(hops);
         let phase = &self.program.plan.phases[phase];
         let is_release = self.program.plan.event(id).kind == EventKind::Release;
         StepMessages {
             news: before
                 .map(|(first, why)| self.news(first, id, why, phase))
                 .collect(),
-            request: of(u32::from(is_release)),
-            report: of(self.report(id, is_release)),
+            request: u32::from(is_release),
+            report: self.report(id, is_release),
+            hop: self.hop,
         }
     }
 
@@ -247,11 +292,4 @@ impl<'a> MessageTimes<'a> {
             false => self.depth(Some(id)),
         }
     }
-}
-
-/// The mean time of a hop \[tick\]: if it gets lost, it is made again 2 h + 1 ticks later.
-fn mean_hop(messages: &Messages) -> f64 {
-    let hop = f64::from(messages.hop);
-    let lost = messages.loss.unwrap_or(0.0);
-    hop + (2.0 * hop + 1.0) * lost / (1.0 - lost)
 }

@@ -78,7 +78,7 @@ pub fn sample(
                 let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);
                 let (sum, count) = &mut waited[event as usize];
                 (*sum, *count) = (*sum + (end - start), *count + 1);
-                let heard = end + step.report();
+                let heard = end + step.report(&mut rng);
                 if heard >= latest.0 {
                     latest = (heard, event);
                 }
@@ -143,7 +143,7 @@ fn draw_in_order(
     rng: &mut ChaCha8Rng,
 ) {
     for step in steps {
-        let start = times.begin(step, began);
+        let start = times.begin(step, began, rng);
         let wait = waits[step.event as usize].as_ref();
         let end = wait.map_or(start, |wait| {
             start + wait.wait.about_time_of(exponential(rng))

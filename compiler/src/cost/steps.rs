@@ -2,6 +2,7 @@
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
+use rand_chacha::ChaCha8Rng;
 
 use super::message_times::{MessageTimes, StepMessages};
 use crate::Program;
@@ -30,8 +31,9 @@ pub struct Step {
 
 impl Step {
     /// How long its phase takes to hear that it was the last \[tick\].
-    pub fn report(&self) -> f64 {
-        self.messages.as_ref().map_or(0.0, |it| it.report)
+    pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
+        let messages = self.messages.as_ref();
+        messages.map_or(0.0, |it| it.report(rng))
     }
 }
 

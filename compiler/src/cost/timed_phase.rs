@@ -188,7 +188,7 @@ impl PhaseDraw<'_, '_> {
     /// A step has all that it waits for.
     fn begin(&mut self, step: u32) {
         let of = &self.phase.steps[step as usize];
-        let opens = self.times.begin(of, self.began);
+        let opens = self.times.begin(of, self.began, self.rng);
         let Some(wait) = &self.phase.waits[of.event as usize] else {
             return self.schedule(opens, step, StepEvent::Ends);
         };

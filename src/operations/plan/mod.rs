@@ -9,7 +9,7 @@ mod target;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use stochc_compiler::diagnostic::Severity;
+use stochc_compiler::diagnostic::{Code, Diagnostic, Severity};
 use stochc_compiler::scene::built_in_names;
 use stochc_compiler::{Limits, LintLevels};
 use stochc_ensemble::clock::now;
@@ -104,7 +104,11 @@ pub fn is_right_at(path: &Path, text: &str, imports: &[PathBuf]) -> Result<(), F
     let (limits, levels) = (Limits::default(), LintLevels::default());
     let checked = stochc_compiler::check_with(&path, &mut reader, limits, &levels);
     let mut found = checked.diagnostics.iter();
-    match found.find(|found| found.severity == Severity::Error) {
+    // Claims that are still untrue are completed one after the other.
+    let is_wrong = |found: &&Diagnostic| {
+        found.severity == Severity::Error && found.code != Code::ShapeMismatch
+    };
+    match found.find(is_wrong) {
         None => Ok(()),
         Some(error) => Err(Failure::usage(format!(
             "in `{}` the program would not be right: {}; write it into the folder of the program that it completes",
@@ -249,7 +253,10 @@ fn refused(target: &str, reason: &str) -> Failure {
 /// What cannot be built, why, and what would help; options are named where they may be given.
 fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
     let mut failure = refused(options.target, &error.to_string());
-    if let Some(help) = error.help() {
+    // What stands already cannot be left out.
+    let stands =
+        matches!(error, TargetError::Sealed(_)) && !matches!(options.extent, PlanScope::Whole);
+    if let Some(help) = error.help().filter(|_| !stands) {
         let option = match (error, options.extent) {
             (TargetError::Loose(_), PlanScope::Whole) => " (`--seed-plate`, `--offset`)",
             (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
@@ -272,7 +279,11 @@ fn failure_of(unplanned: &Unplanned, options: &PlanOptions<'_>, host: &dyn Host)
         Unplanned::Refused(error) => impossible(options, error),
         Unplanned::Wrong(checked) => {
             host.report_findings(checked);
-            Failure::silent(verdict(checked))
+            Failure::silent(match verdict(checked) {
+                // There is no program for all that.
+                Exit::Success => Exit::InvalidProgram,
+                exit => exit,
+            })
         }
     }
 }

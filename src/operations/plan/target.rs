@@ -22,11 +22,9 @@ pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure>
     match kind(target).as_deref() {
         Some("vox") => voxels(options, magica_voxel),
         Some("txt") => voxels(options, |bytes| {
-            let text = std::str::from_utf8(bytes);
-            text.map_or_else(
-                |_| layers("?"),
-                |text| layers(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)),
-            )
+            // In comments it does not matter what cannot be read, and elsewhere it is told of with its line.
+            let text = String::from_utf8_lossy(bytes);
+            layers(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text))
         }),
         _ => program(options, host),
     }
