@@ -658,7 +658,7 @@ fn numbers_at_the_edges_do_not_wrap() {
                 "assembly",
                 "shape s at (2147483647, -2147483648) { layer 1 { ## \n ## } } assembly",
             ),
-            Code::ShapeMismatch,
+            Code::ShapeMalformed,
         ),
         (
             program("A.up -> E yields s")

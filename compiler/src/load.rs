@@ -282,7 +282,7 @@ impl Loader<'_> {
 }
 
 /// What ends lines for most editors, and none for the grammar: code behind a comment would be read as a part of it.
-fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
+pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
     /// All are replaced at once, if there are not more.
     const MOST: usize = 10_000;
     let bytes = text.as_bytes();

@@ -166,16 +166,26 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
         if count == 0 {
             continue;
         }
+        let widest = layer.rows.iter().map(|row| row.cells.len()).max();
+        let fits = |from: i32, length: usize| {
+            let last = i32::try_from(length)
+                .ok()
+                .and_then(|it| from.checked_add(it - 1));
+            last.is_some()
+        };
+        if !fits(x, widest.unwrap_or(1)) || !fits(y, rows) {
+            diagnostics.push(malformed(
+                layer.span,
+                "it reaches beyond the cells that there are",
+            ));
+            return None;
+        }
         for z in low..=high {
             for (i, row) in layer.rows.iter().enumerate() {
                 let north = (rows - 1 - i) as i32;
                 let blocks = row.cells.iter().enumerate().filter(|(_, block)| **block);
                 for (east, _) in blocks {
-                    cells.push(Cell::new(
-                        x.saturating_add(east as i32),
-                        y.saturating_add(north),
-                        z,
-                    ));
+                    cells.push(Cell::new(x + east as i32, y + north, z));
                 }
             }
         }

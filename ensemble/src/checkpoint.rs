@@ -382,7 +382,7 @@ impl RunCheckpoints<'_> {
         if !self.has_begun.replace(false) {
             return false;
         }
-        let why = "is no state of it";
+        let why = "is no state of it as it is recorded now";
         if let Err(error) = self.all.refuse(self.key, why) {
             let run = self.all.shown(self.key);
             (self.all).note(format!("the checkpoint of {run} {why}: {error}"));

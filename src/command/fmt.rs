@@ -3,8 +3,8 @@ use std::path::Path;
 
 use clap::Args;
 use similar::TextDiff;
-use stochc_compiler::Sources;
 use stochc_compiler::diagnostic::{Diagnostic, Renderer};
+use stochc_compiler::{Sources, lone_returns};
 use stochc_files::atomic::replace_text;
 use stochc_files::programs::{STDIN_NAME, programs, read};
 use stochc_grammar::{BYTE_ORDER_MARK, FormatError, format};
@@ -46,15 +46,38 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
         Err(reason) => return Err(Failure::usage(format!("cannot read `{file}`: {reason}"))),
     };
     let bare = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text);
-    let laid_out = match format(bare) {
-        Ok(laid_out) => laid_out,
-        Err(error) => return Err(refused(file, bare, error)),
+    let mut sources = Sources::default();
+    let id = sources.add(file, bare);
+    let wrong = match (lone_returns(id, bare), format(bare)) {
+        (Some(returns), _) => vec![returns],
+        (None, Ok(laid_out)) => return write(file, &text, &laid_out, check),
+        (None, Err(FormatError::Wrong(errors))) => {
+            let errors = errors.iter();
+            let errors = errors.map(|error| Diagnostic::from_syntax(id, error, bare));
+            errors.collect()
+        }
+        (None, Err(_)) => {
+            return Err(Failure::usage(format!(
+                "the layout of `{file}` would change its meaning, so it was left as it is; \
+                 this is a mistake of stochc: please report it with the file"
+            )));
+        }
     };
+    let renderer = Renderer::new(has_colour(), message_width());
+    let drawn = wrong.iter().map(|it| renderer.render(it, &sources) + "\n");
+    Err(Failure {
+        exit: Exit::InvalidProgram,
+        message: drawn.collect(),
+    })
+}
+
+/// Puts a text that is laid out in the place of what it was.
+fn write(file: &str, text: &str, laid_out: &str, check: bool) -> Result<Exit, Failure> {
     if check {
-        return compare(file, &text, &laid_out);
+        return compare(file, text, laid_out);
     }
     if file == STDIN_NAME {
-        print(&laid_out)?;
+        print(laid_out)?;
     } else if laid_out != text {
         let path = Path::new(file);
         let replaced = replace_text(path, text.as_bytes(), laid_out.as_bytes());
@@ -64,26 +87,6 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
         }
     }
     Ok(Exit::Success)
-}
-
-fn refused(file: &str, text: &str, error: FormatError) -> Failure {
-    let FormatError::Wrong(errors) = error else {
-        return Failure::usage(format!(
-            "the layout of `{file}` would change its meaning, so it was left as it is; \
-             this is a mistake of stochc: please report it with the file"
-        ));
-    };
-    let mut sources = Sources::default();
-    let id = sources.add(file, text);
-    let renderer = Renderer::new(has_colour(), message_width());
-    let drawn = errors.iter().map(|error| {
-        let diagnostic = Diagnostic::from_syntax(id, error, text);
-        renderer.render(&diagnostic, &sources) + "\n"
-    });
-    Failure {
-        exit: Exit::InvalidProgram,
-        message: drawn.collect(),
-    }
 }
 
 fn compare(file: &str, text: &str, laid_out: &str) -> Result<Exit, Failure> {

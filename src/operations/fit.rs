@@ -91,7 +91,7 @@ pub fn matched(
         let Some(place) = place else {
             let name = &program.name;
             return Err(Failure::usage(format!(
-                "the data say nothing of `{name}`; leave its file out, or give its times"
+                "the data say nothing of `{name}`; give its times, or leave it out of the files"
             )));
         };
         if program.sources.is_empty() {

@@ -177,16 +177,25 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
         return Err(Failure::invalid_program(error.to_string()));
     }
     let mut observed: Vec<EnsembleProgram> = Vec::new();
+    let mut least = u64::MAX;
     for (name, text) in PROGRAMS {
         let executables =
             compile(check_text(name, text)).map_err(|wrong| Failure::usage(wrong.to_string()))?;
         for mut executable in executables {
+            let captures = executable.tables.captures() as u64;
+            least = least.min(captures);
             // Blocks that are not there cannot be waited for.
-            if executable.tables.captures() as u64 <= u64::from(scene.free.count) {
+            if captures <= u64::from(scene.free.count) {
                 executable.scene = scene.clone();
                 observed.push(EnsembleProgram::new(name, Vec::new(), executable));
             }
         }
+    }
+    if observed.is_empty() {
+        return Err(Failure::invalid_program(format!(
+            "there are too few free blocks ({}) for any of the structures by which rates are measured: they capture {least} and more; `stochc simulate --model rigid` needs no rates",
+            scene.free.count
+        )));
     }
     let gas = profile(scene, &effort.settings, effort.seed)
         .map_err(|error| Failure::invalid_program(error.to_string()))?;

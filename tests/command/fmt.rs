@@ -99,6 +99,23 @@ fn the_mark_of_the_byte_order_goes() {
     assert_eq!(std::fs::read_to_string(&file).unwrap(), LAID_OUT);
 }
 
+/// What `check` refuses is left alone.
+#[test]
+fn a_lone_carriage_return_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    let text = LAID_OUT.replacen('\n', "\r", 1);
+    std::fs::write(&file, &text).unwrap();
+    let said = stochc_with("fmt", &[&file]);
+    assert_eq!(said.status, 1);
+    assert!(
+        said.err.contains("a carriage return without a line feed"),
+        "{}",
+        said.err
+    );
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+}
+
 #[test]
 fn the_programs_of_this_project_are_laid_out() {
     let said = stochc("fmt --check examples compiler/src/scene/hemisphere.sa");

@@ -148,7 +148,7 @@ fn a_state_that_makes_no_sense_costs_no_run() {
         let notes = resumed(folder.path(), &manifest);
         assert_eq!(notes.len(), 2, "{notes:?}");
         assert!(
-            notes[1].contains("is no state of it; it is now"),
+            notes[1].contains("is no state of it as it is recorded now; it is now"),
             "{notes:?}"
         );
         assert!(bytes(folder.path()) == undisturbed(&manifest));
