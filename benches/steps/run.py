@@ -18,7 +18,7 @@ PAPER = [f"examples/{name}.sa"
 OTHERS = ["benches/rates/comb.sa", "benches/rates/ring_of_posts.sa", "benches/rates/sixteen.sa", "benches/rates/twins.sa",
           "examples/planned/five_towers.sa"]
 # Steps a tick, and the runs of a round; seeds depend on the place in this list.
-SETTINGS = [("32", 50), ("1/8", 150), ("2/8", 150), ("1", 30), ("2", 30), ("4", 30)]
+SETTINGS = [("32", 50), ("1/8", 150), ("2/8", 150), ("1", 30), ("2", 30), ("4", 30), ("2/4", 150)]
 REFERENCE = SETTINGS[0][0]
 
 

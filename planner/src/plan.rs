@@ -145,6 +145,12 @@ impl BuildPlan {
         self.captures.iter().chain(rest)
     }
 
+    /// The same, to be changed.
+    pub fn all_captures_mut(&mut self) -> impl Iterator<Item = &mut Capture> {
+        let rest = self.dismantling.iter_mut().flat_map(|it| &mut it.captures);
+        self.captures.iter_mut().chain(rest)
+    }
+
     /// The cells of what stands at the end, sorted.
     pub fn cells(&self) -> Vec<Cell> {
         let are_kept = self.dismantling.as_ref().is_some_and(|it| it.are_kept);

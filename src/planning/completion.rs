@@ -2,6 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
+use stochc_compiler::cost;
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::placed_blocks::placed_blocks;
 use stochc_compiler::plan::EventKind;
@@ -18,7 +19,7 @@ use stochc_planner::{
 };
 use stochc_rates::Rates;
 
-use super::{Planned, Unplanned, estimated_part};
+use super::{Planned, Unplanned, estimate};
 use crate::check_texts;
 
 /// What is missing in a program.
@@ -221,9 +222,9 @@ impl Completion {
         }
         let mut programs = checked.programs.iter();
         let program = programs.find(|it| it.plan.name == self.assembly);
-        plan.estimate = estimated_part(program, &law, plan.estimate, |cost| {
-            cost.phases.get(self.phase)?.times
-        });
+        let cost = program.and_then(|program| cost::estimate(program, law.rates()));
+        let times = cost.and_then(|cost| cost.phases.get(self.phase)?.times);
+        plan.estimate = estimate(times, &law, plan.estimate);
         Ok(Planned {
             plan,
             text,

@@ -3,12 +3,12 @@ mod completion;
 mod repair;
 mod scenes;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::OnceLock;
 
-use stochc_compiler::cost::{self, Cost};
+use stochc_compiler::cost;
 use stochc_compiler::diagnostic::{Code, Diagnostic};
-use stochc_compiler::plan::{PlanSeed, ProgramPlan};
+use stochc_compiler::plan::{EventId, PlanSeed, ProgramPlan};
 use stochc_compiler::scene::{DEFAULT, is_built_in};
 use stochc_compiler::{Checked, DeclaredShape, DeclaredShapes, Program, shape_cells};
 use stochc_grammar::tree::{Item, Tree};
@@ -335,12 +335,13 @@ impl Goal {
             let objective = search.objective;
             for (baseline, mut plan) in baseline_plans(&target, hardware, &law, search.seed) {
                 let checked = self.check(&target, &plan, &[]);
-                let estimate = estimated(&checked, &law, plan.estimate);
+                price(&mut plan, &checked, &law);
+                let estimate = plan.estimate;
                 let mut findings = checked.diagnostics.iter();
                 let finding = findings.next().map(|it| it.code.name());
                 let is_better = estimate.of(objective) < best.plan.estimate.of(objective);
                 if finding.is_none() && is_better {
-                    (plan.estimate, plan.baseline) = (estimate, Some(baseline));
+                    plan.baseline = Some(baseline);
                     plan.rounds = best.plan.rounds;
                     let text = self.text(&target, &plan, &[]);
                     best = self.planned(plan, text);
@@ -427,7 +428,7 @@ impl Goal {
             let found = check_text(NAME, &self.text(target, &plan, &allowed_here));
             return Err(Unplanned::Wrong(Box::new(found)));
         }
-        plan.estimate = estimated(&found, law, plan.estimate);
+        price(&mut plan, &found, law);
         let text = self.text(target, &plan, &allowed_here);
         Ok(self.planned(plan, text))
     }
@@ -449,23 +450,36 @@ impl Goal {
     }
 }
 
-/// How long a program takes, as `check --cost` says, or as was found when it was looked for.
-fn estimated(checked: &Checked, law: &RateLaw<'_>, found: PlanEstimate) -> PlanEstimate {
-    let total = |cost: Cost| cost.total;
-    estimated_part(checked.programs.first(), law, found, total)
+/// Has a plan say of its time and of its waits what `check --cost` says of its program; where that says nothing, what was found when it was
+/// looked for.
+fn price(plan: &mut BuildPlan, checked: &Checked, law: &RateLaw<'_>) {
+    let program = checked.programs.first();
+    let cost = program.and_then(|program| cost::estimate(program, law.rates()));
+    let total = cost.as_ref().and_then(|cost| cost.total);
+    plan.estimate = estimate(total, law, plan.estimate);
+    let (Some(program), Some(cost)) = (program, cost) else {
+        return;
+    };
+    // Of what is captured twice, because it is handed over, the first time.
+    let mut waits: HashMap<Cell, (EventId, f64)> = HashMap::new();
+    for capture in &cost.captures {
+        if let Some(cell) = program.layout.cells[capture.event.0 as usize] {
+            let known = waits.entry(cell).or_insert((capture.event, capture.wait));
+            if capture.event < known.0 {
+                *known = (capture.event, capture.wait);
+            }
+        }
+    }
+    for capture in plan.all_captures_mut() {
+        if let Some((_, wait)) = waits.get(&capture.cell) {
+            capture.wait = *wait;
+        }
+    }
 }
 
-/// How long a part of a program takes, as `check --cost` says; where that says nothing, because nobody knows the rates of its scene or it is wrong, as was found when
-/// it was looked for.
-fn estimated_part(
-    program: Option<&Program>,
-    law: &RateLaw<'_>,
-    found: PlanEstimate,
-    part: impl FnOnce(Cost) -> Option<Times>,
-) -> PlanEstimate {
+/// How long something takes by the rates of its scene; where nobody knows that, as was found when it was looked for.
+fn estimate(times: Option<Times>, law: &RateLaw<'_>, found: PlanEstimate) -> PlanEstimate {
     let rates = law.rates();
-    let cost = program.and_then(|program| cost::estimate(program, rates));
-    let times = cost.and_then(part);
     let known = times.and_then(|times| Some((times.mean?, times.p90?)));
     let (mean, p90) = known.unwrap_or((found.mean, found.p90));
     PlanEstimate {

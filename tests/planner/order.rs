@@ -4,7 +4,7 @@ use stochc::ir::graph::{EventAction, EventGraph, EventId, GraphEvent};
 use stochc::planning::Goal;
 use stochc_ir::{Cell, Face};
 
-use crate::{files, goal, tried};
+use crate::{files, goal, named, tried};
 
 /// Of each event, all that it waits for, as bits.
 fn ancestors(graph: &EventGraph) -> Vec<Vec<u64>> {
@@ -169,5 +169,22 @@ fn nothing_is_said_that_goes_without_saying() {
                 );
             }
         }
+    }
+}
+
+/// What a plan says of its waits is what `check --cost` says of its program.
+#[test]
+fn waits_are_those_of_the_program() {
+    let planned = tried(&named("five_towers"), 20).unwrap();
+    let checked = stochc::check_text("planned.sa", &planned.text);
+    let program = &checked.programs[0];
+    let rates = stochc_rates::Rates::built_in(program.scene.as_ref().unwrap());
+    let cost = stochc_compiler::cost::estimate(program, rates).unwrap();
+    assert_eq!(cost.captures.len(), planned.plan.captures.len());
+    for known in &cost.captures {
+        let cell = program.layout.cells[known.event.0 as usize].unwrap();
+        let mut captures = planned.plan.captures.iter();
+        let capture = captures.find(|it| it.cell == cell).unwrap();
+        assert!((capture.wait - known.wait).abs() < 1e-9, "{cell}");
     }
 }
