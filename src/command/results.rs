@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use stochc_ensemble::{Manifest, Records};
+use stochc_ir::counted;
 
 use super::host::Terminal;
 use super::memory::MemoryOption;
@@ -54,8 +55,9 @@ pub fn run(options: &ResultsArguments) -> Result<Exit, Failure> {
     let missing = manifest.total().saturating_sub(finished.len() as u64);
     if missing > 0 {
         warn(&format!(
-            "{missing} of {} runs are still to do\n",
-            manifest.total()
+            "{missing} of {} {} still to do\n",
+            counted(manifest.total() as usize, "run"),
+            if missing == 1 { "is" } else { "are" }
         ));
     }
     show(

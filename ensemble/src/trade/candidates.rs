@@ -12,11 +12,11 @@ pub fn base() -> Settings {
     rigid(1)
 }
 
-/// What one thing at a time is changed of: the default steps, or as many as are allowed.
+/// What one thing at a time is changed of: the default steps, or the most of the refinement that are allowed.
 fn usual(finest: u32) -> Settings {
     match Substeps::DEFAULT.near <= finest {
         true => base().with_steps(Substeps::DEFAULT),
-        false => rigid(finest),
+        false => rigid(1 << finest.max(1).ilog2()),
     }
 }
 
@@ -147,6 +147,13 @@ mod tests {
                 .iter()
                 .all(|candidate| candidate.substeps <= 2)
         );
+        // What is changed is measured unchanged as well.
+        let double = |it: &&Settings| it.precision == Precision::Double;
+        for finest in 1..8 {
+            let all = candidates(finest);
+            let changed = all.iter().find(double).unwrap();
+            assert!(all.contains(&rigid(changed.substeps)), "{finest}");
+        }
         let default = |candidate: &&Settings| candidate.steps() == Substeps::DEFAULT;
         let (alone, changed): (Vec<_>, Vec<_>) = all
             .iter()

@@ -281,6 +281,10 @@ pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         &format!("origins-of-{}", index + 1),
         "Where captured blocks came from",
     );
+    if free + released == 0 {
+        out.paragraph("There are no captures yet.");
+        return;
+    }
     if released == 0 {
         out.paragraph(&format!(
             "All {} captures took a block that had never been captured.",
