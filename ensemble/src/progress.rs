@@ -327,7 +327,7 @@ impl Progress {
             let program = slot.program.load(Ordering::Relaxed);
             if let Some(pace) = totals.programs.get_mut(program) {
                 let tick = slot.tick.load(Ordering::Relaxed);
-                pace.under_way += tick;
+                pace.under_way = pace.under_way.saturating_add(tick);
                 ticks_here = u64::saturating_add(ticks_here, tick);
                 under_way.push((program, PhaseId(slot.phase.load(Ordering::Relaxed))));
             }

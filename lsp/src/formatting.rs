@@ -3,7 +3,7 @@ use std::time::Duration;
 
 use gen_lsp_types::TextEdit;
 use similar::{DiffOp, TextDiff};
-use stochc_compiler::Span;
+use stochc_compiler::{FileId, Span, lone_returns};
 use stochc_grammar::{FormatError, format};
 
 use super::position::LineIndex;
@@ -12,15 +12,21 @@ use super::wire::RequestFailure;
 /// After this, texts are compared coarsely: more lines are changed than need be, to the same end.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// Why there are none.
+const WRONG: &str = "the program has errors of syntax: mend them first";
+
 /// The changes that lay a text out: of the lines that change only, so that the rest keeps its marks.
 ///
 /// # Errors
 ///
 /// If the text has errors of syntax.
 pub fn edits(text: &str, lines: &LineIndex<'_>) -> Result<Vec<TextEdit>, RequestFailure> {
+    if lone_returns(FileId(0), text).is_some() {
+        return Err(RequestFailure::request_failed(WRONG));
+    }
     let laid_out = format(text).map_err(|error| {
         RequestFailure::request_failed(match error {
-            FormatError::Wrong(_) => "the program has errors of syntax: mend them first",
+            FormatError::Wrong(_) => WRONG,
             FormatError::Unfaithful => "the layout would change the program: please report this",
         })
     })?;

@@ -178,7 +178,10 @@ const SMALL: f64 = 12.0;
 const SMALL_RUNS: usize = 128;
 
 /// Runs by which it is decided whether that schedule is better.
-const OTHER_RUNS: usize = 1000;
+pub(crate) const OTHER_RUNS: usize = 1000;
+
+/// What makes their chances others.
+pub(crate) const OTHER_CHANCES: u64 = 0xbb;
 
 /// Ways in of small targets are looked for so often.
 const ALL_VARIANTS: u64 = 24;
@@ -425,7 +428,7 @@ pub(crate) fn branch_and_bound(
         }
     }
     // By other chances than those by which it was chosen.
-    let samples = Samples::new(sites.len(), OTHER_RUNS, search.seed ^ 0xbb);
+    let samples = Samples::new(sites.len(), OTHER_RUNS, search.seed ^ OTHER_CHANCES);
     if value(&samples, &best) < value(&samples, found) {
         *found = best;
     }

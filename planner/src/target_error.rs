@@ -37,6 +37,13 @@ pub struct LoosePart {
     pub bridge: Option<Vec<Cell>>,
 }
 
+impl LoosePart {
+    /// Whether a block of the plate could hold it.
+    pub fn rests_on_plate(&self) -> bool {
+        self.cells.iter().any(|cell| cell.z == 1)
+    }
+}
+
 /// Cells that are told of, at most.
 const MOST_TOLD: usize = 8;
 
@@ -125,12 +132,11 @@ impl TargetError {
                 let part = parts.first()?;
                 let bridge = part.bridge.as_ref().filter(|bridge| !bridge.is_empty())?;
                 // The plate holds nothing but what rests on it.
-                let rests = part.cells.iter().any(|cell| cell.z == 1);
                 Some(format!(
                     "with {} more, {}, the first part would be held{}",
                     cells(bridge.len()),
                     listed_cells(bridge),
-                    match rests {
+                    match part.rests_on_plate() {
                         true => "; or let a block of the plate under it capture",
                         false => "",
                     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 pub struct Times {
     /// Its mean; `None`: there are cases in which it never ends.
     pub mean: Option<f64>,
-    /// Of the mean, by the normal distribution; `None`: of fewer than two times.
+    /// Of the mean, of draws by the normal distribution and of runs by Student's; `None`: there is no mean, or only one time.
     pub half_width: Option<f64>,
     /// In a tenth of all cases it is less; `None`: in fewer.
     pub p10: Option<f64>,

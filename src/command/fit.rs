@@ -19,7 +19,7 @@ use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::fit::{FitSetup, fit, matched, measured_times, of_scenes};
 use crate::operations::programs::programs;
-use crate::operations::trade::claim;
+use crate::operations::trade::claim_empty;
 
 /// What `fit` is given.
 #[derive(Debug, Args)]
@@ -90,7 +90,7 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
         levels,
     };
     if let Some(out) = &options.out {
-        claim(out, false).map_err(Failure::usage)?;
+        claim_empty(out, |_| false).map_err(Failure::usage)?;
     }
     stop_on_interrupt()?;
     let fit = fit(&setup, &measured, unit, &host)?;

@@ -135,7 +135,7 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     let planned = plan(&target, &plan_options, &host)?;
     let stopped = stop.load(Ordering::Relaxed);
     if let (true, Some(path)) = (options.complete, &options.out) {
-        is_right_at(path, &planned.text, &options.imports.folders)?;
+        is_right_at(path, &planned, &options.imports.folders)?;
     }
     write(&planned, out, options)?;
     match stopped {

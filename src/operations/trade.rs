@@ -101,36 +101,48 @@ fn cannot_go_on(out: &Path, error: &FolderError) -> Failure {
 }
 
 /// Makes a folder, or takes an empty one; to `resume`, one that holds a trade.
+fn claim(out: &Path, resume: bool) -> Result<(), String> {
+    let io = |error| unusable(out, &error);
+    let is_ours = out.join(MEASUREMENT_JOURNAL).is_file();
+    // What is left of a trade that has measured nothing is in nobody's way.
+    let is_new = is_ours && !has_entries(out).map_err(io)?;
+    match claim_empty(out, |name| is_new && name == MEASUREMENT_JOURNAL) {
+        Err(_) if is_ours && resume => Ok(()),
+        Err(refused) if is_ours => Err(format!(
+            "{refused}, or go on with the trade in it by `--resume`"
+        )),
+        claimed => claimed,
+    }
+}
+
+/// Makes a folder, or takes an empty one; locks, drafts of who was killed and what else `is_nobodys`, by its name, may be in it.
 ///
 /// # Errors
 /// In words.
-pub fn claim(out: &Path, resume: bool) -> Result<(), String> {
+pub fn claim_empty(out: &Path, is_nobodys: impl Fn(&str) -> bool) -> Result<(), String> {
+    let io = |error| unusable(out, &error);
     let shown = out.display();
-    let io = |error: std::io::Error| format!("cannot use `{shown}`: {error}");
     if out.exists() && !out.is_dir() {
         return Err(format!(
             "`{shown}` is a file; choose another name for the folder"
         ));
     }
     atomic::make_folder(out).map_err(io)?;
-    let is_ours = out.join(MEASUREMENT_JOURNAL).is_file();
-    let has_entries = has_entries(out).map_err(io)?;
-    let mut entries = stochc_files::disk::list(out).map_err(io)?;
-    // What is left of a trade that has measured nothing is in nobody's way.
-    entries.retain(|entry| {
-        let is_journal = (entry.file_name()).is_some_and(|name| name == MEASUREMENT_JOURNAL);
-        !is_remnant(entry) && (has_entries || !is_journal)
+    let entries = stochc_files::disk::list(out).map_err(io)?;
+    let is_taken = entries.iter().any(|entry| {
+        let name = entry.file_name().unwrap_or_default().to_string_lossy();
+        !is_remnant(entry) && !is_nobodys(&name)
     });
-    match entries.first() {
-        None => Ok(()),
-        Some(_) if is_ours && resume => Ok(()),
-        Some(_) if is_ours => Err(format!(
-            "`{shown}` is not empty; choose an empty or a new folder, or go on with the trade in it by `--resume`"
-        )),
-        Some(_) => Err(format!(
+    match is_taken {
+        false => Ok(()),
+        true => Err(format!(
             "`{shown}` is not empty; choose an empty or a new folder"
         )),
     }
+}
+
+fn unusable(out: &Path, error: &std::io::Error) -> String {
+    format!("cannot use `{}`: {error}", out.display())
 }
 
 fn write(out: &Path, trade: &Trade, figures: &Figures) -> std::io::Result<()> {

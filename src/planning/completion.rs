@@ -217,9 +217,10 @@ impl Completion {
             .chain(others.map(|(name, text)| (name.as_str(), text.as_str())))
             .collect();
         let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
-        if untrue_claims(&checked).is_none_or(|untrue| untrue >= self.untrue) {
+        let untrue = untrue_claims(&checked).filter(|untrue| *untrue < self.untrue);
+        let Some(untrue) = untrue else {
             return Err(Unplanned::Wrong(Box::new(checked)));
-        }
+        };
         let mut programs = checked.programs.iter();
         let program = programs.find(|it| it.plan.name == self.assembly);
         let cost = program.and_then(|program| cost::estimate(program, law.rates()));
@@ -231,12 +232,13 @@ impl Completion {
             name,
             assembly: self.assembly.clone(),
             imported: self.texts[1..].to_vec(),
+            untrue,
         })
     }
 }
 
 /// How many claims are not true; `None`: something else is wrong.
-fn untrue_claims(checked: &Checked) -> Option<usize> {
+pub fn untrue_claims(checked: &Checked) -> Option<usize> {
     let mut errors = checked.diagnostics.iter().filter(|it| it.is_error());
     errors.try_fold(0, |count, it| {
         (it.code == Code::ShapeMismatch).then_some(count + 1)

@@ -23,6 +23,7 @@ use stochc_planner::{
 use stochc_rates::{Rates, Times};
 
 use crate::check_text;
+pub(crate) use completion::untrue_claims;
 pub use completion::{Completion, NotCompleted};
 pub use repair::{ExistingStructure, Repair};
 use scenes::WrittenScenes;
@@ -63,6 +64,8 @@ pub struct Planned {
     pub assembly: String,
     /// The texts that the program imports, with their names.
     pub imported: Vec<(String, String)>,
+    /// How many claims of it are still untrue.
+    pub untrue: usize,
 }
 
 /// Why there is none.
@@ -91,13 +94,22 @@ fn allowed(code: Code, hardware: Hardware) -> Option<&'static str> {
         }
         Code::ReachUndecided => Some("the planner has found a way in for every block"),
         Code::TooManyBlocks => Some("the scene is as it was given"),
-        Code::UnplannedBond | Code::CrowdedCaptures | Code::BlockedRelease
-            if hardware.attracts_always =>
-        {
+        Code::UnplannedBond if hardware.attracts_always => {
             Some("where every face attracts, none can be kept from it")
+        }
+        Code::CrowdedCaptures if hardware.attracts_always => {
+            Some("where every face attracts, none can be kept closed")
+        }
+        Code::BlockedRelease if hardware.attracts_always => {
+            Some("no order was looked for in which it has a way out")
         }
         _ => None,
     }
+}
+
+/// The same as a program writes it.
+fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
+    Some((code.name(), allowed(code, hardware)?.to_owned()))
 }
 
 impl Goal {
@@ -337,13 +349,18 @@ impl Goal {
                 let checked = self.check(&target, &plan, &[]);
                 price(&mut plan, &checked, &law);
                 let estimate = plan.estimate;
+                // What the scene is warned of holds for all plans.
+                let is_of_scene = |it: &&Diagnostic| it.code == Code::TooManyBlocks;
                 let mut findings = checked.diagnostics.iter();
-                let finding = findings.next().map(|it| it.code.name());
+                let finding = findings.find(|it| !is_of_scene(it));
+                let finding = finding.map(|it| it.code.name());
                 let is_better = estimate.of(objective) < best.plan.estimate.of(objective);
                 if finding.is_none() && is_better {
                     plan.baseline = Some(baseline);
                     plan.rounds = best.plan.rounds;
-                    let text = self.text(&target, &plan, &[]);
+                    let found = checked.diagnostics.iter().find(is_of_scene);
+                    let reason = found.and_then(|it| allowance(it.code, hardware));
+                    let text = self.text(&target, &plan, &reason.into_iter().collect::<Vec<_>>());
                     best = self.planned(plan, text);
                 }
                 alternatives.push(Alternative {
@@ -410,11 +427,10 @@ impl Goal {
     ) -> Result<Planned, Unplanned> {
         let found = self.check(target, &plan, &[]);
         let codes: BTreeSet<Code> = found.diagnostics.iter().map(|it| it.code).collect();
-        let reasons = codes.into_iter().filter_map(|code| {
-            let reason = allowed(code, hardware)?;
-            Some((code.name(), reason.to_owned()))
-        });
-        let allowed_here: Vec<(&str, String)> = reasons.collect();
+        let allowances = codes
+            .into_iter()
+            .filter_map(|code| allowance(code, hardware));
+        let allowed_here: Vec<(&str, String)> = allowances.collect();
         let is_allowed = |it: &Diagnostic| allowed(it.code, hardware).is_some();
         // Where there are many findings, others may not have been told of.
         let is_accepted = found.diagnostics.iter().all(is_allowed)
@@ -441,6 +457,7 @@ impl Goal {
             name: NAME.to_owned(),
             assembly: self.assembly(),
             imported: Vec::new(),
+            untrue: 0,
         }
     }
 

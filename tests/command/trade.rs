@@ -517,4 +517,20 @@ fn what_is_left_of_a_trade_without_runs_is_in_nobodys_way() {
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     // Now there is something.
     assert_eq!(stochc_with(trade, &more).status, 2);
+    // What somebody else has written is no trade, whatever its name.
+    let texts = ["my notes", "my notes\n", "{\"a\": 1}\n"];
+    for (i, text) in texts.into_iter().enumerate() {
+        let foreign = path(folder.path(), &format!("foreign{i}"));
+        fs::create_dir(&foreign).unwrap();
+        let file = format!("{foreign}/trade.jsonl");
+        fs::write(&file, text).unwrap();
+        for resume in [&[][..], &["--resume"]] {
+            let command = [
+                "trade", &program, "--runs", "2", "--quiet", "--out", &foreign,
+            ];
+            let said = stochc_with(command[0], &[&command[1..], resume].concat());
+            assert_eq!(said.status, 2, "{}", said.err);
+        }
+        assert_eq!(fs::read_to_string(&file).unwrap(), text);
+    }
 }

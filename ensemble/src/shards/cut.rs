@@ -65,7 +65,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
             });
         }
     }
-    let folder = Folder::open_cut(path, manifest, Resume::SameBuild)?;
+    let mut folder = Folder::open_cut(path, manifest, Resume::SameBuild)?;
     let is_cut = Cut::read(path)?.is_some();
     if !folder.kept().is_empty() && !is_cut {
         return Err(ShardError::HoldsRuns {
@@ -76,6 +76,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     if is_cut {
         return Ok(Prepared::Already);
     }
+    folder.leave_foul_lines()?;
     folder.write_manifest()?;
     let pieces = path.join(SHARDS);
     make_own_folder(&pieces).map_err(FolderError::of(pieces))?;

@@ -66,7 +66,8 @@ impl Piece {
             cut.header(&this_build(), number),
             cut.jobs(manifest.total(), number),
         );
-        let look = || look(path, number, (&header, &jobs), &manifest);
+        let file = piece_file(path, number);
+        let look = || read(&file, &header, &manifest, &jobs, |_| Ok(()));
         let mut found = look()?;
         // `merge` may have been stopped when it had begun to remove them.
         let is_joined = found != PieceFile::Whole && is_joined(path, &manifest)?;
@@ -75,6 +76,7 @@ impl Piece {
             found = look()?;
         }
         let is_made = found == PieceFile::Whole || is_joined;
+        let is_damaged = matches!(found, PieceFile::Damaged(_)) && !is_joined;
         if let PieceFile::Foreign(what) = found {
             return Err(ShardError::Foreign {
                 path: path.to_owned(),
@@ -94,6 +96,9 @@ impl Piece {
         };
         if !piece.is_made {
             piece.collect()?;
+        }
+        if is_damaged {
+            set_aside(&file, &path.join(DAMAGED)).map_err(|source| in_folder(path, source))?;
         }
         Ok(piece)
     }
@@ -168,17 +173,6 @@ impl Piece {
     ) -> Result<bool, ShardError> {
         if self.is_made {
             return Ok(true);
-        }
-        // Nothing is refused any more; somebody else may have put a whole one there meanwhile.
-        let found = look(
-            &self.path,
-            self.number,
-            (&self.header, &self.jobs),
-            &self.manifest,
-        )?;
-        if matches!(found, PieceFile::Damaged(_)) {
-            let file = piece_file(&self.path, self.number);
-            set_aside(&file, &self.path.join(DAMAGED)).map_err(|it| in_folder(&self.path, it))?;
         }
         progress.keep(&self.kept)?;
         let pending = PendingRuns::all(&self.manifest, self.jobs.clone(), Some(&self.kept));
@@ -260,22 +254,6 @@ impl Piece {
         self.kept = Records::at(places, parts, most);
         Ok(())
     }
-}
-
-/// What the file of a piece is now.
-fn look(
-    path: &Path,
-    number: u64,
-    (header, jobs): (&JournalHeader, &Range<u64>),
-    manifest: &Manifest,
-) -> Result<PieceFile, ShardError> {
-    read(
-        &piece_file(path, number),
-        header,
-        manifest,
-        jobs,
-        |_| Ok(()),
-    )
 }
 
 /// Reads the file of a piece and holds it against what it should be; `each` is shown the lines of its runs.

@@ -1,6 +1,6 @@
 //! What a measurement has found, run by run, in a file that outlives a kill.
 use std::collections::BTreeMap;
-use std::io::{self, BufRead as _, BufReader};
+use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -80,7 +80,11 @@ impl MeasurementJournal {
         };
         // Whoever it was of has measured nothing.
         let whole = match has_entries(folder).map_err(JournalError::Io)? {
-            true => read_lines(&path, &header, budget::record(most), &mut note)?.0,
+            true => match read_lines(&path, &header, budget::record(most), &mut note)?.0 {
+                // There is no first line, nor the beginning of one.
+                0 => return Err(JournalError::Foreign.into()),
+                whole => whole,
+            },
             false => 0,
         };
         Ok(MeasurementJournal {
@@ -142,18 +146,30 @@ impl MeasurementJournal {
     }
 }
 
-/// Whether anything was measured by whoever made the journal of a folder, if there is one.
+/// Whether the journal of a folder, if there is one, has anything in it that was measured, or is none of ours.
 ///
 /// # Errors
 /// Those of the file system.
 pub fn has_entries(folder: &Path) -> io::Result<bool> {
+    /// Bytes of a first line, fewer than which it has.
+    const MOST: u64 = 1 << 12;
     let mut file = match files::open(&folder.join(MEASUREMENT_JOURNAL)) {
         Ok(file) => BufReader::new(file),
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
         Err(error) => return Err(error),
     };
-    file.skip_until(b'\n')?;
-    Ok(!file.fill_buf()?.is_empty())
+    let mut first = Vec::new();
+    (&mut file).take(MOST).read_until(b'\n', &mut first)?;
+    // Ours, whole or cut off; what somebody else has written may be anything.
+    let is_ours = match first.strip_suffix(b"\n") {
+        Some(first) => serde_json::from_slice::<JournalHeader>(first).is_ok(),
+        None => {
+            let begins = b"{\"ensemble\":";
+            let length = first.len().min(begins.len());
+            (first.len() as u64) < MOST && first[..length] == begins[..length]
+        }
+    };
+    Ok(!is_ours || !file.fill_buf()?.is_empty())
 }
 
 /// What a run depends on but the limit of ticks, which only says how far it is seen.

@@ -9,7 +9,9 @@ use stochc_ir::{Cell, Face};
 
 use crate::makespan::Samples;
 use crate::scheduling::value;
-use crate::search::{FoundSchedule, branch_and_bound, heuristic, search};
+use crate::search::{
+    FoundSchedule, OTHER_CHANCES, OTHER_RUNS, branch_and_bound, heuristic, search,
+};
 use crate::sites::Sites;
 use crate::{Hardware, PlanSearch, RateLaw, Target};
 use adaptive::{ExactTimes, MOST_ADAPTIVE};
@@ -17,9 +19,6 @@ use programs::FixedProgram;
 
 /// States that are looked at, in all trees of captures, to say what no program can be faster than: each site is absent, open or there.
 const MOST_STATES: usize = 2_000_000;
-
-/// Runs by which schedules are compared.
-const RUNS: usize = 1000;
 
 /// How far the search that tries is off the best of all schedules.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +92,7 @@ fn posed<T>(
 fn gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> ScheduleGap {
     posed(scene, cells, rounds, |sites, hardware, waits, how| {
         // By the chances by which the better one is chosen.
-        let samples = Samples::new(sites.len(), RUNS, how.seed ^ 0xbb);
+        let samples = Samples::new(sites.len(), OTHER_RUNS, how.seed ^ OTHER_CHANCES);
         let value = |found: &FoundSchedule| {
             let job = found.job(sites, hardware, waits);
             value(&job, &samples, &found.schedule, how.objective)

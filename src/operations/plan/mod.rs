@@ -9,19 +9,19 @@ mod target;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use stochc_compiler::diagnostic::{Code, Diagnostic, Severity};
+use stochc_compiler::diagnostic::Severity;
 use stochc_compiler::scene::built_in_names;
 use stochc_compiler::{Limits, LintLevels};
 use stochc_ensemble::clock::now;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
-use stochc_planner::{Objective, PlanSearch, TargetError};
+use stochc_planner::{LoosePart, Objective, PlanSearch, TargetError};
 
 use super::programs::verdict;
 use super::rates::of_files_for;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
-use crate::planning::{Completion, Goal, Planned, Unplanned};
+use crate::planning::{Completion, Goal, Planned, Unplanned, untrue_claims};
 use crate::progress::WorkProgress;
 use crate::reader::DiskReader;
 
@@ -94,21 +94,21 @@ fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
     }
 }
 
-/// Refuses a completed program for a file from which its imports are not found.
+/// Refuses a completed program for a file from which its imports are not found, or are others.
 ///
 /// # Errors
-/// If the program has errors there.
-pub fn is_right_at(path: &Path, text: &str, imports: &[PathBuf]) -> Result<(), Failure> {
+/// If the program has errors there, other than claims that are still to be made true.
+pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Result<(), Failure> {
+    let text = &planned.text;
     let path = path.to_string_lossy();
     let mut reader = DiskReader::new(&path, Some(text.as_bytes()), imports);
     let (limits, levels) = (Limits::default(), LintLevels::default());
     let checked = stochc_compiler::check_with(&path, &mut reader, limits, &levels);
     let mut found = checked.diagnostics.iter();
-    // Claims that are still untrue are completed one after the other.
-    let is_wrong = |found: &&Diagnostic| {
-        found.severity == Severity::Error && found.code != Code::ShapeMismatch
-    };
-    match found.find(is_wrong) {
+    if untrue_claims(&checked).is_some_and(|untrue| untrue <= planned.untrue) {
+        return Ok(());
+    }
+    match found.find(|found| found.severity == Severity::Error) {
         None => Ok(()),
         Some(error) => Err(Failure::usage(format!(
             "in `{}` the program would not be right: {}; write it into the folder of the program that it completes",
@@ -258,7 +258,11 @@ fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
         matches!(error, TargetError::Sealed(_)) && !matches!(options.extent, PlanScope::Whole);
     if let Some(help) = error.help().filter(|_| !stands) {
         let option = match (error, options.extent) {
-            (TargetError::Loose(_), PlanScope::Whole) => " (`--seed-plate`, `--offset`)",
+            (TargetError::Loose(parts), PlanScope::Whole)
+                if parts.first().is_some_and(LoosePart::rests_on_plate) =>
+            {
+                " (`--seed-plate`, `--offset`)"
+            }
             (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
                 " (`--scene`)"
             }

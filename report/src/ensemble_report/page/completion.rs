@@ -39,8 +39,8 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         )
     };
     let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
-                   curves), <code>|</code> a run that was stopped before it completed. At risk are the runs that still \
-                   go on at a tick of the axis.";
+                   curves), <code>|</code> a run that was stopped before it completed. At risk are the runs under \
+                   observation at a tick of the axis, those that a timeout has ended among them.";
     show(parts, out, drawings, figure, caption, &["survival.csv"]);
     let times: Vec<(&str, Time)> = (parts.detailed())
         .filter_map(|(_, subject)| Some((subject.label.as_str(), parts.time(subject)?)))

@@ -227,6 +227,9 @@ impl<'r> RateWorld<'r> {
         loop {
             let (time, first) = self.queue.first()?;
             let tick = boundary(time);
+            if tick == u64::MAX {
+                return None;
+            }
             match first {
                 ScheduledCapture::OfAny(slot) => {
                     if boundary(self.hazards.face(slot)?.latest()) == tick {
