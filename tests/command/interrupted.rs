@@ -79,7 +79,7 @@ fn what_is_finished_is_kept() {
 
     let results = stochc_with("results", &[&out]);
     assert_eq!(results.status, 0);
-    assert_eq!(results.err, "1 of 2 runs are still to do\n");
+    assert_eq!(results.err, "1 of 2 runs is still to do\n");
     assert_eq!(results.out, said.out);
     let refused = stochc_with("", &simulate);
     assert_eq!(refused.status, 2);
