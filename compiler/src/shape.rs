@@ -168,10 +168,7 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
         }
         let widest = layer.rows.iter().map(|row| row.cells.len()).max();
         let fits = |from: i32, length: usize| {
-            let last = i32::try_from(length)
-                .ok()
-                .and_then(|it| from.checked_add(it - 1));
-            last.is_some()
+            i32::try_from(length).is_ok_and(|length| from.checked_add(length - 1).is_some())
         };
         if !fits(x, widest.unwrap_or(1)) || !fits(y, rows) {
             diagnostics.push(malformed(

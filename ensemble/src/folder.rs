@@ -55,8 +55,8 @@ pub struct Folder {
     kept: Records,
     shortest: Option<Finished>,
     whole: u64,
-    /// Whether its journal has damaged lines that have to go before it gets more runs than it was for.
-    has_foul_lines: bool,
+    /// What its journal was for, if it has damaged lines that have to go before it gets more runs than that.
+    foul: Option<Manifest>,
     damage: Vec<String>,
     further: MakeFurther,
     checkpoints: Option<Arc<Checkpoints>>,
@@ -161,7 +161,7 @@ impl Folder {
                 kept: Records::default(),
                 shortest: None,
                 whole: 0,
-                has_foul_lines: false,
+                foul: None,
                 damage: Vec::new(),
                 further: MakeFurther(Box::new(|_, _| Ok(Vec::new()))),
                 checkpoints: None,
@@ -183,7 +183,7 @@ impl Folder {
         }
         let journal = journal::read(&path.join(JOURNAL), &stored, &stored.identity())?;
         let is_extended = resume != Resume::No && stored.runs < manifest.runs;
-        let has_foul_lines = is_extended && !journal.damage.is_empty();
+        let foul = (is_extended && !journal.damage.is_empty()).then(|| stored.clone());
         let kept = journal.finished;
         let damage = damage(path, journal.damage);
         let (done, total) = (kept.len() as u64, manifest.total());
@@ -229,7 +229,7 @@ impl Folder {
             kept,
             shortest: journal.shortest,
             whole: journal.whole,
-            has_foul_lines,
+            foul,
             damage,
             further: MakeFurther(Box::new(|_, _| Ok(Vec::new()))),
             checkpoints: None,
@@ -347,10 +347,7 @@ impl Folder {
     /// # Errors
     /// Those of the file system.
     pub(super) fn leave_foul_lines(&mut self) -> Result<(), FolderError> {
-        if std::mem::take(&mut self.has_foul_lines) {
-            // Runs that there were not until now are left out.
-            let stored =
-                survey(&self.path)?.ok_or_else(|| FolderError::absent(self.path.clone()))?;
+        if let Some(stored) = self.foul.take() {
             keep_sound_lines(&self.path, &stored)?;
             write_checksums(&self.path, &[])?;
             let journal = journal::read(&self.path.join(JOURNAL), &stored, &stored.identity())?;

@@ -225,15 +225,22 @@ pub(super) fn read_lines(
 
 /// The first line of a file of runs; `None`: it is damaged, or not there as a whole.
 pub(super) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
-    /// Bytes of such a line, fewer than which it has.
-    const MOST: u64 = 1 << 12;
-    let mut line = Vec::new();
-    (BufReader::new(files::open(path)?).take(MOST)).read_until(b'\n', &mut line)?;
+    let line = first_line(&mut BufReader::new(files::open(path)?))?;
     let Some(line) = line.strip_suffix(b"\n") else {
         return Ok(None);
     };
     let header = serde_json::from_slice(line).ok();
     Ok(header.filter(|_| checksum::check(line) == LineIntegrity::Sound))
+}
+
+/// Bytes of the first line of a journal, fewer than which it has.
+pub(super) const MOST_HEADER: u64 = 1 << 12;
+
+/// The first line of a journal with its end, or as much of it as it may have.
+pub(super) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
+    let mut line = Vec::new();
+    file.take(MOST_HEADER).read_until(b'\n', &mut line)?;
+    Ok(line)
 }
 
 /// The run of a line, or what is wrong with it.

@@ -20,7 +20,7 @@ pub use error::{SyntaxError, SyntaxErrorKind};
 pub use format::{FormatError, format};
 pub use json::to_json;
 pub use parse::{
-    MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_unit, parse,
+    MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_comment, is_unit, parse,
     parse_cancellable,
 };
 pub use print::print;

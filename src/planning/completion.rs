@@ -9,8 +9,8 @@ use stochc_compiler::plan::EventKind;
 use stochc_compiler::{
     Checked, DeclaredShapes, FileId, LintLevels, Program, SourceLocation, shape_cells,
 };
-use stochc_grammar::format;
 use stochc_grammar::tree::{Item, ItemKind, Name};
+use stochc_grammar::{format, is_comment};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
@@ -383,9 +383,8 @@ fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
 /// The place behind one, or behind the comment with which its line ends.
 fn behind(text: &str, at: usize) -> usize {
     let line = text[at..].split('\n').next().unwrap_or_default();
-    let rest = line.trim_start();
     // A comment with three strokes belongs to what comes behind it.
-    match rest.starts_with("//") && !is_doc(rest) {
+    match is_comment(line.trim_start().as_bytes()) {
         true => at + line.len(),
         false => at,
     }
@@ -402,5 +401,5 @@ fn comment(line: &str) -> Option<usize> {
 
 /// Whether a comment is one that belongs to a statement.
 fn is_doc(comment: &str) -> bool {
-    comment.starts_with("///") && !comment.starts_with("////")
+    comment.starts_with("///") && !is_comment(comment.as_bytes())
 }

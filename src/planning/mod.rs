@@ -86,30 +86,26 @@ const MOST_COMPARED: usize = 1000;
 /// Findings behind which others may not be told of.
 const MANY: usize = 100;
 
-/// The only warnings that a planned program may have, each with the reason why.
-fn allowed(code: Code, hardware: Hardware) -> Option<&'static str> {
-    match code {
+/// What a planned program allows itself, and why: the only warnings that it may have.
+fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
+    let reason = match code {
         Code::TightApproach => {
-            Some("no order was found in which every block has a way in two cells wide")
+            "no order was found in which every block has a way in two cells wide"
         }
-        Code::ReachUndecided => Some("the planner has found a way in for every block"),
-        Code::TooManyBlocks => Some("the scene is as it was given"),
+        Code::ReachUndecided => "the planner has found a way in for every block",
+        Code::TooManyBlocks => "the scene is as it was given",
         Code::UnplannedBond if hardware.attracts_always => {
-            Some("where every face attracts, none can be kept from it")
+            "where every face attracts, none can be kept from it"
         }
         Code::CrowdedCaptures if hardware.attracts_always => {
-            Some("where every face attracts, none can be kept closed")
+            "where every face attracts, none can be kept closed"
         }
         Code::BlockedRelease if hardware.attracts_always => {
-            Some("no order was looked for in which it has a way out")
+            "no order was looked for in which it has a way out"
         }
-        _ => None,
-    }
-}
-
-/// The same as a program writes it.
-fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
-    Some((code.name(), allowed(code, hardware)?.to_owned()))
+        _ => return None,
+    };
+    Some((code.name(), reason.to_owned()))
 }
 
 impl Goal {
@@ -427,25 +423,21 @@ impl Goal {
     ) -> Result<Planned, Unplanned> {
         let found = self.check(target, &plan, &[]);
         let codes: BTreeSet<Code> = found.diagnostics.iter().map(|it| it.code).collect();
-        let allowances = codes
-            .into_iter()
-            .filter_map(|code| allowance(code, hardware));
-        let allowed_here: Vec<(&str, String)> = allowances.collect();
-        let is_allowed = |it: &Diagnostic| allowed(it.code, hardware).is_some();
+        let found_codes = codes.len();
+        let allowed = codes.into_iter();
+        let allowed = allowed.filter_map(|code| allowance(code, hardware));
+        let allowed: Vec<(&str, String)> = allowed.collect();
         // Where there are many findings, others may not have been told of.
-        let is_accepted = found.diagnostics.iter().all(is_allowed)
+        let is_accepted = allowed.len() == found_codes
             && (found.diagnostics.len() < MANY
-                || self
-                    .check(target, &plan, &allowed_here)
-                    .diagnostics
-                    .is_empty());
+                || self.check(target, &plan, &allowed).diagnostics.is_empty());
         if !is_accepted {
             // Told of the program as it would be shown.
-            let found = check_text(NAME, &self.text(target, &plan, &allowed_here));
+            let found = check_text(NAME, &self.text(target, &plan, &allowed));
             return Err(Unplanned::Wrong(Box::new(found)));
         }
         price(&mut plan, &found, law);
-        let text = self.text(target, &plan, &allowed_here);
+        let text = self.text(target, &plan, &allowed);
         Ok(self.planned(plan, text))
     }
 

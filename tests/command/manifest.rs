@@ -152,7 +152,11 @@ fn what_a_kill_has_left_goes_on() {
 
     let said = stochc_with("results", &[&torn]);
     assert_eq!(said.status, 0);
-    assert!(said.err.ends_with(" still to do\n"), "{}", said.err);
+    assert!(
+        said.err.ends_with("of 8 runs are still to do\n"),
+        "{}",
+        said.err
+    );
     let said = stochc_with(TOWER, &["--runs", "8", "--out", &torn]);
     assert_eq!(said.status, 2);
     let said = stochc_with(TOWER, &["--runs", "8", "--out", &torn, "--resume"]);

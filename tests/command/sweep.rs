@@ -275,7 +275,11 @@ fn a_swept_folder_is_made_again_and_goes_on() {
     let half = &journal[..journal.len() / 2];
     fs::write(path(torn.as_ref(), "journal.jsonl"), half).unwrap();
     let results = stochc_with("results", &[&torn]);
-    assert!(results.err.ends_with(" still to do\n"), "{}", results.err);
+    assert!(
+        results.err.ends_with("of 24 runs are still to do\n"),
+        "{}",
+        results.err
+    );
     assert!(
         results.out.contains("Not all runs are finished"),
         "{}",

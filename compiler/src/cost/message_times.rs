@@ -25,7 +25,7 @@ type NamedBlock = (RoleId, Block);
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepMessages {
     /// The news of each event that is waited for.
-    pub news: Vec<MessagePath>,
+    news: Vec<MessagePath>,
     /// Of a release: hops of the block that asks for it.
     request: u32,
     /// Hops until the phase hears that this was the last.
@@ -89,7 +89,7 @@ impl HopTime {
 
 /// The path of news to a block.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct MessagePath {
+struct MessagePath {
     /// The hops between blocks that are there.
     hops: u32,
     /// Then, one after the other, the captures of the phase that anchor the last blocks on the way, [`MOST_HANDED`] at most: where

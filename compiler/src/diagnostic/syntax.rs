@@ -1,7 +1,7 @@
 //! The grammar's errors as findings.
 use stochc_grammar::{
     BYTE_ORDER_MARK, MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError,
-    SyntaxErrorKind as K,
+    SyntaxErrorKind as K, is_comment,
 };
 
 use stochc_ir::series;
@@ -194,7 +194,7 @@ fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix>
             let mut at = start;
             for line in text.get(start..)?.split_inclusive('\n') {
                 let doc = line.trim_start();
-                if !doc.starts_with("///") || doc.starts_with("////") {
+                if !doc.starts_with("///") || is_comment(doc.as_bytes()) {
                     break;
                 }
                 let slashes = at + line.len() - doc.len();

@@ -262,6 +262,20 @@ mod tests {
         squares.sqrt() / n
     }
 
+    /// The same by Greenwood's sum over the steps.
+    fn greenwood(curve: &KaplanMeier, horizon: f64) -> f64 {
+        let (mut area, mut variance, mut until) = (0.0, 0.0, horizon);
+        for step in curve.steps.iter().rev().filter(|step| step.time <= horizon) {
+            area += step.after * (until - step.time);
+            until = step.time;
+            let left = (step.at_risk - step.completed) as f64;
+            if left > 0.0 {
+                variance += area * area * step.completed as f64 / (step.at_risk as f64 * left);
+            }
+        }
+        variance.sqrt()
+    }
+
     /// lifelines 0.30.3: `k = KaplanMeierFitter().fit(t, e)`, `k.median_survival_time_`,
     /// `restricted_mean_survival_time(k, t=35)`; the error from Greenwood's sum in numpy.
     #[test]
@@ -310,7 +324,8 @@ mod tests {
         let curve = KaplanMeier::of(&[Observation::censored(40.0); 3]).unwrap();
         assert_eq!(curve.median(), None);
         let mean = curve.restricted_mean(f64::INFINITY);
-        assert_eq!((mean.mean, mean.horizon), (40.0, 40.0));
+        let error = error(&curve, &[Observation::censored(40.0); 3], f64::INFINITY);
+        assert_eq!((mean.mean, error, mean.horizon), (40.0, 0.0, 40.0));
     }
 
     /// Nine completions one after the other; of those that are censored later, nothing is known but that they take longer.
@@ -410,7 +425,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn contributions_make_the_mean(
+        fn contributions_make_the_mean_and_its_error(
             runs in proptest::collection::vec(observation(1..60), 2..40),
             share in 0.2_f64..1.2,
         ) {
@@ -421,6 +436,9 @@ mod tests {
             let n = parts.len() as f64;
             let mean = parts.iter().sum::<f64>() / n;
             prop_assert!((mean - known.mean).abs() < 1e-9 * (1.0 + known.mean));
+            let known = greenwood(&curve, known.horizon);
+            let found = error(&curve, &runs, horizon);
+            prop_assert!((found - known).abs() < 1e-7 * (1.0 + known));
         }
     }
 }

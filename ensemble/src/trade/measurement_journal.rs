@@ -1,6 +1,6 @@
 //! What a measurement has found, run by run, in a file that outlives a kill.
 use std::collections::BTreeMap;
-use std::io::{self, BufRead as _, BufReader, Read as _};
+use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -16,7 +16,7 @@ use super::plan::Job;
 use super::sample::Measured;
 use crate::JournalError;
 use crate::folder::lock;
-use crate::journal::{Journal, JournalHeader, JournalLine, read_lines};
+use crate::journal::{Journal, JournalHeader, JournalLine, MOST_HEADER, first_line, read_lines};
 use crate::{EnsembleProgram, FolderError, this_build};
 
 /// Its name in the folder of a trade.
@@ -151,22 +151,19 @@ impl MeasurementJournal {
 /// # Errors
 /// Those of the file system.
 pub fn has_entries(folder: &Path) -> io::Result<bool> {
-    /// Bytes of a first line, fewer than which it has.
-    const MOST: u64 = 1 << 12;
     let mut file = match files::open(&folder.join(MEASUREMENT_JOURNAL)) {
         Ok(file) => BufReader::new(file),
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
         Err(error) => return Err(error),
     };
-    let mut first = Vec::new();
-    (&mut file).take(MOST).read_until(b'\n', &mut first)?;
+    let first = first_line(&mut file)?;
     // Ours, whole or cut off; what somebody else has written may be anything.
     let is_ours = match first.strip_suffix(b"\n") {
         Some(first) => serde_json::from_slice::<JournalHeader>(first).is_ok(),
         None => {
             let begins = b"{\"ensemble\":";
             let length = first.len().min(begins.len());
-            (first.len() as u64) < MOST && first[..length] == begins[..length]
+            (first.len() as u64) < MOST_HEADER && first[..length] == begins[..length]
         }
     };
     Ok(!is_ours || !file.fill_buf()?.is_empty())

@@ -19,7 +19,7 @@ use crate::tree::{Docs, Item, Tree};
 use crate::{Cancellation, Cancelled, Span, Symbol, Symbols};
 use frame::{Mode, OpenBlock};
 pub(crate) use record::{Record, Token};
-pub(crate) use trivia::is_comment;
+pub use trivia::is_comment;
 
 pub(crate) use grammar::{Rule, SaParser};
 

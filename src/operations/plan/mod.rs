@@ -104,10 +104,10 @@ pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Resul
     let mut reader = DiskReader::new(&path, Some(text.as_bytes()), imports);
     let (limits, levels) = (Limits::default(), LintLevels::default());
     let checked = stochc_compiler::check_with(&path, &mut reader, limits, &levels);
-    let mut found = checked.diagnostics.iter();
     if untrue_claims(&checked).is_some_and(|untrue| untrue <= planned.untrue) {
         return Ok(());
     }
+    let mut found = checked.diagnostics.iter();
     match found.find(|found| found.severity == Severity::Error) {
         None => Ok(()),
         Some(error) => Err(Failure::usage(format!(
