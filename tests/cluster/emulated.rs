@@ -109,9 +109,28 @@ impl Cluster {
     }
 
     /// Starts `stochc submit` on a folder.
-    pub fn submit(&self, folder: &Path, options: &str) -> Child {
-        let mut command = self.command(&format!("stochc submit {options}"));
+    pub fn start_submit(&self, folder: &Path, options: &str) -> Child {
+        let mut command = self.command(&format!("stochc submit --grace 2s {options}"));
         command.arg(folder).spawn().unwrap()
+    }
+
+    /// Runs `stochc submit` on a folder. Returns its status and output.
+    pub fn submit(&self, folder: &Path, options: &str) -> (i32, String) {
+        end(self.start_submit(folder, options))
+    }
+
+    /// Runs `stochc submit`, which has to submit this number of shards.
+    #[track_caller]
+    pub fn submits(&self, folder: &Path, shards: u64) {
+        let (status, said) = self.submit(folder, "");
+        assert_eq!(status, 0, "{said}");
+        assert!(said.contains(&format!("(shards: {shards}, ")), "{said}");
+    }
+
+    /// Waits until no job of this name is active.
+    pub fn until_ended(&self, name: &str) {
+        let line = format!("squeue --noheader --name={name},{name}-merge");
+        until("end of all jobs", || self.ask(&line).is_empty());
     }
 
     /// How many job arrays of this name were submitted, and have not been forgotten.
@@ -176,11 +195,13 @@ impl Ensemble {
         }
     }
 
-    /// Waits for the end of `submit`, after which it has to be the folder of one machine.
-    pub fn is_made_by(&self, child: Child) {
-        let (status, said) = end(child);
-        assert_eq!(status, 0, "{said}");
-        assert!(files(&self.path) == self.expected, "{said}");
+    /// Waits until it is merged. It then has to be the folder of one machine.
+    #[track_caller]
+    pub fn is_made(&self) {
+        until("merged ensemble", || {
+            !self.path.join("shards.json").exists()
+        });
+        assert!(files(&self.path) == self.expected);
     }
 }
 
@@ -204,10 +225,15 @@ pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// Waits for the end of a command; its status, and what it said on standard error.
+/// Waits for the end of a command. Returns its status and output.
 pub fn end(child: Child) -> (i32, String) {
-    let Output { status, stderr, .. } = child.wait_with_output().unwrap();
-    (status.code().unwrap(), String::from_utf8(stderr).unwrap())
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = child.wait_with_output().unwrap();
+    let text = String::from_utf8([stdout, stderr].concat()).unwrap();
+    (status.code().unwrap(), text)
 }
 
 /// Processes whose arguments and environment are such, by their ids.

@@ -1,105 +1,77 @@
-//! What goes wrong, and is made good.
-use std::process::Command;
-
-use crate::emulated::{Ensemble, Held, SLOW, cluster, daemon, end, members, signal, until};
+//! Failures after which a second `stochc submit` completes the ensemble.
+use crate::emulated::{Ensemble, Held, SLOW, cluster, daemon, members, signal, until};
 
 #[test]
-fn a_task_that_is_killed_is_made_again() {
+fn the_shard_of_a_killed_task_is_submitted_again() {
     let Some(cluster) = cluster() else { return };
     let ensemble = Ensemble::cut(SLOW, 2);
     let name = cluster.name(&ensemble.path);
-    let child = cluster.submit(&ensemble.path, "");
+    cluster.submits(&ensemble.path, 2);
     signal("-9", &[Held::making(&ensemble.path, "1").0]);
-    ensemble.is_made_by(child);
+    cluster.until_ended(&name);
+    let log = ensemble.path.join("slurm");
+    let logs = std::fs::read_dir(log).unwrap().flatten();
+    let names: Vec<String> = logs
+        .map(|it| it.file_name().into_string().unwrap())
+        .collect();
+    assert!(names.iter().any(|it| it.ends_with("_1.log")), "{names:?}");
+    cluster.submits(&ensemble.path, 1);
+    ensemble.is_made();
     assert_eq!(cluster.arrays(&name), 2);
 }
 
 #[test]
-fn a_node_that_is_lost_is_done_without() {
+fn a_lost_node_is_done_without() {
     let Some(cluster) = cluster() else { return };
     let ensemble = Ensemble::cut(SLOW, 2);
-    let child = cluster.submit(&ensemble.path, "");
-    let pieces = ["0", "1"].map(|piece| Held::making(&ensemble.path, piece));
+    let name = cluster.name(&ensemble.path);
+    cluster.submits(&ensemble.path, 2);
+    let shards = ["0", "1"].map(|shard| Held::making(&ensemble.path, shard));
     let lost = members(&cluster, Some("n2"));
-    assert!(pieces.iter().any(|piece| lost.contains(&piece.0)));
-    // All at once, so that nobody can tell of the others' end.
+    assert!(shards.iter().any(|shard| lost.contains(&shard.0)));
+    // All at once, so that none reports the end of the others.
     signal("-STOP", &lost);
     signal("-9", &lost);
-    // Slurm finds out by itself in half a minute.
+    // Slurm itself finds out in half a minute.
     cluster.ask("scontrol update nodename=n2 state=down reason=lost");
-    pieces.into_iter().for_each(Held::goes_on);
-    ensemble.is_made_by(child);
+    shards.into_iter().for_each(Held::goes_on);
+    // Slurm requeues the task of a lost node by itself, unless the site says otherwise.
+    cluster.until_ended(&name);
+    if ensemble.path.join("shards.json").exists() {
+        cluster.submits(&ensemble.path, 1);
+    }
+    ensemble.is_made();
     let mut node = cluster.command("slurmd -N n2");
     assert!(node.status().unwrap().success());
     cluster.ask("scontrol update nodename=n2 state=resume");
 }
 
-/// And whoever has submitted goes away meanwhile.
 #[test]
-fn a_controller_that_restarts_is_waited_for() {
+fn a_controller_may_restart() {
     let Some(cluster) = cluster() else { return };
     let ensemble = Ensemble::cut(SLOW, 2);
     let name = cluster.name(&ensemble.path);
-    let mut child = cluster.submit(&ensemble.path, "");
-    let piece = Held::making(&ensemble.path, "1");
-    child.kill().unwrap();
-    child.wait().unwrap();
+    cluster.submits(&ensemble.path, 2);
+    let shard = Held::making(&ensemble.path, "1");
     let controller = daemon(&cluster, "slurmctld");
     signal("-TERM", std::slice::from_ref(&controller));
     until("end of the controller", || {
         !members(&cluster, None).contains(&controller)
     });
-    let impatient = cluster.submit(&ensemble.path, "--controller-timeout 1s");
-    let child = cluster.submit(&ensemble.path, "");
-    let (status, said) = end(impatient);
+    let (status, said) = cluster.submit(&ensemble.path, "");
     assert_eq!(status, 2, "{said}");
-    assert!(said.contains("Slurm has not answered for"), "{said}");
-    assert!(
-        said.contains("Unable to contact slurm controller"),
-        "{said}"
-    );
+    for what in [
+        "Unable to contact slurm controller",
+        "jobs that were submitted are not affected",
+    ] {
+        assert!(said.contains(what), "{what}: {said}");
+    }
     let mut controller = cluster.command("slurmctld");
     assert!(controller.status().unwrap().success());
-    piece.goes_on();
-    ensemble.is_made_by(child);
-    until("controller", || cluster.arrays(&name) == 1);
-}
-
-/// The process that makes a piece may write no further byte, as on a disk that is full: `prlimit` needs no disk of its own.
-#[test]
-fn a_piece_for_which_the_disk_was_full_is_made_again() {
-    let Some(cluster) = cluster() else { return };
-    let ensemble = Ensemble::cut(SLOW, 2);
-    let name = cluster.name(&ensemble.path);
-    let child = cluster.submit(&ensemble.path, "");
-    let piece = Held::making(&ensemble.path, "0");
-    let mut limit = Command::new("prlimit");
-    limit.args(["--fsize=1", "--pid", &piece.0]);
-    assert!(limit.status().unwrap().success());
-    piece.goes_on();
-    ensemble.is_made_by(child);
-    assert_eq!(cluster.arrays(&name), 2);
-}
-
-/// Slurm counts time limits in minutes, and looks at them twice a minute; so the end is set to be now.
-#[test]
-fn a_task_that_is_out_of_time_goes_on_in_the_next() {
-    let Some(cluster) = cluster() else { return };
-    let ensemble = Ensemble::cut(SLOW, 2);
-    let name = cluster.name(&ensemble.path);
-    let child = cluster.submit(&ensemble.path, "--time 10");
-    // Held until then, however quick it is.
-    Held::making(&ensemble.path, "0");
-    let tasks = cluster.ask(&format!(
-        "squeue --noheader --array --name={name} --format=%A|%K|"
-    ));
-    let task = tasks
-        .lines()
-        .find_map(|line| line.trim().strip_suffix("|0|"));
-    let task = task.unwrap_or_else(|| panic!("{tasks}"));
-    cluster.ask(&format!("scontrol update jobid={task} EndTime=now"));
-    ensemble.is_made_by(child);
-    assert_eq!(cluster.arrays(&name), 2);
-    let timed_out = format!("squeue --noheader --states=timeout --name={name} --format=%K");
-    assert_eq!(cluster.ask(&timed_out).trim(), "0");
+    let (status, said) = cluster.submit(&ensemble.path, "");
+    assert_eq!(status, 0, "{said}");
+    assert!(said.contains("nothing was submitted"), "{said}");
+    shard.goes_on();
+    ensemble.is_made();
+    assert_eq!(cluster.arrays(&name), 1);
 }

@@ -1,15 +1,97 @@
-//! `submit` where there is no Slurm; with it: tests/cluster.
+//! `submit` without Slurm, or with programs in its place; with Slurm: tests/cluster.
 use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
+
+use tempfile::TempDir;
 
 use crate::stochc::{Said, command, path, said, stochc_with};
 
 const TOWER: &str = "simulate --model shuffle tests/fixtures/tower.sa --runs 10 --seed 3 --quiet";
 
-/// Does `submit` where no command of Slurm is installed.
+/// Runs `submit` without Slurm's commands.
 fn submit(arguments: &[&str]) -> Said {
     let arguments = std::iter::once("submit").chain(arguments.iter().copied());
     said(command(arguments).env("PATH", ""))
+}
+
+/// Programs that answer in the place of Slurm's, and an ensemble of four shards.
+struct FakeSlurm {
+    folder: TempDir,
+    out: String,
+}
+
+/// Prints the job number, as Slurm does.
+const ACCEPTS: &str = "echo $number";
+/// Refuses, as Slurm does. The job is removed.
+const REFUSES: &str =
+    "sed -i '$d' jobs; echo 'sbatch: error: Invalid partition specified' >&2; exit 1";
+/// Lists all jobs as running.
+const LISTS: &str = "while read n s name; do echo \"$n|0|$name|RUNNING|None\"; done <jobs";
+/// Lists no job.
+const LISTS_NOTHING: &str = ":";
+
+impl FakeSlurm {
+    /// `sbatch` adds a line `NUMBER SECONDS NAME` to `jobs`, and then does as its script says.
+    fn new(sbatch: &str, squeue: &str) -> FakeSlurm {
+        let folder = tempfile::tempdir().unwrap();
+        let out = path(folder.path(), "out");
+        stochc_with(TOWER, &["--shards", "4", "--out", &out]);
+        let fake = FakeSlurm { folder, out };
+        fs::create_dir(fake.folder.path().join("bin")).unwrap();
+        fs::write(fake.folder.path().join("jobs"), "").unwrap();
+        fake.program("scontrol", "echo 'MaxArraySize = 1001'");
+        fake.program("sacctmgr", "exit 1");
+        fake.program("squeue", squeue);
+        fake.sbatch(sbatch);
+        fake
+    }
+
+    fn sbatch(&self, script: &str) {
+        let add = "for a; do case $a in --job-name=*) name=${a#*=};; esac; done
+number=$((101 + $(wc -l <jobs)))
+echo $number $(date +%s) $name >>jobs
+echo \"$* ${SBATCH_ARRAY_INX-}\" >>calls";
+        self.program("sbatch", &format!("{add}\n{script}"));
+    }
+
+    fn program(&self, name: &str, script: &str) {
+        let file = self.folder.path().join("bin").join(name);
+        let folder = self.folder.path().display();
+        fs::write(&file, format!("#!/bin/sh\ncd {folder}\n{script}\n")).unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o755)).unwrap();
+    }
+
+    fn command(&self, options: &str) -> std::process::Command {
+        let mut command = command(["submit", &self.out]);
+        command.args(options.split_whitespace());
+        let bin = self.folder.path().join("bin");
+        command.env("PATH", format!("{}:/usr/bin:/bin", bin.display()));
+        command
+    }
+
+    fn submit(&self, options: &str) -> Said {
+        said(&mut self.command(options))
+    }
+
+    /// Runs shards here.
+    fn run_shards(&self) {
+        for shard in ["0", "1", "2", "3"] {
+            stochc_with("shard --quiet", &[&self.out, shard]);
+        }
+    }
+
+    /// Checks that an array and a merge job were submitted, and nothing else.
+    #[track_caller]
+    fn has_submitted_once(&self) {
+        let jobs = fs::read_to_string(self.folder.path().join("jobs")).unwrap();
+        let merges: Vec<bool> = jobs.lines().map(|job| job.ends_with("-merge")).collect();
+        assert_eq!(merges, [false, true], "{jobs}");
+    }
+
+    fn calls(&self) -> String {
+        fs::read_to_string(self.folder.path().join("calls")).unwrap_or_default()
+    }
 }
 
 #[test]
@@ -19,38 +101,189 @@ fn without_slurm_there_is_a_way_out() {
     stochc_with(TOWER, &["--shards", "4", "--out", &out]);
     let said = submit(&[&out]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
-    assert!(
-        said.err.contains("`squeue` is not installed"),
-        "{}",
-        said.err
-    );
-    assert!(said.err.contains("stochc status"), "{}", said.err);
+    for what in ["`squeue` is not installed", "stochc status"] {
+        assert!(said.err.contains(what), "{what}: {}", said.err);
+    }
     assert!(!Path::new(&out).join("slurm").exists());
 }
 
-/// The commands are there, and nobody has told them of a cluster.
-#[cfg(unix)]
 #[test]
 fn without_a_configuration_there_is_a_way_out() {
-    use std::os::unix::fs::PermissionsExt as _;
-    let folder = tempfile::tempdir().unwrap();
-    let out = path(folder.path(), "out");
-    stochc_with(TOWER, &["--shards", "4", "--out", &out]);
-    let squeue = folder.path().join("squeue");
-    let script =
-        "#!/bin/sh\necho 'squeue: fatal: Could not establish a configuration source' >&2\nexit 1\n";
-    fs::write(&squeue, script).unwrap();
-    fs::set_permissions(&squeue, fs::Permissions::from_mode(0o755)).unwrap();
-    let said = said(command(["submit", &out]).env("PATH", folder.path()));
+    let fatal = "echo 'squeue: fatal: Could not establish a configuration source' >&2; exit 1";
+    let slurm = FakeSlurm::new(ACCEPTS, fatal);
+    let said = slurm.submit("");
     assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
-    for what in [
-        "establish a configuration",
-        "do not work here",
-        "stochc status",
-    ] {
+    for what in ["establish a configuration", "stochc status"] {
         assert!(said.err.contains(what), "{what}: {}", said.err);
     }
     assert!(!said.err.contains("--partition"), "{}", said.err);
+    assert_eq!(slurm.calls(), "");
+}
+
+#[test]
+fn lines_may_come_before_the_job_number() {
+    let banner = "echo '--> checking the allocation ... OK'; echo $number";
+    let slurm = FakeSlurm::new(banner, LISTS_NOTHING);
+    let said = slurm.submit("");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let submitted = "submitted job array 101 (shards: 4, tasks: 4) and merge job 102\n";
+    assert!(said.out.starts_with(submitted), "{}", said.out);
+    assert!(said.out.contains("squeue --jobs=101,102\n"), "{}", said.out);
+    slurm.has_submitted_once();
+    assert!(slurm.calls().contains("--dependency=afterany:101"));
+}
+
+#[test]
+fn an_accepted_job_without_a_number_is_found_by_its_name() {
+    let lost = "echo 'sbatch: error: Batch job submission failed: Socket timed out' >&2; exit 1";
+    for sbatch in ["echo Thank you.", lost] {
+        let slurm = FakeSlurm::new(sbatch, LISTS);
+        let said = slurm.submit("");
+        assert_eq!((said.status, said.err.as_str()), (0, ""));
+        assert!(said.out.contains("merge job 102\n"), "{}", said.out);
+        slurm.has_submitted_once();
+        // Nor is it reported as refused if it is not found.
+        let slurm = FakeSlurm::new(sbatch, LISTS_NOTHING);
+        let said = slurm.submit("--grace 1s");
+        assert_eq!((said.status, said.out.as_str()), (2, ""));
+        assert!(
+            said.err.contains("may have accepted the job array"),
+            "{}",
+            said.err
+        );
+        let again = slurm.submit("--grace 1s");
+        assert!(again.err.starts_with("waiting up to "), "{}", again.err);
+    }
+}
+
+#[test]
+fn a_refusal_is_reported_and_can_be_repaired() {
+    let slurm = FakeSlurm::new(REFUSES, LISTS_NOTHING);
+    let said = slurm.submit("");
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    for what in ["refused the job array", "Invalid partition", "--partition"] {
+        assert!(said.err.contains(what), "{what}: {}", said.err);
+    }
+    let limit = "sed -i '$d' jobs; echo 'sbatch: error: QOSMaxSubmitJobPerUserLimit
+sbatch: error: Batch job submission failed: Job violates accounting/QOS policy' >&2; exit 1";
+    slurm.sbatch(limit);
+    let said = slurm.submit("");
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("`--per-task N`"), "{}", said.err);
+    slurm.sbatch(ACCEPTS);
+    let said = slurm.submit("");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    slurm.has_submitted_once();
+}
+
+#[test]
+fn a_merge_job_that_was_refused_is_submitted_later() {
+    let refuses_merge = format!("case $name in *-merge) {REFUSES};; esac\n{ACCEPTS}");
+    let slurm = FakeSlurm::new(&refuses_merge, LISTS);
+    let said = slurm.submit("");
+    assert_eq!(said.status, 2);
+    let refused = "refused the merge job after job array 101";
+    assert!(said.err.contains(refused), "{}", said.err);
+    slurm.sbatch(ACCEPTS);
+    let said = slurm.submit("--grace 1s");
+    assert_eq!(said.status, 0, "{}", said.err);
+    let submitted = "running tasks: 1; submitted merge job 102\n";
+    assert!(said.out.starts_with(submitted), "{}", said.out);
+    slurm.has_submitted_once();
+}
+
+#[test]
+fn jobs_that_are_not_listed_yet_are_not_submitted_again() {
+    let late = "now=$(date +%s); while read n s name; do
+[ $((now - s)) -lt 4 ] || echo \"$n|0-3|$name|RUNNING|None\"; done <jobs";
+    let slurm = FakeSlurm::new(ACCEPTS, late);
+    assert_eq!(slurm.submit("").status, 0);
+    let said = slurm.submit("");
+    assert_eq!(said.status, 0, "{}", said.err);
+    let running = "running tasks: 4; nothing was submitted\n";
+    assert!(said.out.starts_with(running), "{}", said.out);
+    slurm.has_submitted_once();
+}
+
+#[test]
+fn shards_whose_files_arrive_late_are_not_submitted_again() {
+    let ended = "while read n s name; do echo \"$n|0-3|$name|COMPLETED|None\"; done <jobs";
+    let slurm = FakeSlurm::new(ACCEPTS, ended);
+    let (stochc, out) = (env!("CARGO_BIN_EXE_stochc"), &slurm.out);
+    let late = format!(
+        "echo $number
+case $name in *-merge) exit;; esac
+(exec >/dev/null 2>&1; sleep 3; for i in 0 1 2 3; do {stochc} shard {out} $i; done; {stochc} merge {out}) &"
+    );
+    slurm.sbatch(&late);
+    assert_eq!(slurm.submit("").status, 0);
+    let said = slurm.submit("");
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("is whole: 10 runs"), "{}", said.out);
+    assert!(!Path::new(out).join("slurm").exists());
+    slurm.has_submitted_once();
+}
+
+#[test]
+fn missing_shards_are_submitted_again() {
+    let slurm = FakeSlurm::new(ACCEPTS, LISTS_NOTHING);
+    assert_eq!(slurm.submit("").status, 0);
+    slurm.run_shards();
+    fs::remove_file(Path::new(&slurm.out).join("shards/2.jsonl")).unwrap();
+    fs::write(Path::new(&slurm.out).join("slurm/101_2.log"), "killed\n").unwrap();
+    let said = slurm.submit("--grace 1s");
+    assert_eq!(said.status, 0, "{}", said.err);
+    let submitted = "submitted job array 103 (shards: 1, tasks: 1) and merge job 104\n";
+    assert!(said.out.starts_with(submitted), "{}", said.out);
+    assert!(said.out.contains("out/slurm/\n"), "{}", said.out);
+    assert!(slurm.calls().contains("--array=2 "), "{}", slurm.calls());
+}
+
+#[test]
+fn shards_are_merged_if_none_is_missing() {
+    let slurm = FakeSlurm::new(ACCEPTS, LISTS_NOTHING);
+    slurm.run_shards();
+    // Only a thorough look finds this.
+    let shard = Path::new(&slurm.out).join("shards/1.jsonl");
+    let text = fs::read_to_string(&shard).unwrap();
+    let last = text.trim_end().rfind('\n').unwrap();
+    fs::write(&shard, format!("{}{{}}\n", &text[..=last])).unwrap();
+    let said = slurm.submit("");
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(slurm.calls().contains("--array=1 "), "{}", slurm.calls());
+    fs::write(&shard, text).unwrap();
+    let said = slurm.submit("--grace 1s");
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("is whole: 10 runs"), "{}", said.out);
+    slurm.has_submitted_once();
+}
+
+#[test]
+fn the_environment_does_not_decide_what_is_submitted() {
+    let slurm = FakeSlurm::new(ACCEPTS, LISTS);
+    let said_with = |name: &str, value: &str| said(slurm.command("").env(name, value));
+    let refused = said_with("SBATCH_CLUSTERS", "east");
+    assert_eq!((refused.status, refused.out.as_str()), (2, ""));
+    assert!(refused.err.contains("SLURM_CLUSTERS"), "{}", refused.err);
+    assert_eq!(slurm.calls(), "");
+    assert_eq!(said_with("SBATCH_ARRAY_INX", "7-9").status, 0);
+    assert!(!slurm.calls().contains("7-9"), "{}", slurm.calls());
+    slurm.has_submitted_once();
+}
+
+#[test]
+fn tasks_are_limited_as_asked_and_by_the_site() {
+    let slurm = FakeSlurm::new(ACCEPTS, LISTS);
+    let limit = "echo 'SchedulerParameters = sched_interval=1,max_array_tasks=2'";
+    slurm.program("scontrol", limit);
+    let said = slurm.submit("--at-most 1");
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("(shards: 4, tasks: 2)"), "{}", said.out);
+    assert!(
+        slurm.calls().contains("--array=0-1%1 "),
+        "{}",
+        slurm.calls()
+    );
 }
 
 #[test]
@@ -80,7 +313,7 @@ fn a_dry_run_shows_scripts_and_commands() {
     assert!(name.starts_with("stochc-"), "{name}");
     insta::assert_snapshot!(shown.replace(name, "NAME"));
     assert!(!Path::new(&out).join("slurm").exists());
-    // More pieces than Slurm takes tasks, where a site says nothing.
+    // More shards than Slurm's default number of tasks.
     let many = path(folder.path(), "many");
     let line = "simulate --model shuffle tests/fixtures/tower.sa --runs 4000 --shards 4000 --quiet";
     stochc_with(line, &["--out", &many]);
@@ -89,9 +322,8 @@ fn a_dry_run_shows_scripts_and_commands() {
     assert!(shown.contains("--array=0-999 "), "{shown}");
 }
 
-/// The scripts do what they say: with a shell in the place of Slurm.
+/// A shell in the place of Slurm runs the scripts.
 #[test]
-#[cfg(unix)]
 fn the_scripts_are_plain_shell() {
     let folder = tempfile::tempdir().unwrap();
     let [plain, out] = ["plain", "$(out) it's"].map(|name| path(folder.path(), name));
@@ -99,8 +331,8 @@ fn the_scripts_are_plain_shell() {
     stochc_with(TOWER, &["--shards", "5", "--out", &out]);
     let shown = submit(&[&out, "--dry-run", "--per-task", "2"]).out;
     let mut scripts = shown.split("#!/bin/sh\n").skip(1);
-    let [pieces, merge] = [scripts.next().unwrap(), scripts.next().unwrap()].map(|script| {
-        let end = script.find("\n# to ").unwrap();
+    let [shards, merge] = [scripts.next().unwrap(), scripts.next().unwrap()].map(|script| {
+        let end = script.find("\n# ").unwrap();
         &script[..end]
     });
     fs::create_dir(Path::new(&out).join("slurm")).unwrap();
@@ -120,20 +352,17 @@ fn the_scripts_are_plain_shell() {
             .contains("5 of 5 pieces are missing")
     );
     for task in ["2", "0"] {
-        let said = run(pieces, task);
+        let said = run(shards, task);
         assert_eq!((said.status, said.err.as_str()), (0, ""));
     }
-    // In the place of a piece there is something else: the other piece of the task is made.
-    let shards = Path::new(&out).join("shards");
-    fs::copy(shards.join("0.jsonl"), shards.join("3.jsonl")).unwrap();
-    assert_eq!(run(pieces, "1").status, 2);
+    // One shard of the task has the file of another: the other shard of the task is run.
+    let files = Path::new(&out).join("shards");
+    fs::copy(files.join("0.jsonl"), files.join("3.jsonl")).unwrap();
+    assert_eq!(run(shards, "1").status, 2);
     let told = log("12_1.log").unwrap();
     assert!(told.contains("is in fact piece 0 of 5"), "{told}");
-    assert!(
-        told.ends_with("piece 3 has ended with status 2\n"),
-        "{told}"
-    );
-    assert!(shards.join("2.jsonl").exists());
+    assert!(told.ends_with("shard 3 ended with status 2\n"), "{told}");
+    assert!(files.join("2.jsonl").exists());
     let refused = submit(&[&out, "--dry-run"]);
     assert_eq!(refused.status, 2);
     assert!(
@@ -141,8 +370,8 @@ fn the_scripts_are_plain_shell() {
         "{}",
         refused.err
     );
-    fs::remove_file(shards.join("3.jsonl")).unwrap();
-    assert_eq!(run(pieces, "1").status, 0);
+    fs::remove_file(files.join("3.jsonl")).unwrap();
+    assert_eq!(run(shards, "1").status, 0);
     assert!(log("12_1.log").is_err());
     assert_eq!(run(merge, "").status, 0);
     assert_eq!(
@@ -171,20 +400,23 @@ fn what_cannot_be_submitted_is_refused() {
         "--wait",
         "-W",
         "--clusters=a",
+        "--clu=a",
         "-Ma",
         "--wrap=x",
         "--test-only",
+        "--output=x",
+        "--job-name=x",
+        "--version",
     ] {
-        refused(&[&out, "--sbatch", option], "cannot be followed");
+        refused(&[&out, "--sbatch", option], "cannot be combined with --");
     }
-    refused(&[&out, "--attempts", "0"], "--attempts");
+    for option in ["--array=0-9", "--arr=0-9", "-a0-9"] {
+        refused(&[&out, "--sbatch", option], "--at-most");
+    }
+    refused(&[&out, "--sbatch", "account=me"], "--sbatch=--mem=2G");
+    refused(&[&out, "--at-most", "0"], "--at-most");
     refused(&[&out, "--per-task", "0"], "--per-task");
-    refused(&[&out, "--controller-timeout", "1"], "number and its unit");
-    // What was submitted cannot be read.
-    let slurm = Path::new(&out).join("slurm");
-    fs::create_dir(&slurm).unwrap();
-    fs::write(slurm.join("jobs.json"), "{\"submissions\":[").unwrap();
-    refused(&[&out], "it is damaged; remove it");
+    refused(&[&out, "--grace", "1"], "number and its unit");
     // Another build.
     let manifest = Path::new(&out).join("manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
@@ -213,5 +445,5 @@ fn a_name_that_is_no_text_is_refused() {
     fs::rename(&out, &odd).unwrap();
     let said = said(command(["submit", "--dry-run"]).arg(&odd));
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("is no UTF-8"), "{}", said.err);
+    assert!(said.err.contains("is not UTF-8"), "{}", said.err);
 }

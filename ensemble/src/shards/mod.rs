@@ -21,8 +21,7 @@ pub use cut::{Prepared, prepare};
 pub use error::ShardError;
 pub use merge::merge;
 pub use piece::Piece;
-pub(crate) use status::thorough_status;
-pub use status::{PieceState, ShardStatus, count_pieces, status};
+pub use status::{PieceState, ShardStatus, status};
 
 pub(super) use cut::same_build;
 pub(super) use status::health;

@@ -1,8 +1,7 @@
 //! What there is of the pieces.
 use std::collections::BTreeMap;
 use std::io::{self, BufRead as _, BufReader};
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 use stochc_files as files;
@@ -14,7 +13,6 @@ use super::piece::{PieceFile, identify, in_folder, read};
 use crate::Manifest;
 use crate::file_integrity::{FileIntegrity, Integrity};
 use crate::file_names::SHARDS;
-use crate::journal::JournalHeader;
 
 /// All pieces of an ensemble.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -66,23 +64,6 @@ impl ShardStatus {
 /// # Errors
 /// When it is not cut into any, or cannot be read.
 pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
-    status_by(path, |file, header, _, _| Ok(identify(file, header)?))
-}
-
-/// The same, by all lines of each, as [`merge`](super::merge()) does.
-///
-/// # Errors
-/// Those of [`status`].
-pub fn thorough_status(path: &Path) -> Result<ShardStatus, ShardError> {
-    status_by(path, |file, header, manifest, jobs| {
-        read(file, header, manifest, jobs, |_| Ok(()))
-    })
-}
-
-fn status_by(
-    path: &Path,
-    look: impl Fn(&Path, &JournalHeader, &Manifest, &Range<u64>) -> Result<PieceFile, ShardError>,
-) -> Result<ShardStatus, ShardError> {
     let (manifest, cut) = Cut::of(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
     // `merge` may have been stopped when it had begun to remove them.
@@ -91,12 +72,8 @@ fn status_by(
         if is_joined {
             return Ok(PieceState::Whole);
         }
-        let (header, jobs) = (
-            cut.header(build(&manifest), number),
-            cut.jobs(manifest.total(), number),
-        );
-        let found = look(&piece_file(path, number), &header, &manifest, &jobs)?;
-        Ok(match found {
+        let header = cut.header(build(&manifest), number);
+        Ok(match identify(&piece_file(path, number), &header)? {
             PieceFile::Whole => PieceState::Whole,
             PieceFile::Damaged(reason) => PieceState::Damaged { reason },
             PieceFile::Foreign(reason) => PieceState::Foreign { reason },
@@ -113,18 +90,6 @@ fn status_by(
         runs: manifest.total(),
         pieces,
     })
-}
-
-/// How many pieces have a file, by its name alone.
-///
-/// # Errors
-/// Those of the file system.
-pub fn count_pieces(path: &Path) -> io::Result<u64> {
-    let is_piece = |entry: &PathBuf| entry.extension().is_some_and(|it| it == "jsonl");
-    match disk::list(&path.join(SHARDS)) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(0),
-        entries => Ok(entries?.iter().filter(|entry| is_piece(entry)).count() as u64),
-    }
 }
 
 /// Runs in the files of pieces that are not whole, by their numbers.

@@ -1,21 +1,24 @@
-//! How many jobs a site allows.
+//! Limits of a site on jobs.
 
-/// How many jobs a site allows.
+/// Limits of a site on jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlurmLimits {
-    /// Tasks of a job array (`MaxArraySize`).
-    pub array: u64,
+    /// Task numbers of a job array are below this (`MaxArraySize`).
+    pub array_size: u64,
+    /// Tasks of a job array (`max_array_tasks` in `SchedulerParameters`). `None` if only `array_size` limits them.
+    pub array_tasks: Option<u64>,
     /// Jobs of all users at the same time (`MaxJobCount`).
     pub jobs: u64,
-    /// Jobs of this user at the same time (`MaxSubmitJobs`), if there is a limit.
+    /// Jobs of this user at the same time (`MaxSubmitJobs`). `None` if there is no limit.
     pub submitted: Option<u64>,
 }
 
 impl Default for SlurmLimits {
-    /// Those of Slurm where a site says nothing.
+    /// Slurm's own defaults.
     fn default() -> SlurmLimits {
         SlurmLimits {
-            array: 1001,
+            array_size: 1001,
+            array_tasks: None,
             jobs: 10_000,
             submitted: None,
         }
@@ -23,45 +26,56 @@ impl Default for SlurmLimits {
 }
 
 impl SlurmLimits {
-    /// Reads what `scontrol show config` has said.
-    pub fn of_config(config: &str) -> SlurmLimits {
+    /// Reads the output of `scontrol show config`.
+    pub fn from_config(config: &str) -> SlurmLimits {
         let default = SlurmLimits::default();
-        let number = |name: &str| {
-            let mut lines = config.lines().filter_map(|line| line.split_once('='));
-            let value = lines.find(|(it, _)| it.trim() == name)?.1;
-            value.trim().parse().ok()
-        };
+        let number = |name: &str| value(config.lines(), name)?.parse().ok();
+        let scheduler = value(config.lines(), "SchedulerParameters").unwrap_or_default();
+        let array_tasks = value(scheduler.split(','), "max_array_tasks");
         SlurmLimits {
-            array: number("MaxArraySize").unwrap_or(default.array),
+            array_size: number("MaxArraySize").unwrap_or(default.array_size),
+            array_tasks: array_tasks.and_then(|tasks| tasks.parse().ok()),
             jobs: number("MaxJobCount").unwrap_or(default.jobs),
-            ..default
+            submitted: None,
         }
     }
 
-    /// Also heeds what `sacctmgr --noheader --parsable2 show associations format=MaxSubmitJobs` has said: a line for each
-    /// account of the user, empty where there is no limit.
-    pub fn and_associations(self, said: &str) -> SlurmLimits {
-        // Which of them the jobs will belong to is not known.
-        let least = said
-            .lines()
-            .filter_map(|line| line.trim().parse().ok())
-            .min();
-        let submitted = least.or(self.submitted);
+    /// Adds the limit in the output of `sacctmgr --noheader --parsable2 show associations format=MaxSubmitJobs`: a line for
+    /// each account of the user, empty if it has no limit.
+    pub fn with_associations(self, output: &str) -> SlurmLimits {
+        // The account of the jobs is not known.
+        let limits = output.lines().filter_map(|line| line.trim().parse().ok());
+        let submitted = limits.min().or(self.submitted);
         SlurmLimits { submitted, ..self }
     }
 
-    /// Tasks that an array may have beside the job that waits for it; `None`: there are no arrays.
+    /// Returns how many tasks an array may have in addition to its merge job. `None` if there are no arrays.
     fn tasks(&self) -> Option<u64> {
-        let beside = |jobs: u64| jobs.saturating_sub(1).max(1);
-        let submitted = self.submitted.map_or(u64::MAX, beside);
-        let tasks = self.array.min(beside(self.jobs)).min(submitted);
-        (tasks > 0).then_some(tasks)
+        let without_merge = |jobs: u64| jobs.saturating_sub(1).max(1);
+        let limits = [
+            Some(self.array_size),
+            self.array_tasks,
+            Some(without_merge(self.jobs)),
+            self.submitted.map(without_merge),
+        ];
+        limits
+            .into_iter()
+            .flatten()
+            .min()
+            .filter(|tasks| *tasks > 0)
     }
 
-    /// How many of so many pieces a task has to make, and no fewer than are asked for; `None`: there are no arrays.
-    pub fn per_task(&self, pieces: u64, asked: u64) -> Option<u64> {
-        Some(pieces.div_ceil(self.tasks()?).max(asked))
+    /// Returns how many of `shards` a task has to run: `asked`, or more. `None` if there are no arrays.
+    pub fn per_task(&self, shards: u64, asked: u64) -> Option<u64> {
+        Some(shards.div_ceil(self.tasks()?).max(asked))
     }
+}
+
+/// Returns the value of the first `name = value` part.
+fn value<'a>(parts: impl IntoIterator<Item = &'a str>, name: &str) -> Option<&'a str> {
+    let mut pairs = parts.into_iter().filter_map(|part| part.split_once('='));
+    let (_, value) = pairs.find(|(it, _)| it.trim() == name)?;
+    Some(value.trim())
 }
 
 #[cfg(test)]
@@ -72,25 +86,34 @@ mod tests {
         MaxArraySize            = 501\nMaxDBDMsgs              = 0\nMaxJobCount             = 10000\n";
 
     #[test]
-    fn more_pieces_than_tasks_go_several_to_a_task() {
-        let limits = SlurmLimits::of_config(CONFIG);
-        assert_eq!((limits.array, limits.jobs), (501, 10_000));
+    fn more_shards_than_tasks_share_tasks() {
+        let limits = SlurmLimits::from_config(CONFIG);
+        assert_eq!((limits.array_size, limits.jobs), (501, 10_000));
         assert_eq!(limits.per_task(501, 1), Some(1));
         assert_eq!(limits.per_task(502, 1), Some(2));
         assert_eq!(limits.per_task(502, 7), Some(7));
         assert_eq!(limits.per_task(100_000, 1), Some(200));
-        let limited = limits.and_associations("\n100\n300\n");
+        let limited = limits.with_associations("\n100\n300\n");
         assert_eq!(limited.per_task(99, 1), Some(1));
         assert_eq!(limited.per_task(100, 1), Some(2));
-        assert_eq!(limits.and_associations("\n").submitted, None);
+        assert_eq!(limits.with_associations("\n").submitted, None);
+    }
+
+    #[test]
+    fn the_scheduler_may_allow_fewer_tasks() {
+        let parameters =
+            "SchedulerParameters     = sched_interval=1,max_array_tasks=40,bf_window=1\n";
+        let limits = SlurmLimits::from_config(&format!("{CONFIG}{parameters}"));
+        assert_eq!(limits.per_task(40, 1), Some(1));
+        assert_eq!(limits.per_task(41, 1), Some(2));
+        let limits = SlurmLimits::from_config("SchedulerParameters     = (null)\n");
+        assert_eq!(limits, SlurmLimits::default());
     }
 
     #[test]
     fn a_site_may_have_no_arrays() {
-        assert_eq!(
-            SlurmLimits::of_config("MaxArraySize = 0\n").per_task(1, 1),
-            None
-        );
-        assert_eq!(SlurmLimits::of_config("nothing"), SlurmLimits::default());
+        let limits = SlurmLimits::from_config("MaxArraySize = 0\n");
+        assert_eq!(limits.per_task(1, 1), None);
+        assert_eq!(SlurmLimits::from_config("nothing"), SlurmLimits::default());
     }
 }

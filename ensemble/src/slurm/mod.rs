@@ -1,30 +1,22 @@
-//! An ensemble in pieces on a cluster that Slurm schedules: one job array makes what is missing, and a job after it
-//! puts the pieces together.
+//! A sharded ensemble on a cluster with Slurm: one job array runs the missing shards, a dependent job merges them.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `slurm/pieces.sh`, `slurm/merge.sh` | the scripts of the jobs |
-//! | `slurm/jobs.json` | the jobs that were submitted ([`Submission`]) |
-//! | `slurm/12_3.log` | what task 3 of job array 12 has said, unless it ended well |
-//! | `slurm/merge_13.log` | why job 13 could not put the pieces together |
-//! | `slurm/.lock` | held by the process that submits |
+//! | `slurm/shards.sh`, `slurm/merge.sh` | scripts of the jobs |
+//! | `slurm/12_3.log` | output of task 3 of job array 12, if it failed |
+//! | `slurm/merge_13.log` | output of merge job 13, if it failed |
+//! | `slurm/.lock` | locked by the process that submits |
 //!
-//! What is submitted next follows from the pieces that are there and from what Slurm says of jobs with the name of this
-//! folder ([`Workflow`]), so that it can be asked again at any time, by anybody. Nothing here starts a process: that is the command's.
-mod answer;
+//! The jobs of a folder have its name in Slurm. No list of submitted jobs is kept: existing shards and listed jobs
+//! decide which shards are submitted. This module reads and writes text; the command starts processes.
 mod array;
+mod ensemble;
 mod limits;
-mod log;
 mod queue;
 mod script;
-mod submission;
-mod workflow;
 
-pub use answer::is_passing;
-pub use array::JobArray;
+pub use array::{indices, tasks};
+pub use ensemble::{FoundShards, Opened, SlurmEnsemble};
 pub use limits::SlurmLimits;
-pub use log::last_lines;
-pub use queue::{FORMAT, Queue, SlurmJob};
-pub use script::{merge_script, pieces_script};
-pub use submission::{FoundPieces, Opened, SlurmEnsemble, Submission, Submitting};
-pub use workflow::{Stop, Workflow, WorkflowStep};
+pub use queue::{FORMAT, Queue, SlurmJob, job_number};
+pub use script::{merge_script, shards_script};

@@ -1,49 +1,49 @@
-//! What Slurm says of the jobs of an ensemble.
+//! Jobs of an ensemble that Slurm lists.
 use std::collections::BTreeSet;
 
-/// What `squeue` is to print of a job, for [`Queue::read`]: job, tasks, name, state, reason.
+/// The `squeue` format that [`Queue::read`] reads: job, tasks, name, state, reason.
 pub const FORMAT: &str = "%F|%K|%j|%T|%r";
 
-/// The jobs of an ensemble that Slurm knows of, those that have ended a while ago not among them.
+/// Jobs of an ensemble that Slurm lists: active ones, and ended ones for a while.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Queue {
-    /// Tasks that make pieces.
-    pub pieces: Vec<SlurmJob>,
-    /// Jobs that put them together.
+    /// Tasks that run shards.
+    pub shards: Vec<SlurmJob>,
+    /// Merge jobs.
     pub merges: Vec<SlurmJob>,
 }
 
 /// A job, or tasks of a job array that are in the same state.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SlurmJob {
-    /// Its number; of a task, that of its array.
+    /// Job number. For a task, the number of its array.
     pub number: u64,
-    /// Of an array, the tasks, as `3` or `5-9,12`.
-    pub tasks: String,
-    /// In Slurm's word, such as `RUNNING`.
-    pub state: String,
-    /// Why it waits, or has ended, in Slurm's word.
-    pub reason: String,
+    /// Tasks of the array, such as `3` or `5-9,12`.
+    tasks: String,
+    /// State in Slurm's words, such as `RUNNING`.
+    state: String,
+    /// Reason in Slurm's words why the job waits.
+    reason: String,
 }
 
 impl Queue {
-    /// Reads what `squeue --noheader --format=`[`FORMAT`] has printed of jobs named `name`, and those that put together.
-    pub fn read(printed: &str, name: &str) -> Queue {
+    /// Reads what `squeue --noheader --format=`[`FORMAT`] prints, for shard jobs named `name`.
+    pub fn read(output: &str, name: &str) -> Queue {
         let mut queue = Queue::default();
-        for line in printed.lines() {
+        for line in output.lines() {
             let mut fields = line.trim().splitn(5, '|');
             let mut next = || fields.next().unwrap_or_default();
-            let [number, tasks, of, state, reason] = [next(), next(), next(), next(), next()];
+            let [number, tasks, job_name, state, reason] = [next(), next(), next(), next(), next()];
             let Ok(number) = number.parse() else { continue };
             let job = SlurmJob {
                 number,
-                // A site may say how many of them run at the same time.
+                // The part after `%` limits how many of them run at the same time.
                 tasks: tasks.split('%').next().unwrap_or_default().to_owned(),
                 state: state.to_owned(),
                 reason: reason.to_owned(),
             };
-            match of.strip_prefix(name) {
-                Some("") => queue.pieces.push(job),
+            match job_name.strip_prefix(name) {
+                Some("") => queue.shards.push(job),
                 Some(MERGE) => queue.merges.push(job),
                 _ => {}
             }
@@ -51,58 +51,65 @@ impl Queue {
         queue
     }
 
-    /// The numbers of jobs that have not ended.
-    pub fn active(&self) -> Vec<u64> {
-        active(self.jobs())
+    /// Returns the numbers of active job arrays.
+    pub fn active_arrays(&self) -> Vec<u64> {
+        active(&self.shards)
     }
 
-    /// All jobs.
-    pub fn jobs(&self) -> impl Iterator<Item = &SlurmJob> {
-        self.pieces.iter().chain(&self.merges)
+    /// Returns the numbers of active merge jobs.
+    pub fn active_merges(&self) -> Vec<u64> {
+        active(&self.merges)
     }
 
-    /// How many tasks run and how many wait, and what becomes of the pieces after them, in a few words.
+    /// Returns the numbers of all listed jobs, ended ones too.
+    pub fn numbers(&self) -> BTreeSet<u64> {
+        let jobs = self.shards.iter().chain(&self.merges);
+        jobs.map(|job| job.number).collect()
+    }
+
+    /// Describes how many tasks run and wait, or else the merge job.
     pub fn summary(&self) -> String {
-        let active = self.pieces.iter().filter(|job| job.is_active());
-        let (wait, run): (Vec<&SlurmJob>, Vec<&SlurmJob>) =
+        let active = self.shards.iter().filter(|job| job.is_active());
+        let (waiting, running): (Vec<&SlurmJob>, Vec<&SlurmJob>) =
             active.partition(|job| job.is_pending());
-        let count = |jobs: &[&SlurmJob]| jobs.iter().map(|job| job.count()).sum::<u64>();
-        let mut told = Vec::new();
-        match count(&run) {
-            0 => {}
-            1 => told.push("1 task runs".to_owned()),
-            run => told.push(format!("{run} tasks run")),
+        let mut parts = Vec::new();
+        if !running.is_empty() {
+            parts.push(format!("running tasks: {}", count(&running)));
         }
-        if let Some(first) = wait.first() {
-            told.push(format!("{} wait ({})", count(&wait), first.reason));
+        if let Some(first) = waiting.first() {
+            let (count, reason) = (count(&waiting), &first.reason);
+            parts.push(format!("waiting tasks: {count} ({reason})"));
         }
-        if let (true, Some(merge)) = (
-            told.is_empty(),
-            self.merges.iter().find(|job| job.is_active()),
-        ) {
-            told.push(match merge.is_pending() {
-                true => format!("the merge waits ({})", merge.reason),
-                false => "they are put together".to_owned(),
+        let merge = self.merges.iter().find(|job| job.is_active());
+        if let (true, Some(merge)) = (parts.is_empty(), merge) {
+            parts.push(if merge.is_pending() {
+                format!("the merge job waits ({})", merge.reason)
+            } else {
+                "the merge job runs".to_owned()
             });
         }
-        told.join(", ")
+        parts.join(", ")
     }
 }
 
-/// The numbers of those jobs that have not ended, each once.
-pub(super) fn active<'a>(jobs: impl IntoIterator<Item = &'a SlurmJob>) -> Vec<u64> {
-    let active = jobs.into_iter().filter(|job| job.is_active());
+/// Returns the numbers of active jobs, ascending, each once.
+fn active(jobs: &[SlurmJob]) -> Vec<u64> {
+    let active = jobs.iter().filter(|job| job.is_active());
     let numbers: BTreeSet<u64> = active.map(|job| job.number).collect();
     numbers.into_iter().collect()
 }
 
-/// How the name of a job that puts pieces together ends.
+fn count(jobs: &[&SlurmJob]) -> u64 {
+    jobs.iter().map(|job| job.count()).sum()
+}
+
+/// Suffix of the names of merge jobs.
 pub(super) const MERGE: &str = "-merge";
 
 impl SlurmJob {
-    /// Whether it has not ended.
-    pub fn is_active(&self) -> bool {
-        /// States in which nothing more comes of a job.
+    /// Returns whether the job has not ended.
+    fn is_active(&self) -> bool {
+        /// States of ended jobs.
         const ENDED: [&str; 10] = [
             "BOOT_FAIL",
             "CANCELLED",
@@ -118,36 +125,27 @@ impl SlurmJob {
         !ENDED.contains(&&*self.state)
     }
 
-    /// Whether it has not begun.
-    pub(crate) fn is_pending(&self) -> bool {
+    /// Returns whether the job has not started.
+    fn is_pending(&self) -> bool {
         self.state == "PENDING"
     }
 
-    /// Whether somebody has ended it.
-    pub fn is_cancelled(&self) -> bool {
-        self.state == "CANCELLED"
-    }
-
-    /// Whether it is, or holds, a task.
-    pub fn has_task(&self, task: u64) -> bool {
-        self.stretches()
-            .any(|(first, last)| (first..=last).contains(&task))
-    }
-
-    /// How many tasks it is.
+    /// Returns the number of its tasks.
     fn count(&self) -> u64 {
-        let tasks = self
-            .stretches()
-            .map(|(first, last)| last.saturating_sub(first) + 1);
+        let tasks = self.tasks.split(',').filter_map(|part| {
+            let (first, last) = part.split_once('-').unwrap_or((part, part));
+            let (first, last): (u64, u64) = (first.parse().ok()?, last.parse().ok()?);
+            Some(last.saturating_sub(first) + 1)
+        });
         tasks.sum::<u64>().max(1)
     }
+}
 
-    fn stretches(&self) -> impl Iterator<Item = (u64, u64)> {
-        self.tasks.split(',').filter_map(|part| {
-            let (first, last) = part.split_once('-').unwrap_or((part, part));
-            Some((first.parse().ok()?, last.parse().ok()?))
-        })
-    }
+/// Returns the job number in the output of `sbatch --parsable`: the last line that is a number. A site may print other
+/// lines before it. A cluster's name may follow the number.
+pub fn job_number(output: &str) -> Option<u64> {
+    let number = |line: &str| line.trim().split(';').next()?.parse().ok();
+    output.lines().rev().find_map(number)
 }
 
 #[cfg(test)]
@@ -167,19 +165,31 @@ slurm_load_jobs error: Invalid job id specified
     #[test]
     fn only_jobs_of_the_folder_count() {
         let queue = Queue::read(PRINTED, "stochc-a");
-        assert_eq!((queue.pieces.len(), queue.merges.len()), (3, 1));
-        assert_eq!(queue.summary(), "1 task runs, 4 wait (Resources)");
-        let [waiting, running, ended] = &queue.pieces[..] else {
-            panic!()
-        };
-        assert!(waiting.is_pending() && waiting.is_active());
-        assert!(waiting.has_task(7) && waiting.has_task(3) && !waiting.has_task(5));
-        assert!(running.is_active() && !ended.is_active());
-        let last = "13|N/A|stochc-a-merge|RUNNING|None";
+        assert_eq!((queue.shards.len(), queue.merges.len()), (3, 1));
         assert_eq!(
-            Queue::read(last, "stochc-a").summary(),
-            "they are put together"
+            queue.summary(),
+            "running tasks: 1, waiting tasks: 4 (Resources)"
         );
+        assert_eq!(
+            (queue.active_arrays(), queue.active_merges()),
+            (vec![12], vec![13])
+        );
+        let last = "12|0|stochc-a|FAILED|NonZeroExitCode\n13|N/A|stochc-a-merge|RUNNING|None";
+        let last = Queue::read(last, "stochc-a");
+        assert_eq!(last.summary(), "the merge job runs");
+        assert_eq!(last.active_arrays(), []);
+        assert_eq!(last.numbers(), BTreeSet::from([12, 13]));
         assert_eq!(Queue::read("", "stochc-a"), Queue::default());
+    }
+
+    #[test]
+    fn the_job_number_may_follow_other_lines() {
+        assert_eq!(job_number("4711\n"), Some(4711));
+        assert_eq!(
+            job_number("--> checking 3 quotas ... OK\n12\n4711;east\n"),
+            Some(4711)
+        );
+        assert_eq!(job_number("4711\nThank you.\n"), Some(4711));
+        assert_eq!(job_number("Submitted.\n"), None);
     }
 }

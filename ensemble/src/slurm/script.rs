@@ -1,32 +1,32 @@
-//! What a job does: scripts for a POSIX shell.
+//! Scripts of the jobs, for a POSIX shell.
 use stochc_files::shell::quoted;
 
 use crate::slurm_folder::SLURM;
 
-/// The script of a job array, whose task i makes the pieces from i times `per_task`, of so many; the pieces are those of the
-/// folder at `folder`, a whole path, and `stochc` is where the command is on every node.
+/// Returns the script of a job array. Task i runs `per_task` of `shards` shards, from i × `per_task`. `folder` is an absolute
+/// path, and `stochc` is the path of the command on every node.
 ///
-/// Where all goes well, a task leaves no log. It writes that by itself: in the name of a log Slurm puts something else for
-/// some signs.
-pub fn pieces_script(stochc: &str, folder: &str, pieces: u64, per_task: u64) -> String {
+/// The script writes its log itself, because Slurm replaces some characters in the name of a log.
+/// A task that succeeds leaves no log.
+pub fn shards_script(stochc: &str, folder: &str, shards: u64, per_task: u64) -> String {
     let names = names(stochc, folder);
     format!(
         r#"#!/bin/sh
-# Task I makes the pieces from I x per_task; those that are there are left alone.
+# Task I runs the shards from I x per_task. It skips finished shards.
 {names}log="$folder/{SLURM}/${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID.log"
 exec >"$log" 2>&1
-pieces={pieces}
+shards={shards}
 per_task={per_task}
-piece=$((SLURM_ARRAY_TASK_ID * per_task))
-end=$((piece + per_task))
-[ "$end" -le "$pieces" ] || end=$pieces
+shard=$((SLURM_ARRAY_TASK_ID * per_task))
+end=$((shard + per_task))
+[ "$end" -le "$shards" ] || end=$shards
 status=0
-while [ "$piece" -lt "$end" ] && [ "$status" != 130 ]; do
-    "$stochc" shard "$folder" "$piece" --quiet --threads "${{SLURM_CPUS_ON_NODE:-1}}" || {{
+while [ "$shard" -lt "$end" ] && [ "$status" != 130 ]; do
+    "$stochc" shard "$folder" "$shard" --quiet --threads "${{SLURM_CPUS_ON_NODE:-1}}" || {{
         status=$?
-        echo "piece $piece has ended with status $status"
+        echo "shard $shard ended with status $status"
     }}
-    piece=$((piece + 1))
+    shard=$((shard + 1))
 done
 [ "$status" != 0 ] || rm -f "$log"
 exit "$status"
@@ -34,17 +34,17 @@ exit "$status"
     )
 }
 
-/// The script of the job that puts the pieces together.
+/// Returns the script of the merge job.
 ///
-/// While all goes well, it has no log: the folder of logs is removed.
+/// It writes a log only if it fails, because `stochc merge` removes the folder of logs.
 pub fn merge_script(stochc: &str, folder: &str) -> String {
     let names = names(stochc, folder);
     format!(
         r#"#!/bin/sh
-# Puts the pieces together, when no task makes any.
-{names}said=$("$stochc" merge "$folder" --quiet 2>&1) || {{
+# Merges the shards.
+{names}output=$("$stochc" merge "$folder" --quiet 2>&1) || {{
     status=$?
-    printf '%s\n' "$said" >"$folder/{SLURM}/merge_$SLURM_JOB_ID.log"
+    printf '%s\n' "$output" >"$folder/{SLURM}/merge_$SLURM_JOB_ID.log"
     exit "$status"
 }}
 "#
@@ -60,10 +60,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_name_is_read_by_the_shell() {
+    fn the_shell_expands_no_name() {
         let odd = "/tmp/it's \"$HOME\" `x`\nnew";
         let quoted = "folder='/tmp/it'\\''s \"$HOME\" `x`\nnew'\n";
-        assert!(pieces_script("stochc", odd, 3, 1).contains(quoted));
+        assert!(shards_script("stochc", odd, 3, 1).contains(quoted));
         assert!(merge_script("stochc", odd).contains(quoted));
     }
 }

@@ -1,204 +1,311 @@
 //! `stochc submit`.
-mod follow;
+mod arguments;
+mod jobs;
 mod slurm;
 
-use std::path::PathBuf;
+use std::collections::BTreeSet;
 use std::time::Duration;
 
-use clap::Args;
-use stochc_ensemble::slurm::{
-    FoundPieces, JobArray, Opened, SlurmEnsemble, SlurmLimits, merge_script, pieces_script,
-};
+use stochc_ensemble::clock::now;
+use stochc_ensemble::shards::{ShardError, merge};
+use stochc_ensemble::slurm::{FoundShards, Opened, Queue, SlurmEnsemble, job_number, tasks};
+use stochc_ensemble::text::{visible, words};
+use stochc_files::shell::file as shell_file;
+use stochc_ir::visible_lines;
 
-use super::interrupt::stop_on_interrupt;
+pub use arguments::SubmitArguments;
+
 use super::merge::is_whole;
-use super::terminal::print;
+use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::time;
-use follow::follow;
+use crate::operations::sweep::files_for_screens;
+use jobs::Jobs;
+use slurm::SlurmError;
 
-/// What `submit` is given.
-#[derive(Debug, Args)]
-pub struct SubmitArguments {
-    /// Folder of `simulate --shards`, which all nodes see under the same name
-    #[arg(value_name = "DIR")]
-    folder: PathBuf,
-    /// Partition of the jobs [default: that of the site]
-    #[arg(long, short, value_name = "NAME")]
-    partition: Option<String>,
-    /// Time limit of a task, in Slurm's form, such as 30 (minutes), 2:00:00 or 1-0
-    #[arg(long, short, value_name = "TIME")]
-    time: Option<String>,
-    /// Pieces of a task; more, where the site allows fewer tasks
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
-    per_task: u64,
-    /// A further option of `sbatch`, for all jobs, such as --sbatch=--mem=2G; can be given several times
-    #[arg(long, value_name = "OPTION", allow_hyphen_values = true, value_parser = sbatch_option)]
-    sbatch: Vec<String>,
-    /// How often pieces that are missing are submitted
-    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
-    attempts: u64,
-    /// How long to wait for a controller that does not answer
-    #[arg(long, value_name = "TIME", default_value = "10m", value_parser = time)]
-    controller_timeout: Duration,
-    /// Cancel the jobs at Ctrl-C, or when the terminal closes, instead of leaving them to the cluster
-    #[arg(long)]
-    cancel_on_interrupt: bool,
-    /// Print the scripts and the commands that would submit them, and do nothing
-    #[arg(long)]
-    dry_run: bool,
-    /// Do not show progress, nor that it is done
-    #[arg(long, short)]
-    quiet: bool,
-}
-
-/// Refuses an option that decides what has to be decided here.
-fn sbatch_option(option: &str) -> Result<String, String> {
-    /// What would keep the jobs from being followed.
-    const OURS: [(&str, &str); 4] = [
-        ("--wait", "-W"),
-        ("--clusters", "-M"),
-        ("--wrap", "--wrap"),
-        ("--test-only", "--test-only"),
-    ];
-    let name = option.split('=').next().unwrap_or_default();
-    let is_ours = |(long, short): &(&str, &str)| name == *long || name.starts_with(short);
-    match OURS.iter().any(is_ours) {
-        true => Err("jobs that are submitted so cannot be followed".to_owned()),
-        false => Ok(option.to_owned()),
-    }
-}
-
-/// What is submitted: commands and scripts.
-struct SubmittedJobs<'a> {
-    options: &'a SubmitArguments,
-    ensemble: &'a SlurmEnsemble,
-    stochc: String,
-    folder: String,
-}
-
-/// Has a cluster make an ensemble.
+/// Submits the missing shards of an ensemble, or reports why there is nothing to submit.
 pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
-    let stop = stop_on_interrupt()?;
+    if std::env::var_os("SBATCH_CLUSTERS").is_some() {
+        return Err(Failure::usage(
+            "SBATCH_CLUSTERS sends jobs to a cluster that `squeue` does not list; set SLURM_CLUSTERS instead, which all commands of Slurm read",
+        ));
+    }
     let shown = options.folder.to_string_lossy();
     let path = options.folder.canonicalize();
     let path = path.map_err(|error| Failure::usage(format!("cannot use `{shown}`: {error}")))?;
     let ensemble = match SlurmEnsemble::open(&path).map_err(Failure::usage)? {
-        Opened::Cut(ensemble) => ensemble,
-        Opened::Merged(runs) => {
-            if !options.quiet {
-                print(&is_whole(&options.folder, runs))?;
-            }
-            return Ok(Exit::Success);
-        }
+        Opened::Sharded(ensemble) => ensemble,
+        Opened::Merged(runs) => return options.print(&is_whole(&options.folder, runs)),
     };
-    let jobs = SubmittedJobs::new(options, &ensemble)?;
+    let jobs = Jobs::new(options, &ensemble)?;
     if options.dry_run {
-        return jobs.show();
+        if let FoundShards::AllBut(missing) = ensemble.find_shards().map_err(Failure::usage)? {
+            print(&jobs.preview(&missing)?)?;
+        }
+        return Ok(Exit::Success);
     }
-    follow(&jobs, stop)
+    let submission = Submission {
+        options,
+        ensemble: &ensemble,
+        jobs,
+        folder: shell_file(&visible(&shown)),
+    };
+    // Without Slurm no file is written.
+    submission.queue()?;
+    let Some(_lock) = ensemble.lock().map_err(Failure::usage)? else {
+        let folder = visible(&shown);
+        return Err(Failure::usage(format!(
+            "another `stochc submit` is working on `{folder}`; run it again later"
+        )));
+    };
+    submission.run()
 }
 
-impl SubmittedJobs<'_> {
-    fn new<'a>(
-        options: &'a SubmitArguments,
-        ensemble: &'a SlurmEnsemble,
-    ) -> Result<SubmittedJobs<'a>, Failure> {
-        let text = |path: PathBuf| match path.into_os_string().into_string() {
-            Ok(text) => Ok(text),
-            Err(path) => Err(Failure::usage(format!(
-                "`{}` is no UTF-8, and cannot be said in a script; give it another name",
-                path.to_string_lossy()
-            ))),
-        };
-        let stochc = std::env::current_exe();
-        let stochc = stochc.map_err(|error| {
-            Failure::usage(format!("cannot tell where this command is: {error}"))
-        })?;
-        Ok(SubmittedJobs {
-            options,
-            ensemble,
-            stochc: text(stochc)?,
-            folder: text(ensemble.path.clone())?,
-        })
-    }
-
-    /// How many pieces a task makes.
-    fn per_task(&self, limits: SlurmLimits) -> Result<u64, Failure> {
-        let per_task = limits.per_task(self.ensemble.pieces, self.options.per_task);
-        per_task.ok_or_else(|| {
-            Failure::usage(
-                "this site allows no job arrays (MaxArraySize is 0); submit `stochc shard` by yourself, piece by piece",
-            )
-        })
-    }
-
-    fn scripts(&self, per_task: u64) -> [String; 2] {
-        let pieces = self.ensemble.pieces;
-        [
-            pieces_script(&self.stochc, &self.folder, pieces, per_task),
-            merge_script(&self.stochc, &self.folder),
-        ]
-    }
-
-    /// What `sbatch` is given for an array of these tasks.
-    fn array(&self, tasks: &JobArray, script: &str) -> Vec<String> {
-        let indices = format!("--array={}", tasks.indices());
-        self.arguments(&self.ensemble.name, Some(indices), script)
-    }
-
-    /// What `sbatch` is given to put the pieces together, when these arrays have ended.
-    fn merge(&self, after: &[String], script: &str) -> Vec<String> {
-        let after: String = after.iter().map(|array| format!(":{array}")).collect();
-        let after = (!after.is_empty()).then(|| format!("--dependency=afterany{after}"));
-        self.arguments(&self.ensemble.merge_name(), after, script)
-    }
-
-    /// Of options that are given twice, the last holds.
-    fn arguments(&self, name: &str, own: Option<String>, script: &str) -> Vec<String> {
-        let given = [
-            ("partition", &self.options.partition),
-            ("time", &self.options.time),
-        ];
-        let given = given.into_iter().filter_map(|(option, value)| {
-            value.as_ref().map(|value| format!("--{option}={value}"))
-        });
-        let mut arguments: Vec<String> = given.chain(self.options.sbatch.iter().cloned()).collect();
-        arguments.extend([
-            "--parsable".to_owned(),
-            format!("--job-name={name}"),
-            "--chdir=/".to_owned(),
-            "--output=/dev/null".to_owned(),
-        ]);
-        arguments.extend(own);
-        arguments.push(script.to_owned());
-        arguments
-    }
-
-    /// Prints what would be submitted if nothing were queued.
-    fn show(&self) -> Result<Exit, Failure> {
-        let FoundPieces::AllBut(missing) = self.ensemble.look(false).map_err(Failure::usage)?
-        else {
-            return Ok(Exit::Success);
-        };
-        // Without Slurm there is something to see as well.
-        let per_task = self.per_task(slurm::limits().unwrap_or_default())?;
-        let [pieces, merge] = self.scripts(per_task);
-        let script = |name: &str| format!("{}/slurm/{name}.sh", self.folder);
-        let array = JobArray::of(&missing, per_task);
-        let mut text = String::new();
-        let mut after = Vec::new();
-        if !missing.is_empty() {
-            let command = slurm::line("sbatch", &self.array(&array, &script("pieces")));
-            text += &format!(
-                "# slurm/pieces.sh\n{pieces}\n# to make {} pieces\n{command}\n\n",
-                missing.len()
-            );
-            after.push("JOB".to_owned());
+impl SubmitArguments {
+    /// Prints, unless `--quiet` is given.
+    fn print(&self, text: &str) -> Result<Exit, Failure> {
+        if !self.quiet {
+            print(text)?;
         }
-        let command = slurm::line("sbatch", &self.merge(&after, &script("merge")));
-        text += &format!("# slurm/merge.sh\n{merge}\n# to put them together\n{command}\n");
-        print(&text)?;
         Ok(Exit::Success)
+    }
+}
+
+/// A call of `submit`, while it has the lock.
+struct Submission<'a> {
+    options: &'a SubmitArguments,
+    ensemble: &'a SlurmEnsemble,
+    jobs: Jobs<'a>,
+    /// The folder, as an argument of a command.
+    folder: String,
+}
+
+/// Jobs and shards at one moment.
+struct State {
+    queue: Queue,
+    /// Shards that exist. `None` while a job array is active.
+    found: Option<FoundShards>,
+}
+
+impl State {
+    /// Returns whether there is nothing to submit, now and later.
+    fn is_settled(&self) -> bool {
+        !self.queue.active_merges().is_empty() || matches!(self.found, Some(FoundShards::Merged(_)))
+    }
+}
+
+impl Submission<'_> {
+    fn run(&self) -> Result<Exit, Failure> {
+        let state = self.settle()?;
+        if !state.queue.active_merges().is_empty() {
+            let summary = state.queue.summary();
+            let mut jobs = state.queue.active_arrays();
+            jobs.extend(state.queue.active_merges());
+            return self.report(&format!("{summary}; nothing was submitted"), &jobs);
+        }
+        match state.found {
+            None => self.submit_merge(&state.queue, &state.queue.active_arrays()),
+            Some(FoundShards::Merged(runs)) => {
+                // Locking may have made the folder again.
+                self.ensemble.clear().map_err(Failure::usage)?;
+                self.options.print(&is_whole(&self.options.folder, runs))
+            }
+            Some(FoundShards::AllBut(missing)) if missing.is_empty() => self.merge(&state.queue),
+            Some(FoundShards::AllBut(missing)) => self.submit_shards(&state.queue, &missing),
+        }
+    }
+
+    /// Returns the state. After an earlier submission, waits for jobs and files that are not visible yet.
+    fn settle(&self) -> Result<State, Failure> {
+        let state = self.state()?;
+        if state.is_settled() || !self.ensemble.was_submitted() {
+            return Ok(state);
+        }
+        if !self.options.quiet {
+            let grace = words(self.options.grace);
+            warn(&format!(
+                "waiting up to {grace} (`--grace`) for jobs and files that are not visible yet\n"
+            ));
+        }
+        poll(self.options.grace, || self.state(), State::is_settled)
+    }
+
+    fn state(&self) -> Result<State, Failure> {
+        let queue = self.queue()?;
+        let found = if queue.active_arrays().is_empty() {
+            Some(self.ensemble.find_shards().map_err(Failure::usage)?)
+        } else {
+            None
+        };
+        Ok(State { queue, found })
+    }
+
+    /// Merges the shards here. Submits those that turn out to be damaged.
+    fn merge(&self, queue: &Queue) -> Result<Exit, Failure> {
+        match merge(&self.ensemble.path, files_for_screens) {
+            Ok(runs) => self.options.print(&is_whole(&self.options.folder, runs)),
+            Err(ShardError::Missing { pieces, .. }) => self.submit_shards(queue, &pieces),
+            Err(error) => Err(Failure::usage(error)),
+        }
+    }
+
+    /// Submits a job array that runs the missing shards, and a merge job.
+    fn submit_shards(&self, queue: &Queue, missing: &[u64]) -> Result<Exit, Failure> {
+        let per_task = self
+            .jobs
+            .per_task(slurm::limits().map_err(|it| self.unanswered(&it))?)?;
+        let tasks = tasks(missing, per_task);
+        let [shards, merge] = self.write_scripts(per_task)?;
+        let listed = queue.numbers();
+        let array = self.submit(&self.jobs.array(&tasks, &shards), &listed);
+        let array = array.map_err(|refusal| {
+            if !refusal.may_be_accepted {
+                let _ = self.ensemble.remove_shards_script();
+            }
+            self.refused("the job array", &refusal)
+        })?;
+        let merge = self.jobs.merge(&[array.to_string()], &merge);
+        let merge = self.submit(&merge, &(&listed | &BTreeSet::from([array])));
+        let merge = merge.map_err(|refusal| {
+            self.refused(&format!("the merge job after job array {array}"), &refusal)
+        })?;
+        let (shards, tasks) = (missing.len(), tasks.len());
+        self.report(
+            &format!("submitted job array {array} (shards: {shards}, tasks: {tasks}) and merge job {merge}"),
+            &[array, merge],
+        )
+    }
+
+    /// Submits a merge job that waits for these arrays.
+    fn submit_merge(&self, queue: &Queue, arrays: &[u64]) -> Result<Exit, Failure> {
+        let per_task = self.options.per_task;
+        let [_, script] = self.write_scripts(per_task)?;
+        let after: Vec<String> = arrays.iter().map(u64::to_string).collect();
+        let merge = self.submit(&self.jobs.merge(&after, &script), &queue.numbers());
+        let merge = merge.map_err(|refusal| self.refused("the merge job", &refusal))?;
+        let what = format!("{}; submitted merge job {merge}", queue.summary());
+        self.report(&what, &[arrays, &[merge]].concat())
+    }
+
+    fn write_scripts(&self, per_task: u64) -> Result<[String; 2], Failure> {
+        let [shards, merge] = self.jobs.scripts(per_task);
+        let scripts = self.ensemble.write_scripts(&shards, &merge);
+        let scripts = scripts.map_err(Failure::usage)?;
+        Ok(scripts.map(|path| path.to_string_lossy().into_owned()))
+    }
+
+    /// Runs `sbatch` and returns the job number. `listed` are jobs that Slurm listed before.
+    ///
+    /// If the number is not in the answer, or the answer was lost, the job is found by its name.
+    fn submit(&self, arguments: &[String], listed: &BTreeSet<u64>) -> Result<u64, Refusal> {
+        let answer = slurm::run("sbatch", arguments);
+        if let Some(number) = answer.as_deref().ok().and_then(job_number) {
+            return Ok(number);
+        }
+        let may_be_accepted = answer.as_ref().err().is_none_or(SlurmError::is_lost_answer);
+        let grace = if may_be_accepted {
+            self.options.grace
+        } else {
+            Duration::ZERO
+        };
+        let find = || {
+            let queue = slurm::queue(self.ensemble)?;
+            Ok::<_, SlurmError>(queue.numbers().difference(listed).max().copied())
+        };
+        let found = poll(grace, find, Option::is_some);
+        found.ok().flatten().ok_or(Refusal {
+            may_be_accepted,
+            error: answer.err(),
+        })
+    }
+
+    fn queue(&self) -> Result<Queue, Failure> {
+        slurm::queue(self.ensemble).map_err(|error| self.unanswered(&error))
+    }
+
+    /// Reports what happened, and how to look at these jobs.
+    fn report(&self, what: &str, jobs: &[u64]) -> Result<Exit, Failure> {
+        let folder = &self.folder;
+        let jobs: Vec<String> = jobs.iter().map(u64::to_string).collect();
+        let mut text = format!(
+            "{what}\n\
+             To see the queue: squeue --jobs={}\n\
+             To see the shards: stochc status {folder}\n\
+             To cancel: scancel {}\n\
+             After the jobs, to submit shards that are still missing: stochc submit {folder}\n",
+            jobs.join(","),
+            jobs.join(" "),
+        );
+        if self.ensemble.has_logs() {
+            text += &format!("Logs of failed jobs: {folder}/slurm/\n");
+        }
+        self.options.print(&text)
+    }
+
+    /// Explains that a command of Slurm gave no answer.
+    fn unanswered(&self, error: &SlurmError) -> Failure {
+        let folder = &self.folder;
+        several_lines(&format!(
+            "{error}\nRun `stochc submit {folder}` where Slurm's commands work; jobs that were submitted are not affected.\n\
+             `stochc status {folder}` shows how to run the shards without Slurm."
+        ))
+    }
+
+    /// Explains that a job was not submitted.
+    fn refused(&self, what: &str, refusal: &Refusal) -> Failure {
+        let folder = &self.folder;
+        let answer = match &refusal.error {
+            Some(error) => error.to_string(),
+            None => "`sbatch` printed no job number".to_owned(),
+        };
+        if refusal.may_be_accepted {
+            let grace = words(self.options.grace);
+            return several_lines(&format!(
+                "{answer}\nSlurm may have accepted {what}, but did not list it within {grace} (`--grace`).\n\
+                 `stochc submit {folder}` looks for it again."
+            ));
+        }
+        let is_limit = refusal.error.as_ref().is_some_and(SlurmError::is_limit);
+        let help = if is_limit {
+            "Submit fewer tasks with more shards each: `--per-task N`."
+        } else {
+            "Check `--partition`, `--time` and `--sbatch`; `--dry-run` prints the scripts and commands."
+        };
+        several_lines(&format!("Slurm refused {what}: {answer}\n{help}"))
+    }
+}
+
+/// A job whose number is not known.
+struct Refusal {
+    /// Whether Slurm may have accepted it.
+    may_be_accepted: bool,
+    /// Why `sbatch` failed. `None` if it succeeded.
+    error: Option<SlurmError>,
+}
+
+fn several_lines(message: &str) -> Failure {
+    Failure {
+        exit: Exit::Usage,
+        message: format!("error: {}\n", visible_lines(message)),
+    }
+}
+
+/// Calls `look` until its value is final or the time is over, and returns the last value.
+fn poll<T, E>(
+    time: Duration,
+    look: impl Fn() -> Result<T, E>,
+    is_final: impl Fn(&T) -> bool,
+) -> Result<T, E> {
+    const SHORTEST_PAUSE: Duration = Duration::from_secs(1);
+    let start = now();
+    loop {
+        let looked = now();
+        let value = look()?;
+        let left = time.saturating_sub(start.elapsed());
+        if is_final(&value) || left.is_zero() {
+            return Ok(value);
+        }
+        // Looks at many shards take long; they take a tenth of the time at most.
+        let pause = SHORTEST_PAUSE.max(9 * looked.elapsed());
+        std::thread::sleep(pause.min(left));
     }
 }

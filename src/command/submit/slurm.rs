@@ -1,43 +1,52 @@
-//! Asking Slurm.
-use std::ffi::OsString;
+//! Slurm's commands.
+use std::ffi::OsStr;
 use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 
-use stochc_ensemble::slurm::{FORMAT, Queue, SlurmEnsemble, SlurmLimits, is_passing};
+use stochc_ensemble::slurm::{FORMAT, Queue, SlurmEnsemble, SlurmLimits};
 use stochc_files::shell::visible;
 
-/// Why there is no answer.
+/// Message of a command of Slurm that is not installed or failed.
 #[derive(Debug)]
-pub enum Unanswered {
-    /// There is no Slurm here.
-    NotInstalled(&'static str),
-    /// It has refused, in its own words.
-    Refused(String),
-    /// Nobody was there, in its own words; it may be otherwise in a while.
-    Silent(String),
-}
+pub struct SlurmError(String);
 
-/// What Slurm knows of the jobs of an ensemble.
-pub fn queue(ensemble: &SlurmEnsemble) -> Result<Queue, Unanswered> {
-    let names = format!("--name={},{}", ensemble.name, ensemble.merge_name());
-    let format = format!("--format={FORMAT}");
-    let printed = ask("squeue", &["--noheader", "--states=all", &names, &format]);
-    match printed {
-        Ok(printed) => Ok(ensemble.queue(&printed)),
-        // Nothing is wrong with the question; the configuration may be.
-        Err(Unanswered::Refused(said)) if !is_set_up_wrong(&said) => Err(Unanswered::Silent(said)),
-        Err(other) => Err(other),
+impl std::fmt::Display for SlurmError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
     }
 }
 
-/// Whether a command has found no Slurm that it belongs to, whatever it is asked.
-pub fn is_set_up_wrong(said: &str) -> bool {
-    said.contains("fatal:")
+impl SlurmError {
+    /// Returns whether the answer of the controller may have been lost, so that it may have accepted the job.
+    pub fn is_lost_answer(&self) -> bool {
+        const LOST: [&str; 5] = [
+            "timed out",
+            "Zero Bytes were transmitted",
+            "Transport endpoint is not connected",
+            "Communication connection failure",
+            "receive failure",
+        ];
+        LOST.iter().any(|part| self.0.contains(part))
+    }
+
+    /// Returns whether a limit on the number of jobs or tasks was exceeded.
+    pub fn is_limit(&self) -> bool {
+        const LIMITS: [&str; 4] = ["QOS", "Assoc", "submit limit", "job array"];
+        LIMITS.iter().any(|part| self.0.contains(part))
+    }
 }
 
-/// How many jobs the site allows.
-pub fn limits() -> Result<SlurmLimits, Unanswered> {
-    let limits = SlurmLimits::of_config(&ask("scontrol", &["show", "config"])?);
+/// Returns the jobs of an ensemble that Slurm lists.
+pub fn queue(ensemble: &SlurmEnsemble) -> Result<Queue, SlurmError> {
+    let names = format!("--name={},{}", ensemble.name, ensemble.merge_name());
+    let format = format!("--format={FORMAT}");
+    let output = run("squeue", ["--noheader", "--states=all", &names, &format])?;
+    Ok(ensemble.queue(&output))
+}
+
+/// Returns the limits of the site.
+pub fn limits() -> Result<SlurmLimits, SlurmError> {
+    let limits = SlurmLimits::from_config(&run("scontrol", ["show", "config"])?);
     let user = format!("user={}", std::env::var("USER").unwrap_or_default());
     let associations = [
         "--noheader",
@@ -48,75 +57,50 @@ pub fn limits() -> Result<SlurmLimits, Unanswered> {
         "format=MaxSubmitJobs",
     ];
     // Many sites keep no accounts.
-    Ok(match ask("sacctmgr", &associations) {
-        Ok(said) => limits.and_associations(&said),
+    Ok(match run("sacctmgr", associations) {
+        Ok(output) => limits.with_associations(&output),
         Err(_) => limits,
     })
 }
 
-/// Submits a job with a script, and gives its number.
-pub fn submit(arguments: &[String]) -> Result<u64, Unanswered> {
-    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let said = ask("sbatch", &arguments)?;
-    let number = said.trim().split(';').next().unwrap_or_default().parse();
-    number.map_err(|_| Unanswered::Refused(format!("sbatch: gave no number of a job: {said}")))
-}
-
-/// Cancels jobs, as far as they have not ended.
-pub fn cancel(jobs: &[u64]) -> Result<(), Unanswered> {
-    if jobs.is_empty() {
-        return Ok(());
-    }
-    let jobs: Vec<String> = jobs.iter().map(u64::to_string).collect();
-    let jobs: Vec<&str> = jobs.iter().map(String::as_str).collect();
-    ask("scancel", &jobs).map(|_| ())
-}
-
-/// A command as a person copies it into a shell.
+/// Returns a command as a person copies it into a shell.
 pub fn line(program: &str, arguments: &[String]) -> String {
     let words = std::iter::once(program).chain(arguments.iter().map(String::as_str));
     words.map(visible).collect::<Vec<_>>().join(" ")
 }
 
-/// Runs one of Slurm's commands, and gives what it prints.
-fn ask(program: &'static str, arguments: &[&str]) -> Result<String, Unanswered> {
+/// Runs a command of Slurm and returns its output.
+pub fn run(
+    program: &'static str,
+    arguments: impl IntoIterator<Item = impl AsRef<OsStr>>,
+) -> Result<String, SlurmError> {
     let mut command = Command::new(program);
     command.args(arguments).stdin(Stdio::null());
     for (name, _) in std::env::vars_os() {
-        if decides_for_us(&name) {
+        if is_unset(&name) {
             command.env_remove(name);
         }
     }
-    // Else lists of tasks end with dots.
+    // Else squeue shortens long lists of tasks.
     command.env("SLURM_BITSTR_LEN", "0");
-    #[cfg(unix)]
-    {
-        // Ctrl-C is for us alone: a job may be submitted already when its number is not yet told.
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-    }
-    let output = match command.output() {
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            return Err(Unanswered::NotInstalled(program));
-        }
-        Err(error) => return Err(Unanswered::Refused(format!("{program}: {error}"))),
-        Ok(output) => output,
-    };
+    let failed = |message: String| SlurmError(format!("`{program}` failed: {message}"));
+    let output = command.output().map_err(|error| match error.kind() {
+        ErrorKind::NotFound => SlurmError(format!("`{program}` is not installed")),
+        _ => failed(error.to_string()),
+    })?;
     if output.status.success() {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
-    let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-    let said = match said.is_empty() {
-        true => format!("{program}: {}", output.status),
-        false => said,
-    };
-    Err(match is_passing(&said) {
-        true => Unanswered::Silent(said),
-        false => Unanswered::Refused(said),
-    })
+    let message = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+    Err(failed(if message.is_empty() {
+        output.status.to_string()
+    } else {
+        message
+    }))
 }
 
-/// Whether a variable would change what a command prints, or what it waits for.
-fn decides_for_us(name: &OsString) -> bool {
+/// Returns whether a variable is unset because it would change the jobs or the output.
+fn is_unset(name: &OsStr) -> bool {
     let name = name.to_string_lossy();
-    name.starts_with("SQUEUE_") || name.starts_with("SCANCEL_") || name == "SBATCH_WAIT"
+    name.starts_with("SQUEUE_") || name == "SBATCH_WAIT" || name == "SBATCH_ARRAY_INX"
 }

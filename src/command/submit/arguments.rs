@@ -1,0 +1,77 @@
+//! Arguments of `stochc submit`.
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+
+use crate::operations::time;
+
+/// Arguments of `submit`.
+#[derive(Debug, Args)]
+pub struct SubmitArguments {
+    /// Folder of `simulate --shards`, which all nodes see under the same name
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Partition of the jobs [default: that of the site]
+    #[arg(long, short, value_name = "NAME")]
+    pub partition: Option<String>,
+    /// Time limit of a task, in Slurm's form, such as 30 (minutes), 2:00:00 or 1-0
+    #[arg(long, short, value_name = "TIME")]
+    pub time: Option<String>,
+    /// Shards per task; more if the site allows fewer tasks
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    pub per_task: u64,
+    /// Run at most this number of tasks at the same time
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub at_most: Option<u64>,
+    /// Further option of `sbatch`, for all jobs, such as --sbatch=--mem=2G; can be given several times
+    #[arg(long, value_name = "OPTION", allow_hyphen_values = true, value_parser = sbatch_option)]
+    pub sbatch: Vec<String>,
+    /// Before resubmitting, wait this long for jobs and files that are not visible yet
+    #[arg(long, value_name = "TIME", default_value = "90s", value_parser = time)]
+    pub grace: Duration,
+    /// Print the scripts and the `sbatch` commands, and submit nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Print only errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Rejects an option that `submit` sets itself, or that hides the job.
+fn sbatch_option(option: &str) -> Result<String, String> {
+    const RESERVED: [(&str, &str); 12] = [
+        ("--array", "-a"),
+        ("--job-name", "-J"),
+        ("--output", "-o"),
+        ("--chdir", "-D"),
+        ("--parsable", ""),
+        ("--wait", "-W"),
+        ("--clusters", "-M"),
+        ("--wrap", ""),
+        ("--test-only", ""),
+        ("--help", "-h"),
+        ("--usage", ""),
+        ("--version", "-V"),
+    ];
+    if !option.starts_with('-') {
+        let hint = "expected an option with its value in one word, such as --sbatch=--mem=2G";
+        return Err(hint.to_owned());
+    }
+    let name = option.split('=').next().unwrap_or_default();
+    // Slurm accepts the beginning of a long option.
+    let is_long = |long: &str| name.len() > 2 && long.starts_with(name);
+    let is_short = |short: &str| !short.is_empty() && name.starts_with(short);
+    match RESERVED
+        .iter()
+        .find(|(long, short)| is_long(long) || is_short(short))
+    {
+        Some(("--array", _)) => {
+            Err("`submit` sets the array; use --per-task and --at-most".to_owned())
+        }
+        Some((long, _)) => Err(format!(
+            "`submit` cannot be combined with {long} of `sbatch`"
+        )),
+        None => Ok(option.to_owned()),
+    }
+}

@@ -1,0 +1,100 @@
+//! Submissions without failures, and what Slurm refuses.
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::emulated::{Cluster, Ensemble, FAST, cluster, end, members, until};
+
+#[test]
+fn of_two_that_submit_one_does() {
+    let Some(cluster) = cluster() else { return };
+    // The site takes five tasks.
+    let ensemble = Ensemble::cut(FAST, 12);
+    let name = cluster.name(&ensemble.path);
+    let both = [(); 2].map(|()| cluster.start_submit(&ensemble.path, "--at-most 1"));
+    let both = both.map(end);
+    let submitted = both
+        .iter()
+        .filter(|(_, said)| said.contains("(shards: 12, tasks: 4)"));
+    assert_eq!(submitted.count(), 1, "{both:?}");
+    ensemble.is_made();
+    let jobs = cluster.ask(&format!(
+        "squeue --noheader --array --states=all --name={name} --format=%F|%K"
+    ));
+    assert_eq!(jobs.lines().count(), 4, "{jobs}");
+    let (status, said) = cluster.submit(&ensemble.path, "");
+    assert_eq!(status, 0, "{said}");
+    assert!(said.contains("is whole: 12 runs"), "{said}");
+}
+
+/// The message of Slurm is printed.
+#[test]
+fn a_refusal_is_reported() {
+    let Some(cluster) = cluster() else { return };
+    let ensemble = Ensemble::cut(FAST, 2);
+    let (status, said) = cluster.submit(&ensemble.path, "--partition nowhere");
+    assert_eq!(status, 2, "{said}");
+    assert!(
+        said.contains("invalid partition specified: nowhere"),
+        "{said}"
+    );
+    assert!(said.contains("--dry-run"), "{said}");
+    assert_eq!(cluster.arrays(&cluster.name(&ensemble.path)), 0);
+}
+
+/// The document shows commands for a cluster, which other tests of documents leave out.
+#[test]
+fn the_document_can_be_followed() {
+    let Some(cluster) = cluster() else { return };
+    let page = fs::read_to_string("docs/cluster.md").unwrap();
+    let section = page.split("## With Slurm\n").nth(1).unwrap();
+    let block = section.split("```sh\n").nth(1).unwrap();
+    let block = block.split("```").next().unwrap();
+    let (submit, results) = block.split_at(block.find("stochc results").unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let link = |from: &Path, to: &str| {
+        std::os::unix::fs::symlink(from.canonicalize().unwrap(), folder.path().join(to)).unwrap();
+    };
+    link(Path::new("examples"), "examples");
+    link(Path::new(env!("CARGO_BIN_EXE_stochc")), "stochc");
+    let run = |commands: &str| {
+        let mut shell = cluster.command("bash -ec");
+        let path = std::env::var("PATH").unwrap();
+        shell.env("PATH", format!("{}:{path}", folder.path().display()));
+        let shell = shell.arg(commands).current_dir(folder.path());
+        let (status, said) = end(shell.spawn().unwrap());
+        assert_eq!(status, 0, "{said}");
+        said
+    };
+    let out = run(submit);
+    assert!(out.contains("(shards: 10, tasks: 5)"), "{out}");
+    until("merged ensemble", || {
+        !folder.path().join("results/slurm/shards.json").exists()
+    });
+    let out = run(results);
+    assert!(out.contains("Mean time to completion"), "{out}");
+}
+
+#[test]
+fn a_cluster_that_is_killed_leaves_nothing() {
+    // In its own processes.
+    let Some(mut cluster) = Cluster::start() else {
+        crate::skipped::skipped("slurm-wlm", "slurmctld");
+        return;
+    };
+    let folder = cluster.folder().to_owned();
+    let mut job = cluster.command("sbatch --output=/dev/null");
+    job.arg("--wrap=sleep 1000").stdout(Stdio::null());
+    assert!(job.status().unwrap().success());
+    until("job", || !members(&cluster, Some("n1")).is_empty());
+    assert!(folder.join("slurmctld.pid").exists());
+    let id = cluster.script().id().to_string();
+    let killed = Command::new("kill").args(["-9", &id]).status();
+    assert!(killed.unwrap().success());
+    cluster.script().wait().unwrap();
+    until("end of the processes", || {
+        members(&cluster, None).is_empty()
+    });
+    until("end of the folder", || !Path::new(&folder).exists());
+    assert!(fs::metadata(&folder).is_err());
+}
