@@ -130,6 +130,9 @@ pub struct Anchor {
     pub within: f64,
     /// And the normals of the two faces less than this from opposite \[rad\].
     pub tilt: f64,
+    /// Tested at the end of each tick only, and not along the way of every step.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub sampled: bool,
 }
 
 /// What the anchoring distance is measured between.
@@ -140,4 +143,6 @@ pub enum Measure {
     Centres,
     /// Along the normal of the magnetized face only, with the lateral offset under half a side.
     Gap,
+    /// The corners of the two faces: the largest of four distances.
+    Corners,
 }

@@ -205,6 +205,7 @@ impl Units {
             measure,
             within,
             tilt,
+            sampled,
         } = *bond.anchor();
         let law = match bond {
             Bond::Attract { pull, align, .. } => Attraction::Switched {
@@ -239,6 +240,7 @@ impl Units {
             measure,
             within: self.number(&ANCHOR, within)?,
             cos_tilt: libm::cos(self.number(&ANCHOR_TILT, tilt)?),
+            sampled,
             square_of_step: 0.0,
         })
     }

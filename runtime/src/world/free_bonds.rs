@@ -102,6 +102,11 @@ impl FreeBonds {
         self.groups.carry(blocks, self.response, dt);
     }
 
+    /// Whether blocks bond at the end of a tick only.
+    pub fn are_sampled(&self) -> bool {
+        self.magnet.sampled
+    }
+
     /// Bonds the blocks that are close and straight enough, or were in the step of length `dt` that ends here, unless more energy
     /// would have to go than the bond can take up; whether some did, and were moved into their places.
     pub fn join(&mut self, free: &[u32], blocks: &mut impl Blocks, dt: f64) -> bool {

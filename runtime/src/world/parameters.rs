@@ -1,4 +1,5 @@
 //! The numbers of all terms of the physics, in block units.
+use super::real::Real;
 use crate::settings::{Model, Settings};
 use stochc_ir::scene::room::Interior;
 use stochc_ir::scene::{ContactLaw, Measure};
@@ -125,6 +126,8 @@ pub(crate) struct Magnet {
     pub within: f64,
     /// Cosine of the greatest tilt at which a block is anchored.
     pub cos_tilt: f64,
+    /// Anchoring is tested at the end of each tick only.
+    pub sampled: bool,
     /// What a unit force moves a block at rest by in a step \[tick^2\]: the square of its length, less what drag takes.
     pub square_of_step: f64,
 }
@@ -189,10 +192,15 @@ impl Magnet {
         }
     }
 
+    /// Returns how much of the way before the end of a step of length `dt` is tested for anchoring \[tick\].
+    pub fn tested<R: Real>(&self, dt: R) -> R {
+        if self.sampled { R::zero() } else { dt }
+    }
+
     /// Beyond this distance between the centres of two faces, no block is anchored \[side\].
     pub fn anchoring(&self) -> f64 {
         match self.measure {
-            Measure::Centres => self.within,
+            Measure::Centres | Measure::Corners => self.within,
             Measure::Gap => self.within.hypot(0.5),
         }
     }

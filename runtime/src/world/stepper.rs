@@ -341,7 +341,7 @@ impl<I: Integrator> Stepper<I> {
     }
 
     /// Anchors the blocks that dock.
-    fn capture(&mut self, dockings: &mut Vec<Docking>) {
+    fn capture(&mut self, substep: u32, dockings: &mut Vec<Docking>) {
         if self.ratio == 1 {
             self.refresh();
         }
@@ -353,6 +353,7 @@ impl<I: Integrator> Stepper<I> {
         let is_bonded = |id, face| bonds.is_some_and(|bonds| bonds.groups.is_bonded(id, face));
         faces.capture(
             self.tick,
+            substep + 1 == self.substeps,
             self.dt,
             &mut self.blocks,
             is_bonded,
@@ -377,10 +378,13 @@ impl<I: Integrator> Stepper<I> {
     }
 
     /// Bonds the free blocks that are close enough to each other.
-    fn join(&mut self) {
+    fn join(&mut self, substep: u32) {
         let (true, Some(bonds)) = (built::BOND, &mut self.free_bonds) else {
             return;
         };
+        if bonds.are_sampled() && substep + 1 < self.substeps {
+            return;
+        }
         self.blocks.list_free(&mut self.free);
         let joined = bonds.join(&self.free, &mut self.blocks, self.dt.double());
         self.integrator.joined(&mut self.blocks, bonds);
@@ -562,8 +566,8 @@ impl<I: Integrator> World for Stepper<I> {
             self.settle();
             self.shake(who)?;
             self.advance(substep, who)?;
-            self.capture(dockings);
-            self.join();
+            self.capture(substep, dockings);
+            self.join(substep);
         }
         self.tick += 1;
         Ok(())

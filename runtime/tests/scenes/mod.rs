@@ -75,6 +75,7 @@ pub fn attract(pull: f64, anchor: f64) -> Option<Bond> {
             measure: Measure::Centres,
             within: anchor,
             tilt: 26f64.to_radians(),
+            sampled: false,
         },
     })
 }
@@ -83,6 +84,7 @@ pub const ANCHOR: Anchor = Anchor {
     measure: Measure::Centres,
     within: 0.05,
     tilt: 0.25,
+    sampled: false,
 };
 
 /// Faces that always attract.
@@ -146,6 +148,7 @@ pub fn paper() -> Scene {
                 measure: Measure::Centres,
                 within: 0.001,
                 tilt: 26f64.to_radians(),
+                sampled: false,
             },
         }),
         ..empty()

@@ -163,12 +163,19 @@ fn bond() -> impl Strategy<Value = Bond> {
         Just(26f64.to_radians()),
         Just(45f64.to_radians())
     ];
-    let measure = prop_oneof![Just(Measure::Centres), Just(Measure::Gap)];
-    let anchor = (measure, size(), tilt).prop_map(|(measure, within, tilt)| Anchor {
-        measure,
-        within,
-        tilt,
-    });
+    let measure = prop_oneof![
+        Just(Measure::Centres),
+        Just(Measure::Gap),
+        Just(Measure::Corners)
+    ];
+    let anchor = (measure, size(), tilt, any::<bool>()).prop_map(
+        |(measure, within, tilt, sampled)| Anchor {
+            measure,
+            within,
+            tilt,
+            sampled,
+        },
+    );
     (reach(), prop::option::of(reach()), anchor).prop_map(|(pull, align, anchor)| Bond::Attract {
         pull,
         align,

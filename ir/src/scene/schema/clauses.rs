@@ -40,6 +40,7 @@ const UNSAID_ANCHOR: Anchor = Anchor {
     measure: Measure::Centres,
     within: UNSAID,
     tilt: TILT.0,
+    sampled: false,
 };
 
 /// A scene in which nothing has been said.
@@ -232,14 +233,14 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             .make(|s| {
                 s.bond = Some(Bond::Attract { pull: UNSAID_REACH, align: None, anchor: UNSAID_ANCHOR });
             })
-            .equations(&[&PULLING, &ALIGNING, &ANCHOR_CENTRES, &ANCHOR_GAP]),
+            .equations(&[&PULLING, &ALIGNING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED]),
         braces!("reject" [field!(HOLD), field!(DEPTH), field!(REACH), field!(IMPULSE), field(&ANCHOR, &ANCHORING)])
             .means("every face of every block attracts every other one, in each quarter turn")
             .make(|s| {
                 let magnets = Magnets { hold: UNSAID, depth: UNSAID, within: UNSAID };
                 s.bond = Some(Bond::Reject { magnets, anchor: UNSAID_ANCHOR, impulse: UNSAID });
             })
-            .equations(&[&MAGNETS, &ANCHOR_CENTRES, &ANCHOR_GAP, &REJECTION]),
+            .equations(&[&MAGNETS, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED, &REJECTION]),
         braces!("suction" [
             field!(HEAD), field!(SUPPLY), field!(VALVE), field!(PASSAGE), field!(SEAL), field(&ANCHOR, &ANCHORING),
         ])
@@ -248,7 +249,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
                 let pump = Pump { head: UNSAID, supply: UNSAID, valve: UNSAID, passage: UNSAID };
                 s.bond = Some(Bond::Suction { pump, seal: UNSAID, anchor: UNSAID_ANCHOR });
             })
-            .equations(&[&PUMP, &SINK, &SEALING, &ANCHOR_CENTRES, &ANCHOR_GAP]),
+            .equations(&[&PUMP, &SINK, &SEALING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED]),
     ])
     .absent(NoTerm("nothing is ever captured")),
     braces!("messages" [field!(HOP), field!(LOSS).absent(NoTerm("no message is lost"))])
@@ -265,7 +266,7 @@ const NO_REACH: Absent = Absent::Message {
 };
 
 #[rustfmt::skip]
-static ANCHORING: [SchemaPart; 3] = [
+static ANCHORING: [SchemaPart; 4] = [
     SchemaPart::OneOf { noun: "measure of the anchoring distance", of: &[
         SchemaEntry::new("centres", &[])
             .means("between the centres of the two faces")
@@ -274,9 +275,18 @@ static ANCHORING: [SchemaPart; 3] = [
             .means("along the normal of the magnetized face, with less than half a side off to the side")
             .is(|s| is_measured(s, Measure::Gap))
             .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Gap; }),
+        SchemaEntry::new("corners", &[])
+            .means("between each corner of the free face and its counterpart")
+            .is(|s| is_measured(s, Measure::Corners))
+            .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Corners; }),
     ] },
     SchemaPart::Number(&ANCHOR),
     SchemaPart::Then(&field!(ANCHOR_TILT).otherwise(TILT.1)),
+    SchemaPart::Then(&SchemaEntry::new("sampled", &[])
+        .means("tested at the end of each tick only; a fast block may jump over the anchoring distance")
+        .otherwise("tested all along the way of each step")
+        .is(|s| s.bond.as_ref().is_some_and(|bond| bond.anchor().sampled))
+        .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().sampled = true; })),
 ];
 
 #[rustfmt::skip]

@@ -177,4 +177,8 @@ equations! {
         Some("centres of the two faces < d, normals < α from opposite"); [N(&ANCHOR), N(&ANCHOR_TILT)] if |s| is_measured(s, Measure::Centres);
     ANCHOR_GAP "then the block is anchored, snaps onto the lattice and is fixed"
         Some("gap along the normal < d, aside < a / 2, normals < α from opposite"); [N(&ANCHOR), N(&ANCHOR_TILT)] if |s| is_measured(s, Measure::Gap);
+    ANCHOR_CORNERS "then the block is anchored, snaps onto the lattice and is fixed"
+        Some("each corner < d from its counterpart, normals < α from opposite"); [N(&ANCHOR), N(&ANCHOR_TILT)] if |s| is_measured(s, Measure::Corners);
+    ANCHOR_SAMPLED "anchoring is tested at the end of each tick, not along the way"
+        None; [] if |s| s.bond.as_ref().is_some_and(|bond| bond.anchor().sampled);
 }

@@ -408,10 +408,12 @@ impl<R: Real> Faces<R> {
 
     /// The blocks have moved for `dt`: surveys them, and anchors those that were close and straight enough on their way:
     /// the closest first, then the lowest number, then the lowest site. A face takes one block, and
-    /// a block one face, which `is_bonded` to no other free block.
+    /// a block one face, which `is_bonded` to no other free block. Where anchoring is sampled, it waits for the step that `ends`
+    /// the tick.
     pub fn capture(
         &mut self,
         tick: u64,
+        ends: bool,
         dt: R,
         blocks: &mut impl Blocks<Real = R>,
         is_bonded: impl Fn(u32, Face) -> bool,
@@ -420,13 +422,17 @@ impl<R: Real> Faces<R> {
         self.seen = false;
         // Entries of this step are seen at its end, and docking may follow at once.
         self.survey(tick + 1, blocks);
+        if self.magnet.sampled && !ends {
+            return;
+        }
         let mut ready: Vec<DockingCandidate<R>> = Vec::new();
         for &DockingCandidate { active, body, near } in &self.candidates {
             if is_bonded(body, near.face) {
                 continue;
             }
             let motion = [blocks.velocity(body), blocks.spin(body)];
-            let sweep = FaceSweep::of_step(&near, blocks.position(body), motion, dt);
+            let (position, rotation) = (blocks.position(body), blocks.rotation(body));
+            let sweep = FaceSweep::of_step(&near, position, rotation, motion, dt, &self.magnet);
             if let Some(distance) = sweep.docks(&self.active[active].target, &self.magnet) {
                 let near = Near { distance, ..near };
                 ready.push(DockingCandidate { active, body, near });

@@ -216,6 +216,14 @@ impl<R: Real> AttractingFace<R> {
         })
     }
 
+    /// Returns the largest distance between a corner of this face and its counterpart among `own` \[side\].
+    pub fn corner_distance(&self, own: &[Vector3<R>; 4]) -> R {
+        let turn = self.pairing(own);
+        let distances = own.iter().enumerate();
+        let distances = distances.map(|(i, &corner)| (corner - self.counterpart(turn, i)).norm());
+        distances.fold(R::zero(), R::max)
+    }
+
     /// Faces that touch see each other's corners in opposite order.
     fn counterpart(&self, turn: usize, own: usize) -> Vector3<R> {
         self.corners[(turn + 4 - own) % 4]
@@ -223,7 +231,7 @@ impl<R: Real> AttractingFace<R> {
 }
 
 /// The corners of a face from the centre of its block, counterclockwise seen from outside.
-fn corners<R: Real>(rotation: UnitQuaternion<R>, face: Face) -> [Vector3<R>; 4] {
+pub(super) fn corners<R: Real>(rotation: UnitQuaternion<R>, face: Face) -> [Vector3<R>; 4] {
     let out = normal::<R>(face.normal());
     let across = Vector3::new(out.z, out.x, out.y);
     let along = out.cross(&across);

@@ -1,9 +1,10 @@
 //! Free blocks whose magnets always attract: how two of them pull each other, and when they bond.
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::Face;
+use stochc_ir::scene::Measure;
 use stochc_protocol::Orientation;
 
-use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn};
+use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn, corners};
 use super::swept_docking::FaceSweep;
 use crate::world::blocks::{Motion, Pose};
 use crate::world::parameters::{Magnet, Passive};
@@ -62,6 +63,7 @@ impl FacePair {
     /// which they are placed and move like this.
     pub fn bonds(&self, magnet: &Magnet, ends: [(&Pose, &Motion); 2], dt: f64) -> bool {
         let [(first, _), (second, _)] = ends;
+        let dt = magnet.tested(dt);
         let [from, start] = ends.map(|(pose, motion)| Pose {
             position: pose.position - motion.velocity * dt,
             rotation: UnitQuaternion::from_scaled_axis(motion.spin * -dt) * pose.rotation,
@@ -75,6 +77,10 @@ impl FacePair {
                 (seen.centre - start.position) * 2.0,
                 (self.near.centre - second.position) * 2.0,
             ],
+            corners: (magnet.measure == Measure::Corners).then(|| {
+                [&start, second]
+                    .map(|pose| corners(pose.rotation, self.other).map(|arm| pose.position + arm))
+            }),
         };
         sweep.docks(&self.target, magnet).is_some()
     }
@@ -122,8 +128,6 @@ pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose
 
 #[cfg(test)]
 mod tests {
-    use stochc_ir::scene::Measure;
-
     use super::*;
     use crate::world::parameters::Attraction;
     use crate::world::unit_cube::INVERSE_INERTIA;
@@ -139,6 +143,7 @@ mod tests {
             measure: Measure::Centres,
             within: 0.05,
             cos_tilt: 0.96,
+            sampled: false,
             square_of_step: 0.0,
         }
     }

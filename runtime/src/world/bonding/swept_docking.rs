@@ -1,9 +1,9 @@
 //! Whether a block comes into the docking window of a face anywhere on its way through a step: at its end, a fast block
 //! is often past it.
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::Measure;
 
-use super::face_attraction::{AttractingFace, Near};
+use super::face_attraction::{AttractingFace, Near, corners};
 use crate::world::parameters::Magnet;
 use crate::world::real::Real;
 
@@ -14,6 +14,8 @@ pub(crate) struct FaceSweep<R: Real> {
     pub centre: [Vector3<R>; 2],
     /// Outward.
     pub normal: [Vector3<R>; 2],
+    /// Of its corners, where they are measured.
+    pub corners: Option<[[Vector3<R>; 4]; 2]>,
 }
 
 impl<R: Real> FaceSweep<R> {
@@ -21,16 +23,30 @@ impl<R: Real> FaceSweep<R> {
     pub fn of_step(
         near: &Near<R>,
         position: Vector3<R>,
+        rotation: UnitQuaternion<R>,
         [velocity, spin]: [Vector3<R>; 2],
         dt: R,
+        magnet: &Magnet,
     ) -> FaceSweep<R> {
+        let dt = magnet.tested(dt);
         let after = (near.centre - position) * R::of(2.0);
         let before = (after - (spin * dt).cross(&after)).normalize();
         let centre = position - velocity * dt + before * R::of(0.5);
         FaceSweep {
             centre: [centre, near.centre],
             normal: [before, after],
+            corners: (magnet.measure == Measure::Corners).then(|| {
+                let arms = corners(rotation, near.face);
+                let earlier = |arm| position - velocity * dt + arm - (spin * dt).cross(&arm);
+                [arms.map(earlier), arms.map(|arm| position + arm)]
+            }),
         }
+    }
+
+    /// The corners of the face after a part of the way.
+    fn corners_at(&self, part: R) -> Option<[Vector3<R>; 4]> {
+        let [from, to] = self.corners?;
+        Some(std::array::from_fn(|i| from[i] + (to[i] - from[i]) * part))
     }
 
     /// The distance between the centres of the two faces where the block is close and straight enough to be anchored; `None`:
@@ -40,7 +56,7 @@ impl<R: Real> FaceSweep<R> {
         let from = self.centre[0] - target.centre;
         let way = self.centre[1] - self.centre[0];
         let part = match magnet.measure {
-            Measure::Centres => nearest(from, way, [R::zero(), R::one()]),
+            Measure::Centres | Measure::Corners => nearest(from, way, [R::zero(), R::one()]),
             Measure::Gap => {
                 let (gap, change) = (from.dot(&target.normal), way.dot(&target.normal));
                 let parts = between(gap, change, within)?;
@@ -51,6 +67,7 @@ impl<R: Real> FaceSweep<R> {
         let offset = from + way * part;
         let close = match magnet.measure {
             Measure::Centres => offset.norm() < within,
+            Measure::Corners => target.corner_distance(&self.corners_at(part)?) < within,
             Measure::Gap => {
                 let gap = offset.dot(&target.normal);
                 (offset - target.normal * gap).norm() < R::of(0.5)
@@ -84,7 +101,6 @@ fn between<R: Real>(from: R, change: R, most: R) -> Option<[R; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::UnitQuaternion;
     use stochc_ir::Face;
 
     use super::*;
@@ -100,18 +116,24 @@ mod tests {
             measure,
             within: 0.005,
             cos_tilt: 0.9,
+            sampled: false,
             square_of_step: 0.0,
         }
     }
 
     /// A step that ends with the lower face's centre here, over a face that looks up from the origin.
     fn docks(measure: Measure, end: Vector3<f64>, velocity: Vector3<f64>, spin: f64) -> bool {
+        docks_on(&magnet(measure), end, velocity, spin)
+    }
+
+    fn docks_on(magnet: &Magnet, end: Vector3<f64>, velocity: Vector3<f64>, spin: f64) -> bool {
         let target = AttractingFace::new(Vector3::z() * -0.5, Face::Up);
         let position = end + Vector3::z() * 0.5;
         let near = target.at(position, UnitQuaternion::identity(), Face::Down);
         let motion = [velocity, Vector3::x() * spin];
-        let sweep = FaceSweep::of_step(&near, position, motion, 1.0);
-        sweep.docks(&target, &magnet(measure)).is_some()
+        let rotation = UnitQuaternion::identity();
+        let sweep = FaceSweep::of_step(&near, position, rotation, motion, 1.0, magnet);
+        sweep.docks(&target, magnet).is_some()
     }
 
     #[test]
@@ -147,5 +169,41 @@ mod tests {
         let arm = Vector3::new(0.0, 0.5 * spin, 0.0);
         assert!(!docks(Measure::Centres, way + arm, way, spin));
         assert!(docks(Measure::Centres, way, way, 0.0));
+    }
+
+    #[test]
+    fn a_sampled_window_is_tested_where_the_step_ends() {
+        let way = Vector3::new(0.0, 0.3, -0.1);
+        let sampled = Magnet {
+            sampled: true,
+            ..magnet(Measure::Centres)
+        };
+        for (end, expected) in [(0.004, true), (0.006, false)] {
+            let end = Vector3::x() * end;
+            assert_eq!(docks_on(&sampled, end, way, 0.0), expected);
+        }
+        // The window is passed halfway.
+        assert!(!docks_on(&sampled, way * 0.5, way, 0.0));
+    }
+
+    #[test]
+    fn corners_of_a_turned_face_are_farther_apart_than_its_centre() {
+        let way = Vector3::z() * -0.001;
+        assert!(docks(Measure::Corners, Vector3::x() * 0.004, way, 0.0));
+        assert!(!docks(Measure::Corners, Vector3::x() * 0.006, way, 0.0));
+        // Turned about its normal by an angle t, each corner is t / sqrt(2) away.
+        let target = AttractingFace::new(Vector3::z() * -0.5, Face::Up);
+        for (angle, expected) in [(0.006, true), (0.008, false)] {
+            for quarter in 0..4 {
+                let turn = f64::from(quarter) * std::f64::consts::FRAC_PI_2 + angle;
+                let rotation = UnitQuaternion::from_scaled_axis(Vector3::z() * turn);
+                let position = Vector3::z() * 0.5;
+                let near = target.at(position, rotation, Face::Down);
+                let magnet = magnet(Measure::Corners);
+                let motion = [way, Vector3::zeros()];
+                let sweep = FaceSweep::of_step(&near, position, rotation, motion, 1.0, &magnet);
+                assert_eq!(sweep.docks(&target, &magnet).is_some(), expected);
+            }
+        }
     }
 }

@@ -98,6 +98,7 @@ fn a_bonded_pair_sinks_however_slowly() {
             measure: Measure::Centres,
             within: 0.05,
             tilt: 0.25,
+            sampled: false,
         },
         impulse: 0.0,
     });
