@@ -18,7 +18,7 @@ fn kept(folder: &str) -> Vec<PathBuf> {
 type Reader = fn(&[u8]);
 
 /// What reads the files of each folder.
-const READERS: [(&str, Reader); 7] = [
+const READERS: [(&str, Reader); 8] = [
     ("check", files::check::read),
     ("checkpoint", files::checkpoint::read),
     ("executable", files::executable::read),
@@ -30,6 +30,7 @@ const READERS: [(&str, Reader); 7] = [
         files::parse::read(&String::from_utf8_lossy(bytes));
     }),
     ("recording", files::recording::read),
+    ("voxels", files::voxels::read),
 ];
 
 /// Whether a folder holds programs, which take long.

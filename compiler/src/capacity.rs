@@ -157,12 +157,8 @@ fn check_terms(
     let Some(enclosure) = &scene.enclosure else {
         return;
     };
-    // Distances in sides, from the centre of the shell over that of the plate's upper side.
     let side = scene.block.side;
-    let radius = enclosure.radius() / side;
-    let middle = enclosure.centre_height(&plan.plate, side) / side;
-    let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
-    let (east, north) = (centre(plan.plate.width), centre(plan.plate.depth));
+    let radius = enclosure.radius();
     let outside = plan
         .events
         .iter()
@@ -170,11 +166,7 @@ fn check_terms(
         .find_map(|(event, cell)| {
             let cell = (*cell)
                 .filter(|_| event.sound && matches!(event.kind, EventKind::Capture { .. }))?;
-            let x = (f64::from(cell.x) - east).abs() + 0.5;
-            let y = (f64::from(cell.y) - north).abs() + 0.5;
-            let (top, bottom) = (f64::from(cell.z), f64::from(cell.z) - 1.0);
-            let z = (top - middle).abs().max((bottom - middle).abs());
-            let distance = (x * x + y * y + z * z).sqrt();
+            let distance = enclosure.distance_to(cell, &plan.plate, side);
             (distance > radius).then_some((event, cell, distance))
         });
     if let Some((event, cell, distance)) = outside {
@@ -186,9 +178,7 @@ fn check_terms(
             .label(
                 event.location,
                 format!(
-                    "the block at {cell} reaches {:.2} m from the centre, beyond {:.2} m",
-                    distance * side,
-                    radius * side
+                    "the block at {cell} reaches {distance:.2} m from the centre, beyond {radius:.2} m"
                 ),
             )
             .help("a scene with a larger radius, or a smaller structure"),

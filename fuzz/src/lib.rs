@@ -6,6 +6,7 @@ pub mod journal;
 pub mod manifest;
 pub mod parse;
 pub mod recording;
+pub mod voxels;
 
 use std::path::PathBuf;
 

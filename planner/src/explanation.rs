@@ -73,6 +73,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
             dismantling.hand_overs.len()
         );
     }
+    let _ = writeln!(out, "{}", plan.scaffolds);
     if let Some(baseline) = plan.baseline {
         let _ = writeln!(out, "needs no thought: {}", baseline.words());
     }

@@ -5,3 +5,6 @@ pub const MOST_CELLS: usize = 10_000_000;
 
 /// Coordinates are no further from 0 than this.
 pub const FARTHEST: i32 = 1_000_000_000;
+
+/// Maximum number of models, nodes and layers of a `.vox` file.
+pub const MAX_VOXEL_PARTS: usize = 500_000;

@@ -10,7 +10,9 @@ use crate::makespan::{PlanEstimate, Samples};
 use crate::precedence::Waiting;
 use crate::rate_law::RateLaw;
 use crate::scaffold::{Dismantling, SitePart, SiteRoles};
-use crate::scaffold_search::{Scaffolded, has_place, scaffolded};
+use crate::scaffold_search::{
+    NoScaffolds, ScaffoldTrial, Scaffolded, may_have_scaffolds, scaffolded,
+};
 use crate::schedule::Schedule;
 use crate::scheduling::SchedulingJob;
 use crate::search::{FoundSchedule, PlanSearch, search};
@@ -36,6 +38,8 @@ pub struct BuildPlan {
     pub baseline: Option<Baseline>,
     /// What plans that need no thought would take; none where nobody has looked.
     pub alternatives: Vec<Alternative>,
+    /// Whether scaffolds were tried, and their gain.
+    pub scaffolds: ScaffoldTrial,
 }
 
 /// A plan that needs no thought, beside another.
@@ -74,24 +78,26 @@ pub fn plan(
     how: PlanSearch<'_>,
 ) -> Result<Plans, TargetError> {
     let sites = Sites::of(target);
-    let plain = match has_place(target) {
+    let scaffolds = may_have_scaffolds(target, hardware, how);
+    let mut search_plain = how;
+    if scaffolds.is_ok() {
         // Half of the time is for them.
-        true => PlanSearch {
-            enough: how.halfway,
-            ..how
-        },
-        false => how,
+        search_plain.enough = how.halfway;
+    }
+    let found = search(&sites, hardware, waits, search_plain)?;
+    let (scaffolded, trial) = match scaffolds {
+        Ok(()) => scaffolded(&sites, &found, hardware, waits, how),
+        Err(reason) => (None, ScaffoldTrial::NotTried { reason }),
     };
-    let found = search(&sites, hardware, waits, plain)?;
     let job = found.job(&sites, hardware, waits);
     let plain = BuildPlan::of_found(&job, &found, how.seed);
-    let scaffolded = match has_place(target) {
-        true => scaffolded(&sites, &found, hardware, waits, how),
-        false => None,
-    };
+    let scaffolded = scaffolded.map(|it| BuildPlan::with_scaffolds(it, hardware, waits, how));
     Ok(Plans {
-        plain,
-        scaffolded: scaffolded.map(|it| BuildPlan::with_scaffolds(it, hardware, waits, how)),
+        plain: BuildPlan {
+            scaffolds: trial,
+            ..plain
+        },
+        scaffolded,
     })
 }
 
@@ -213,6 +219,9 @@ impl BuildPlan {
             is_best: false,
             baseline: None,
             alternatives: Vec::new(),
+            scaffolds: ScaffoldTrial::NotTried {
+                reason: NoScaffolds::NotWanted,
+            },
         }
     }
 }

@@ -8,6 +8,10 @@ use stochc_ir::{Cell, Face};
 use crate::limits::{FARTHEST, MOST_CELLS};
 use crate::target_error::{LoosePart, TargetError};
 
+/// Maximum number of cells that the search for one bridge visits, and that all searches of a target visit.
+const MAX_BRIDGE_STEPS: usize = 200_000;
+const MAX_STEPS_OF_ALL: usize = 2_000_000;
+
 /// A structure that can be built: every cell hangs together with a block of the plate that may capture, or with one that stands.
 #[derive(Clone, Debug)]
 pub struct Target {
@@ -174,9 +178,10 @@ impl Target {
         }
     }
 
-    /// The parts that hang together with no seed, and what would help each.
+    /// Returns the parts that are attached to no seed, each with its bridge. The bridges of earlier parts are
+    /// taken to be there.
     fn loose(&self) -> Vec<LoosePart> {
-        let all: FxHashSet<Cell> = self.cells.iter().copied().collect();
+        let mut all: FxHashSet<Cell> = self.cells.iter().copied().collect();
         let mut open: Vec<Cell> = self.cells.to_vec();
         let stands = |cell: &Cell| self.existing_at(*cell).is_some();
         let mut held: FxHashSet<Cell> = open.iter().copied().filter(stands).collect();
@@ -185,38 +190,44 @@ impl Target {
         });
         held.extend(&open);
         spread(&mut open, &all, &mut held);
+        let mut left = MAX_STEPS_OF_ALL;
         let mut parts = Vec::new();
-        let mut seen = held.clone();
-        for &cell in &self.cells {
-            if !seen.insert(cell) {
-                continue;
+        for cells in self.parts_beside(&held, &all) {
+            let bridge = self.bridge(&cells, &held, &mut left);
+            if let Some(bridge) = &bridge {
+                let mut open: Vec<Cell> = cells.iter().chain(bridge).copied().collect();
+                all.extend(bridge);
+                held.extend(&open);
+                spread(&mut open, &all, &mut held);
             }
-            let mut part = vec![cell];
-            let mut open = vec![cell];
-            while let Some(at) = open.pop() {
-                for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
-                    if all.contains(&next) && seen.insert(next) {
-                        part.push(next);
-                        open.push(next);
-                    }
-                }
-            }
-            part.sort_unstable();
-            let bridge = match parts.len() {
-                0 => self.bridge(&part, &held),
-                _ => None,
-            };
-            parts.push(LoosePart {
-                cells: part,
-                bridge,
-            });
+            parts.push(LoosePart { cells, bridge });
         }
         parts
     }
 
-    /// The fewest cells with which a part hangs together with the rest or with a seed; `None`: too many to look for.
-    fn bridge(&self, part: &[Cell], held: &FxHashSet<Cell>) -> Option<Vec<Cell>> {
-        const FARTHEST: usize = 200_000;
+    /// Returns the connected parts of the cells that are not in `held`, each sorted.
+    fn parts_beside(&self, held: &FxHashSet<Cell>, all: &FxHashSet<Cell>) -> Vec<Vec<Cell>> {
+        let mut seen = held.clone();
+        let mut parts = Vec::new();
+        for &cell in &self.cells {
+            if seen.insert(cell) {
+                let mut part = vec![cell];
+                let mut next = 0;
+                while let Some(&at) = part.get(next) {
+                    next += 1;
+                    let beside = Face::ALL.into_iter().filter_map(|face| at.across(face));
+                    part.extend(beside.filter(|cell| all.contains(cell) && seen.insert(*cell)));
+                }
+                part.sort_unstable();
+                parts.push(part);
+            }
+        }
+        parts
+    }
+
+    /// Returns the fewest cells that connect a part with the rest or with a seed. Returns `None` if there are
+    /// none, or no steps are `left`.
+    fn bridge(&self, part: &[Cell], held: &FxHashSet<Cell>, left: &mut usize) -> Option<Vec<Cell>> {
         let mut from: FxHashMap<Cell, (Cell, usize)> =
             part.iter().map(|&cell| (cell, (cell, 0))).collect();
         let mut open: VecDeque<(Cell, usize)> = part.iter().map(|&cell| (cell, 0)).collect();
@@ -243,7 +254,7 @@ impl Target {
                 bridge.sort_unstable();
                 return Some(bridge);
             }
-            if from.len() > FARTHEST {
+            if from.len() > MAX_BRIDGE_STEPS {
                 return None;
             }
             for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
@@ -252,6 +263,7 @@ impl Target {
                 let more = more + usize::from(!is_part);
                 let is_shorter = from.get(&next).is_none_or(|known| more < known.1);
                 if next.z >= 1 && is_shorter && !self.is_inert(next) {
+                    *left = left.checked_sub(1)?;
                     from.insert(next, (at, more));
                     match is_part {
                         true => open.push_front((next, more)),

@@ -1,11 +1,13 @@
 //! Why a target cannot be built, and what would help.
 use std::fmt;
 
+use serde::Serialize;
 use stochc_grammar::Cancelled;
 use stochc_ir::{Cell, counted, listed};
 
 /// Why there is no plan.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", content = "detail", rename_all = "snake_case")]
 pub enum TargetError {
     /// There is nothing to build.
     Empty,
@@ -28,12 +30,13 @@ pub enum TargetError {
     Cancelled,
 }
 
-/// A part of a target that hangs in the air.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A part of a target that is attached to nothing that can capture.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LoosePart {
     /// Its cells, sorted.
     pub cells: Vec<Cell>,
-    /// The fewest further cells that would hold it; `None`: not looked for, or too many.
+    /// The fewest further cells that would support it, given the bridges of the parts before. `None` if there
+    /// are none, or the search for them was given up.
     pub bridge: Option<Vec<Cell>>,
 }
 
@@ -47,14 +50,62 @@ impl LoosePart {
 /// Cells that are told of, at most.
 const MOST_TOLD: usize = 8;
 
-/// `(0, 0, 1), (1, 0, 1) and 5 more`
-pub(crate) fn listed_cells(cells: &[Cell]) -> String {
+/// Lists cells: `(0, 0, 1), (1, 0, 1) and 5 more`.
+pub fn listed_cells(cells: &[Cell]) -> String {
     let told: Vec<String> = cells.iter().take(MOST_TOLD).map(Cell::to_string).collect();
     listed(&told, cells.len())
 }
 
 fn cells(count: usize) -> String {
     counted(count, "cell")
+}
+
+/// Lists loose parts, in one sentence.
+fn loose(parts: &[LoosePart]) -> String {
+    const HOLDER: &str = "attached to no block of the plate that may capture";
+    let all: usize = parts.iter().map(|part| part.cells.len()).sum();
+    let verb = if all == 1 { "is" } else { "are" };
+    if let [part] = parts {
+        let told = listed_cells(&part.cells);
+        return format!("{} of the target, {told}, {verb} {HOLDER}", cells(all));
+    }
+    let told: Vec<String> = (parts.iter().take(MOST_TOLD))
+        .map(|part| match &part.cells[..] {
+            [cell] => cell.to_string(),
+            several => format!("{} at {}", cells(several.len()), several[0]),
+        })
+        .collect();
+    let (count, listed) = (parts.len(), listed(&told, parts.len()));
+    format!(
+        "{count} parts of the target, {} in all, {verb} {HOLDER}: {listed}",
+        cells(all)
+    )
+}
+
+/// Lists the cells that would support loose parts. Returns `None` if none were found.
+fn bridges(parts: &[LoosePart]) -> Option<String> {
+    let bridges = parts.iter().filter_map(|part| part.bridge.as_ref());
+    let found = bridges.clone().count();
+    let bridge: Vec<Cell> = bridges.flatten().copied().collect();
+    if bridge.is_empty() {
+        return None;
+    }
+    let held = match (parts.len(), parts.len() - found) {
+        (1, _) => "it would be held".to_owned(),
+        (_, 0) => "all parts would be held".to_owned(),
+        (_, others) => format!("all parts except {others} would be held"),
+    };
+    // The plate supports only parts that rest on it.
+    let plate = if parts.iter().any(LoosePart::rests_on_plate) {
+        "; or let a block of the plate under it capture"
+    } else {
+        ""
+    };
+    let more = counted(bridge.len(), "more cell");
+    Some(format!(
+        "with {more}, {}, {held}{plate}",
+        listed_cells(&bridge)
+    ))
 }
 
 impl From<Cancelled> for TargetError {
@@ -80,27 +131,7 @@ impl fmt::Display for TargetError {
                 cells(below.len()),
                 listed_cells(below)
             ),
-            TargetError::Loose(parts) => {
-                let first = parts.first().map_or(&[][..], |part| &part.cells);
-                match parts.len() {
-                    1 => write!(f, "{} of the target: ", cells(first.len()))?,
-                    n => write!(
-                        f,
-                        "{n} parts of the target, the first of {}: ",
-                        cells(first.len())
-                    )?,
-                }
-                write!(
-                    f,
-                    "{}, {} together with no block of the plate that may capture",
-                    listed_cells(first),
-                    if parts.len() == 1 && first.len() == 1 {
-                        "hangs"
-                    } else {
-                        "hang"
-                    }
-                )
-            }
+            TargetError::Loose(parts) => f.write_str(&loose(parts)),
             TargetError::TooFewBlocks { needed, free } => write!(
                 f,
                 "the target has {}, and the scene {}",
@@ -128,22 +159,9 @@ impl TargetError {
             TargetError::BelowPlate(_) => {
                 Some("layer 1 rests on the plate: move the target up".to_owned())
             }
-            TargetError::Loose(parts) => {
-                let part = parts.first()?;
-                let bridge = part.bridge.as_ref().filter(|bridge| !bridge.is_empty())?;
-                // The plate holds nothing but what rests on it.
-                Some(format!(
-                    "with {} more, {}, the first part would be held{}",
-                    cells(bridge.len()),
-                    listed_cells(bridge),
-                    match part.rests_on_plate() {
-                        true => "; or let a block of the plate under it capture",
-                        false => "",
-                    }
-                ))
-            }
+            TargetError::Loose(parts) => bridges(parts),
             TargetError::TooFewBlocks { needed, .. } => Some(format!(
-                "plan a smaller target, or in a scene with `free {needed} uniform` or more"
+                "plan a smaller target, or in a scene with at least {needed} free blocks"
             )),
             TargetError::Sealed(_) => Some("leave a neighbour of each out".to_owned()),
             TargetError::TooFar(_) | TargetError::Cancelled => None,

@@ -10,7 +10,7 @@ use stochc::exit::Failure;
 use stochc::host::Host as _;
 use stochc::operations::estimate::{Estimating, estimates};
 use stochc::operations::plan::{
-    Budget, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, plan as planned, read,
+    Budget, LooseParts, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, plan as planned, read,
 };
 use stochc::operations::runs::threads;
 use stochc::operations::trade::{keep, measured, memory};
@@ -72,9 +72,14 @@ pub struct PlanRequest {
     program: Option<String>,
     dead: Vec<String>,
     shape: Option<String>,
+    model: Option<u32>,
     seed_plate: Option<String>,
     offset: Option<String>,
     scene: Option<String>,
+    free: Option<u32>,
+    name: Option<String>,
+    drops_loose: bool,
+    adds_supports: bool,
     imports: Vec<PathBuf>,
     budget: Option<String>,
     is_p90: bool,
@@ -111,9 +116,13 @@ pub fn plan(
                 asked.completes,
             ),
             shape: asked.shape.as_deref(),
+            model: asked.model,
             seed_plate: seed_plate.as_ref(),
             offset: offset.transpose().map_err(said("offset"))?,
             scene: asked.scene.as_deref(),
+            free: asked.free,
+            name: asked.name.as_deref(),
+            loose: LooseParts::new(asked.drops_loose, asked.adds_supports),
             imports: &imports,
             budget: budget.transpose().map_err(said("budget"))?,
             objective: match asked.is_p90 {
@@ -124,7 +133,8 @@ pub fn plan(
             keeps_scaffolds: asked.keeps_scaffolds,
             rates: &asked.rates,
         };
-        let found = planned(&read(&options, host)?, &options, host)?;
+        let read = read(&options, host).map_err(Failure::from)?;
+        let found = planned(&read, &options, host).map_err(Failure::from)?;
         let explained = explanation(&found.plan);
         let plan = json!(found.plan).to_string();
         let own = std::iter::once((found.name, found.text));

@@ -140,9 +140,14 @@ def plan(
     program: str | None = None,
     dead: str | Iterable[str] = (),
     shape: str | None = None,
+    model: int | None = None,
     seed_plate: str | None = None,
     offset: str | None = None,
     scene: str | None = None,
+    free: int | None = None,
+    name: str | None = None,
+    drop_loose: bool = False,
+    supports: bool = False,
     budget: int | str | None = None,
     minimize: Literal["mean", "p90"] = "mean",
     seed: int = 1,
@@ -154,15 +159,20 @@ def plan(
     """Plans how to build a shape: a program that does, fast and without jams.
 
     Args:
-        target: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `run` a results folder.
+        target: a program with a shape (`.sa`), a scene of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `run` a results folder.
         complete: plan what is missing where a phase of the program claims a shape that it does not build.
         run: plan the rest of this run of the folder: what stands at its end is attached by hand, and what the shape has not is let go.
         program: name of the program of the run; needed if the folder holds several.
         dead: names of blocks that neither capture nor pass messages on any more at the end of the run.
         shape: which shape of the program.
+        model: build only this model of a `.vox` file, counted from 0.
         seed_plate: the plate to build on, such as `"3 x 3 at (1, 1)"`.
         offset: moves the shape by so many cells to the east and to the north, such as `"2, 1"`.
-        scene: the name of the scene to build in.
+        scene: the name of the scene to build in, also one of a file: `"lab.sa:tank"`.
+        free: the number of free blocks: the program gets a scene with so many, at the same density.
+        name: the name of the assembly.
+        drop_loose: whether parts are left out that are attached to no block of the plate that may capture.
+        supports: whether the fewest cells that hold such parts are added.
         budget: how long to look for a better plan: a time (`"10s"`), or a number of tries.
         minimize: the mean time to completion, or that in which nine runs of ten are complete.
         seed: of the random numbers.
@@ -174,10 +184,20 @@ def plan(
     if minimize not in ("mean", "p90"):
         raise UsageError(f"minimize: give 'mean' or 'p90', not {told(minimize)}")
     maybe = _maybe_word
+    of_whole = {
+        "model": model,
+        "seed_plate": seed_plate,
+        "offset": offset,
+        "drop_loose": drop_loose or None,
+        "supports": supports or None,
+        "keep_scaffolds": keep_scaffolds or None,
+    }
+    if drop_loose:
+        _alone("drop_loose", supports=supports or None)
     if _arguments.yes("complete", complete):
-        _alone("complete", run=run, seed_plate=seed_plate, offset=offset, scene=scene, keep_scaffolds=keep_scaffolds or None)
+        _alone("complete", run=run, scene=scene, free=free, name=name, **of_whole)
     if run is not None:
-        _alone("run", seed_plate=seed_plate, offset=offset, keep_scaffolds=keep_scaffolds or None)
+        _alone("run", **of_whole)
     elif program is not None or dead:
         raise UsageError("program, dead: they are of a run: give `run` as well")
     if budget is not None and not isinstance(budget, str):
@@ -189,9 +209,14 @@ def plan(
         "program": maybe("program", program),
         "dead": _arguments.words("dead", dead),
         "shape": maybe("shape", shape),
+        "model": _arguments.maybe("model", model, 0, 2**32 - 1),
         "seed_plate": maybe("seed_plate", seed_plate),
         "offset": maybe("offset", offset),
         "scene": maybe("scene", scene),
+        "free": _arguments.maybe("free", free, 1, 2**32 - 1),
+        "name": maybe("name", name),
+        "drops_loose": _arguments.yes("drop_loose", drop_loose),
+        "adds_supports": _arguments.yes("supports", supports),
         "imports": _arguments.paths("allow_import", allow_import),
         "budget": maybe("budget", budget),
         "is_p90": minimize == "p90",

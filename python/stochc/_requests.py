@@ -62,9 +62,14 @@ class Planned(TypedDict):
     program: str | None
     dead: list[str]
     shape: str | None
+    model: int | None
     seed_plate: str | None
     offset: str | None
     scene: str | None
+    free: int | None
+    name: str | None
+    drops_loose: bool
+    adds_supports: bool
     imports: list[str]
     budget: str | None
     is_p90: bool

@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stochc_compiler::scene::{built_in, built_in_names};
+use stochc_files::atomic::Replaces;
 use stochc_ir::scene::Scene;
 use stochc_ir::visible;
 use stochc_report::tables::rates_to_text;
@@ -52,7 +53,9 @@ pub struct CalibrateArguments {
 /// Measures the rates of a scene.
 pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
-    let out = options.out.as_deref().map(NewFile::begin).transpose()?;
+    let out = options.out.as_deref();
+    let out = out.map(|path| NewFile::begin(path, Replaces::Nothing));
+    let out = out.transpose()?;
     let scene = scene(options, &host)?;
     stop_on_interrupt()?;
     let effort = Effort {

@@ -1,4 +1,4 @@
-//! The file of a command's `--out` that has to be new.
+//! The file of a command's `--out`.
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -14,9 +14,12 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Begins the file; there has to be nothing of its name.
-    pub fn begin(path: &Path) -> Result<NewFile, Failure> {
-        let draft = Draft::new(path, Replaces::Nothing);
+    /// Begins the file.
+    ///
+    /// # Errors
+    /// If it cannot be written, or something has its name that may not be replaced.
+    pub fn begin(path: &Path, replaces: Replaces) -> Result<NewFile, Failure> {
+        let draft = Draft::new(path, replaces);
         Ok(NewFile {
             draft: draft.map_err(|error| Failure::not_written(path, error))?,
             path: path.to_owned(),

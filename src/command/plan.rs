@@ -1,10 +1,11 @@
 //! `stochc plan`.
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use stochc_planner::{Objective, explanation};
+use stochc_files::atomic::{Replaces, holds};
+use stochc_planner::{Objective, PLANNED_MARK, explanation};
 
 use super::host::Terminal;
 use super::imports::ImportOptions;
@@ -15,14 +16,15 @@ use super::run_options::RatesOption;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::plan::{
-    Budget, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, is_right_at, plan, read,
+    Budget, LooseParts, NotPlanned, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, is_right_at,
+    plan, read,
 };
 use crate::planning::Planned;
 
 /// What `plan` is given.
 #[derive(Debug, Args)]
 pub struct PlanArguments {
-    /// What to build: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `--run` the
+    /// What to build: a program with a shape (`.sa`), a scene of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `--run` the
     /// results folder of the run
     #[arg(value_name = "TARGET")]
     target: String,
@@ -52,6 +54,9 @@ pub struct PlanArguments {
     /// Shape of the program to build [default: the only one, or the last one claimed]
     #[arg(long, value_name = "NAME")]
     shape: Option<String>,
+    /// Build only this model of a `.vox` file, counted from 0: one frame of an animation, for instance
+    #[arg(long, value_name = "N", conflicts_with_all = ["run", "complete"])]
+    model: Option<u32>,
     /// Plate to build on, and those of its blocks that may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`
     /// [default: that of the assembly which claims the shape, or the smallest plate under the shape]
     #[arg(long, value_name = "PLATE", value_parser = SeedPlate::parse)]
@@ -59,12 +64,28 @@ pub struct PlanArguments {
     /// Move the shape by so many cells to the east and to the north on the plate, such as `2, 1`
     #[arg(long, value_name = "X, Y", value_parser = Offset::parse, allow_hyphen_values = true)]
     offset: Option<Offset>,
-    /// Scene to build in [default: that of the assembly which claims the shape]
+    /// Leave out parts that are attached to no block of the plate that may capture
+    #[arg(long, conflicts_with_all = ["supports", "run", "complete"])]
+    drop_loose: bool,
+    /// Add the fewest cells that hold such parts
+    #[arg(long, conflicts_with_all = ["run", "complete"])]
+    supports: bool,
+    /// Scene to build in, also one of another file: `FILE.sa:NAME` [default: that of the assembly which claims the shape,
+    /// the only one of the file, or one with enough blocks]
     #[arg(long, value_name = "NAME")]
     scene: Option<String>,
+    /// Number of free blocks: the program gets a scene with so many, at the same density
+    #[arg(long, value_name = "N", conflicts_with = "complete", value_parser = clap::value_parser!(u32).range(1..))]
+    free: Option<u32>,
+    /// Name of the assembly [default: `build_` and the name of the shape]
+    #[arg(long, value_name = "NAME", conflicts_with = "complete")]
+    name: Option<String>,
     /// Write the program to this file instead of the output
     #[arg(long, value_name = "FILE.sa")]
     out: Option<PathBuf>,
+    /// Replace the file of `--out` if `stochc plan` wrote it
+    #[arg(long, requires = "out", conflicts_with = "complete")]
+    force: bool,
     #[command(flatten)]
     rates: RatesOption,
     /// How long to look for a better plan: a time, such as 10s or 2m, or a number of tries, of which the same number
@@ -105,7 +126,8 @@ enum Minimize {
 /// Plans, and writes the program.
 pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.quiet);
-    let out = options.out.as_deref().map(NewFile::begin).transpose()?;
+    let out = options.out.as_deref();
+    let out = out.map(|path| begin(path, options)).transpose()?;
     let plan_options = PlanOptions {
         target: &options.target,
         extent: PlanScope::new(
@@ -117,9 +139,13 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
             options.complete,
         ),
         shape: options.shape.as_deref(),
+        model: options.model,
         seed_plate: options.seed_plate.as_ref(),
         offset: options.offset,
         scene: options.scene.as_deref(),
+        free: options.free,
+        name: options.name.as_deref(),
+        loose: LooseParts::new(options.drop_loose, options.supports),
         imports: &options.imports.folders,
         budget: options.budget,
         objective: match options.minimize {
@@ -130,9 +156,10 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
         keeps_scaffolds: options.keep_scaffolds,
         rates: &options.rates.rates,
     };
-    let target = read(&plan_options, &host)?;
     let stop = stop_on_interrupt()?;
-    let planned = plan(&target, &plan_options, &host)?;
+    let planned = read(&plan_options, &host)
+        .and_then(|target| plan(&target, &plan_options, &host))
+        .or_else(|not_planned| report(not_planned, options))?;
     let stopped = stop.load(Ordering::Relaxed);
     if let (true, Some(path)) = (options.complete, &options.out) {
         is_right_at(path, &planned, &options.imports.folders)?;
@@ -150,6 +177,33 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     }
 }
 
+/// Begins the file of the program. A plan never replaces its target.
+fn begin(path: &Path, options: &PlanArguments) -> Result<NewFile, Failure> {
+    if !options.force {
+        return NewFile::begin(path, Replaces::Nothing);
+    }
+    let real = |path: &Path| path.canonicalize().ok();
+    let is_target = real(path).is_some_and(|out| real(Path::new(&options.target)) == Some(out));
+    if is_target {
+        return Err(Failure::usage(format!(
+            "`{}` is the target: write the program to another file",
+            path.display()
+        )));
+    }
+    let ours = Replaces::Ours(|file| holds(file, PLANNED_MARK.as_bytes()));
+    NewFile::begin(path, ours)
+}
+
+/// Prints an error about the target as JSON if that format was asked for.
+fn report(not_planned: NotPlanned, options: &PlanArguments) -> Result<Planned, Failure> {
+    if let (ResultsFormat::Json, Some(error)) = (options.format, &not_planned.refused) {
+        let mut document = json!(error);
+        document["message"] = json!(error.to_string());
+        print(&format!("{:#}\n", json!({ "error": document })))?;
+    }
+    Err(not_planned.into())
+}
+
 fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Result<(), Failure> {
     let Planned { plan, text, .. } = planned;
     if let Some(out) = out {
@@ -157,7 +211,7 @@ fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Re
     }
     match (options.format, &options.out) {
         (ResultsFormat::Json, _) => {
-            let document = json!({ "program": text, "plan": plan });
+            let document = json!({ "program": text, "scene": planned.scene, "plan": plan });
             print(&format!("{document:#}\n"))?;
         }
         (ResultsFormat::Text, None) => print(text)?,

@@ -231,6 +231,7 @@ impl Completion {
             text,
             name,
             assembly: self.assembly.clone(),
+            scene: self.scene.name.clone(),
             imported: self.texts[1..].to_vec(),
             untrue,
         })

@@ -1,5 +1,7 @@
 //! From a shape of a program, or from cells, to a program that builds it and has been checked.
 mod completion;
+mod larger_scene;
+mod loose_parts;
 mod repair;
 mod scenes;
 
@@ -17,14 +19,15 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
-    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Target,
-    TargetError, baseline_plans, declaration, draft, plan, program,
+    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, ScaffoldTrial,
+    Target, TargetError, baseline_plans, declaration, draft, plan, program,
 };
 use stochc_rates::{Rates, Times};
 
 use crate::check_text;
 pub(crate) use completion::untrue_claims;
 pub use completion::{Completion, NotCompleted};
+pub use larger_scene::LargerScene;
 pub use repair::{ExistingStructure, Repair};
 use scenes::WrittenScenes;
 
@@ -41,6 +44,8 @@ pub struct Goal {
     pub seeds: Option<Vec<(i32, i32)>>,
     /// The scene; `None`: the one of an assembly that names none.
     pub scene: Option<String>,
+    /// The name of the assembly. By default it is called after the shape.
+    pub assembly: Option<String>,
     /// Declares the shape.
     shape: Option<String>,
     /// The scenes that are declared where the shape comes from.
@@ -62,6 +67,8 @@ pub struct Planned {
     pub name: String,
     /// The assembly that builds the shape.
     pub assembly: String,
+    /// The name of the scene that it runs in.
+    pub scene: String,
     /// The texts that the program imports, with their names.
     pub imported: Vec<(String, String)>,
     /// How many claims of it are still untrue.
@@ -121,6 +128,7 @@ impl Goal {
             plate: None,
             seeds: None,
             scene: None,
+            assembly: None,
             scenes: WrittenScenes::default(),
             repair: Repair::default(),
             compiled: OnceLock::new(),
@@ -224,6 +232,7 @@ impl Goal {
             plate: assembly.map(|program| program.plan.plate.clone()),
             seeds: assembly.and_then(|program| seats(&program.plan)),
             scene: assembly.and_then(scene_of),
+            assembly: None,
             shape: Some(printed(item, symbols)),
             scenes: WrittenScenes::of(checked),
             repair: Repair::default(),
@@ -242,6 +251,7 @@ impl Goal {
             plate: self.plate,
             seeds: self.seeds,
             scene: self.scene,
+            assembly: self.assembly,
             scenes: self.scenes,
             ..Goal::of_cells(&self.name, cells)
         })
@@ -252,6 +262,32 @@ impl Goal {
         self.scene = Some(name.to_owned());
         self.scenes = WrittenScenes::of(&check_text(NAME, text));
         self.compiled = OnceLock::new();
+    }
+
+    /// Builds it in a scene that another program declares.
+    ///
+    /// # Errors
+    /// If that program has no scene of this name, or several and none is named: with their names.
+    pub fn take_scene(&mut self, from: &Checked, name: Option<&str>) -> Result<(), Vec<String>> {
+        let scenes = WrittenScenes::of(from);
+        let names: Vec<&str> = scenes.names().collect();
+        let chosen = match (name, &names[..]) {
+            (Some(name), _) => names.contains(&name).then_some(name),
+            (None, [only]) => Some(*only),
+            (None, _) => None,
+        };
+        let Some(chosen) = chosen.map(str::to_owned) else {
+            return Err(names.into_iter().map(str::to_owned).collect());
+        };
+        self.scenes = scenes;
+        self.scene = Some(chosen);
+        self.compiled = OnceLock::new();
+        Ok(())
+    }
+
+    /// The names of the scenes that are declared where the shape comes from.
+    pub fn declared_scenes(&self) -> impl Iterator<Item = &str> {
+        self.scenes.names()
     }
 
     /// The scene it is built in.
@@ -334,9 +370,16 @@ impl Goal {
         {
             let value = |planned: &Planned| planned.plan.estimate.of(search.objective);
             let has_narrow = |planned: &Planned| planned.text.contains(Code::TightApproach.name());
-            if value(&other) < value(&best) && has_narrow(&other) <= has_narrow(&best) {
+            let (without, with) = (value(&best), value(&other));
+            let is_used = with < without && has_narrow(&other) <= has_narrow(&best);
+            if is_used {
                 best = other;
             }
+            best.plan.scaffolds = ScaffoldTrial::Tried {
+                without,
+                with,
+                is_used,
+            };
         }
         let mut alternatives = Vec::new();
         if self.cells.len() <= MOST_COMPARED && self.repair == Repair::default() {
@@ -354,6 +397,7 @@ impl Goal {
                 if finding.is_none() && is_better {
                     plan.baseline = Some(baseline);
                     plan.rounds = best.plan.rounds;
+                    plan.scaffolds = best.plan.scaffolds.unused();
                     let found = checked.diagnostics.iter().find(is_of_scene);
                     let reason = found.and_then(|it| allowance(it.code, hardware));
                     let text = self.text(&target, &plan, &reason.into_iter().collect::<Vec<_>>());
@@ -448,6 +492,7 @@ impl Goal {
             text,
             name: NAME.to_owned(),
             assembly: self.assembly(),
+            scene: self.scene.clone().unwrap_or_else(|| DEFAULT.to_owned()),
             imported: Vec::new(),
             untrue: 0,
         }
@@ -455,7 +500,10 @@ impl Goal {
 
     /// What the assembly is called that builds it.
     fn assembly(&self) -> String {
-        format!("build_{}", self.name)
+        match &self.assembly {
+            Some(name) => name.clone(),
+            None => format!("build_{}", self.name),
+        }
     }
 }
 

@@ -26,6 +26,20 @@ impl WrittenScenes {
         WrittenScenes(scenes.collect())
     }
 
+    /// The names of all of them.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|scene| scene.name.as_str())
+    }
+
+    /// Adds a scene that is based on another.
+    pub(super) fn add(&mut self, name: &str, base: &str, text: String) {
+        self.0.push(WrittenScene {
+            name: name.to_owned(),
+            base: self.number_of(base),
+            text,
+        });
+    }
+
     /// Whether one has this name.
     pub(super) fn declare(&self, name: &str) -> bool {
         self.number_of(name).is_some()

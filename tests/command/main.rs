@@ -29,6 +29,8 @@ mod manual;
 mod memory;
 mod physical;
 mod plan;
+mod plan_scene;
+mod plan_voxels;
 mod rates;
 mod refused;
 mod results;

@@ -18,6 +18,7 @@ pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, 
 
 use serde::{Deserialize, Serialize};
 
+use crate::Cell;
 use crate::plate::Plate;
 
 /// A world of free blocks around a seed plate, or without one.
@@ -156,6 +157,17 @@ impl Enclosure {
                 (radius * radius - corner * corner).max(0.0).sqrt()
             }
         }
+    }
+
+    /// Distance from the shell's centre to the farthest point of a block in `cell` \[m\], with blocks of this side \[m\].
+    pub fn distance_to(&self, cell: Cell, plate: &Plate, side: f64) -> f64 {
+        let middle = self.centre_height(plate, side) / side;
+        let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
+        let x = (f64::from(cell.x) - centre(plate.width)).abs() + 0.5;
+        let y = (f64::from(cell.y) - centre(plate.depth)).abs() + 0.5;
+        let (top, bottom) = (f64::from(cell.z), f64::from(cell.z) - 1.0);
+        let z = (top - middle).abs().max((bottom - middle).abs());
+        (x * x + y * y + z * z).sqrt() * side
     }
 }
 

@@ -38,6 +38,10 @@ pub struct Naming<'a> {
     pub allowed: &'a [(&'a str, String)],
 }
 
+/// A sentence that every planned program has, and by which its file is recognized.
+pub const PLANNED_MARK: &str =
+    "A block is called by its cell, and a block of the plate by its place there.";
+
 /// Statements of a program in which each wait is explained, at most.
 const MOST_EXPLAINED: usize = 200;
 
@@ -73,7 +77,7 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
     let _ = writeln!(
         out,
         "/// {}, up to {} open at the same time: about {:.0} ticks, in nine of ten runs within {:.0}{}.\n\
-         /// A block is called by its cell, and a block of the plate by its place there.",
+         /// {PLANNED_MARK}",
         counted(
             plan.captures.len() + later.as_ref().map_or(0, Vec::len),
             "capture"

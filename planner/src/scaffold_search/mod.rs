@@ -3,6 +3,7 @@ mod balanced;
 mod guides;
 mod leaf_peeling;
 mod places;
+mod trial;
 
 use rand::RngExt as _;
 use rand::SeedableRng as _;
@@ -21,7 +22,8 @@ use crate::sites::Sites;
 use crate::{Hardware, Target};
 use leaf_peeling::peel_leaves;
 use places::GrowthSchedule;
-pub use places::has_place;
+use places::has_place;
+pub use trial::{NoScaffolds, ScaffoldTrial};
 
 /// A target with scaffolds that pay, and how it is built.
 pub struct Scaffolded {
@@ -83,18 +85,34 @@ struct ScaffoldTrials<'a> {
     tries: u64,
 }
 
-/// Looks for scaffolds with which a target is built sooner than by a schedule without; `None`: there are none.
+/// Checks that scaffolds can be looked for.
+///
+/// # Errors
+/// If they cannot.
+pub fn may_have_scaffolds(
+    target: &Target,
+    hardware: Hardware,
+    how: PlanSearch<'_>,
+) -> Result<(), NoScaffolds> {
+    has_place(target)?;
+    let cells = target.cells().len();
+    match () {
+        () if cells > MOST_CELLS => Err(NoScaffolds::TooLarge),
+        () if cells >= hardware.free as usize => Err(NoScaffolds::NoSpareBlocks),
+        () if hardware.attracts_always => Err(NoScaffolds::AttractsAlways),
+        () if how.rounds < LEAST => Err(NoScaffolds::FewTries),
+        () => Ok(()),
+    }
+}
+
+/// Looks for scaffolds that make a target complete sooner than a schedule without them, and reports their gain.
 pub fn scaffolded(
     sites: &Sites<'_>,
     without: &FoundSchedule,
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
-) -> Option<Scaffolded> {
-    let too_large = sites.len() > MOST_CELLS || sites.len() >= hardware.free as usize;
-    if how.rounds < LEAST || too_large || hardware.attracts_always {
-        return None;
-    }
+) -> (Option<Scaffolded>, ScaffoldTrial) {
     let mut trials = ScaffoldTrials {
         target: sites.target,
         hardware,
@@ -111,6 +129,7 @@ pub fn scaffolded(
     let estimate = trials.estimated(&job, &samples, &without.schedule);
     let value = trials.how.value(&estimate, &without.disassembly);
     let mut best: Option<(f64, Scaffolded)> = None;
+    let mut tried: Option<f64> = None;
     for seed in (0..).map(|number| how.seed.wrapping_add(number)) {
         trials.before += trials.all;
         trials.all = (how.rounds - trials.before).min(TRIES);
@@ -123,6 +142,8 @@ pub fn scaffolded(
             break;
         };
         let found = trials.exchanged(first, &mut rng);
+        let with = found.estimate.of(how.objective);
+        tried = Some(tried.map_or(with, |least| least.min(with)));
         if found.value < value * (1.0 - WORTH) {
             let other = trials.finished(found, seed);
             best = match best {
@@ -131,7 +152,17 @@ pub fn scaffolded(
             };
         }
     }
-    best.map(|(_, scaffolded)| scaffolded)
+    let trial = match tried {
+        Some(with) => ScaffoldTrial::Tried {
+            without: estimate.of(how.objective),
+            with,
+            is_used: false,
+        },
+        None => ScaffoldTrial::NotTried {
+            reason: NoScaffolds::NoneFound,
+        },
+    };
+    (best.map(|(_, scaffolded)| scaffolded), trial)
 }
 
 impl ScaffoldTrials<'_> {

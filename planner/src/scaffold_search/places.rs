@@ -2,6 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
+use super::NoScaffolds;
 use crate::Target;
 use crate::scaffold::{MastPiece, Scaffolding, SiteRoles};
 use crate::schedule::Schedule;
@@ -20,11 +21,13 @@ const LATE: f32 = 10_000.0;
 /// Cells of a piece, at most.
 const LONGEST: usize = 60;
 
-/// Whether a mast could stand beside or under a target.
-pub fn has_place(target: &Target) -> bool {
-    // Beside what stands none are planned.
+/// Checks that the plate has room for a mast next to or under a target.
+///
+/// # Errors
+/// If none can.
+pub fn has_place(target: &Target) -> Result<(), NoScaffolds> {
     if !target.existing().is_empty() {
-        return false;
+        return Err(NoScaffolds::BlocksStand);
     }
     let mut cells = target.cells().iter().flat_map(|&cell| {
         let foot = Cell::new(cell.x, cell.y, 1);
@@ -34,7 +37,10 @@ pub fn has_place(target: &Target) -> bool {
             .chain([foot])
     });
     let is_full = |cell: &Cell| target.cells().binary_search(cell).is_ok();
-    cells.any(|foot| target.is_on_seed(foot) && !is_full(&foot))
+    if cells.any(|foot| target.is_on_seed(foot) && !is_full(&foot)) {
+        return Ok(());
+    }
+    Err(NoScaffolds::NoPlace)
 }
 
 impl GrowthSchedule {

@@ -3,6 +3,7 @@ mod budget;
 mod offset;
 mod pair;
 mod rest;
+mod scene;
 mod seed_plate;
 mod target;
 
@@ -10,12 +11,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use stochc_compiler::diagnostic::Severity;
-use stochc_compiler::scene::built_in_names;
 use stochc_compiler::{Limits, LintLevels};
 use stochc_ensemble::clock::now;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
-use stochc_planner::{LoosePart, Objective, PlanSearch, TargetError};
+use stochc_ir::counted;
+use stochc_planner::{LoosePart, Objective, PlanSearch, TargetError, listed_cells};
 
 use super::programs::verdict;
 use super::rates::of_files_for;
@@ -39,12 +40,20 @@ pub struct PlanOptions<'a> {
     pub extent: PlanScope<'a>,
     /// The shape of the program; `None`: the only one, or the last one claimed.
     pub shape: Option<&'a str>,
+    /// The number of the only model of a `.vox` file to build. Without it, the scene decides.
+    pub model: Option<u32>,
     /// The plate to build on; `None`: that of the target.
     pub seed_plate: Option<&'a SeedPlate>,
     /// How far a whole shape is moved from where the target has it.
     pub offset: Option<Offset>,
-    /// The scene to build in; `None`: that of the target.
+    /// The scene to build in, also as `FILE.sa:NAME`. The default is that of the target.
     pub scene: Option<&'a str>,
+    /// The number of free blocks. The default is that of the scene.
+    pub free: Option<u32>,
+    /// The name of the assembly. By default it is called after the shape.
+    pub name: Option<&'a str>,
+    /// The treatment of loose parts.
+    pub loose: LooseParts,
     /// Folders from which the program may import as well.
     pub imports: &'a [PathBuf],
     /// How long to look; `None`: for about a second.
@@ -65,32 +74,67 @@ pub struct PlanOptions<'a> {
 /// If the target cannot be read, or is none.
 fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let mut goal = target::read(options, host)?;
+    scene::choose_declared(&mut goal, options, host);
     if let Some(Offset { east, north }) = options.offset {
         goal = (goal.moved(east, north))
             .ok_or_else(|| Failure::usage("--offset: the shape would be too far from the plate"))?;
     }
-    placed(goal, options)
+    placed(goal, options, host)
 }
 
-/// The same on the plate and in the scene that are chosen.
+/// The same under the name, on the plate and in the scene that are chosen.
 ///
 /// # Errors
-/// If there is no such scene.
-fn placed(mut goal: Goal, options: &PlanOptions<'_>) -> Result<Goal, Failure> {
+/// If there is no such scene, or the name is none.
+fn placed(mut goal: Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    if let Some(name) = options.name {
+        goal.assembly = Some(assembly_name(name, &goal)?);
+    }
     if let Some(plate) = options.seed_plate {
         goal.plate = Some(plate.plate.clone());
         goal.seeds = plate.seeds.clone();
     }
-    if let Some(scene) = options.scene {
-        goal.scene = Some(scene.to_owned());
-    }
-    match options.scene.filter(|scene| !goal.knows_scene(scene)) {
-        None => Ok(goal),
-        Some(scene) => Err(Failure::usage(format!(
-            "--scene: no scene is called `{}`; {} are built in, and `stochc plan FILE.sa` knows those of the program",
-            visible(scene),
-            built_in_names()
+    hold_loose(&mut goal, options.loose, host);
+    scene::choose(&mut goal, options, host)?;
+    Ok(goal)
+}
+
+fn assembly_name(name: &str, goal: &Goal) -> Result<String, Failure> {
+    let is_taken = name == goal.name || goal.declared_scenes().any(|scene| scene == name);
+    match (target::is_name(name), is_taken) {
+        (true, false) => Ok(name.to_owned()),
+        (true, true) => Err(Failure::usage(format!(
+            "--name: `{name}` is the name of the shape or of a scene already"
         ))),
+        (false, _) => Err(Failure::usage(format!(
+            "--name: `{}` is not a name; give letters, digits and `_`, no digit first and no keyword",
+            visible(name)
+        ))),
+    }
+}
+
+/// Does with loose parts what the options say, and reports it.
+fn hold_loose(goal: &mut Goal, loose: LooseParts, host: &dyn Host) {
+    match loose {
+        LooseParts::Refuse => {}
+        LooseParts::Drop => {
+            let parts = goal.drop_loose();
+            let cells: usize = parts.iter().map(|part| part.cells.len()).sum();
+            if cells > 0 {
+                let (parts, cells) = (counted(parts.len(), "loose part"), counted(cells, "cell"));
+                host.warn(&format!("note: left out {parts} with {cells}\n"));
+            }
+        }
+        LooseParts::Support => {
+            let supports = goal.add_supports();
+            if !supports.is_empty() {
+                host.warn(&format!(
+                    "note: added {} to support loose parts: {}\n",
+                    counted(supports.len(), "cell"),
+                    listed_cells(&supports)
+                ));
+            }
+        }
     }
 }
 
@@ -115,6 +159,31 @@ pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Resul
             visible(&path),
             error.title
         ))),
+    }
+}
+
+/// The treatment of parts that are attached to no block that can capture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LooseParts {
+    /// The target is refused.
+    #[default]
+    Refuse,
+    /// They are left out.
+    Drop,
+    /// Further cells support them.
+    Support,
+}
+
+impl LooseParts {
+    /// Combines two switches. At most one of them is given.
+    pub fn new(are_dropped: bool, are_supported: bool) -> LooseParts {
+        if are_dropped {
+            LooseParts::Drop
+        } else if are_supported {
+            LooseParts::Support
+        } else {
+            LooseParts::Refuse
+        }
     }
 }
 
@@ -154,11 +223,11 @@ pub enum PlanTarget {
 ///
 /// # Errors
 /// If it cannot be read, or nothing in it can be planned.
-pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<PlanTarget, Failure> {
+pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<PlanTarget, NotPlanned> {
     match options.extent {
-        PlanScope::Whole => goal(options, host).map(PlanTarget::Goal),
+        PlanScope::Whole => Ok(PlanTarget::Goal(goal(options, host)?)),
         PlanScope::Completion => rest::completion(options, host).map(PlanTarget::Completion),
-        PlanScope::Rest(end) => rest::goal(options, &end, host).map(PlanTarget::Goal),
+        PlanScope::Rest(end) => Ok(PlanTarget::Goal(rest::goal(options, &end, host)?)),
     }
 }
 
@@ -170,7 +239,7 @@ pub fn plan(
     read: &PlanTarget,
     options: &PlanOptions<'_>,
     host: &dyn Host,
-) -> Result<Planned, Failure> {
+) -> Result<Planned, NotPlanned> {
     // What is wrong with a scene is told with the plan.
     let (missing, scene) = match read {
         PlanTarget::Goal(goal) => (goal.cells.len(), goal.scene().ok()),
@@ -191,7 +260,7 @@ fn search(
     options: &PlanOptions<'_>,
     host: &dyn Host,
     plan: impl Fn(PlanSearch<'_>) -> Result<Planned, Unplanned> + Sync,
-) -> Result<Planned, Failure> {
+) -> Result<Planned, NotPlanned> {
     let stop = host.stop();
     let start = now();
     let budget = options.budget.unwrap_or_else(|| Budget::of_cells(cells));
@@ -242,7 +311,7 @@ fn search(
         is_refused.store(refused, Ordering::Relaxed);
         planned
     });
-    planned.map_err(|unplanned| failure_of(&unplanned, options, host))
+    planned.map_err(|unplanned| NotPlanned::new(unplanned, options, host))
 }
 
 /// What cannot be built, and why.
@@ -257,37 +326,77 @@ fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
     let stands =
         matches!(error, TargetError::Sealed(_)) && !matches!(options.extent, PlanScope::Whole);
     if let Some(help) = error.help().filter(|_| !stands) {
-        let option = match (error, options.extent) {
-            (TargetError::Loose(parts), PlanScope::Whole)
-                if parts.first().is_some_and(LoosePart::rests_on_plate) =>
-            {
-                " (`--seed-plate`, `--offset`)"
-            }
-            (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
-                " (`--scene`)"
-            }
-            _ => "",
-        };
+        let option = option_for(error, options.extent);
         failure.message += &format!("help: {}{option}\n", visible(&help));
     }
     failure
 }
 
+/// Names the options that help.
+fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
+    match (error, extent) {
+        (TargetError::Loose(parts), PlanScope::Whole)
+            if parts.iter().any(LoosePart::rests_on_plate) =>
+        {
+            " (`--seed-plate`, `--offset`); `--supports` adds such cells, `--drop-loose` leaves the parts out"
+        }
+        (TargetError::Loose(_), PlanScope::Whole) => {
+            "; `--supports` adds such cells, `--drop-loose` leaves the parts out"
+        }
+        (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
+            " (`--free`, `--scene`)"
+        }
+        _ => "",
+    }
+}
+
 /// Why there is no plan.
-fn failure_of(unplanned: &Unplanned, options: &PlanOptions<'_>, host: &dyn Host) -> Failure {
-    match unplanned {
-        Unplanned::Refused(TargetError::Cancelled) => Failure {
-            exit: Exit::Interrupted,
-            message: "stopped before there was a plan\n".to_owned(),
-        },
-        Unplanned::Refused(error) => impossible(options, error),
-        Unplanned::Wrong(checked) => {
-            host.report_findings(checked);
-            Failure::silent(match verdict(checked) {
-                // There is no program for all that.
-                Exit::Success => Exit::InvalidProgram,
-                exit => exit,
-            })
+#[derive(Debug)]
+pub struct NotPlanned {
+    /// How the command ends.
+    pub failure: Failure,
+    /// The error in the target, if that is the reason.
+    pub refused: Option<TargetError>,
+}
+
+impl From<Failure> for NotPlanned {
+    fn from(failure: Failure) -> NotPlanned {
+        NotPlanned {
+            failure,
+            refused: None,
+        }
+    }
+}
+
+impl From<NotPlanned> for Failure {
+    fn from(not_planned: NotPlanned) -> Failure {
+        not_planned.failure
+    }
+}
+
+impl NotPlanned {
+    fn impossible(options: &PlanOptions<'_>, error: TargetError) -> NotPlanned {
+        NotPlanned {
+            failure: impossible(options, &error),
+            refused: Some(error),
+        }
+    }
+
+    fn new(unplanned: Unplanned, options: &PlanOptions<'_>, host: &dyn Host) -> NotPlanned {
+        match unplanned {
+            Unplanned::Refused(TargetError::Cancelled) => NotPlanned::from(Failure {
+                exit: Exit::Interrupted,
+                message: "stopped before there was a plan\n".to_owned(),
+            }),
+            Unplanned::Refused(error) => NotPlanned::impossible(options, error),
+            Unplanned::Wrong(checked) => {
+                host.report_findings(&checked);
+                NotPlanned::from(Failure::silent(match verdict(&checked) {
+                    // There is no program for all that.
+                    Exit::Success => Exit::InvalidProgram,
+                    exit => exit,
+                }))
+            }
         }
     }
 }

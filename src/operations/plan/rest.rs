@@ -8,7 +8,7 @@ use super::super::chosen_run::choose;
 use super::super::kept_text::KeptText;
 use super::super::programs::verdict;
 use super::super::results::read;
-use super::{PlanOptions, impossible, placed, refused, target};
+use super::{NotPlanned, PlanOptions, placed, refused, target};
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::planning::{Completion, ExistingStructure, Goal, NotCompleted};
@@ -28,20 +28,19 @@ pub struct RunEnd<'a> {
 ///
 /// # Errors
 /// If it cannot be read, is wrong, or nothing is missing in it.
-pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completion, Failure> {
+pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completion, NotPlanned> {
     if target::is_of_voxels(options.target) {
-        return Err(Failure::usage(
-            "`--complete` is for programs: a file of voxels is one shape",
-        ));
+        let wrong = "`--complete` is for programs: a file of voxels is one shape";
+        return Err(Failure::usage(wrong).into());
     }
     let checked = target::checked(options)?;
     Completion::of(&checked, options.shape).map_err(|error| match error {
         NotCompleted::Wrong => {
             host.report_findings(&checked);
-            Failure::silent(verdict(&checked))
+            Failure::silent(verdict(&checked)).into()
         }
-        NotCompleted::Refused(reason) => refused(options.target, &reason),
-        NotCompleted::Impossible(error) => impossible(options, &error),
+        NotCompleted::Refused(reason) => refused(options.target, &reason).into(),
+        NotCompleted::Impossible(error) => NotPlanned::impossible(options, error),
     })
 }
 
@@ -100,7 +99,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         Ok(goal)
     })
     .map_err(|reason| refused(options.target, &reason))
-    .and_then(|goal| placed(goal, options))
+    .and_then(|goal| placed(goal, options, host))
 }
 
 /// Refuses to plan what nobody can.

@@ -1,5 +1,5 @@
 //! Reads what is to be built.
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use stochc_compiler::Checked;
 use stochc_compiler::diagnostic::{Code, Severity};
@@ -7,8 +7,8 @@ use stochc_files::budget::VOXELS;
 use stochc_files::programs::not_a_file;
 use stochc_files::read_file;
 use stochc_grammar::{BYTE_ORDER_MARK, Symbols};
-use stochc_ir::Cell;
-use stochc_planner::{UnreadableVoxels, layers, magica_voxel};
+use stochc_ir::{Cell, counted, listed, visible};
+use stochc_planner::{UnreadableVoxels, VoxelScene, layers, magica_voxel};
 
 use super::super::programs::verdict;
 use super::{PlanOptions, refused};
@@ -19,14 +19,39 @@ use crate::planning::Goal;
 /// The target of these options.
 pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let target = options.target;
-    match kind(target).as_deref() {
-        Some("vox") => voxels(options, magica_voxel),
+    let kind = kind(target);
+    if options.model.is_some() && kind.as_deref() != Some("vox") {
+        return Err(Failure::usage(
+            "`--model` is for `.vox` files: others have one model",
+        ));
+    }
+    match kind.as_deref() {
+        Some("vox") => voxels(options, |bytes| {
+            let VoxelScene { cells, hidden } = magica_voxel(bytes, options.model)?;
+            report_hidden(target, &hidden, host);
+            Ok(cells)
+        }),
         Some("txt") => voxels(options, |bytes| {
             // In comments it does not matter what cannot be read, and elsewhere it is told of with its line.
             let text = String::from_utf8_lossy(bytes);
             layers(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text))
         }),
         _ => program(options, host),
+    }
+}
+
+/// Reports the models of a scene that are not built.
+fn report_hidden(target: &str, hidden: &[u32], host: &dyn Host) {
+    /// Maximum number of models that are listed.
+    const LISTED: usize = 8;
+    if !hidden.is_empty() {
+        let numbers: Vec<String> = hidden.iter().take(LISTED).map(u32::to_string).collect();
+        host.warn(&format!(
+            "note: left out {} of `{}`: {}\n",
+            counted(hidden.len(), "hidden model"),
+            visible(target),
+            listed(&numbers, hidden.len())
+        ));
     }
 }
 
@@ -54,7 +79,7 @@ fn voxels(
     let bytes = read_file(Path::new(target), VOXELS)
         .map_err(|error| Failure::usage(format!("cannot read `{target}`: {error}")))?;
     let cells = cells(&bytes)
-        .map_err(|error| Failure::usage(format!("`{target}` is no target: {error}")))?;
+        .map_err(|error| Failure::usage(format!("`{target}` cannot be planned: {error}")))?;
     Ok(Goal::of_cells(&name(target), cells))
 }
 
@@ -81,7 +106,7 @@ fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> 
 }
 
 /// Whether a file is named as programs are.
-fn is_named_as_program(target: &str) -> bool {
+pub fn is_named_as_program(target: &str) -> bool {
     Path::new(target)
         .extension()
         .is_some_and(|kind| kind == "sa")
@@ -89,18 +114,32 @@ fn is_named_as_program(target: &str) -> bool {
 
 /// The program of these options, right or wrong.
 pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
-    match not_a_file(options.target) {
-        Some(_) if Path::new(options.target).is_dir() => Err(Failure::usage(format!(
+    if Path::new(options.target).is_dir() {
+        return Err(Failure::usage(format!(
             "`{}` is a folder: name the file of a program or of a shape; `--run N` plans the rest of a run in a folder of results",
             options.target
-        ))),
-        Some(reason) => Err(Failure::usage(reason)),
-        None => Ok(crate::check_within(
-            options.target,
-            &Default::default(),
-            options.imports,
-        )),
+        )));
     }
+    checked_file(options.target, options.imports)
+}
+
+/// The program of a file, right or wrong.
+pub fn checked_file(file: &str, imports: &[PathBuf]) -> Result<Checked, Failure> {
+    match not_a_file(file) {
+        Some(reason) => Err(Failure::usage(reason)),
+        None => Ok(crate::check_within(file, &Default::default(), imports)),
+    }
+}
+
+/// Whether something may be called so in a program.
+pub fn is_name(name: &str) -> bool {
+    // New symbols hold the words of the language.
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let begins_well = !name.starts_with(|first: char| first.is_ascii_digit());
+    !name.is_empty()
+        && begins_well
+        && name.chars().all(is_word)
+        && Symbols::new().get(name).is_none()
 }
 
 /// A name for the shape of a file: what of the file's name may stand in one.
@@ -118,9 +157,8 @@ fn name(target: &str) -> String {
     });
     let name: String = signs.collect();
     let begins_well = name.starts_with(|first: char| first.is_ascii_alphabetic());
-    // New symbols hold the words of the language.
-    match begins_well && Symbols::new().get(&name).is_none() {
-        true => name,
-        false => format!("shape_{name}"),
+    if begins_well && is_name(&name) {
+        return name;
     }
+    format!("shape_{name}")
 }

@@ -1,0 +1,5 @@
+//! Any bytes are voxels or are refused.
+#![no_main]
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| stochc_fuzz::voxels::read(bytes));

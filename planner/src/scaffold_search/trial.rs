@@ -1,0 +1,107 @@
+//! The outcome of the search for scaffolds, to be reported.
+use std::fmt;
+
+use serde::Serialize;
+
+use super::MOST_CELLS;
+
+/// Whether scaffolds were tried, and their gain.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "outcome", rename_all = "snake_case")]
+pub enum ScaffoldTrial {
+    /// None were tried.
+    NotTried {
+        /// The reason.
+        reason: NoScaffolds,
+    },
+    /// Some were tried.
+    Tried {
+        /// Estimate of the best plan without any \[ticks\].
+        without: f64,
+        /// Estimate of the best plan with some \[ticks\].
+        with: f64,
+        /// Whether the plan has them.
+        is_used: bool,
+    },
+}
+
+/// Why no scaffolds were tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoScaffolds {
+    /// They are not wanted for such a plan.
+    NotWanted,
+    /// Blocks stand before the first capture.
+    BlocksStand,
+    /// No block of the plate is left over for a mast.
+    NoPlace,
+    /// The target has too many cells.
+    TooLarge,
+    /// The target takes all free blocks.
+    NoSpareBlocks,
+    /// Every face attracts all the time.
+    AttractsAlways,
+    /// The search makes too few tries.
+    FewTries,
+    /// No scaffold was found that can be taken down again.
+    NoneFound,
+}
+
+impl ScaffoldTrial {
+    /// The same for a plan without scaffolds.
+    #[must_use]
+    pub fn unused(self) -> ScaffoldTrial {
+        match self {
+            ScaffoldTrial::Tried { without, with, .. } => ScaffoldTrial::Tried {
+                without,
+                with,
+                is_used: false,
+            },
+            other => other,
+        }
+    }
+}
+
+impl NoScaffolds {
+    /// In words.
+    fn words(self) -> String {
+        match self {
+            NoScaffolds::NotWanted => "this kind of plan has none".to_owned(),
+            NoScaffolds::BlocksStand => "blocks stand already".to_owned(),
+            NoScaffolds::NoPlace => {
+                "the plate has no room for them, a larger plate has (`--seed-plate`)".to_owned()
+            }
+            NoScaffolds::TooLarge => format!("the target has more than {MOST_CELLS} cells"),
+            NoScaffolds::NoSpareBlocks => "the target takes all free blocks (`--free`)".to_owned(),
+            NoScaffolds::AttractsAlways => "every face attracts all the time".to_owned(),
+            NoScaffolds::FewTries => "the search makes too few tries (`--budget`)".to_owned(),
+            NoScaffolds::NoneFound => "no place was found for any".to_owned(),
+        }
+    }
+}
+
+impl fmt::Display for ScaffoldTrial {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ScaffoldTrial::NotTried { reason } => {
+                write!(f, "scaffolds: not tried, {}", reason.words())
+            }
+            ScaffoldTrial::Tried {
+                without,
+                with,
+                is_used,
+            } => {
+                let verb = if *is_used {
+                    "used"
+                } else {
+                    "tried and not used"
+                };
+                let gain = 100.0 * (without - with) / without;
+                write!(
+                    f,
+                    "scaffolds: {verb}, {with:.0} ticks with them and {without:.0} without, a gain of {gain:.1} %"
+                )
+            }
+        }
+    }
+}

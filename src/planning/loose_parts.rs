@@ -1,0 +1,48 @@
+//! Parts of a goal that are attached to nothing that can capture: left out, or held by further blocks.
+use std::collections::BTreeSet;
+
+use stochc_ir::Cell;
+use stochc_planner::{LoosePart, Target, TargetError, declaration};
+
+use super::{Goal, Repair};
+
+impl Goal {
+    /// Leaves the loose parts out, and returns them.
+    pub fn drop_loose(&mut self) -> Vec<LoosePart> {
+        let loose = self.loose();
+        if !loose.is_empty() {
+            let dropped: BTreeSet<Cell> = loose.iter().flat_map(|it| it.cells.clone()).collect();
+            let cells = self.cells.iter().copied();
+            self.set_cells(cells.filter(|cell| !dropped.contains(cell)).collect());
+        }
+        loose
+    }
+
+    /// Adds the cells that hold the loose parts, and returns them.
+    pub fn add_supports(&mut self) -> Vec<Cell> {
+        let bridges = self.loose().into_iter().filter_map(|part| part.bridge);
+        let supports: Vec<Cell> = bridges.flatten().collect();
+        if !supports.is_empty() {
+            self.set_cells(self.cells.iter().chain(&supports).copied().collect());
+        }
+        supports
+    }
+
+    fn loose(&self) -> Vec<LoosePart> {
+        let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
+        let Repair { existing, released } = self.repair.clone();
+        let (cells, seeds) = (self.cells.clone(), self.seeds.clone());
+        let target = Target::with_existing(cells, (existing, released), plate, seeds, u32::MAX);
+        match target {
+            Err(TargetError::Loose(parts)) => parts,
+            _ => Vec::new(),
+        }
+    }
+
+    fn set_cells(&mut self, mut cells: Vec<Cell>) {
+        cells.sort_unstable();
+        cells.dedup();
+        self.shape = declaration(&self.name, &cells);
+        self.cells = cells;
+    }
+}

@@ -1,0 +1,162 @@
+//! `stochc plan` of `.vox` and `.txt` files.
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::plan::wrong;
+use crate::stochc::{path, stochc_with};
+
+/// A file of MagicaVoxel with these models and no scene.
+pub fn vox(models: &[&[[u8; 4]]]) -> Vec<u8> {
+    let chunk = |name: &[u8], content: &[u8], children: &[u8]| {
+        let lengths = [content, children].map(|part| (part.len() as u32).to_le_bytes());
+        [name, &lengths.concat(), content, children].concat()
+    };
+    let mut children = Vec::new();
+    for voxels in models {
+        let count = (voxels.len() as u32).to_le_bytes();
+        let content = [&count[..], &voxels.concat()].concat();
+        children.extend(chunk(b"SIZE", &[9, 0, 0, 0].repeat(3), &[]));
+        children.extend(chunk(b"XYZI", &content, &[]));
+    }
+    let main = chunk(b"MAIN", &[], &children);
+    [&b"VOX "[..], &150_u32.to_le_bytes(), &main].concat()
+}
+
+fn file(folder: &Path, name: &str, bytes: &[u8]) -> String {
+    fs::write(folder.join(name), bytes).unwrap();
+    path(folder, name)
+}
+
+fn planned(file: &str, more: &[&str]) -> Value {
+    let line = "plan --quiet --budget 1 --format json";
+    stochc_with(line, &[&[file], more].concat()).json()
+}
+
+fn captures(document: &Value) -> usize {
+    document["plan"]["captures"].as_array().unwrap().len()
+}
+
+#[test]
+fn one_model_of_several_is_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let two = vox(&[&[[0, 0, 0, 1], [1, 0, 0, 1]], &[[0; 4]], &[[0, 0, 0, 9]]]);
+    let two = file(folder.path(), "two.vox", &two);
+    let (status, told) = wrong("plan --quiet", &[&two]);
+    assert_eq!(status, 2, "{told}");
+    assert!(
+        told.contains("2 models and no scene: 0 (2 voxels) and 2 (1 voxel)"),
+        "{told}"
+    );
+    assert_eq!(captures(&planned(&two, &["--model", "0"])), 2);
+    assert_eq!(captures(&planned(&two, &["--model", "2"])), 1);
+    let (status, told) = wrong("plan --quiet --model 3", &[&two]);
+    assert_eq!((status, told.contains("no model 3")), (2, true), "{told}");
+    let (status, told) = wrong("plan --quiet --model 1", &[&two]);
+    assert_eq!((status, told.contains("no cells")), (1, true), "{told}");
+    let text = file(folder.path(), "one.txt", b"#\n");
+    let (status, told) = wrong("plan --quiet --model 0", &[&text]);
+    assert_eq!((status, told.contains("`.vox` files")), (2, true), "{told}");
+}
+
+#[test]
+fn copies_are_built_and_hidden_models_are_reported() {
+    let copies = planned("fuzz/corpus/voxels/instances.vox", &[]);
+    assert_eq!(captures(&copies), 6);
+    let (status, told) = wrong("plan --quiet", &["fuzz/corpus/voxels/hidden.vox"]);
+    assert_eq!(status, 1, "{told}");
+    assert!(told.contains("left out 2 hidden models of"), "{told}");
+}
+
+/// More cells than the default scene has blocks: the program brings a scene with enough of them.
+#[test]
+fn a_large_model_gets_a_scene_with_enough_blocks() {
+    let folder = tempfile::tempdir().unwrap();
+    let solid: Vec<[u8; 4]> = (0..301)
+        .map(|i| [(i % 7) as u8, (i / 7 % 7) as u8, (i / 49) as u8, 1])
+        .collect();
+    let solid = file(folder.path(), "solid.vox", &vox(&[&solid]));
+    let out = path(folder.path(), "solid.sa");
+    let said = stochc_with("plan --quiet --budget 1", &[&solid, "--out", &out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let note = "note: planned in `hemisphere_602`: `hemisphere` with 602 free blocks instead of 300 \
+                and room for them at the same density, radius 6.307 m\n";
+    assert_eq!(said.err, note);
+    let written = fs::read_to_string(&out).unwrap();
+    assert!(
+        written.contains("scene hemisphere_602 from hemisphere {"),
+        "{written}"
+    );
+    assert!(written.contains("free 602 uniform"), "{written}");
+    assert!(written.contains("in hemisphere_602 {"), "{written}");
+    assert_eq!(stochc_with("fmt --check", &[&out]).status, 0);
+    let checked = stochc_with("check --deny warnings", &[&out]);
+    assert_eq!(checked.status, 0, "{}", checked.err);
+    // A scene that was chosen is not replaced by another.
+    let (status, told) = wrong("plan --quiet --scene hemisphere", &[&solid]);
+    assert_eq!(status, 1, "{told}");
+    assert!(told.contains("(`--free`, `--scene`)"), "{told}");
+    let document = planned(&solid, &["--scene", "hemisphere", "--free", "400"]);
+    assert_eq!(document["scene"], "hemisphere_400");
+}
+
+/// A tower of 40 cells does not fit into the default enclosure.
+#[test]
+fn a_high_model_gets_a_scene_with_enough_room() {
+    let folder = tempfile::tempdir().unwrap();
+    let tower = file(folder.path(), "tower.txt", "#\n\n".repeat(40).as_bytes());
+    let out = path(folder.path(), "tower.sa");
+    let said = stochc_with("plan --quiet --budget 1", &[&tower, "--out", &out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.err.contains("at the same density"), "{}", said.err);
+    assert_eq!(stochc_with("check", &[&out]).status, 0);
+    // With few blocks in a large enclosure, the density is lower.
+    let said = stochc_with("plan --quiet --budget 1 --free 50", &[&tower]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.err.contains("times its density"), "{}", said.err);
+}
+
+#[test]
+fn loose_parts_are_all_reported_dropped_or_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let (none, feet) = (".".repeat(31), "#".repeat(31));
+    let corners = ".#.".repeat(10) + ".";
+    let drawn = format!("{none}\n{feet}\n\n{corners}\n{none}\n");
+    let drawn = file(folder.path(), "corners.txt", drawn.as_bytes());
+    let said = stochc_with("plan --quiet --format json", &[&drawn]);
+    assert_eq!(said.status, 1, "{}", said.err);
+    let document: Value = serde_json::from_str(&said.out).unwrap();
+    let error = &document["error"];
+    assert_eq!(error["kind"], "loose", "{error}");
+    let parts = error["detail"].as_array().unwrap();
+    assert_eq!(parts.len(), 10);
+    assert!(
+        parts
+            .iter()
+            .all(|part| part["bridge"].as_array().unwrap().len() == 1),
+        "{error}"
+    );
+    assert!(
+        said.err.contains("10 parts of the target, 10 cells in all"),
+        "{}",
+        said.err
+    );
+    assert_eq!(captures(&planned(&drawn, &["--drop-loose"])), 31);
+    assert_eq!(captures(&planned(&drawn, &["--supports"])), 51);
+    let said = stochc_with("plan --quiet --budget 1 --drop-loose", &[&drawn]);
+    assert_eq!(said.err, "note: left out 10 loose parts with 10 cells\n");
+    assert!(said.out.contains("yields corners"), "{}", said.out);
+}
+
+/// Old systems end lines with a carriage return alone.
+#[test]
+fn rows_may_end_with_carriage_returns() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = file(folder.path(), "cr.txt", b"##\r##\r");
+    let document = planned(&drawn, &[]);
+    let captures = document["plan"]["captures"].as_array().unwrap();
+    let is_north = |capture: &&Value| capture["cell"]["y"] == 1 || capture["cell"][1] == 1;
+    assert_eq!(captures.len(), 4);
+    assert_eq!(captures.iter().filter(is_north).count(), 2, "{document}");
+}
