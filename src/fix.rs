@@ -22,6 +22,8 @@ pub struct FixedFile {
     pub changes: usize,
     /// What was found before the first of them.
     pub before: Checked,
+    /// The check after the last of them; `None` if there are none.
+    pub after: Option<Checked>,
 }
 
 /// Works out all safe changes of a file, which may also import from these folders; those of files that it imports are left
@@ -36,6 +38,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed
         text,
         changes,
         before,
+        after,
     } = compiler::fix(path, &mut reader, Limits::default(), levels);
     // The compiler passes over it.
     let mark = BYTE_ORDER_MARK.as_bytes();
@@ -50,6 +53,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed
         original,
         changes,
         before,
+        after,
     })
 }
 

@@ -1,8 +1,8 @@
 //! Every page of `stochc explain` shows what it speaks of.
 use std::collections::BTreeMap;
 
-use stochc::compiler::diagnostic::Code;
-use stochc::compiler::{Checked, Limits, check};
+use stochc::compiler::diagnostic::{Code, Diagnostic, TextChange};
+use stochc::compiler::{Checked, FileId, Limits, check};
 
 /// Pages without a wrong program, and why.
 const WITHOUT: [(Code, &str); 11] = [
@@ -348,7 +348,10 @@ fn a_statement_that_is_wrong_many_times_is_told_of_once() {
     let seed = "S at (19, 0)";
     let rest = "; the same for `T[3]`, `T[4]` and 999997 more";
     let all = program(seed, "for i in 1..1000000 { S.up -> T[i + 1] }");
-    assert_eq!(all, [format!("`T[2]` would dock where a block is{rest}")]);
+    assert_eq!(
+        all,
+        [format!("`B` and `T[2]` both take cell (19, 0, 1){rest}")]
+    );
     assert_eq!(
         program(
             seed,
@@ -629,4 +632,262 @@ fn a_scene_may_take_the_place_of_the_built_in_one() {
     assert_eq!(codes(&text(program)), [Code::TooFewBlocks]);
     let program = "scene other from other { free 5 uniform }";
     assert_eq!(codes(&text(program)), [Code::UnknownScene]);
+}
+
+/// Helps that are changes without a fix: the old text and the new one, which the help names.
+const FOLLOWED: [(Code, &str, &str); 9] = [
+    (
+        Code::NumberTooLarge,
+        "10000000000000000000",
+        "9223372036854775807",
+    ),
+    (Code::TooFewBlocks, "free 10 uniform", "free 13 uniform"),
+    (Code::CannotAggregate, "pair to", "pair in magnet_tank to"),
+    (
+        Code::MissingPlate,
+        "assembly tower {",
+        "assembly tower { seed plate 3 x 3 { M at (1, 1) }",
+    ),
+    (Code::ShapeMalformed, "layer 0..1", "layer 1..2"),
+    (Code::UnusedShape, "T[1..3] }", "T[1..2] yields pair }"),
+    (
+        Code::UnusedScene,
+        "assembly tower",
+        "assembly tower in crowded",
+    ),
+    (
+        Code::UnplannedBond,
+        "seed plate",
+        "allow unplanned-bond \"reason\" seed plate",
+    ),
+    (Code::BlockedRelease, "release B", "release C  release B"),
+];
+
+/// Codes whose help is not a change of the text, with the reason.
+const ADVICE: [(Code, &str); 21] = [
+    (Code::WrongKind, "either of two things may be renamed"),
+    (Code::WrongArguments, "it has no help"),
+    (Code::Arithmetic, "the intention is not known"),
+    (Code::RecursivePattern, "the intention is not known"),
+    (Code::ExpansionLimit, "the intention is not known"),
+    (
+        Code::SeedOutsidePlate,
+        "the seed or the plate may be meant otherwise",
+    ),
+    (Code::AbsentBlock, "where to capture it is not known"),
+    (Code::BelowPlate, "the structure is another one"),
+    (Code::ShapeMismatch, "a picture of the difference"),
+    (
+        Code::OutsideEnclosure,
+        "the structure or the scene may change",
+    ),
+    (
+        Code::TooManyBlocks,
+        "the blocks or the enclosure may change",
+    ),
+    (Code::MissingTerm, "how large the side is, is not known"),
+    (Code::DuplicateTerm, "either of the two may go"),
+    (Code::ConflictingTerms, "either of the two may go"),
+    (Code::WrongDimension, "it has no help"),
+    (Code::WrongValue, "it has no help"),
+    (Code::Misplaced, "a phase needs a name"),
+    (Code::OccupiedCell, "the intention is not known"),
+    (Code::TightApproach, "the order of phases is the author's"),
+    (Code::CrowdedCaptures, "the order of phases is the author's"),
+    (Code::EmptyPhase, "a loop or the phase may be wrong"),
+];
+
+/// A text with the change of one of its diagnostics.
+fn followed(checked: &Checked, diagnostic: &Diagnostic) -> Option<String> {
+    let text = &checked.sources.files()[0].text;
+    let mut change = TextChange::new(FileId(0), text);
+    let fix = diagnostic.fix.as_ref()?;
+    assert!(change.add(fix), "{fix:?}");
+    Some(change.text())
+}
+
+/// Asserts that the change of each diagnostic of a text removes it, and breaks nothing that could be read.
+fn assert_changes_hold(program: &str) {
+    let checked = text(program);
+    for diagnostic in &checked.diagnostics {
+        let Some(changed) = followed(&checked, diagnostic) else {
+            continue;
+        };
+        let after = text(&changed);
+        let count = |checked: &Checked| {
+            let alike = checked.diagnostics.iter();
+            let alike = alike.filter(|it| it.code == diagnostic.code);
+            alike.map(|it| it.others.count + 1).sum::<usize>()
+        };
+        let told = format!(
+            "{}: {:?}\n{changed}\n{:#?}",
+            diagnostic.code,
+            diagnostic.help,
+            codes(&after)
+        );
+        assert!(count(&after) < count(&checked), "{told}");
+        let syntax = |checked: &Checked| {
+            codes(checked)
+                .iter()
+                .filter(|&&it| it == Code::Syntax)
+                .count()
+        };
+        assert!(syntax(&after) <= syntax(&checked), "{told}");
+    }
+}
+
+/// Every code has a page, and the help of its wrong program is tried: by its fix, or as `FOLLOWED` says.
+#[test]
+fn a_help_that_is_a_change_holds() {
+    for &code in Code::ALL {
+        let Some(program) = fence(code.page(), "Wrong:") else {
+            continue;
+        };
+        assert_changes_hold(program);
+        let checked = text(program);
+        let diagnostic = &checked.diagnostics[0];
+        let by_hand = FOLLOWED.iter().find(|(of, ..)| *of == code);
+        let is_advice = ADVICE.iter().any(|(of, _)| *of == code);
+        let is_tried = diagnostic.fix.is_some() || by_hand.is_some();
+        assert!(is_tried != is_advice, "{code}: {:?}", diagnostic.help);
+        if let Some((_, old, new)) = by_hand {
+            let help = diagnostic.help.as_deref().unwrap();
+            // The length of a row follows from its shape.
+            let is_new = |word: &&str| !program.contains(word) && !word.starts_with("T[");
+            let words = new.split_whitespace().filter(is_new);
+            words.for_each(|word| assert!(help.contains(word), "{code}: `{word}` in `{help}`"));
+            assert!(program.contains(old), "{code}");
+            let after = codes(&text(&program.replacen(old, new, 1)));
+            assert!(!after.contains(&code), "{code}: {after:?}");
+        }
+    }
+    for file in std::fs::read_dir("tests/findings").unwrap() {
+        let path = file.unwrap().path();
+        assert_changes_hold(&std::fs::read_to_string(path).unwrap());
+    }
+}
+
+/// The help and the text with its change, for the one diagnostic of a phase of a program with the seeds M and N.
+fn help_tried(phase: &str) -> (String, String) {
+    let program = |phase: &str| {
+        format!(
+            "assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }} phase p {{ {phase} }} }}"
+        )
+    };
+    let whole = program(phase);
+    assert_changes_hold(&whole);
+    let checked = text(&whole);
+    let [diagnostic] = &checked.diagnostics[..] else {
+        panic!("{:#?}", checked.diagnostics);
+    };
+    let changed = followed(&checked, diagnostic).unwrap_or_default();
+    (diagnostic.help.clone().unwrap_or_default(), changed)
+}
+
+#[test]
+fn a_seed_that_is_captured_gets_another_name() {
+    let (help, changed) = help_tried("M.up -> N");
+    assert_eq!(help, "give this block another name, such as `N_2`");
+    assert!(changed.contains("{ M.up -> N_2 }"), "{changed}");
+    let (help, _) = help_tried("M.up -> A N.up -> A A.up -> A_2");
+    assert_eq!(help, "give this block another name, such as `A_3`");
+    let (help, _) = help_tried("M.up -> A for i in 1..2 { N.up -> B }");
+    assert!(help.contains("`A[i]`"), "{help}");
+}
+
+#[test]
+fn rounds_that_take_one_cell_are_a_row() {
+    let (help, changed) = help_tried("N.up -> A for i in 1..3 { M.up -> L[i] }");
+    assert_eq!(
+        help,
+        "write a row of blocks instead of the loop: `M.up ->> L[1..3]`"
+    );
+    assert_eq!(codes(&text(&changed)), []);
+    // Other loops are no rows.
+    let (help, changed) = help_tried("N.up -> A for i in 1..3 { M.up -> L[2 * i] }");
+    assert_eq!(
+        (help.as_str(), changed.as_str()),
+        ("capture each block through a face of its own", "")
+    );
+}
+
+#[test]
+fn the_after_of_a_chain_belongs_to_its_first_capture() {
+    let (help, changed) = help_tried("N.up -> X M.up -> C.up -> D after C");
+    assert!(
+        help.contains("the first capture of its chain, `M.up -> C`"),
+        "{help}"
+    );
+    assert_eq!(codes(&text(&changed)), []);
+    assert!(!changed.contains("after"), "{changed}");
+    let (help, _) = help_tried("N.up -> X M.up -> A after A");
+    assert_eq!(help, "drop the `after`");
+    let (help, _) = help_tried("M.up -> A after B  N.up -> B after A");
+    assert_eq!(
+        help,
+        "drop one `after`, or move one of the two into a later phase"
+    );
+}
+
+#[test]
+fn a_timeout_is_moved_to_its_phase() {
+    for time in ["5 s", "60s", "2500 ticks"] {
+        let (help, changed) = help_tried(&format!("N.up -> X M.up -> A timeout {time}"));
+        assert_eq!(
+            help,
+            format!("write it after the name of the phase: `phase p timeout {time} {{`")
+        );
+        assert_eq!(codes(&text(&changed)), [], "{changed}");
+    }
+}
+
+#[test]
+fn a_capture_in_a_loop_outside_of_phases_is_told_where_the_loop_belongs() {
+    let text = text(
+        "assembly a { seed plate 3 x 1 { for i in 0..2 { M[i] at (i, 0) } }
+        for i in 0..2 { M[i].up -> A[i] }
+        phase p { } }",
+    );
+    let diagnostic = &text.diagnostics[0];
+    assert_eq!(
+        diagnostic.title,
+        "a capture does not belong in a loop outside of every phase"
+    );
+    assert_eq!(
+        diagnostic.help.as_deref(),
+        Some("move the loop into a phase or a pattern")
+    );
+}
+
+#[test]
+fn distances_are_told_with_the_digits_that_differ() {
+    let page = fence(Code::OutsideEnclosure.page(), "Wrong:").unwrap();
+    let label = text(page).diagnostics[0].labels[0].text.clone();
+    let (_, distances) = label.split_once(" reaches ").unwrap();
+    let (reached, limit) = distances.split_once(" m from the centre, beyond ").unwrap();
+    let metres = |text: &str| text.trim_end_matches(" m").parse::<f64>().unwrap();
+    assert!(metres(reached) > metres(limit), "{label}");
+}
+
+/// The title names it, and the help closes it where the indentation ends.
+#[test]
+fn a_block_that_is_not_closed_is_named() {
+    let program = "assembly one {
+    seed plate 1 x 1 { M at (0, 0) }
+    phase p { M.up -> A }
+
+assembly two {
+    seed plate 1 x 1 { M at (0, 0) }
+    phase p { M.up -> A }
+}
+";
+    let checked = text(program);
+    let unclosed = checked
+        .diagnostics
+        .iter()
+        .find(|it| it.code == Code::UnclosedBrace);
+    let unclosed = unclosed.unwrap();
+    assert_eq!(unclosed.title, "missing `}` of `assembly one`");
+    let changed = followed(&checked, unclosed).unwrap();
+    assert_eq!(codes(&text(&changed)), [], "{changed}");
 }

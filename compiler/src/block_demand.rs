@@ -4,6 +4,7 @@ use petgraph::graph::NodeIndex;
 use rustc_hash::FxHashSet;
 use stochc_grammar::{Cancellation, Cancelled};
 
+use crate::face_turns::has_choice;
 use crate::graph::DependencyGraph;
 use crate::layout::Layout;
 use crate::order::Order;
@@ -65,6 +66,39 @@ pub fn first_beyond(
     Ok(None)
 }
 
+/// Returns the first phase that may need more than `free` blocks at a capture, in some order.
+///
+/// A phase without releases needs as many as stand at its end, which is compared elsewhere. Where
+/// captures choose among faces, or the search ends, the answer is the phase.
+pub fn scarce_phase<'a>(
+    plan: &'a ProgramPlan,
+    layout: &Layout,
+    graph: &DependencyGraph,
+    free: u32,
+) -> Option<&'a PlanPhase> {
+    let free = free as usize;
+    let mut search = Search {
+        plan,
+        graph,
+        left: SEARCHED,
+        cancellation: Cancellation::NEVER,
+    };
+    let has_choice = has_choice(graph);
+    let mut before = 0;
+    plan.phases
+        .iter()
+        .zip(&layout.sizes)
+        .find_map(|(phase, &size)| {
+            let [captures, releases] = search.counted(plan.events_of(phase));
+            let most = std::mem::replace(&mut before, size as usize) + captures;
+            if releases == 0 || most <= free {
+                return None;
+            }
+            let mut is_enough = |id| search.most_at(id, most).is_some_and(|most| most <= free);
+            (has_choice || !plan.events_of(phase).all(&mut is_enough)).then_some(phase)
+        })
+}
+
 struct Search<'a> {
     plan: &'a ProgramPlan,
     graph: &'a DependencyGraph,
@@ -98,6 +132,19 @@ impl Search<'_> {
         let gone = releases - later - usize::from(is_release);
         let anchored = before + needed + usize::from(!is_release);
         Ok(Some(anchored.saturating_sub(gone)))
+    }
+
+    /// Returns how many blocks are anchored at most once a capture has come; 0 for a release, and
+    /// `None` if that takes too long. `all`: with every capture of the phase and no release.
+    fn most_at(&mut self, event: EventId, all: usize) -> Option<usize> {
+        if self.plan.event(event).kind == EventKind::Release {
+            return Some(0);
+        }
+        let after = self.follow(event, Outgoing).ok()??;
+        let ancestors = self.follow(event, Incoming).ok()??;
+        let [later, _] = self.counted(after);
+        let [_, gone] = self.counted(ancestors);
+        Some(all - later - gone)
     }
 
     /// Captures and releases among these.

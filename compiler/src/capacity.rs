@@ -170,6 +170,7 @@ fn check_terms(
             (distance > radius).then_some((event, cell, distance))
         });
     if let Some((event, cell, distance)) = outside {
+        let (reached, limit) = distinct(distance, radius);
         diagnostics.push(
             Diagnostic::new(
                 Code::OutsideEnclosure,
@@ -178,10 +179,18 @@ fn check_terms(
             .label(
                 event.location,
                 format!(
-                    "the block at {cell} reaches {distance:.2} m from the centre, beyond {radius:.2} m"
+                    "the block at {cell} reaches {reached} m from the centre, beyond {limit} m"
                 ),
             )
             .help("a scene with a larger radius, or a smaller structure"),
         );
     }
+}
+
+/// Returns two numbers with as many digits as it takes to see which is larger.
+fn distinct(one: f64, other: f64) -> (String, String) {
+    let written = |digits: usize| (format!("{one:.digits$}"), format!("{other:.digits$}"));
+    let differ = |(one, other): &(String, String)| one != other;
+    let mut pairs = (2..17).map(written);
+    pairs.find(differ).unwrap_or_else(|| written(17))
 }

@@ -18,7 +18,7 @@ use crate::{FileId, Sources};
 pub struct Checked {
     /// The texts, for showing findings.
     pub sources: Sources,
-    /// What is wrong or suspicious: by file and place, each once.
+    /// Errors, and then warnings: by file and place, each once.
     pub diagnostics: Vec<Diagnostic>,
     /// What is suspicious and allowed to be.
     pub allowed: Vec<Allowed>,

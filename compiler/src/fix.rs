@@ -20,6 +20,8 @@ pub struct Fixed {
     pub changes: usize,
     /// What was found before the first of them.
     pub before: Checked,
+    /// The check after the last of them; `None` if there are none.
+    pub after: Option<Checked>,
 }
 
 /// Works out all safe fixes of the file at `path`; those of files that it imports are left to them.
@@ -44,6 +46,7 @@ pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &LintLev
         text: text.unwrap_or_default(),
         changes,
         before,
+        after: now,
     }
 }
 

@@ -4,9 +4,10 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
-use crate::diagnostic::{Code, Diagnostic, report};
+use crate::diagnostic::{Code, Diagnostic, Fix, named, report, row_hint};
 use crate::liveness::{Holder, Liveness};
 use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::{SourceLocation, Sources};
 
 /// The geometry of a program.
 #[derive(Clone, Debug)]
@@ -54,6 +55,7 @@ pub fn lay_out(
     plan: &mut ProgramPlan,
     liveness: &Liveness,
     symbols: &Symbols,
+    sources: &Sources,
     cancellation: Cancellation<'_>,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Layout, Cancelled> {
@@ -69,9 +71,9 @@ pub fn lay_out(
             let first = plan.seeds[first.0 as usize];
             diagnostics.push(
                 Diagnostic::new(Code::OccupiedCell, format!("two seeds at {}", seed.cell))
-                    .label(seed.location, "a second one")
-                    .label(first.location, "the first")
-                    .help("give each seed a place of its own"),
+                    .label(seed.location, "second seed")
+                    .label(first.location, "first seed")
+                    .help("move one of them to a free place of the plate"),
             );
         }
         seats[seed.role.0 as usize] = Some(seat);
@@ -88,6 +90,7 @@ pub fn lay_out(
         plan,
         liveness,
         symbols,
+        sources,
         cancellation,
         diagnostics,
         layout,
@@ -104,6 +107,7 @@ struct LayoutBuilder<'a> {
     plan: &'a mut ProgramPlan,
     liveness: &'a Liveness,
     symbols: &'a Symbols,
+    sources: &'a Sources,
     cancellation: Cancellation<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
     layout: Layout,
@@ -241,26 +245,19 @@ impl LayoutBuilder<'_> {
                         Some(on) => self.plan.event(on.capture).location,
                         None => event.location,
                     };
-                    let name = self.plan.roles.name(there, self.symbols);
-                    let diagnostic = self
-                        .occupied(id, cell)
-                        .label(location, format!("`{name}` is there"))
-                        .help(format!(
-                            "capture through another face, or release `{name}` first"
-                        ));
+                    let diagnostic = self.occupied(id, cell, there, location);
                     self.reject(id, diagnostic);
                     return;
                 }
             }
         }
         if let Some(&first) = arrivals.get(&cell) {
-            let first_event = *self.plan.event(first);
-            let name = self.plan.roles.name(first_event.role, self.symbols);
-            let label = format!("`{name}` takes it in the same phase");
-            let diagnostic = self
-                .occupied(id, cell)
-                .label(first_event.location, label)
-                .help("put the second one into a later phase, behind the release of the first");
+            let first = *self.plan.event(first);
+            let diagnostic = if first.location == event.location {
+                self.occupied_again(id, cell, first.role)
+            } else {
+                self.occupied(id, cell, first.role, first.location)
+            };
             self.reject(id, diagnostic);
             return;
         }
@@ -279,29 +276,42 @@ impl LayoutBuilder<'_> {
                     id,
                     Diagnostic::new(
                         Code::EmbeddedFace,
-                        format!("the {face} face of `{name}` is inside the plate"),
+                        format!("`{name}.{face}` is inside the plate"),
                     )
-                    .label(event.location, "nothing can come to it")
+                    .label(event.location, "no block can reach this face")
                     .help(format!(
-                        "only the upper faces of the plate show: `{name}.up`"
+                        "a seed captures through its upper face: `{name}.up`"
+                    ))
+                    .fix_if(self.other_face(
+                        event.location,
+                        &name,
+                        face,
+                        Face::Up,
                     )),
                 );
                 false
             }
             Some(on) if on.face.opposite() == face => {
-                let location = self.plan.event(on.capture).location;
+                let capture = self.plan.event(on.capture).location;
+                let parent = self.plan.roles.name(on.parent, self.symbols);
                 self.reject(
                     id,
                     Diagnostic::new(
                         Code::AnchoringFace,
-                        format!("the {face} face of `{name}` is the one that anchors it"),
+                        format!("`{name}.{face}` is already attached to `{parent}`"),
                     )
-                    .label(event.location, "captures through it")
-                    .label(
-                        location,
-                        format!("`{name}` hangs on its parent by that face"),
-                    )
-                    .help("capture through another of its five faces"),
+                    .label(event.location, "used here")
+                    .label(capture, "attached here")
+                    .help(format!(
+                        "capture through another face of `{name}`, such as `{name}.{}`",
+                        on.face
+                    ))
+                    .fix_if(self.other_face(
+                        event.location,
+                        &name,
+                        face,
+                        on.face,
+                    )),
                 );
                 false
             }
@@ -309,14 +319,54 @@ impl LayoutBuilder<'_> {
         }
     }
 
-    fn occupied(&self, id: EventId, cell: Cell) -> Diagnostic {
+    /// Returns the change of a face that a capture names, if it is written as it is reported.
+    fn other_face(
+        &self,
+        capture: SourceLocation,
+        name: &str,
+        face: Face,
+        other: Face,
+    ) -> Option<Fix> {
+        let location = named(self.sources, capture, &format!("{name}.{face}"))?;
+        let text = format!("{name}.{other}");
+        Some(Fix::replace(location, &text, format!("write `{text}`")).unsafe_if(true))
+    }
+
+    /// Returns the error that two captures take one cell.
+    fn occupied(
+        &self,
+        id: EventId,
+        cell: Cell,
+        first: RoleId,
+        location: SourceLocation,
+    ) -> Diagnostic {
         let event = self.plan.event(id);
         let name = self.plan.roles.name(event.role, self.symbols);
-        Diagnostic::new(
-            Code::OccupiedCell,
-            format!("`{name}` would dock where a block is"),
-        )
-        .label(event.location, format!("its cell is {cell}"))
+        let first = self.plan.roles.name(first, self.symbols);
+        let title = format!("`{first}` and `{name}` both take cell {cell}");
+        Diagnostic::new(Code::OccupiedCell, title)
+            .label(event.location, format!("`{name}` would be here too"))
+            .label(location, format!("`{first}` is here"))
+            .help(format!(
+                "capture `{name}` through another face, or release `{first}` in a phase before it"
+            ))
+    }
+
+    /// Returns the error that one statement captures two blocks into one cell.
+    fn occupied_again(&self, id: EventId, cell: Cell, first: RoleId) -> Diagnostic {
+        let event = self.plan.event(id);
+        let name = self.plan.roles.name(event.role, self.symbols);
+        let first = self.plan.roles.name(first, self.symbols);
+        let title = format!("`{first}` and `{name}` both take cell {cell}");
+        let diagnostic = Diagnostic::new(Code::OccupiedCell, title)
+            .label(event.location, "captures both blocks");
+        match row_hint(self.sources, event.location) {
+            Some((row, fix)) => {
+                let help = format!("write a row of blocks instead of the loop: `{row}`");
+                diagnostic.help(help).fix(fix)
+            }
+            None => diagnostic.help("capture each block through a face of its own"),
+        }
     }
 
     fn reject(&mut self, id: EventId, diagnostic: Diagnostic) {
@@ -369,15 +419,23 @@ impl LayoutBuilder<'_> {
                         ),
                     };
                     let location = self.plan.event(capture).location;
+                    let written = named(self.sources, event.location, &name);
+                    let written = written.filter(|&it| it == event.location && !is_reused);
+                    let both = format!("{child}, {name}");
+                    let fix = written.map(|location| {
+                        Fix::replace(location, &both, format!("release `{child}` as well"))
+                            .unsafe_if(true)
+                    });
                     self.reject(
                         id,
                         Diagnostic::new(
                             Code::Adrift,
                             format!("releasing `{name}` sets `{child}` adrift"),
                         )
-                        .label(event.location, format!("`{name}` is let go"))
-                        .label(location, format!("`{child}` hangs on it"))
-                        .help(help),
+                        .label(event.location, format!("`{name}` is released"))
+                        .label(location, format!("`{child}` is attached to `{name}`"))
+                        .help(help)
+                        .fix_if(fix),
                     );
                 }
             }

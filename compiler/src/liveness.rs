@@ -4,8 +4,8 @@ use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::table::{RoleId, Trigger};
 
 use crate::diagnostic::{
-    Code, Diagnostic, Fix, Severity, entry, is_full, is_repeated, meant, named, parameter_hint,
-    removal, report,
+    Code, Diagnostic, Fix, Severity, entry, is_full, is_repeated, last_named, meant, named,
+    parameter_hint, removal, report,
 };
 use crate::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
@@ -121,6 +121,17 @@ pub fn check(
     };
     checker.run(cancellation)?;
     Ok(checker.liveness)
+}
+
+/// The reason why a name is taken before a capture.
+#[derive(Clone, Copy)]
+enum Earlier {
+    /// A seed at a place.
+    Seeded(SourceLocation),
+    /// A capture of the same phase.
+    Captured(EventId),
+    /// A capture of an earlier phase.
+    Attached(EventId),
 }
 
 struct Checker<'a> {
@@ -239,15 +250,10 @@ impl Checker<'_> {
             EventKind::Capture { parent, .. } => {
                 self.use_seed(parent);
                 if let Some(first) = state.captured {
-                    self.reject(
-                        id,
-                        Code::CapturedTwice,
-                        "is captured twice in one phase",
-                        first,
-                    );
+                    self.captured_twice(id, Earlier::Captured(first));
                 } else if seed {
                     let location = self.plan.seeds[event.role.0 as usize].location;
-                    self.reject_at(id, Code::CapturedTwice, "is a seed of the plate", location);
+                    self.captured_twice(id, Earlier::Seeded(location));
                 } else {
                     self.state(event.role, stamp).captured = Some(id);
                 }
@@ -255,15 +261,9 @@ impl Checker<'_> {
             EventKind::Release => {
                 self.use_seed(event.role);
                 if let Some(first) = state.released {
-                    self.reject(
-                        id,
-                        Code::ReleasedTwice,
-                        "is released twice in one phase",
-                        first,
-                    );
+                    self.released_twice(id, first);
                 } else if seed {
-                    let location = self.plan.seeds[event.role.0 as usize].location;
-                    self.reject_at(id, Code::ReleasedSeed, "is part of the plate", location);
+                    self.released_seed(id, event.role);
                 } else {
                     self.state(event.role, stamp).released = Some(id);
                 }
@@ -293,8 +293,7 @@ impl Checker<'_> {
                         return;
                     }
                     (Some(BlockOrigin::Capture(first)), None) => {
-                        let what = "is captured while it is part of the structure";
-                        return self.reject(id, Code::CapturedTwice, what, first);
+                        return self.captured_twice(id, Earlier::Attached(first));
                     }
                     _ => None,
                 };
@@ -367,7 +366,7 @@ impl Checker<'_> {
             if named(self.sources, after.location, &name) == Some(after.location) {
                 let drop =
                     |location| Fix::remove(location, format!("drop `{name}` from the `after`"));
-                let fix = entry(self.sources, after.location).map(drop);
+                let fix = entry(self.sources, after.location, "after").map(drop);
                 diagnostic.fix = fix.map(|fix| fix.unsafe_if(is_let_go));
             }
             diagnostic
@@ -375,7 +374,8 @@ impl Checker<'_> {
             let title = format!("`{name}` is not captured in this phase");
             let diagnostic = Diagnostic::new(Code::AbsentBlock, title)
                 .label(after.location, "would be waited for in vain");
-            match self.unknown(after.role, after.location, state, diagnostic) {
+            let help = format!("capture `{name}` in this phase, or drop it from the `after`");
+            match self.unknown(after.role, after.location, state, diagnostic, help) {
                 Some(diagnostic) => diagnostic,
                 None => return,
             }
@@ -408,43 +408,117 @@ impl Checker<'_> {
         }
     }
 
-    fn reject(&mut self, id: EventId, code: Code, what: &str, first: EventId) {
-        let location = self.plan.event(first).location;
-        self.reject_at(id, code, what, location);
+    /// Leaves an event out. Returns whether its error can still be reported.
+    fn reject(&mut self, id: EventId) -> bool {
+        self.plan.events[id.0 as usize].sound = false;
+        !is_full(self.diagnostics, Severity::Error)
     }
 
-    fn reject_at(&mut self, id: EventId, code: Code, what: &str, other: SourceLocation) {
-        let event = &mut self.plan.events[id.0 as usize];
-        event.sound = false;
-        if is_full(self.diagnostics, Severity::Error) {
+    /// Rejects a capture under a name that a block has already.
+    fn captured_twice(&mut self, id: EventId, earlier: Earlier) {
+        if !self.reject(id) {
             return;
         }
-        let (location, role) = (event.location, event.role);
-        let name = self.plan.roles.name(role, self.symbols);
-        let (here, there, help) = match code {
-            Code::CapturedTwice => (
-                "captured here",
-                "already anchored here",
-                "release it first, or give the new block a name of its own",
+        let event = self.plan.event(id);
+        let name = self.plan.roles.name(event.role, self.symbols);
+        let other = match earlier {
+            Earlier::Seeded(location) => location,
+            Earlier::Captured(first) | Earlier::Attached(first) => self.plan.event(first).location,
+        };
+        let phase = self.plan.phase_name(id);
+        let (title, labels) = match earlier {
+            Earlier::Seeded(_) => (
+                format!("`{name}` is a seed and cannot be captured"),
+                ["captured here", "declared as a seed"],
             ),
-            Code::ReleasedTwice => (
-                "released here",
-                "already released here",
-                "remove one of the two",
+            Earlier::Captured(_) => (
+                format!("`{name}` is captured twice in phase `{phase}`"),
+                ["second capture", "first capture"],
             ),
-            _ => (
-                "released here",
-                "fixed here",
-                "only captured blocks can be released",
+            Earlier::Attached(_) => (
+                format!("`{name}` is captured while it is attached"),
+                ["captured again", "attached here and never released"],
             ),
         };
-        report(
-            self.diagnostics,
-            Diagnostic::new(code, format!("`{name}` {what}"))
-                .label(location, here)
-                .label(other, there)
-                .help(help),
-        );
+        let written = last_named(self.sources, event.location, &name);
+        let new = self.unused_name(event.role);
+        let rename = written.filter(|_| event.location != other).zip(new);
+        let mut help = match &rename {
+            Some((_, new)) => format!("give this block another name, such as `{new}`"),
+            None if event.location == other => {
+                "give each block a name, with the counter of the loop as its index: `A[i]`"
+                    .to_owned()
+            }
+            None => "give this block another name".to_owned(),
+        };
+        if matches!(earlier, Earlier::Attached(_)) {
+            help += &format!(", or release `{name}` before");
+        }
+        let mut diagnostic = Diagnostic::new(Code::CapturedTwice, title)
+            .label(event.location, labels[0])
+            .label(other, labels[1])
+            .help(help);
+        diagnostic.fix = rename.map(|(location, new)| {
+            Fix::replace(location, &new, format!("call it `{new}`")).unsafe_if(true)
+        });
+        report(self.diagnostics, diagnostic);
+    }
+
+    /// Returns a name like that of a block which no block has; `None` inside a pattern.
+    fn unused_name(&self, role: RoleId) -> Option<String> {
+        let key = self.plan.roles.key(role);
+        if key.scope != 0 || key.arity != 0 {
+            return None;
+        }
+        let word = self.symbols.word(key.word);
+        let is_unused = |name: &String| self.symbols.get(name).is_none();
+        (2..100)
+            .map(|number| format!("{word}_{number}"))
+            .find(is_unused)
+    }
+
+    /// Rejects a second release of a block.
+    fn released_twice(&mut self, id: EventId, first: EventId) {
+        if !self.reject(id) {
+            return;
+        }
+        let event = self.plan.event(id);
+        let name = self.plan.roles.name(event.role, self.symbols);
+        let phase = self.plan.phase_name(id);
+        let title = format!("`{name}` is released twice in phase `{phase}`");
+        let mut diagnostic = Diagnostic::new(Code::ReleasedTwice, title)
+            .label(event.location, "second release")
+            .label(self.plan.event(first).location, "first release")
+            .help(format!("remove the second release of `{name}`"));
+        diagnostic.fix = self.without_release(event.location, &name);
+        report(self.diagnostics, diagnostic);
+    }
+
+    /// Rejects the release of a seed.
+    fn released_seed(&mut self, id: EventId, role: RoleId) {
+        if !self.reject(id) {
+            return;
+        }
+        let name = self.plan.roles.name(role, self.symbols);
+        let title = format!("`{name}` is a seed and cannot be released");
+        let location = self.plan.event(id).location;
+        let mut diagnostic = Diagnostic::new(Code::ReleasedSeed, title)
+            .label(location, "released here")
+            .label(
+                self.plan.seeds[role.0 as usize].location,
+                "declared as a seed",
+            )
+            .help(format!("remove `{name}` from the release"));
+        diagnostic.fix = self.without_release(location, &name);
+        report(self.diagnostics, diagnostic);
+    }
+
+    /// Returns the change that removes a block from a release; `None` if the text names several.
+    fn without_release(&self, location: SourceLocation, name: &str) -> Option<Fix> {
+        let is_alone = named(self.sources, location, name) == Some(location);
+        let removed = entry(self.sources, location, "release").filter(|_| is_alone)?;
+        let title = format!("remove `{name}` from the release");
+        Some(Fix::remove(removed, title).unsafe_if(true))
     }
 
     /// A block that would have to be there, and is not.
@@ -465,9 +539,33 @@ impl Checker<'_> {
             EventKind::Release => Code::ReleasedAbsent,
             EventKind::Capture { .. } => Code::AbsentBlock,
         };
-        let title = format!("`{name}` is not part of the structure in this phase");
+        let phase = self.plan.phase_name(id);
+        let used = match code {
+            Code::ReleasedAbsent => "released",
+            _ => "used",
+        };
+        let (title, help) = match (state.last_release, code) {
+            (Some(_), Code::ReleasedAbsent) => (
+                format!("`{name}` is released again"),
+                format!("remove this release, or capture `{name}` again before it"),
+            ),
+            (Some(_), _) => (
+                format!("`{name}` is used after it was released"),
+                format!("capture `{name}` again before, or use another block"),
+            ),
+            (None, _) => (
+                format!("`{name}` is {used} before it is captured"),
+                format!("capture `{name}` in phase `{phase}` or before it"),
+            ),
+        };
         let diagnostic = Diagnostic::new(code, title).label(location, consequence);
-        if let Some(diagnostic) = self.unknown(role, location, state, diagnostic) {
+        let mut known = self.unknown(role, location, state, diagnostic, help);
+        if let Some(diagnostic) = &mut known
+            && diagnostic.code == Code::ReleasedAbsent
+        {
+            diagnostic.fix = self.without_release(location, &name);
+        }
+        if let Some(diagnostic) = known {
             report(self.diagnostics, diagnostic);
         }
     }
@@ -503,26 +601,25 @@ impl Checker<'_> {
         })
     }
 
-    /// A finding on a name that nobody holds: unknown, or known at another time only; `None` if the
-    /// statement has been told of already.
+    /// Returns a diagnostic about a name that no block has: unknown, or known at another time.
+    /// `help` says what to do in the second case. `None` if the statement has been reported.
     fn unknown(
         &mut self,
         role: RoleId,
         location: SourceLocation,
         state: RoleLiveness,
         mut diagnostic: Diagnostic,
+        help: String,
     ) -> Option<Diagnostic> {
         if let Some(release) = state.last_release {
-            let diagnostic = diagnostic
-                .label(self.plan.event(release).location, "released here")
-                .help("capture it again first; a name may be taken many times");
-            return Some(diagnostic);
+            let label = format!("released in phase `{}`", self.plan.phase_name(release));
+            let location = self.plan.event(release).location;
+            return Some(diagnostic.label(location, label).help(help));
         }
         if let Some(&capture) = self.first_captures().get(&role) {
-            let diagnostic = diagnostic
-                .label(self.plan.event(capture).location, "captured here")
-                .help("a block can act in the phase that captures it, or later");
-            return Some(diagnostic);
+            let label = format!("captured in phase `{}`", self.plan.phase_name(capture));
+            let location = self.plan.event(capture).location;
+            return Some(diagnostic.label(location, label).help(help));
         }
         diagnostic.code = Code::UnknownName;
         if let Some(diagnostic) = self.around(role, location) {

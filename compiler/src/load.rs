@@ -177,7 +177,10 @@ impl Loader<'_> {
                     Some(location) => diagnostic
                         .label(location, reason)
                         .help("the path is relative to the file that imports it"),
-                    None => diagnostic.help(reason),
+                    None => Diagnostic {
+                        title: format!("{}: {reason}", diagnostic.title),
+                        ..diagnostic
+                    },
                 };
                 report(self.diagnostics, diagnostic);
                 return Ok(None);

@@ -1,4 +1,6 @@
 //! Cycles, and the longest serial chain.
+use std::cmp::Ordering;
+
 use petgraph::Direction::{self, Incoming, Outgoing};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{EdgeIndex, EdgeReference, NodeIndex};
@@ -6,10 +8,10 @@ use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::face_turns;
+use crate::diagnostic::{Code, Diagnostic, Fix, entry};
 use crate::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::{Sources, face_turns};
 
 /// An order in which everything can happen, and how much of it one after the other.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -62,6 +64,7 @@ pub fn sort(
     plan: &ProgramPlan,
     graph: &DependencyGraph,
     symbols: &Symbols,
+    sources: &Sources,
     cancellation: Cancellation<'_>,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Option<Order>, Cancelled> {
@@ -108,7 +111,7 @@ pub fn sort(
             |_, &id| (!done.contains(&id) && plan.event(id).sound).then_some(id),
             |edge, &why| (!unneeded.contains(&edge)).then_some(why),
         );
-        report_cycles(plan, &rest, symbols, diagnostics);
+        report_cycles(plan, &rest, symbols, sources, diagnostics);
         return Ok(None);
     }
     order.chains = (plan.phases.iter())
@@ -159,6 +162,7 @@ fn report_cycles(
     plan: &ProgramPlan,
     rest: &DependencyGraph,
     symbols: &Symbols,
+    sources: &Sources,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let mut knots: Vec<Vec<NodeIndex>> = kosaraju_scc(rest);
@@ -169,7 +173,7 @@ fn report_cycles(
     knots.sort_unstable();
     for knot in knots.iter().take(MOST_CYCLES) {
         let cycle = shortest_cycle(rest, knot);
-        diagnostics.push(describe(plan, rest, &cycle, symbols));
+        diagnostics.push(describe(plan, rest, &cycle, symbols, sources));
     }
 }
 
@@ -212,14 +216,21 @@ fn describe(
     graph: &DependencyGraph,
     cycle: &[(NodeIndex, NodeIndex, LocatedDependency)],
     symbols: &Symbols,
+    sources: &Sources,
 ) -> Diagnostic {
     /// Edges that are labelled; a longer cycle says how many it leaves out.
     const MOST_LABELS: usize = 50;
     let count = cycle.len();
-    let title = match count {
-        1 => "an event waits for itself".to_owned(),
-        count => format!("{count} events wait for each other in a cycle"),
+    let phase = cycle
+        .first()
+        .map_or("", |edge| plan.phase_name(graph[edge.1]));
+    let told = |edge: usize| plan.describe(graph[cycle[edge].1], symbols);
+    let what = match count {
+        1 => format!("`{}` waits for itself", told(0)),
+        2 => format!("`{}` and `{}` wait for each other", told(0), told(1)),
+        count => format!("{count} events wait for each other"),
     };
+    let title = format!("phase `{phase}` would deadlock: {what}");
     let mut diagnostic = Diagnostic::new(Code::Cycle, title);
     for &(first, then, why) in cycle.iter().take(MOST_LABELS) {
         let (first, then) = (graph[first], graph[then]);
@@ -241,10 +252,9 @@ fn describe(
                 event.location,
                 format!("`{waits}` waits for a free face: `{before}` is written before it"),
             ),
-            LocatedDependency::After(location) => (
-                location,
-                format!("`{waits}` is told to wait for `{before}`"),
-            ),
+            LocatedDependency::After(location) => {
+                (location, format!("`{waits}` waits for `{before}`"))
+            }
             LocatedDependency::Emptied => (
                 event.location,
                 format!("`{waits}` waits until its child has gone: `{before}`"),
@@ -261,19 +271,54 @@ fn describe(
         diagnostic = diagnostic.label(location, text);
     }
     let why = |kind: fn(&LocatedDependency) -> bool| cycle.iter().any(|(_, _, why)| kind(why));
+    let waits = (cycle.iter()).find_map(|&(first, then, why)| match why {
+        LocatedDependency::After(location) => Some((graph[first], graph[then], location)),
+        _ => None,
+    });
+    if let Some((first, then, location)) = waits {
+        let removed = entry(sources, location, "after");
+        let fix = |removed| Fix::remove(removed, "drop this `after`").unsafe_if(true);
+        diagnostic.fix = removed.map(fix);
+        if is_chain(plan, then, first) {
+            let help = format!(
+                "an `after` applies to the first capture of its chain, `{}`; the others follow it anyway: \
+                 drop the `after`",
+                plan.describe(then, symbols)
+            );
+            return diagnostic.help(help);
+        }
+    }
     let help = if count > MOST_LABELS {
         format!(
-            "{} more are not shown; break the circle in one place",
+            "{} more are not shown; break the cycle in one place",
             count - MOST_LABELS
         )
     } else if why(|why| matches!(why, LocatedDependency::Face { .. })) {
         "a block captures in the order in which its captures are written: swap the two, or drop \
          the `after`"
             .to_owned()
-    } else if why(|why| matches!(why, LocatedDependency::After(_))) {
+    } else if waits.is_some() && count == 1 {
+        "drop the `after`".to_owned()
+    } else if waits.is_some() {
         "drop one `after`, or move one of the two into a later phase".to_owned()
     } else {
         "begin with a block that is already there: a seed, or one captured before".to_owned()
     };
     diagnostic.help(help)
+}
+
+/// Whether one statement, a chain, makes all captures from `first` to `last`.
+fn is_chain(plan: &ProgramPlan, first: EventId, last: EventId) -> bool {
+    let follows = |id: u32| {
+        let (one, next) = (plan.event(EventId(id)), plan.event(EventId(id + 1)));
+        let (one, next) = (one.location, next.location);
+        one.file == next.file && (one.span.start..one.span.end).contains(&next.span.start)
+    };
+    // A capture may wait for its own block, and others follow it.
+    let is_last = last.0 as usize + 1 == plan.events.len();
+    match first.cmp(&last) {
+        Ordering::Less => (first.0..last.0).all(follows),
+        Ordering::Equal => !is_last && follows(first.0),
+        Ordering::Greater => false,
+    }
 }

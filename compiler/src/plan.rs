@@ -382,6 +382,12 @@ impl ProgramPlan {
         (self.events.len() - releases, releases)
     }
 
+    /// Returns how many blocks are attached before the run starts.
+    pub fn pre_attached(&self) -> usize {
+        let planted = self.phases.iter().filter(|phase| phase.planted);
+        planted.map(|phase| phase.events.len()).sum()
+    }
+
     /// An event in a few words: `A.up -> E`, or `release E`.
     pub fn describe(&self, id: EventId, symbols: &Symbols) -> String {
         let action = self.event(id).action();

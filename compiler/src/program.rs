@@ -207,7 +207,7 @@ fn check_all(
         false => fold(diagnostics),
     };
     let (mut diagnostics, mut allowed) = file_levels.apply(diagnostics, levels, &sources);
-    diagnostics.sort_by_key(Diagnostic::place);
+    diagnostics.sort_by_key(|diagnostic| (diagnostic.severity, diagnostic.place()));
     let allowed_ones = allowed.iter_mut().map(|allowed| &mut allowed.diagnostic);
     for diagnostic in diagnostics.iter_mut().chain(allowed_ones) {
         attribute_by_place(diagnostic, &tree);
@@ -321,7 +321,10 @@ fn programs(
         };
         if let Some(old) = seen.insert(name.symbol, location) {
             let name = symbols.word(name.symbol);
-            report(diagnostics, duplicate(name, old, location, item.noun()));
+            report(
+                diagnostics,
+                duplicate(name, old, location, item.noun(), symbols),
+            );
         }
         let scene = scenes.get(scene, own.file, symbols, diagnostics);
         let (changed, changes) = about.changes;
@@ -412,9 +415,9 @@ fn compile_aggregate(
         never,
         diagnostics,
     )?;
-    let layout = layout::lay_out(&mut plan, &liveness, symbols, never, diagnostics)?;
+    let layout = layout::lay_out(&mut plan, &liveness, symbols, sources, never, diagnostics)?;
     let graph = graph::build(&plan, &liveness, &layout, 1, never)?;
-    let order = order::sort(&plan, &graph, symbols, never, diagnostics)?;
+    let order = order::sort(&plan, &graph, symbols, sources, never, diagnostics)?;
     let is_right = !wrong && !diagnostics.iter().any(Diagnostic::is_error);
     let tables = (scene.as_ref().filter(|_| is_right))
         .map(|scene| lower::lower(&plan, &liveness, &layout, &graph, scene, symbols, never))
@@ -517,13 +520,27 @@ impl<'a> AssemblyInput<'a> {
         done(Stage::Names);
         // What follows from a statement that could not be read would only confuse.
         let mut later = Vec::new();
-        let layout = layout::lay_out(&mut plan, &liveness, symbols, cancellation, &mut later)?;
+        let layout = layout::lay_out(
+            &mut plan,
+            &liveness,
+            symbols,
+            self.sources,
+            cancellation,
+            &mut later,
+        )?;
         done(Stage::Layout);
         let faces =
             (scene.as_ref()).map_or(1, |scene| BondKind::of(scene).faces(scene.block.faces));
         let graph = graph::build(&plan, &liveness, &layout, faces, cancellation)?;
         done(Stage::Graph);
-        let order = order::sort(&plan, &graph, symbols, cancellation, &mut later)?;
+        let order = order::sort(
+            &plan,
+            &graph,
+            symbols,
+            self.sources,
+            cancellation,
+            &mut later,
+        )?;
         done(Stage::Order);
         // A seed, an `after` or a phase may only seem to be without use where statements have been
         // left out.

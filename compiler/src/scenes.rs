@@ -35,7 +35,7 @@ impl<'a> Scenes<'a> {
         let declared = of_trees(trees, names, symbols, &mut |old, new| {
             let word = symbols.word(new.scene.name.symbol);
             let (old, new) = (old.location(), new.location());
-            report(diagnostics, duplicate(word, old, new, "a scene"));
+            report(diagnostics, duplicate(word, old, new, "a scene", symbols));
         });
         let mut scenes = Scenes {
             names,

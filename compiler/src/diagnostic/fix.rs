@@ -72,12 +72,28 @@ pub(crate) fn named(
     (!rest.starts_with(goes_on)).then_some(SourceLocation { span, ..location })
 }
 
+/// Returns the place of a name at the end of `location`, if it is written there as it is reported.
+pub(crate) fn last_named(
+    sources: &Sources,
+    location: SourceLocation,
+    name: &str,
+) -> Option<SourceLocation> {
+    let before = sources.text(location).strip_suffix(name)?;
+    let span = Span::new(location.span.start + before.len() as u32, location.span.end);
+    let is_whole = before.ends_with(|c: char| c.is_whitespace() || c == '>');
+    is_whole.then_some(SourceLocation { span, ..location })
+}
+
 /// Bytes of a line or block that are looked through, so that many findings in a long one stay quick.
 pub(crate) const LONG: usize = 1 << 12;
 
-/// One entry of the list behind an `after`, with its comma; with the `after`, if it is the only
-/// one. `None` where comments stand between.
-pub(crate) fn entry(sources: &Sources, entry: SourceLocation) -> Option<SourceLocation> {
+/// Returns one entry of the list after a keyword, with its comma; with the keyword, if it is the
+/// only one. `None` if comments stand between, or if an `after` would be left without a statement.
+pub(crate) fn entry(
+    sources: &Sources,
+    entry: SourceLocation,
+    keyword: &str,
+) -> Option<SourceLocation> {
     let text = &sources.file(entry.file).text;
     let (start, end) = (entry.span.start as usize, entry.span.end as usize);
     let location = |start: usize, end: usize| SourceLocation {
@@ -97,15 +113,14 @@ pub(crate) fn entry(sources: &Sources, entry: SourceLocation) -> Option<SourceLo
     if let Some(rest) = before.strip_suffix(',') {
         return Some(location(rest.len(), end));
     }
-    let after = before.strip_suffix("after")?.len();
+    let word = before.strip_suffix(keyword)?.len();
     let behind = text[end..].trim_start();
-    Some(match behind.strip_prefix(',') {
-        Some(rest) => location(
-            start,
-            text.len() - rest.trim_start_matches([' ', '\t']).len(),
-        ),
-        None => removal(sources, location(after, end)),
-    })
+    if let Some(rest) = behind.strip_prefix(',') {
+        let rest = rest.trim_start_matches([' ', '\t']);
+        return Some(location(start, text.len() - rest.len()));
+    }
+    let waits = keyword != "after" && behind.starts_with("after");
+    (!waits).then(|| removal(sources, location(word, end)))
 }
 
 #[cfg(test)]

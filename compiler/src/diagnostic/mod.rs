@@ -5,15 +5,17 @@ mod fix;
 mod graphical;
 mod parameter_hint;
 mod repeat;
+mod row_hint;
 mod syntax;
 mod syntax_hints;
 
 pub use change::TextChange;
 pub use code::{Code, Severity};
-pub(crate) use fix::{LONG, entry, named, removal};
+pub(crate) use fix::{LONG, entry, last_named, named, removal};
 pub use graphical::{Renderer, visible};
 pub(crate) use parameter_hint::parameter_hint;
 pub use repeat::Others;
+pub(crate) use row_hint::row_hint;
 
 use crate::{FileId, SourceLocation};
 use stochc_ir::suggest::{Suggestion, nearest};
@@ -208,6 +210,13 @@ impl Diagnostic {
     #[must_use]
     pub fn fix(mut self, fix: Fix) -> Diagnostic {
         self.fix = Some(fix);
+        self
+    }
+
+    /// Says how the text can be fixed, if that is known.
+    #[must_use]
+    pub(crate) fn fix_if(mut self, fix: Option<Fix>) -> Diagnostic {
+        self.fix = fix;
         self
     }
 

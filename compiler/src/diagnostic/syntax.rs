@@ -35,9 +35,7 @@ impl Diagnostic {
                 behind,
                 text,
             }),
-            K::Unclosed => Diagnostic::new(Code::UnclosedBrace, "a block is not closed")
-                .label(location, "opened here")
-                .help("write `}` where the block ends"),
+            K::Unclosed => unclosed(location, text),
             K::MissingBrace { what } => {
                 Diagnostic::new(Code::MissingBrace, format!("{what} without its `{{`"))
                     .label(location, "`{` is missing here")
@@ -56,25 +54,7 @@ impl Diagnostic {
                 within,
                 belongs,
                 ..
-            } => Diagnostic::new(
-                Code::Misplaced,
-                format!("{what} does not belong in {within}"),
-            )
-            .label(location, format!("{what}, in {within}"))
-            .help(match *within {
-                // Where one stands in the other, the first has probably been left open.
-                "a phase" | "a seed plate"
-                    if what.starts_with("a phase") || what.starts_with("a seed plate") =>
-                {
-                    format!("it belongs in {belongs}: is the `}}` of {within} missing before it?")
-                }
-                "an instance of a pattern" if *what == "an `after`" => {
-                    "put it in the pattern, behind the captures that have to wait; what they wait \
-                     for may be an argument: `pattern tower(base, first) { base.up -> T after first }`"
-                        .to_owned()
-                }
-                _ => format!("it belongs in {belongs}"),
-            }),
+            } => misplaced(location, what, within, belongs),
             K::Parentheses { word } => {
                 Diagnostic::new(Code::Syntax, format!("parentheses round what `{word}` names"))
                     .label(location, "not needed")
@@ -85,16 +65,24 @@ impl Diagnostic {
                 .help("write the number before it, such as `25 N/m`"),
             K::ReservedWord { word } => Diagnostic::new(
                 Code::ReservedWord,
-                format!("`{word}` is a word of the language"),
+                format!("`{word}` is a keyword"),
             )
             .label(location, "used as a name")
             .help(format!("choose another name, such as `{word}_1`")),
             K::FaceMisused { hint } => {
                 Diagnostic::new(Code::FaceMisused, "a face does not fit here").label(location, *hint)
             }
-            K::NumberTooLarge => Diagnostic::new(Code::NumberTooLarge, "a number is too large")
-                .label(location, "too many digits")
-                .help("whole numbers have 64 bits; values of a scene are double precision"),
+            K::NumberTooLarge => {
+                let number = text.get(location.span.start as usize..location.span.end as usize);
+                let title = format!("`{}` is too large", spelt(number.unwrap_or_default()));
+                Diagnostic::new(Code::NumberTooLarge, title)
+                    .label(location, "more than can be stored")
+                    .help(format!(
+                        "whole numbers go up to {}, values of a scene up to {:e}",
+                        i64::MAX,
+                        f64::MAX
+                    ))
+            }
             K::TooDeep => Diagnostic::new(
                 Code::TooDeep,
                 format!("nested more than {MAX_DEPTH} levels deep"),
@@ -113,9 +101,13 @@ impl Diagnostic {
             )
             .label(location, "begins here")
             .help("break it up: a chain may go on in the next statement with its last block"),
-            K::MissingReason => Diagnostic::new(Code::MissingReason, "no reason is given")
-                .label(location, "why?")
-                .help("say in quotation marks why: `allow unused-seed \"it marks the corner\"`"),
+            K::MissingReason => {
+                let code = text.get(location.span.start as usize..location.span.end as usize);
+                let code = spelt(code.unwrap_or_default());
+                Diagnostic::new(Code::MissingReason, format!("`{code}` needs a reason"))
+                    .label(location, "no reason follows")
+                    .help(format!("write it in quotation marks: `{code} \"it marks the corner\"`"))
+            }
             K::DanglingDoc => Diagnostic::new(Code::DanglingDoc, "a `///` comment with nothing below")
                 .label(location, "belongs to nothing")
                 .help("use `//` for a free comment"),
@@ -132,6 +124,78 @@ impl Diagnostic {
                 .help("split it into several files and `import` them"),
         }
     }
+}
+
+/// Returns the error of a block without its closing brace, with a `}` where the indentation ends.
+fn unclosed(location: SourceLocation, text: &str) -> Diagnostic {
+    let start = location.span.start as usize;
+    let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+    let line = &text[line_start..start];
+    let words: Vec<&str> = line.split_whitespace().take(2).collect();
+    let title = match &words[..] {
+        [] => "missing `}`".to_owned(),
+        words => format!("missing `}}` of `{}`", spelt(&words.join(" "))),
+    };
+    let indentation = |line: &str| line.len() - line.trim_start().len();
+    let depth = indentation(line);
+    let ends = |line: &str| {
+        let is_outside = !line.trim().is_empty() && indentation(line) <= depth;
+        is_outside && !line.trim_start().starts_with('}')
+    };
+    let mut at = start
+        + text[start..]
+            .find('\n')
+            .map_or(text.len() - start, |end| end + 1);
+    for line in text[at..].split_inclusive('\n') {
+        if ends(line) {
+            break;
+        }
+        at += line.len();
+    }
+    let is_line = at == 0 || text[..at].ends_with('\n');
+    let brace = format!(
+        "{}{}}}\n",
+        if is_line { "" } else { "\n" },
+        " ".repeat(depth)
+    );
+    let above = text[..at].lines().count();
+    let end = SourceLocation {
+        span: Span::new(at as u32, at as u32),
+        ..location
+    };
+    Diagnostic::new(Code::UnclosedBrace, title)
+        .label(location, "this `{` is never closed")
+        .help(format!(
+            "write `}}` where the block ends; by the indentation, that is after line {above}"
+        ))
+        .fix(Fix::replace(end, brace, "add the `}`").unsafe_if(true))
+}
+
+/// Returns the error of a statement or block in the wrong surroundings.
+fn misplaced(
+    location: SourceLocation,
+    what: &'static str,
+    within: &'static str,
+    belongs: &'static str,
+) -> Diagnostic {
+    let is_block = what.starts_with("a phase") || what.starts_with("a seed plate");
+    let help = match within {
+        // Where one stands in the other, the first has probably been left open.
+        "a phase" | "a seed plate" if is_block => {
+            format!("it belongs in {belongs}: is the `}}` of {within} missing before it?")
+        }
+        "an instance of a pattern" if what == "an `after`" => {
+            "put it in the pattern, behind the captures that have to wait; what they wait \
+             for may be an argument: `pattern tower(base, first) { base.up -> T after first }`"
+                .to_owned()
+        }
+        within if within.starts_with("a loop") => format!("move the loop into {belongs}"),
+        _ => format!("it belongs in {belongs}"),
+    };
+    let title = format!("{what} does not belong in {within}");
+    Diagnostic::new(Code::Misplaced, title)
+        .label(location, format!("{what}, in {within}"))
+        .help(help)
 }
 
 fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
@@ -151,6 +215,9 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
             .label(location, "an invisible sign of three bytes")
             .help("save the file as UTF-8 without a byte-order mark")
             .fix(Fix::remove(mark, "remove the mark"));
+    }
+    if let Some(diagnostic) = hint.timeout() {
+        return diagnostic;
     }
     if let Some((word, title, help)) = hint.foreign() {
         return Diagnostic::new(Code::Syntax, title)
@@ -229,6 +296,10 @@ fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix>
             Fix::replace(location, &name, format!("call it `{name}`")).unsafe_if(true)
         }
         K::MissingBrace { .. } => Fix::replace(location, " {", "write the `{`"),
+        K::MissingReason => {
+            let reason = " \"it marks the corner\"";
+            Fix::replace(part(end, end), reason, "add a reason").unsafe_if(true)
+        }
         K::Unopened | K::ClosedEarly { .. } => Fix::remove(location, "remove it").unsafe_if(true),
         _ => return None,
     })

@@ -2,7 +2,7 @@
 use stochc_ir::scene::units::unit_meant;
 use stochc_ir::suggest::{Suggestion, nearest};
 
-use super::{Edit, Fix};
+use super::{Code, Diagnostic, Edit, Fix};
 use crate::{SourceLocation, Span};
 
 /// A place where something else had to stand.
@@ -78,6 +78,45 @@ impl SyntaxHint<'_> {
         let (_, help) = FOREIGN.iter().find(|(words, _)| words.contains(&word))?;
         let title = format!("there is no `{word}`");
         Some((self.span(start, start + word.len()), title, help))
+    }
+
+    /// Returns the error of a `timeout` after a capture, with the change that moves it to the phase.
+    pub fn timeout(&self) -> Option<Diagnostic> {
+        if self.behind != "timeout" {
+            return None;
+        }
+        let at = self.location.span.start as usize;
+        let before = &self.text[..at];
+        let word = before.trim_end().strip_suffix("timeout")?.len();
+        let rest = self.text[at..].split(['\n', '}']).next().unwrap_or("");
+        let time = rest.split("//").next().unwrap_or("").trim_end();
+        let number = time.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+        let unit = number.trim_start();
+        if number.len() == time.len() || !unit.bytes().all(|byte| byte.is_ascii_alphabetic()) {
+            return None;
+        }
+        let head = before.rfind("phase ")?;
+        let brace = head + before[head..].find('{')?;
+        let name = before[head..brace].strip_prefix("phase ")?.trim();
+        let written = format!("phase {name} timeout {time}");
+        let mut fix = Fix::replace(
+            self.span(brace, brace),
+            format!("timeout {time} "),
+            "move it",
+        );
+        fix.title = format!("write `{written} {{`");
+        fix.edits.push(Edit {
+            location: self.span(before[..word].trim_end().len(), at + time.len()),
+            text: String::new(),
+        });
+        let title = "a `timeout` belongs to a phase, not to a capture";
+        let diagnostic = Diagnostic::new(Code::Misplaced, title)
+            .label(self.span(word, at + time.len()), "after a capture")
+            .help(format!(
+                "write it after the name of the phase: `{written} {{`"
+            ))
+            .fix(fix.unsafe_if(name.contains("timeout")));
+        Some(diagnostic)
     }
 
     /// What to do, and how.

@@ -132,7 +132,9 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn single_block(&mut self, place: &'a Place) -> BoundValue {
-        let Some((key, _)) = self.single(place) else {
+        let Some((key, _)) =
+            self.single(place, "give one block, or grow the pattern in a loop", None)
+        else {
             return BoundValue::Unknown;
         };
         self.role(key);

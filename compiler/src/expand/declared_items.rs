@@ -49,6 +49,6 @@ impl<'a> DeclaredItems<'a> {
         let location = SourceLocation { file, span };
         let old = self.locations.insert((kind, name.symbol), location)?;
         let word = symbols.word(name.symbol);
-        Some(duplicate(word, old, location, item.noun()))
+        Some(duplicate(word, old, location, item.noun(), symbols))
     }
 }

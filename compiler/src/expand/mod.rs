@@ -509,7 +509,13 @@ impl<'a> Expander<'a, '_> {
     fn define(&mut self, name: Name, value: BoundValue) {
         let location = self.location(name.span);
         if let Some(old) = self.scope.define(self.named(name), value, location) {
-            let diagnostic = duplicate(self.symbols.word(name.symbol), old, location, "a `let`");
+            let diagnostic = duplicate(
+                self.symbols.word(name.symbol),
+                old,
+                location,
+                "a `let`",
+                self.symbols,
+            );
             report(self.diagnostics, diagnostic);
         }
     }
@@ -537,7 +543,7 @@ impl<'a> Expander<'a, '_> {
         let name = self.plan.roles.name_of(name, self.symbols);
         if let Some(&old) = self.phase_sites.get(&name) {
             self.diagnostics
-                .push(duplicate(&name, old, location, "a phase"));
+                .push(duplicate(&name, old, location, "a phase", self.symbols));
         }
         if self.pass == Pass::Writing {
             self.phase_sites.insert(name.clone(), location);
@@ -681,10 +687,28 @@ impl<'a> Expander<'a, '_> {
     }
 }
 
-/// Two things with one name.
-pub fn duplicate(name: &str, old: SourceLocation, new: SourceLocation, noun: &str) -> Diagnostic {
-    Diagnostic::new(Code::DuplicateName, format!("`{name}` is declared twice"))
-        .label(new, format!("{noun} with a name that is taken"))
-        .label(old, "first declared here")
-        .help("rename one of the two")
+/// Returns the error of two things with one name, with another name for the second.
+pub fn duplicate(
+    name: &str,
+    old: SourceLocation,
+    new: SourceLocation,
+    noun: &str,
+    symbols: &Symbols,
+) -> Diagnostic {
+    let numbered = (2..100).map(|number| format!("{name}_{number}"));
+    let other = numbered
+        .into_iter()
+        .find(|name| symbols.get(name).is_none());
+    let mut diagnostic =
+        Diagnostic::new(Code::DuplicateName, format!("`{name}` is declared twice"))
+            .label(new, format!("{noun} with the same name"))
+            .label(old, "first declared here");
+    // Only where the name alone stands there.
+    let other = other.filter(|_| new.span.len() == name.len());
+    let Some(other) = other else {
+        return diagnostic.help("rename one of the two");
+    };
+    let fix = Fix::replace(new, &other, format!("call it `{other}`"));
+    diagnostic.fix = Some(fix.unsafe_if(true));
+    diagnostic.help(format!("rename one of the two, such as `{other}`"))
 }

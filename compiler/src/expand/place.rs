@@ -5,7 +5,7 @@ use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::scope::BoundValue;
 use super::{Expander, Pass};
-use crate::diagnostic::{self, Code, Diagnostic};
+use crate::diagnostic::{self, Code, Diagnostic, Fix};
 use crate::members::members;
 use crate::names::ValueKind;
 use crate::plan::NameKey;
@@ -107,14 +107,24 @@ impl Expander<'_, '_> {
     }
 
     /// A place that names exactly one block, with its face if it has one.
-    pub fn single(&mut self, place: &Place) -> Option<(NameKey, Option<Face>)> {
+    ///
+    /// A range is reported with `help`, and with the change that goes with it.
+    pub fn single(
+        &mut self,
+        place: &Place,
+        help: &str,
+        fix: Option<Fix>,
+    ) -> Option<(NameKey, Option<Face>)> {
         let blocks = self.place(place)?;
         if blocks.ranged {
-            self.diagnostics.push(
-                Diagnostic::new(Code::RangeMisused, "several blocks where one is needed")
-                    .label(self.location(place.span), "a range of blocks")
-                    .help("`->>` captures a range of blocks in a row"),
-            );
+            let location = self.location(place.span);
+            let written = self.sources.text(location);
+            let title = format!("`{written}` is a range, but one block is needed");
+            let mut diagnostic = Diagnostic::new(Code::RangeMisused, title)
+                .label(location, "several blocks")
+                .help(help);
+            diagnostic.fix = fix;
+            self.diagnostics.push(diagnostic);
             return None;
         }
         Some((blocks.keys.first()?, blocks.face))

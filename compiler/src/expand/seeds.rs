@@ -143,7 +143,7 @@ impl<'a> Expander<'a, '_> {
             let old = self.plan.seeds[role.0 as usize].location;
             let name = self.plan.roles.name(role, self.symbols);
             self.diagnostics
-                .push(duplicate(&name, old, location, "a seed"));
+                .push(duplicate(&name, old, location, "a seed", self.symbols));
             return;
         }
         // Unless a statement that does not belong in a plate came first; that has been told of.

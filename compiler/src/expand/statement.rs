@@ -15,7 +15,7 @@ impl<'a> Expander<'a, '_> {
     /// Captures, one after the other.
     pub fn chain(&mut self, chain: &'a Chain) {
         let first = self.grown.events;
-        let head = self.single(&chain.head);
+        let head = self.single(&chain.head, "let each block capture, in a loop", None);
         let mut parent = head.map(|(key, _)| self.role(key));
         let mut face = head.and_then(|(_, face)| face);
         let mut parent_place = &chain.head;
@@ -26,7 +26,9 @@ impl<'a> Expander<'a, '_> {
             let location = self.location(parent_place.span.to(link.place.span));
             match link.arrow {
                 Arrow::One => {
-                    let child = self.single(&link.place);
+                    let fix = self.other_arrow(parent_place, &link.place, ["->", "->>"]);
+                    let help = "capture a row of blocks with `->>`";
+                    let child = self.single(&link.place, help, fix);
                     let used = self.face(parent, face, parent_place);
                     let role = child.map(|(key, _)| self.role(key));
                     match (parent, used, role) {
@@ -50,7 +52,7 @@ impl<'a> Expander<'a, '_> {
                             Diagnostic::new(Code::RangeMisused, "`->>` needs a range of blocks")
                                 .label(self.location(link.place.span), "a single block")
                                 .help("write a range such as `T[1..12]`, or `->` for one block");
-                        diagnostic.fix = self.single_arrow(parent_place, &link.place);
+                        diagnostic.fix = self.other_arrow(parent_place, &link.place, ["->>", "->"]);
                         self.diagnostics.push(diagnostic);
                     }
                     let used = self.face(parent, face, parent_place);
@@ -92,13 +94,13 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// The arrow between two places for one block, if nothing else stands there.
-    fn single_arrow(&self, parent: &Place, child: &Place) -> Option<Fix> {
+    /// Returns the change of one arrow to the other, if nothing else stands between two places.
+    fn other_arrow(&self, parent: &Place, child: &Place, [old, new]: [&str; 2]) -> Option<Fix> {
         let between = self.location(Span::new(parent.span.end, child.span.start));
         let text = self.sources.text(between);
-        let start = between.span.start + text.find("->>")? as u32;
-        let arrow = self.location(Span::new(start, start + "->>".len() as u32));
-        (text.trim() == "->>").then(|| Fix::replace(arrow, "->", "write `->`"))
+        let start = between.span.start + text.find(old)? as u32;
+        let arrow = self.location(Span::new(start, start + old.len() as u32));
+        (text.trim() == old).then(|| Fix::replace(arrow, new, format!("write `{new}`")))
     }
 
     /// The face that captures next.

@@ -132,6 +132,14 @@ impl Parser<'_, '_> {
         }
         if let Some((what, span, belongs)) = wrong {
             let within = self.frames.last().map_or("the file", |frame| frame.noun());
+            let within = match outer.map(|outer| &outer.kind) {
+                _ if within != "a loop" => within,
+                Some(K::Assembly(_)) => "a loop outside of every phase",
+                Some(K::Phase(_)) => "a loop of a phase",
+                Some(K::Pattern(_)) => "a loop of a pattern",
+                Some(K::Seed(_)) => "a loop of a seed plate",
+                _ => within,
+            };
             self.error(
                 SyntaxErrorKind::Misplaced {
                     what,

@@ -2,9 +2,9 @@
 use stochc_files::programs::STDIN_NAME;
 use stochc_ir::{counted, visible};
 
-use super::super::terminal::{print, warn};
+use super::super::terminal::{has_colour, message_width, print, warn, warn_drawn};
 use super::{CheckArguments, verdict};
-use crate::diagnostics::Format;
+use crate::diagnostics::{Format, drawn};
 use crate::exit::{Exit, Failure};
 use crate::fix::{FixedFile, fix};
 
@@ -43,7 +43,12 @@ pub fn run(
     let changes = counted(fixed.changes, "change");
     if options.dry_run {
         warn(&format!("{shown}: {changes} to make\n"));
-        return Ok(alone.then(|| verdict(&fixed.before)));
+        if !alone {
+            return Ok(None);
+        }
+        let remaining = fixed.after.as_ref().unwrap_or(&fixed.before);
+        warn_drawn(&drawn(remaining, has_colour(), message_width()));
+        return Ok(Some(verdict(&fixed.before)));
     }
     if fixed.changes == 0 {
         return Ok(None);

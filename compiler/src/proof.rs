@@ -1,0 +1,119 @@
+//! The proof of a program. docs/proofs.md has the arguments.
+use std::fmt;
+
+use serde::Serialize;
+use stochc_ir::series;
+
+use crate::block_demand::scarce_phase;
+use crate::checked::{Checked, Program};
+use crate::diagnostic::{Code, Diagnostic};
+
+/// Properties of a program in every order of its captures and releases.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Proof {
+    /// Whether every order completes, if no timeout ends the run.
+    pub completes: bool,
+    /// Whether every captured cell stays accessible until its block is captured.
+    pub no_cell_blocked: bool,
+    /// Whether no two blocks share a cell.
+    pub no_cell_used_twice: bool,
+    /// The shapes that phases claim and build, in program order.
+    pub shapes: Vec<String>,
+    /// Whether a phase has a timeout.
+    pub has_timeout: bool,
+    /// The reasons why one of the above has not been proved, as clauses.
+    pub unproved: Vec<String>,
+}
+
+impl Checked {
+    /// Returns the proof of the program at a place in [`Checked::programs`].
+    ///
+    /// `None` if the file has errors, and for an aggregate: chance decides its structure.
+    pub fn proof(&self, number: usize) -> Option<Proof> {
+        let program = self.programs.get(number)?;
+        if self.has_errors() || program.plan.aggregate.is_some() {
+            return None;
+        }
+        let allowed = self.allowed.iter().map(|allowed| &allowed.diagnostic);
+        let found = self.diagnostics.iter().chain(allowed);
+        let found = found.filter(|diagnostic| diagnostic.programs.contains(&number));
+        let mut unproved: Vec<String> = found.filter_map(undecided).collect();
+        unproved.sort_unstable();
+        unproved.dedup();
+        let no_cell_blocked = unproved.is_empty();
+        unproved.extend(scarcity(program));
+        Some(Proof {
+            completes: unproved.is_empty(),
+            no_cell_blocked,
+            no_cell_used_twice: true,
+            shapes: self.shapes(program),
+            has_timeout: (program.plan.phases.iter()).any(|phase| phase.timeout.is_some()),
+            unproved,
+        })
+    }
+
+    /// Returns the names of the shapes that a program claims, each once. A wrong claim is an error.
+    fn shapes(&self, program: &Program) -> Vec<String> {
+        let claims = program.plan.phases.iter().flat_map(|phase| &phase.claims);
+        let mut names: Vec<String> = Vec::new();
+        for (name, _) in claims {
+            let name = self.symbols.word(*name);
+            if !names.iter().any(|known| known == name) {
+                names.push(name.to_owned());
+            }
+        }
+        names
+    }
+}
+
+/// Returns why a diagnostic leaves open whether a cell stays accessible, if it does.
+fn undecided(diagnostic: &Diagnostic) -> Option<String> {
+    let reason = match diagnostic.code {
+        Code::ReachUndecided => "the search for access paths reached its limit",
+        Code::BlockedRelease => "a released block may stay in its cell",
+        Code::TooManyWarnings => "not all warnings were kept",
+        _ => return None,
+    };
+    Some(format!("{reason} ({})", diagnostic.code))
+}
+
+/// Returns why some order may bind every free block before a release, if one may.
+fn scarcity(program: &Program) -> Option<String> {
+    let free = program.scene.as_ref()?.free.count;
+    let phase = scarce_phase(&program.plan, &program.layout, &program.graph, free)?;
+    Some(format!(
+        "phase `{}` may need more than the {free} free blocks of the scene before its releases",
+        phase.name
+    ))
+}
+
+impl fmt::Display for Proof {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let order = if self.has_timeout {
+            "completes in every order unless a phase times out"
+        } else {
+            "completes in every order"
+        };
+        let mut proved = Vec::new();
+        if self.completes {
+            proved.push(order.to_owned());
+        }
+        let cells = if self.no_cell_blocked {
+            "no cell blocked or used twice"
+        } else {
+            "no cell used twice"
+        };
+        proved.push(cells.to_owned());
+        if !self.shapes.is_empty() {
+            let shapes = self.shapes.iter().map(|shape| format!("`{shape}`"));
+            let shapes: Vec<String> = shapes.collect();
+            proved.push(format!("builds {}", series(&shapes, "and")));
+        }
+        write!(f, "Proved: {}.", proved.join(", "))?;
+        if self.completes {
+            return Ok(());
+        }
+        let reasons = self.unproved.join("; ");
+        write!(f, " Not proved: {order}, because {reasons}.")
+    }
+}
