@@ -64,7 +64,17 @@ pub(crate) fn read_stream(mut stream: impl Read, budget: ReadBudget) -> io::Resu
 /// Those of the file system, and of a folder, a pipe, a socket and a device: opening them may wait for
 /// somebody else or do something, and reading them may never end.
 pub fn open(path: &Path) -> io::Result<File> {
-    open_with(path, OpenOptions::new().read(true))
+    open_with(path, OpenOptions::new().read(true)).map_err(in_words)
+}
+
+/// Replaces the system's words for the two most frequent errors.
+fn in_words(error: io::Error) -> io::Error {
+    let words = match error.kind() {
+        io::ErrorKind::NotFound => "file not found",
+        io::ErrorKind::PermissionDenied => "permission denied",
+        _ => return error,
+    };
+    io::Error::new(error.kind(), words)
 }
 
 /// [`open`], for other purposes than reading; the file need not be there if `options` create it.

@@ -1,12 +1,14 @@
 //! Which programs the arguments of a command stand for.
 use std::collections::BTreeSet;
-use std::fs::File;
+use std::fmt::Display;
+use std::fs::{DirEntry, File};
 use std::io::{self, Read as _};
 use std::path::Path;
 use std::sync::OnceLock;
 
 use stochc_ir::Executable;
 
+use super::bound::identity;
 use super::budget::{EXECUTABLE, PROGRAM};
 
 /// The argument that stands for the standard input.
@@ -25,49 +27,105 @@ pub fn programs(arguments: &[String]) -> Vec<Result<String, Unusable>> {
     let mut programs = Vec::new();
     for argument in arguments {
         let found = match argument.as_str() {
-            STDIN => Ok(BTreeSet::from([STDIN_NAME.to_owned()])),
+            STDIN => vec![Ok(STDIN_NAME.to_owned())],
             path if Path::new(path).is_dir() => in_folder(path),
-            path => Ok(BTreeSet::from([path.to_owned()])),
+            path => vec![Ok(path.to_owned())],
         };
-        match found {
-            Ok(found) if found.is_empty() => {
-                programs.push(Err(format!("`{argument}` holds no program (`*.sa`)")));
-            }
-            Ok(found) => programs.extend(found.into_iter().filter_map(|program| {
-                let is_new = seen.insert(program.clone());
-                is_new.then_some(Ok(program))
-            })),
-            Err(reason) => programs.push(Err(format!("cannot read `{argument}`: {reason}"))),
+        if found.is_empty() {
+            programs.push(Err(format!("`{argument}` holds no program (`*.sa`)")));
         }
+        programs.extend(found.into_iter().filter(|program| match program {
+            Ok(program) => seen.insert(program.clone()),
+            Err(_) => true,
+        }));
     }
     programs
 }
 
-fn in_folder(path: &str) -> Result<BTreeSet<String>, String> {
-    let mut programs = BTreeSet::new();
-    let mut folders = vec![path.to_owned()];
-    while let Some(folder) = folders.pop() {
-        let entries = std::fs::read_dir(&folder).map_err(|error| format!("{folder}: {error}"))?;
-        for entry in entries {
-            let entry = entry.map_err(|error| error.to_string())?;
-            let kind = entry.file_type().map_err(|error| error.to_string())?;
-            let name = entry.file_name();
-            // A folder that is hidden or elsewhere was not meant.
-            let Some(name) = name.to_str().filter(|name| !name.starts_with('.')) else {
-                continue;
-            };
-            let path = match folder.as_str() {
-                "." => name.to_owned(),
-                folder => format!("{}/{name}", folder.trim_end_matches('/')),
-            };
-            if kind.is_dir() {
-                folders.push(path);
-            } else if kind.is_file() && name.ends_with(".sa") {
-                programs.insert(path);
-            }
+/// Returns the programs of a folder and those below it, sorted, after the errors.
+///
+/// Links are followed, and each file and folder is visited once. Hidden entries are skipped.
+fn in_folder(path: &str) -> Vec<Result<String, Unusable>> {
+    let mut found = FolderPrograms::default();
+    found.folders.push(path.to_owned());
+    let mut visited = BTreeSet::new();
+    while let Some(folder) = found.next_folder() {
+        if identity(&folder).is_some_and(|folder| !visited.insert(folder)) {
+            continue;
+        }
+        match std::fs::read_dir(&folder) {
+            Ok(entries) => entries.for_each(|entry| found.add(&folder, entry)),
+            Err(error) => found.cannot_read(&folder, error),
         }
     }
-    Ok(programs)
+    found.into_list()
+}
+
+/// Entries found in a folder so far.
+#[derive(Default)]
+struct FolderPrograms {
+    folders: Vec<String>,
+    linked_folders: BTreeSet<String>,
+    programs: BTreeSet<String>,
+    linked_programs: BTreeSet<String>,
+    unusable: Vec<Unusable>,
+}
+
+impl FolderPrograms {
+    /// Takes the next folder to read: a link only if no other is left.
+    fn next_folder(&mut self) -> Option<String> {
+        self.folders
+            .pop()
+            .or_else(|| self.linked_folders.pop_first())
+    }
+
+    /// Adds an entry of a folder.
+    fn add(&mut self, folder: &str, entry: io::Result<DirEntry>) {
+        let entry = match entry {
+            Ok(entry) => entry,
+            Err(error) => return self.cannot_read(folder, error),
+        };
+        let name = entry.file_name();
+        let shown = name.to_string_lossy();
+        let is_folder = entry.path().is_dir();
+        if shown.starts_with('.') || !(is_folder || shown.ends_with(".sa")) {
+            return;
+        }
+        let path = match folder {
+            "." => shown.to_string(),
+            folder => format!("{}/{shown}", folder.trim_end_matches('/')),
+        };
+        if name.to_str().is_none() {
+            return self.cannot_read(&path, "its name is not UTF-8");
+        }
+        let is_link = entry.path().is_symlink();
+        if is_folder && !is_link {
+            self.folders.push(path);
+            return;
+        }
+        let list = match (is_folder, is_link) {
+            (true, _) => &mut self.linked_folders,
+            (false, false) => &mut self.programs,
+            (false, true) => &mut self.linked_programs,
+        };
+        list.insert(path);
+    }
+
+    fn cannot_read(&mut self, path: &str, reason: impl Display) {
+        self.unusable.push(format!("cannot read {path}: {reason}"));
+    }
+
+    /// Returns all of it, with each file once.
+    fn into_list(self) -> Vec<Result<String, Unusable>> {
+        let mut listed = BTreeSet::new();
+        let all = self.programs.into_iter().chain(self.linked_programs);
+        let mut programs: Vec<String> = all
+            .filter(|path| identity(path).is_none_or(|file| listed.insert(file)))
+            .collect();
+        programs.sort_unstable();
+        let unusable = self.unusable.into_iter().map(Err);
+        unusable.chain(programs.into_iter().map(Ok)).collect()
+    }
 }
 
 /// The bytes of one of the [`programs`]; those of the standard input are kept, since they come once.
