@@ -2,13 +2,14 @@
 use std::ffi::OsString;
 use std::num::{IntErrorKind, ParseIntError};
 
-use clap::error::{ContextKind, ErrorKind};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use stochc_ir::{is_invisible, visible};
 
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::no_memory::exit_without_memory;
 pub use crate::command::no_memory::print_backtraces_ourselves;
+pub use crate::command::terminal::show_deferred;
 use crate::command::terminal::{output_has_colour, print_drawn};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
@@ -98,8 +99,33 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
             "{}; look at `{argument}`, and at `--help`",
             error.kind()
         ))),
-        None => error.exit(),
+        None => with_nearest_option(error).exit(),
     }
+}
+
+/// Suggests the option that is nearest to an unknown one, transposed letters counted once: clap takes
+/// one that is a prefix.
+fn with_nearest_option(mut error: clap::Error) -> clap::Error {
+    let text = |kind| error.get(kind).map(ToString::to_string);
+    let unknown =
+        text(ContextKind::InvalidArg).filter(|_| error.get(ContextKind::SuggestedArg).is_some());
+    let Some(unknown) = unknown.filter(|it| it.starts_with("--")) else {
+        return error;
+    };
+    let command = Cli::command();
+    let mut arguments = std::env::args_os().skip(1);
+    let Some(command) = arguments.find_map(|name| command.find_subcommand(name)) else {
+        return error;
+    };
+    let longs = command.get_arguments().filter_map(|it| it.get_long());
+    let distance = |long: &str| strsim::damerau_levenshtein(&unknown[2..], long);
+    let length = |long: &str| long.len().abs_diff(unknown.len() - 2);
+    let nearest = longs.min_by_key(|long| (distance(long), length(long)));
+    if let Some(long) = nearest.filter(|long| distance(long) <= 2) {
+        let suggestion = ContextValue::String(format!("--{long}"));
+        error.insert(ContextKind::SuggestedArg, suggestion);
+    }
+    error
 }
 
 /// Which arguments are no UTF-8, as it is needed of names and of programs' files.

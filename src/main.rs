@@ -2,7 +2,7 @@
 use std::io::Write as _;
 use std::process::ExitCode;
 
-use stochc::cli::{parse, print_backtraces_ourselves, report_usage_error, run};
+use stochc::cli::{parse, print_backtraces_ourselves, report_usage_error, run, show_deferred};
 
 /// The one place where failures are told, and the process ends.
 fn main() -> ExitCode {
@@ -15,5 +15,6 @@ fn main() -> ExitCode {
             .write_all(failure.message.as_bytes());
         failure.exit
     });
+    show_deferred();
     ExitCode::from(exit.status())
 }

@@ -34,7 +34,7 @@ pub fn try_out(checked: &mut Checked) {
     }
     for program in &mut checked.programs {
         if let Some(fault) = fault(program) {
-            checked.diagnostics.push(fault);
+            checked.diagnostics.insert(0, fault);
             program.tables = None;
         }
     }

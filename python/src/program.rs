@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use stochc::compiler::emit::{built_structure, structure_text};
 use stochc::compiler::{Checked, LintLevels, Program};
-use stochc::diagnostics::{drawn, values};
+use stochc::diagnostics::{CheckDocument, drawn};
 use stochc::ensemble::{EnsembleProgram, Manifest, Source};
 use stochc::exit::Failure;
 use stochc::ir::Executable;
@@ -14,6 +14,7 @@ use stochc::ir::emit::{graph_text, table_text};
 use stochc::operations::codes;
 use stochc::operations::kept_text::KeptText;
 use stochc::operations::programs::{accept, programs};
+use stochc::operations::summary::status_line;
 use stochc::report::figures::structure;
 use stochc::runtime::Settings;
 
@@ -32,7 +33,7 @@ impl From<EnsembleProgram> for PythonProgram {
     }
 }
 
-/// Findings as JSON and drawn, whether there are errors, and the programs if there are none.
+/// The JSON and the text that `check` prints, whether there are errors, and the programs if not.
 type CheckOutput = (String, String, bool, Vec<PythonProgram>);
 
 /// Looks for errors in a file, or in a text of a name.
@@ -50,14 +51,16 @@ pub fn check(
             Some(name) => stochc::check_texts(&[(&name, &source)], &levels, "", &[]),
             None => stochc::check_within(&source, &levels, &imports),
         };
-        let findings: Vec<_> = values(&checked).collect();
-        let (drawn, is_wrong) = (drawn(&checked, false, WIDTH), checked.has_errors());
-        let programs = match is_wrong {
-            true => Vec::new(),
-            false => entries(checked),
-        };
-        let findings = serde_json::Value::from(findings).to_string();
-        Ok((findings, drawn, is_wrong, programs))
+        let mut document = CheckDocument::default();
+        let root = checked.sources.files().first();
+        document.add(root.map_or("", |file| &file.name), &checked);
+        let mut drawn = drawn(&checked, false, WIDTH);
+        if checked.has_errors() {
+            return Ok((document.text(), drawn, true, Vec::new()));
+        }
+        let lines = (0..checked.programs.len()).map(|number| status_line(&checked, number));
+        drawn.extend(lines);
+        Ok((document.text(), drawn, false, entries(checked)))
     })
 }
 

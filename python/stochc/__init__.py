@@ -35,7 +35,7 @@ from ._errors import (
     StochcWarning,
     UsageError,
 )
-from ._findings import Finding, Fix, Position, Span
+from ._findings import Finding, Fix, Position, Proof, Span
 from ._measure import Estimates, Plan, Trade, estimate, plan, trade
 from ._program import Checked, Program, Source, check, compile, compile_all, explain
 from ._progress import Progress
@@ -65,6 +65,7 @@ __all__ = [
     "Position",
     "Program",
     "ProgramError",
+    "Proof",
     "Programs",
     "Progress",
     "Replay",

@@ -67,6 +67,24 @@ class Finding:
         return f"{place}{self.severity}[{self.code}]: {self.title}"
 
 
+@dataclass(frozen=True)
+class Proof:
+    """Properties of a program in every order of its captures and releases."""
+
+    completes: bool
+    """Whether every order completes, if no timeout ends the run."""
+    no_cell_blocked: bool
+    """Whether every captured cell stays accessible until its block is captured."""
+    no_cell_used_twice: bool
+    """Whether no two blocks share a cell."""
+    shapes: list[str]
+    """The shapes that phases claim and build, in program order."""
+    has_timeout: bool
+    """Whether a phase has a timeout."""
+    unproved: list[str]
+    """The reasons why one of the above has not been proved."""
+
+
 def _span(value: dict[str, Any]) -> Span:
     start, end = Position(**value["start"]), Position(**value["end"])
     return Span(value["file"], start, end, value["text"])

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 from . import _arguments, _html, _native
 from ._errors import ProgramError, UsageError
-from ._findings import Finding, finding
+from ._findings import Finding, Proof, finding
 
 Source: TypeAlias = str | os.PathLike[str]
 """The text of a program, or the path of its file: a text is what has a `{` or more than one line."""
@@ -38,7 +38,7 @@ class Checked:
     text.sa:1:10: error[missing-plate]: the assembly has no seed plate
     """
 
-    __slots__ = ("_drawn", "findings", "ok", "programs")
+    __slots__ = ("_drawn", "findings", "ok", "programs", "proofs")
 
     findings: tuple[Finding, ...]
     """What is wrong or doubtful, in the order of the text."""
@@ -46,10 +46,15 @@ class Checked:
     """Whether there is no error."""
     programs: tuple[Program, ...]
     """Its assemblies and aggregates, if there is no error."""
+    proofs: dict[str, Proof]
+    """The proof of each assembly, by its name, if there is no error."""
 
     def __init__(self, found: tuple[str, str, bool, list[_native.Program]]) -> None:
-        findings, self._drawn, is_wrong, programs = found
-        self.findings = tuple(finding(it) for it in json.loads(findings))
+        text, self._drawn, is_wrong, programs = found
+        document = json.loads(text)
+        self.findings = tuple(finding(it) for it in document["diagnostics"])
+        proved = ((it["name"], it["proved"]) for it in document["programs"])
+        self.proofs = {name: Proof(**proof) for name, proof in proved if proof}
         self.ok = not is_wrong
         self.programs = tuple(Program(it) for it in programs)
 
@@ -69,7 +74,7 @@ class Checked:
             raise ProgramError(self._drawn.rstrip(), self.findings)
 
     def __str__(self) -> str:
-        return self._drawn.rstrip() or "all is well"
+        return self._drawn.rstrip() or "no assembly or aggregate"
 
     def __repr__(self) -> str:
         verdict = "ok" if self.ok else "wrong"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import filecmp
 import json
 import subprocess
@@ -147,7 +148,7 @@ def test_findings_are_the_same(command: Command, tmp_path: Path) -> None:
     checked = stochc.check(wrong)
     told = json.loads(command("check", wrong, "--format", "json", status=1).stdout)
     assert [(it.code, it.title, it.help) for it in checked.findings] == [
-        (it["code"], it["title"], it["help"]) for it in told
+        (it["code"], it["title"], it["help"]) for it in told["diagnostics"]
     ]
     drawn = command("check", wrong, status=1).stderr
     assert str(checked) == drawn.rstrip()
@@ -155,6 +156,15 @@ def test_findings_are_the_same(command: Command, tmp_path: Path) -> None:
         stochc.simulate(wrong)
     assert str(raised.value).strip("\n") == drawn.rstrip()
     assert raised.value.findings == checked.findings
+
+
+def test_proofs_are_the_same(command: Command, tower: str) -> None:
+    checked = stochc.check(tower)
+    [told] = json.loads(command("check", tower, "--format", "json").stdout)["programs"]
+    proof = checked.proofs[told["name"]]
+    assert dataclasses.asdict(proof) == told["proved"]
+    assert proof.completes
+    assert str(checked).splitlines()[-1] == command("check", tower).stdout.splitlines()[0]
 
 
 def test_estimates_and_plans_are_the_same(tower: str, command: Command) -> None:

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use stochc_compiler::emit::{built_structure, structure_json, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
 use stochc_files::atomic::{Draft, Replaces};
-use stochc_files::programs::{is_executable, not_a_file};
+use stochc_files::programs::is_executable;
 use stochc_grammar::to_json;
 use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 use stochc_ir::graph::EventGraph;
@@ -20,7 +20,7 @@ use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
 use crate::operations::chosen_run::index;
-use crate::operations::programs::{nothing_to_run, verdict};
+use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 
 /// What `compile` is given.
 #[derive(Debug, Args)]
@@ -98,9 +98,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
             "`--format {form}` is for `--emit {name}` only"
         )));
     }
-    if let Some(reason) = not_a_file(&options.file) {
-        return Err(Failure::usage(reason));
-    }
+    is_readable(&options.file)?;
     let mut checked = crate::check_within(
         &options.file,
         &options.levels.levels,

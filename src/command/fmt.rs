@@ -12,6 +12,7 @@ use stochc_ir::visible;
 
 use super::terminal::{exit_of, has_colour, message_width, print};
 use crate::exit::{Exit, Failure};
+use crate::operations::programs::cannot_read;
 
 /// What `fmt` is given.
 #[derive(Debug, Args)]
@@ -43,7 +44,7 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
                 "`{file}` is not UTF-8 text"
             )));
         }
-        Err(reason) => return Err(Failure::usage(format!("cannot read `{file}`: {reason}"))),
+        Err(reason) => return Err(cannot_read(file, reason)),
     };
     let bare = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text);
     let mut sources = Sources::default();

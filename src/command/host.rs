@@ -7,8 +7,8 @@ use stochc_compiler::Checked;
 
 use super::interrupt::STOP;
 use super::progress::Display;
-use super::terminal::{has_colour, message_width, warn, warn_drawn};
-use crate::diagnostics::drawn;
+use super::terminal::{defer, has_colour, message_width, show_deferred, warn, warn_drawn};
+use crate::diagnostics::{drawn, drawn_errors, warning_lines};
 use crate::host::Host;
 use crate::progress::WorkProgress;
 
@@ -16,13 +16,15 @@ use crate::progress::WorkProgress;
 #[derive(Clone, Copy, Debug)]
 pub struct Terminal {
     display: Display,
+    /// Whether warnings are left out.
+    quiet: bool,
 }
 
 impl Terminal {
-    /// Standard error, which is shown no progress if it is to be `quiet`.
+    /// Standard error, without progress and warnings if it is to be `quiet`.
     pub fn new(quiet: bool) -> Terminal {
         let display = Display::on_standard_error(quiet);
-        Terminal { display }
+        Terminal { display, quiet }
     }
 }
 
@@ -35,8 +37,14 @@ impl Host for Terminal {
         warn_drawn(message);
     }
 
+    /// Draws errors. Warnings are one line each, which `check` shows in full.
     fn report_findings(&self, checked: &Checked) {
-        warn_drawn(&self.draw(checked));
+        if checked.has_errors() {
+            warn_drawn(&drawn_errors(checked, has_colour(), message_width()));
+        }
+        if !self.quiet {
+            defer(&warning_lines(checked));
+        }
     }
 
     fn draw(&self, checked: &Checked) -> String {
@@ -49,6 +57,7 @@ impl Host for Terminal {
     }
 
     fn show(&self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
+        show_deferred();
         self.display.show(state, ended);
     }
 }

@@ -107,7 +107,7 @@ pub struct PlanArguments {
     /// Output format; `json` has the program and its plan in one document
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: ResultsFormat,
-    /// Do not show progress
+    /// Print no progress and no warnings
     #[arg(long, short)]
     quiet: bool,
     #[command(flatten)]

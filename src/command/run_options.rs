@@ -11,7 +11,7 @@ pub struct WorkOptions {
     /// Number of runs at the same time [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Do not show progress
+    /// Print no progress and no warnings
     #[arg(long, short)]
     pub quiet: bool,
 }

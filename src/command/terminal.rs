@@ -1,5 +1,6 @@
 //! Writing to the terminal, or to whatever stands in its place.
 use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
+use std::sync::{Mutex, PoisonError};
 
 use console::Term;
 use stochc_ir::visible_lines;
@@ -30,6 +31,7 @@ fn print_to(
     out: impl Write,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
+    show_deferred();
     let mut out = BufWriter::with_capacity(1 << 16, out);
     let written = write(&mut out).and_then(|()| out.flush());
     match written {
@@ -82,6 +84,21 @@ pub fn warn(text: &str) {
 /// [`warn`]s with what may have colours of ours; in the names of others, everything is visible already.
 pub fn warn_drawn(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Warnings that wait until the command line has proved to be right.
+static DEFERRED: Mutex<String> = Mutex::new(String::new());
+
+/// Prints a warning as soon as work starts, or when the command ends: errors come first.
+pub fn defer(text: &str) {
+    let mut deferred = DEFERRED.lock().unwrap_or_else(PoisonError::into_inner);
+    deferred.push_str(text);
+}
+
+/// Prints the warnings that wait.
+pub fn show_deferred() {
+    let mut deferred = DEFERRED.lock().unwrap_or_else(PoisonError::into_inner);
+    warn_drawn(&std::mem::take(&mut *deferred));
 }
 
 /// Says why a part of the work failed, where the rest of it goes on; how that part ended.

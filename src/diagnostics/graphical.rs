@@ -1,19 +1,35 @@
 //! Findings drawn over the text.
-use stochc_compiler::diagnostic::{Edit, Renderer, Severity};
+use stochc_compiler::diagnostic::{Diagnostic, Edit, Renderer, Severity};
 use stochc_compiler::{Checked, FileId};
 use stochc_ir::counted;
 
 /// Findings that are drawn at most; the rest are counted.
 const MOST_DRAWN: usize = 50;
 
+/// Draws all diagnostics of a file, errors first.
 pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
+    draw(checked, |_| true, colour, width)
+}
+
+/// Draws the errors of a file alone.
+pub fn show_errors(checked: &Checked, colour: bool, width: usize) -> String {
+    draw(checked, Diagnostic::is_error, colour, width)
+}
+
+fn draw(
+    checked: &Checked,
+    is_drawn: impl Fn(&Diagnostic) -> bool,
+    colour: bool,
+    width: usize,
+) -> String {
     let renderer = Renderer::new(colour, width);
     let mut out = String::new();
-    for diagnostic in checked.diagnostics.iter().take(MOST_DRAWN) {
+    let drawn = || checked.diagnostics.iter().filter(|it| is_drawn(it));
+    for diagnostic in drawn().take(MOST_DRAWN) {
         out.push_str(&renderer.render(diagnostic, &checked.sources));
         out.push('\n');
     }
-    let rest = checked.diagnostics.len().saturating_sub(MOST_DRAWN);
+    let rest = drawn().skip(MOST_DRAWN).count();
     if rest > 0 {
         let diagnostics = counted(rest, "more finding");
         let file = stochc_ir::visible(&checked.sources.file(FileId(0)).name);

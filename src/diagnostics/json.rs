@@ -5,9 +5,58 @@ use stochc_compiler::{Checked, SourceLocation, Sources};
 
 use super::position;
 
-/// The findings as one document.
-pub fn document(diagnostics: Vec<Value>) -> String {
-    format!("{:#}\n", Value::Array(diagnostics))
+/// Diagnostics and programs of files, as one JSON document.
+#[derive(Debug, Default)]
+pub struct CheckDocument {
+    diagnostics: Vec<Value>,
+    programs: Vec<Value>,
+    /// The physics of the scenes; `None` without `--scene`.
+    pub scenes: Option<Vec<Value>>,
+}
+
+impl CheckDocument {
+    /// Adds the diagnostics and the programs of a file.
+    pub fn add(&mut self, file: &str, checked: &Checked) {
+        self.diagnostics.extend(values(checked));
+        let programs = 0..checked.programs.len();
+        self.programs
+            .extend(programs.map(|number| program(file, checked, number)));
+    }
+
+    /// Returns `{ format, diagnostics, programs }`, with `scenes` if they were asked for.
+    pub fn text(self) -> String {
+        let mut document = json!({
+            "format": 1,
+            "diagnostics": self.diagnostics,
+            "programs": self.programs,
+        });
+        if let Some(scenes) = self.scenes {
+            document["scenes"] = scenes.into();
+        }
+        format!("{document:#}\n")
+    }
+}
+
+/// Returns a program with its proof, which is `null` if there is none.
+fn program(file: &str, checked: &Checked, number: usize) -> Value {
+    let program = &checked.programs[number];
+    let plan = &program.plan;
+    let (captures, releases) = plan.counts();
+    let pre_attached = plan.pre_attached();
+    json!({
+        "file": file,
+        "name": plan.name,
+        "kind": match plan.aggregate {
+            Some(_) => "aggregate",
+            None => "assembly",
+        },
+        "scene": program.scene.as_ref().map(|scene| &scene.name),
+        "phases": plan.phases.iter().filter(|phase| !phase.planted).count(),
+        "pre_attached": pre_attached,
+        "captures": captures - pre_attached,
+        "releases": releases,
+        "proved": checked.proof(number),
+    })
 }
 
 /// The findings of a file as JSON, each as

@@ -7,8 +7,9 @@ mod short;
 use stochc_compiler::{Checked, SourceLocation, Sources};
 
 pub use graphical::FindingCounts;
-pub use json::values;
+pub use json::{CheckDocument, values};
 pub use sarif::SarifLog;
+pub use short::warning_lines;
 
 /// How findings are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +30,12 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
     match format {
         Format::Graphical => graphical::show(checked, colour, width),
         Format::Short => short::show(checked),
-        Format::Json => json::document(values(checked).collect()),
+        Format::Json => {
+            let mut document = CheckDocument::default();
+            let root = checked.sources.files().first();
+            document.add(root.map_or("", |file| &file.name), checked);
+            document.text()
+        }
         Format::Sarif => {
             let mut log = SarifLog::new(None);
             log.add("", checked);
@@ -45,9 +51,11 @@ pub fn drawn(checked: &Checked, colour: bool, width: usize) -> String {
     graphical::show(checked, colour, width) + &tally.line()
 }
 
-/// The findings of several files as one JSON document.
-pub fn json_document(diagnostics: Vec<serde_json::Value>) -> String {
-    json::document(diagnostics)
+/// The errors of one file over its text, with how many diagnostics there are.
+pub fn drawn_errors(checked: &Checked, colour: bool, width: usize) -> String {
+    let mut tally = FindingCounts::default();
+    tally.add(checked);
+    graphical::show_errors(checked, colour, width) + &tally.line()
 }
 
 /// Line and column of a byte of a file, both from 1; the column counts characters.

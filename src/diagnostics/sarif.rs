@@ -58,6 +58,11 @@ impl SarifLog {
         }
     }
 
+    /// Notes that a file could not be read.
+    pub fn leave_out(&mut self) {
+        self.complete = false;
+    }
+
     /// The whole document.
     pub fn document(self) -> String {
         let version = env!("CARGO_PKG_VERSION");

@@ -11,6 +11,15 @@ pub fn show(checked: &Checked) -> String {
         .collect()
 }
 
+/// Returns the warnings of a file, one line each.
+pub fn warning_lines(checked: &Checked) -> String {
+    let warnings = checked.diagnostics.iter();
+    let warnings = warnings.filter(|diagnostic| !diagnostic.is_error());
+    warnings
+        .map(|diagnostic| line(diagnostic, &checked.sources))
+        .collect()
+}
+
 fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let severity = match diagnostic.severity {
         Severity::Error => "error",

@@ -66,7 +66,7 @@ pub fn of_scenes(mut priors: Vec<Prior>, measured: &[Known]) -> Result<Vec<Prior
 pub fn measured_times(path: &Path) -> Result<(Unit, Vec<Observed>), Failure> {
     let shown = path.display();
     let bytes = read_file(path, TIMES)
-        .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
+        .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
     Observed::read(&bytes).map_err(|error| Failure::usage(format!("`{shown}`: {error}")))
 }
 

@@ -22,6 +22,7 @@ pub mod results;
 pub mod runs;
 pub(crate) mod scene_warnings;
 pub mod shard;
+pub mod summary;
 pub mod sweep;
 pub mod trade;
 

@@ -1,5 +1,6 @@
 //! Files to programs that are ready to run.
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 use stochc_compiler::{Checked, LintLevels};
 use stochc_ensemble::{EnsembleProgram, Source, Varied};
@@ -20,8 +21,15 @@ pub fn programs(
     imports: &[PathBuf],
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
-    let mut programs = Vec::new();
     let mut wrong = None;
+    for failure in files.iter().filter_map(|file| is_readable(file).err()) {
+        host.report_failure(&failure.message);
+        wrong = Some(Failure::silent(failure.exit));
+    }
+    if let Some(wrong) = wrong {
+        return Err(wrong);
+    }
+    let mut programs = Vec::new();
     for file in files {
         match read(file, levels, imports, host) {
             Ok(found) => programs.extend(found),
@@ -34,15 +42,29 @@ pub fn programs(
     wrong.map_or(Ok(programs), Err)
 }
 
+/// Whether an argument is a file that can be opened.
+///
+/// # Errors
+/// If it is not, with the reason.
+pub fn is_readable(file: &str) -> Result<(), Failure> {
+    if let Some(reason) = not_a_file(file) {
+        return Err(Failure::usage(reason));
+    }
+    let opened = stochc_files::open(Path::new(file));
+    opened.map(drop).map_err(|error| cannot_read(file, error))
+}
+
+/// Returns the error of the command line that a file cannot be read.
+pub fn cannot_read(file: &str, reason: impl Display) -> Failure {
+    Failure::usage(format!("cannot read {file}: {reason}"))
+}
+
 fn read(
     file: &str,
     levels: &LintLevels,
     imports: &[PathBuf],
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
-    if let Some(reason) = not_a_file(file) {
-        return Err(Failure::usage(reason));
-    }
     match executables(file) {
         Some(Ok(found)) if found.is_empty() => {
             Err(Failure::usage(format!("`{file}` holds no program to run")))

@@ -135,7 +135,7 @@ pub(crate) fn supported(program: &EnsembleProgram) -> Result<(), Failure> {
 fn read(path: &Path) -> Result<Rates, Failure> {
     let shown = path.display();
     let bytes = read_file(path, RATES)
-        .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
+        .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     Rates::from_text(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
 }

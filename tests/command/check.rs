@@ -3,12 +3,17 @@ use std::fs;
 use crate::stochc::{path, stochc, stochc_reading, stochc_with};
 
 const TOWER: &str = "\
-tests/fixtures/tower.sa: assembly tower in hemisphere: 2 phases, 3 captures, 0 releases; all is well
+tower: 3 captures in 2 phases. Proved: completes in every order, no cell blocked or used twice.
   phase foot  longest serial chain 1: M.up -> A
   phase top   longest serial chain 2: A.up -> B, B.up -> C
   the program's longest serial chain is 2 (phase top); one phase after the other, 3
   by rates it takes 1861 ticks on average, 981 to 2914 in eight of ten runs; `--cost` says what decides it
 ";
+
+/// The same, next to other files.
+fn tower_of_several() -> String {
+    format!("tests/fixtures/tower.sa: {TOWER}")
+}
 
 #[test]
 fn a_right_program_is_summed_up() {
@@ -85,7 +90,7 @@ fn a_timeout_that_some_runs_come_to_is_told() {
         );
         // Beside findings for programs it goes where it is in nobody's way.
         let json = stochc_with("check --cost=5 --format json", &[&file]);
-        assert_eq!(json.json(), serde_json::json!([]));
+        assert_eq!(json.json()["diagnostics"], serde_json::json!([]));
         assert!(json.err.contains("mean ticks"), "{}", json.err);
     }
 }
@@ -150,7 +155,7 @@ fn a_file_without_an_assembly_is_right() {
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     assert!(
         said.out
-            .ends_with("all is well; it declares no assembly or aggregate\n")
+            .ends_with("no assembly or aggregate to prove anything about.\n")
     );
     let said = stochc("check tests/fixtures/importing.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
@@ -172,7 +177,11 @@ fn a_warning_is_no_error() {
     let said = stochc("check tests/fixtures/careless.sa");
     assert_eq!(said.status, 0);
     assert!(said.err.contains("the seed `N` is never used"));
-    assert!(said.out.contains("0 releases; 1 warning\n"), "{}", said.out);
+    assert!(
+        said.out.contains("used twice. 1 warning.\n"),
+        "{}",
+        said.out
+    );
 }
 
 #[test]
@@ -191,13 +200,13 @@ assembly calm {
     assert_eq!(said.status, 0, "{}", said.err);
     let verdict = |of: &str| {
         let mut lines = said.out.lines();
-        let line = lines.find(|line| line.contains(of)).unwrap();
-        line.rsplit("; ").next().unwrap().to_owned()
+        let line = lines.find(|line| line.starts_with(of)).unwrap();
+        line.rsplit("used twice.").next().unwrap().to_owned()
     };
-    assert_eq!(verdict("assembly clean"), "all is well");
-    assert_eq!(verdict("assembly careless"), "2 warnings");
-    assert_eq!(verdict("assembly calm"), "all is well, 1 warning allowed");
-    let outside = "outside of assemblies and aggregates: 1 warning";
+    assert_eq!(verdict("clean: "), "");
+    assert_eq!(verdict("careless: "), " 2 warnings.");
+    assert_eq!(verdict("calm: "), " 1 warning allowed.");
+    let outside = "1 warning outside of assemblies and aggregates\n";
     assert_eq!(said.out.matches(outside).count(), 1, "{}", said.out);
     assert!(said.err.contains("\n3 warnings;"), "{}", said.err);
 }
@@ -211,7 +220,7 @@ assembly two { seed plate 3 x 3 { M at (1, 1) } phase grow { row(M) as b } }
 ";
     let said = stochc_reading("check -", text);
     assert_eq!(
-        said.out.matches("; 1 warning\n").count(),
+        said.out.matches(" 1 warning.\n").count(),
         2,
         "{}{}",
         said.out,
@@ -222,15 +231,150 @@ assembly two { seed plate 3 x 3 { M at (1, 1) } phase grow { row(M) as b } }
 }
 
 #[test]
-fn files_that_cannot_be_read_are_another_status() {
+fn files_that_cannot_be_read_are_errors_of_the_command_line() {
     let folder = tempfile::tempdir().unwrap();
-    let missing = crate::stochc::path(folder.path(), "missing.sa");
-    for command in ["check", "compile", "simulate"] {
+    let missing = path(folder.path(), "missing.sa");
+    let told = format!("error: cannot read {missing}: file not found\n");
+    for command in [
+        "check",
+        "check --fix",
+        "check --format short",
+        "compile",
+        "simulate",
+        "estimate",
+        "plan",
+        "fmt",
+        "trade --out none",
+    ] {
         let said = stochc_with(command, &[&missing]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{command}");
-        assert!(said.err.contains(&format!("cannot read `{missing}`")));
-        assert!(said.err.contains("No such file"), "{}", said.err);
+        let all = (said.status, said.out.as_str(), said.err.as_str());
+        assert_eq!(all, (2, "", told.as_str()), "{command}");
     }
+    // They come before all diagnostics, in any position.
+    let other = path(folder.path(), "other.sa");
+    for command in ["check", "simulate"] {
+        let said = stochc_with(command, &["tests/fixtures/careless.sa", &missing, &other]);
+        assert_eq!(said.status, 2, "{}", said.err);
+        let both = told.clone() + &told.replace("missing", "other");
+        assert!(said.err.starts_with(&both), "{}", said.err);
+    }
+    // A document is one all the same.
+    let said = stochc_with("check --format json", &[&missing]);
+    assert_eq!((said.status, said.err.as_str()), (2, told.as_str()));
+    assert_eq!(said.json()["diagnostics"], serde_json::json!([]));
+    let said = stochc_with("check --format sarif", &[&missing]).json();
+    let run = &said["runs"][0];
+    assert_eq!(run["invocations"][0]["executionSuccessful"], false);
+    assert_eq!(run["results"], serde_json::json!([]));
+}
+
+#[test]
+fn errors_come_before_warnings() {
+    let text = "assembly a {
+    seed plate 3 x 1 { M at (0, 0)  N at (2, 0) }
+    phase p { M.up -> A  M.up -> B }
+}
+let unused = 1
+scene s from hemisphere { tick 1 m }
+";
+    let said = stochc_reading("check --format short -", text);
+    let levels = said.out.lines().map(|line| line.contains(": error["));
+    let levels: Vec<bool> = levels.collect();
+    assert!(levels.is_sorted_by(|one, next| one >= next), "{}", said.out);
+    let text = "assembly a {
+    seed plate 3 x 1 { M at (0, 0)  N at (2, 0) }
+    phase p { M.up -> A }
+    phase q { A.up -> B after A }
+}
+";
+    let said = stochc_reading("check --deny redundant-after --format short -", text);
+    let lines: Vec<&str> = said.out.lines().collect();
+    assert_eq!(lines.len(), 2, "{}", said.out);
+    assert!(
+        lines[0].contains(":4:31: error[redundant-after]"),
+        "{}",
+        said.out
+    );
+    assert!(
+        lines[1].contains(":2:37: warning[unused-seed]"),
+        "{}",
+        said.out
+    );
+}
+
+/// `check` draws them; other commands name them, once the command line has proved to be right.
+#[test]
+fn warnings_are_one_line_for_other_commands() {
+    let line =
+        "tests/fixtures/careless.sa:4:37: warning[unused-seed]: the seed `N` is never used\n";
+    for command in ["simulate --runs 1 --model shuffle", "estimate"] {
+        let file = "tests/fixtures/careless.sa";
+        let said = stochc_with(command, &[file]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        assert!(said.err.starts_with(line), "{command}: {}", said.err);
+        assert!(!said.err.contains("help:"), "{command}: {}", said.err);
+        for quiet in ["-q", "--quiet"] {
+            let said = stochc_with(command, &[file, quiet]);
+            assert_eq!((said.status, said.err.as_str()), (0, ""), "{command}");
+        }
+    }
+    // An error of the command line comes first.
+    let said = stochc("simulate tests/fixtures/careless.sa --sweep nothing=1,2");
+    assert_eq!(said.status, 2);
+    let lines: Vec<&str> = said.err.lines().collect();
+    assert!(lines[0].starts_with("error: "), "{}", said.err);
+    assert_eq!(lines.last(), Some(&line.trim_end()));
+}
+
+#[test]
+fn the_option_with_two_letters_swapped_is_suggested() {
+    let said = stochc("simulate tests/fixtures/tower.sa --rusn 5");
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("'--runs'"), "{}", said.err);
+    assert!(!said.err.contains("'--run'"), "{}", said.err);
+}
+
+/// Links to programs and folders, and names that are not UTF-8.
+#[test]
+#[cfg(target_os = "linux")]
+fn nothing_of_a_folder_is_skipped_in_silence() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt as _;
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir_all(at("in")).unwrap();
+    fs::create_dir_all(at("elsewhere/deep")).unwrap();
+    fs::copy("tests/fixtures/tower.sa", at("in/ok.sa")).unwrap();
+    fs::copy("tests/fixtures/wrong.sa", at("elsewhere/bad.sa")).unwrap();
+    fs::copy("tests/fixtures/wrong.sa", at("elsewhere/deep/worse.sa")).unwrap();
+    let own = path(folder.path(), "in");
+    let files = |said: &str| -> Vec<String> {
+        let lines = said.lines().filter_map(|line| line.split(".sa").next());
+        lines.map(|file| file.replace(&own, "")).collect()
+    };
+    symlink("../elsewhere/bad.sa", at("in/link.sa")).unwrap();
+    symlink("ok.sa", at("in/same.sa")).unwrap();
+    let said = stochc_with("check --format short", &[&own]);
+    assert_eq!((said.status, said.err.as_str()), (1, ""));
+    assert_eq!(files(&said.out), ["/link"]);
+    // Each file once, although a link leads back.
+    symlink("../elsewhere/deep", at("in/linked")).unwrap();
+    symlink("../../in", at("elsewhere/deep/back")).unwrap();
+    let said = stochc_with("check --format short", &[&own]);
+    assert_eq!(files(&said.out), ["/link", "/linked/worse"]);
+    symlink("nowhere.sa", at("in/broken.sa")).unwrap();
+    let said = stochc_with("check --format short", &[&own]);
+    assert_eq!(said.status, 2);
+    let broken = format!("error: cannot read {own}/broken.sa: file not found\n");
+    assert_eq!(said.err, broken);
+    fs::remove_file(at("in/broken.sa")).unwrap();
+    let strange = at("in").join(OsStr::from_bytes(b"caf\xe9.sa"));
+    fs::copy("tests/fixtures/wrong.sa", strange).unwrap();
+    let said = stochc_with("check --format short", &[&own]);
+    assert_eq!(said.status, 2);
+    let told = format!("error: cannot read {own}/caf\u{fffd}.sa: its name is not UTF-8\n");
+    assert_eq!(said.err, told);
 }
 
 #[test]
@@ -284,7 +428,7 @@ fn a_folder_is_the_programs_in_it() {
         "check",
         &[empty.path().to_str().unwrap(), "tests/fixtures/tower.sa"],
     );
-    assert_eq!((said.status, said.out.as_str()), (2, TOWER));
+    assert_eq!((said.status, said.out), (2, tower_of_several()));
     assert!(
         said.err.contains("holds no program (`*.sa`)"),
         "{}",
@@ -313,7 +457,7 @@ fn the_standard_input_is_a_program() {
         said.err
     );
     assert!(
-        said.err.contains("1 capture, 0 releases; all is well"),
+        said.err.contains("a: 1 capture in 1 phase. Proved: "),
         "{}",
         said.err
     );
@@ -363,7 +507,7 @@ fn a_file_that_may_not_be_read_is_told_of() {
     }
     let said = stochc_with("check", &[&file]);
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("Permission denied"), "{}", said.err);
+    assert!(said.err.contains("permission denied"), "{}", said.err);
 }
 
 #[test]
@@ -380,12 +524,12 @@ fn bytes_that_are_no_text_are_a_finding() {
 fn several_files_are_checked_to_the_last() {
     let said = stochc("check tests/fixtures/wrong.sa tests/fixtures/tower.sa");
     assert_eq!(said.status, 1);
-    assert_eq!(said.out, TOWER);
+    assert_eq!(said.out, tower_of_several());
     assert!(said.err.contains("unknown-name"));
     let said =
         stochc("check tests/fixtures/none.sa tests/fixtures/wrong.sa tests/fixtures/tower.sa");
     assert_eq!(said.status, 2, "the worst of all");
-    assert_eq!(said.out, TOWER);
+    assert_eq!(said.out, tower_of_several());
 }
 
 #[test]
@@ -430,7 +574,8 @@ fn sarif_of_all_files_is_one_run() {
 fn json_of_all_files_is_one_document_with_lines_and_columns() {
     let said = stochc("check --format json tests/fixtures/wrong.sa tests/fixtures/careless.sa");
     assert_eq!((said.status, said.err.as_str()), (1, ""));
-    let diagnostics = said.json();
+    let document = said.json();
+    let diagnostics = &document["diagnostics"];
     let told: Vec<_> = (diagnostics.as_array().unwrap().iter())
         .map(|diagnostic| {
             let label = &diagnostic["labels"][0];
@@ -466,10 +611,8 @@ fn json_of_all_files_is_one_document_with_lines_and_columns() {
     let text = std::fs::read("tests/fixtures/wrong.sa").unwrap();
     let offset = |end: &str| label[end]["offset"].as_u64().unwrap() as usize;
     assert_eq!(&text[offset("start")..offset("end")], b"Q.up -> A");
-    assert_eq!(
-        stochc("check --format json tests/fixtures/tower.sa").out,
-        "[]\n"
-    );
+    let right = stochc("check --format json tests/fixtures/tower.sa").json();
+    assert_eq!(right["diagnostics"], serde_json::json!([]));
 }
 
 #[test]
@@ -482,7 +625,8 @@ tests/fixtures/tower.sa: assembly tower: holds in every order of events; 10 stat
     assert_eq!(said.out, format!("{TOWER}{explored}"));
     // Findings alone go to the standard output of a machine.
     let said = stochc("check --exhaustive --format json tests/fixtures/tower.sa");
-    assert_eq!((said.status, said.out.as_str()), (0, "[]\n"));
+    assert_eq!(said.status, 0);
+    assert_eq!(said.json()["diagnostics"], serde_json::json!([]));
     assert_eq!(said.err, explored);
     // A wrong program has no tables.
     let said = stochc("check --exhaustive tests/fixtures/wrong.sa");
@@ -552,7 +696,7 @@ fn offsets_are_those_of_the_file() {
     let text = "\u{feff}assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A let z = 2 }\n}\n";
     fs::write(&file, text).unwrap();
     let found = stochc_with("check --format json", &[&file]).json();
-    let edit = &found[0]["fix"]["edits"][0];
+    let edit = &found["diagnostics"][0]["fix"]["edits"][0];
     let [start, end] = ["start", "end"].map(|it| edit[it]["offset"].as_u64().unwrap() as usize);
     assert_eq!(text[start..end].trim(), "let z = 2", "{found:#}");
 }

@@ -167,7 +167,7 @@ fn what_does_not_fit_together_is_told() {
         &[&file, "--data", "no.csv"],
     );
     assert!(
-        said.status == 2 && said.err.contains("cannot read `no.csv`"),
+        said.status == 2 && said.err.contains("cannot read no.csv: file not found"),
         "{}",
         said.err
     );

@@ -45,7 +45,7 @@ fn changes_are_shown_and_made_and_the_rest_is_told() {
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains(DIFF), "{}", said.out);
     assert!(
-        said.out.contains("1 capture, 0 releases; all is well"),
+        said.out.contains("a: 1 capture in 1 phase. Proved: "),
         "{}",
         said.out
     );
@@ -64,6 +64,23 @@ fn a_dry_run_writes_nothing() {
     assert!(said.out.ends_with(DIFF), "{}", said.out);
     assert!(said.err.ends_with("3 changes to make\n"), "{}", said.err);
     assert_eq!(fs::read_to_string(&file).unwrap(), WRONG);
+    // Only the diagnostics that remain are shown.
+    let rest = WRONG.replace(
+        "phaze p { M.up => A }",
+        "phase p { M.up -> A; }\n    phase q { Quux.up -> C }",
+    );
+    fs::write(&file, &rest).unwrap();
+    let said = stochc_with("check --fix --dry-run", &[&file]);
+    assert_eq!(said.status, 1);
+    assert!(said.err.contains("1 change to make\n"), "{}", said.err);
+    assert!(
+        said.err.contains("no block is called `Quux`"),
+        "{}",
+        said.err
+    );
+    assert!(!said.err.contains("A;"), "{}", said.err);
+    assert!(said.err.contains("\n1 error"), "{}", said.err);
+    assert_eq!(fs::read_to_string(&file).unwrap(), rest);
     assert_eq!(stochc_with("check --dry-run", &[&file]).status, 2);
 }
 

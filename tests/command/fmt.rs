@@ -63,7 +63,7 @@ fn a_wrong_program_is_left_as_it_is_and_the_others_are_laid_out() {
     assert_eq!(stochc_with("fmt", &[&a]).status, 1);
     let said = stochc_with("fmt", &[&path(folder.path(), "none.sa")]);
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("No such file"), "{}", said.err);
+    assert!(said.err.contains("file not found"), "{}", said.err);
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn names_of_files_are_shown_as_what_they_are() {
     .unwrap();
     fs::write(&plain, format!("{TOWER}\n\n\n")).unwrap();
     for (line, file) in [
-        ("check", &good),
+        ("check tests/fixtures/tower.sa", &good),
         ("check --scene", &good),
         ("check --exhaustive", &good),
         ("check", &wrong),

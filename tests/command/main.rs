@@ -31,6 +31,7 @@ mod physical;
 mod plan;
 mod plan_scene;
 mod plan_voxels;
+mod proof;
 mod rates;
 mod refused;
 mod results;

@@ -103,7 +103,7 @@ fn targets_are_files_of_several_kinds() {
     let text = file("up.txt", b"# #\n");
     let said = stochc_with("plan --quiet", &[&text]);
     assert_eq!(said.status, 0, "{}", said.err);
-    // `up` is a word of the language.
+    // `up` is a keyword.
     assert!(said.out.contains("assembly build_shape_up"), "{}", said.out);
     let vox = vox(&[&[[3, 3, 3, 1]]]);
     let said = stochc_with("plan --quiet", &[&file("cell.vox", &vox)]);
@@ -409,7 +409,11 @@ fn a_run_that_was_stopped_is_finished() {
     assert_eq!(said.status, 0, "{}", said.err);
     let checked = stochc_with("check --deny warnings", &[&rest]);
     assert_eq!(checked.status, 0, "{}", checked.err);
-    assert!(checked.out.contains("attached by hand"), "{}", checked.out);
+    assert!(
+        checked.out.contains("pre-attached block"),
+        "{}",
+        checked.out
+    );
     let done = stochc_with("simulate --model rate --runs 1 --quiet", &[&rest]);
     assert_eq!(done.status, 0, "{}", done.err);
 

@@ -33,7 +33,7 @@ fn scenes_come_as_json_beside_the_findings() {
         stochc("check --scene --format json tests/fixtures/careless.sa tests/fixtures/soft.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     let document = said.json();
-    assert_eq!(document["findings"][0]["code"], "unused-seed");
+    assert_eq!(document["diagnostics"][0]["code"], "unused-seed");
     let scenes = document["scenes"].as_array().unwrap();
     let names: Vec<_> = (scenes.iter())
         .map(|scene| (&scene["file"], &scene["scene"], &scene["assemblies"][0]))
@@ -71,9 +71,9 @@ fn scenes_come_as_json_beside_the_findings() {
     );
     assert_eq!(hemisphere["warnings"].as_array().unwrap().len(), 0);
     assert_eq!(hemisphere["speed"]["from"], "collisions");
-    // Without the option the document is the findings alone.
-    let said = stochc("check --format json tests/fixtures/careless.sa");
-    assert_eq!(said.json(), document["findings"]);
+    let said = stochc("check --format json tests/fixtures/careless.sa").json();
+    assert_eq!(said["diagnostics"], document["diagnostics"]);
+    assert!(said.get("scenes").is_none(), "{said:#}");
 }
 
 #[test]

@@ -7,12 +7,11 @@ mod scene;
 use std::path::PathBuf;
 
 use clap::Args;
-use stochc_compiler::diagnostic::Diagnostic;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Limits, Program, check_with};
-use stochc_files::programs::{STDIN, programs};
+use stochc_files::programs::{STDIN, STDIN_NAME, programs, read};
 use stochc_ir::emit::chain_text;
-use stochc_ir::{counted, visible};
+use stochc_ir::visible;
 use stochc_runtime::rates::Rates;
 
 use self::cost::{costs, summed_up};
@@ -20,10 +19,11 @@ use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
 use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
-use crate::diagnostics::{FindingCounts, Format, SarifLog, json_document, show, values};
+use crate::diagnostics::{CheckDocument, FindingCounts, Format, SarifLog, show};
 use crate::exit::{Exit, Failure};
-use crate::operations::programs::verdict;
+use crate::operations::programs::{cannot_read, is_readable, verdict};
 use crate::operations::rates::{UnusedRates, of_files};
+use crate::operations::summary::{status_line, warnings};
 use crate::reader::DiskReader;
 
 /// What `check` is given.
@@ -44,7 +44,7 @@ pub struct CheckArguments {
     rates: Vec<PathBuf>,
     /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and
     /// whether the default number of steps in a tick resolves them. Its warnings do not change the
-    /// exit status. With `--format json` the document is `{ findings, scenes }`
+    /// exit status
     #[arg(long)]
     scene: bool,
     /// Apply all safe fixes, and show them as a diff
@@ -90,18 +90,17 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     let rates = of_files(&options.rates)?;
     let mut unused = UnusedRates::new(&options.rates, &rates);
     let mut exit = Exit::Success;
-    let mut document = Vec::new();
-    let mut physics = Vec::new();
+    let mut document = CheckDocument::default();
+    document.scenes = options.scene.then(Vec::new);
     let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
     let mut tally = FindingCounts::default();
-    for file in programs(&options.files) {
-        let file = match &file {
-            Ok(file) => file,
-            Err(reason) => {
-                exit = exit.or_worse(exit_of(Err(Failure::usage(reason))));
-                continue;
-            }
-        };
+    let (files, unread) = readable(&options.files);
+    let are_many = files.len() + usize::from(unread) > 1;
+    if unread {
+        exit = Exit::Usage;
+        log.leave_out();
+    }
+    for file in &files {
         let mut text = None;
         if options.fix
             && let Some(ended) = fix::run(file, options, &mut exit, &mut text)?
@@ -118,24 +117,36 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             }
             false => print(said),
         };
-        let checked = check(file, text, options);
+        let checked = match check(file, text, options) {
+            Ok(checked) => checked,
+            Err(failure) => {
+                exit = exit.or_worse(exit_of(Err(failure)));
+                log.leave_out();
+                continue;
+            }
+        };
+        let name = if are_many {
+            format!("{}: ", visible(file))
+        } else {
+            String::new()
+        };
         let shown = || show(&checked, options.format, has_colour(), message_width());
         match options.format {
             // A machine reads the findings, a person the summary.
             Format::Short => print(&shown())?,
-            Format::Json => document.extend(values(&checked)),
+            Format::Json => document.add(file, &checked),
             Format::Sarif => log.add(file, &checked),
             Format::Graphical => {
                 warn_drawn(&shown());
                 tally.add(&checked);
                 if !checked.has_errors() {
-                    say(&summary(file, &checked, options.cost, &rates))?;
+                    say(&summary(&name, &checked, options.cost, &rates))?;
                 }
             }
         }
         exit = exit.or_worse(verdict(&checked));
         if options.cost.is_some() && options.format != Format::Graphical && !checked.has_errors() {
-            warn(&summary(file, &checked, options.cost, &rates));
+            warn(&summary(&name, &checked, options.cost, &rates));
         }
         let of_programs = checked
             .programs
@@ -147,7 +158,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
                 match options.format {
                     Format::Graphical => say(&scene.text())?,
                     Format::Short | Format::Sarif => warn(&scene.text()),
-                    Format::Json => physics.push(scene.json()),
+                    Format::Json => document.scenes.get_or_insert_default().push(scene.json()),
                 }
             }
         }
@@ -162,11 +173,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     }
     unused.notes().for_each(|note| warn(&note));
     match options.format {
-        Format::Json if options.scene => {
-            let all = serde_json::json!({ "findings": document, "scenes": physics });
-            print(&format!("{all:#}\n"))?;
-        }
-        Format::Json => print(&json_document(document))?,
+        Format::Json => print(&document.text())?,
         Format::Sarif => print(&log.document())?,
         Format::Graphical => warn(&tally.line()),
         Format::Short => {}
@@ -174,95 +181,76 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Checks a program, which has another text than the one to read if `text` says so.
-fn check(file: &str, text: Option<Vec<u8>>, options: &CheckArguments) -> Checked {
-    let mut reader = DiskReader::new(file, text.as_deref(), &options.imports.folders);
-    let levels = &options.levels.levels;
-    check_with(file, &mut reader, Limits::default(), levels)
+/// Returns the programs of the command line that can be opened. Reports the others, and whether there are any.
+fn readable(arguments: &[String]) -> (Vec<String>, bool) {
+    let opened = |file: String| {
+        if file != STDIN_NAME {
+            is_readable(&file)?;
+        }
+        Ok(file)
+    };
+    let found = programs(arguments).into_iter();
+    let found = found.map(|file| file.map_err(Failure::usage).and_then(opened));
+    let mut files = Vec::new();
+    let mut unread = false;
+    for file in found {
+        match file {
+            Ok(file) => files.push(file),
+            Err(failure) => {
+                exit_of(Err(failure));
+                unread = true;
+            }
+        }
+    }
+    (files, unread)
 }
 
-fn summary(file: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {
-    let file = visible(file);
+/// Checks a program, or `text` instead of the file.
+///
+/// # Errors
+/// If the file cannot be read.
+fn check(file: &str, text: Option<Vec<u8>>, options: &CheckArguments) -> Result<Checked, Failure> {
+    let text = text.map_or_else(|| read(file), Ok);
+    let text = text.map_err(|reason| cannot_read(file, reason))?;
+    let mut reader = DiskReader::new(file, Some(&text), &options.imports.folders);
+    let levels = &options.levels.levels;
+    Ok(check_with(file, &mut reader, Limits::default(), levels))
+}
+
+/// Returns the summary of a file without errors, with `name` before each status line.
+fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {
     if checked.programs.is_empty() {
-        let verdict = judgement(checked, |_| true);
-        return format!("{file}: {verdict}; it declares no assembly or aggregate\n");
+        let warnings = warnings(checked, |_| true);
+        let warnings = warnings.map_or_else(String::new, |it| format!(" {it}."));
+        return format!("{name}no assembly or aggregate to prove anything about.{warnings}\n");
     }
     let mut out = String::new();
-    for (place, program) in checked.programs.iter().enumerate() {
-        let verdict = judgement(checked, |finding| finding.programs.contains(&place));
-        out.push_str(&format!("{file}: {}", describe(program, checked, &verdict)));
+    for (number, program) in checked.programs.iter().enumerate() {
+        out.push_str(name);
+        out.push_str(&status_line(checked, number));
+        out.push_str(&chains(program, checked));
         if cost.is_none() {
             out.push_str(&summed_up(program, rates));
         }
         out.push_str(&costs(program, &checked.symbols, cost, rates));
     }
-    let of_file = |finding: &Diagnostic| finding.programs.is_empty();
-    let allowed = checked.allowed.iter().map(|allowed| &allowed.diagnostic);
-    if checked.diagnostics.iter().chain(allowed).any(of_file) {
-        let verdict = judgement(checked, of_file);
+    if let Some(warnings) = warnings(checked, |finding| finding.programs.is_empty()) {
         out.push_str(&format!(
-            "{file}: outside of assemblies and aggregates: {verdict}\n"
+            "{name}{warnings} outside of assemblies and aggregates\n"
         ));
     }
     out
 }
 
-/// What can be said of a file without errors, or of a part of it: whether its findings are `part`.
-fn judgement(checked: &Checked, part: impl Fn(&Diagnostic) -> bool) -> String {
-    let warnings = checked
-        .diagnostics
-        .iter()
-        .filter(|&finding| part(finding))
-        .count();
-    let verdict = match warnings {
-        0 => "all is well".to_owned(),
-        warnings => counted(warnings, "warning"),
-    };
-    let allowed = checked
-        .allowed
-        .iter()
-        .filter(|allowed| part(&allowed.diagnostic));
-    match allowed.count() {
-        0 => verdict,
-        allowed => format!("{verdict}, {} allowed", counted(allowed, "warning")),
-    }
-}
-
-fn describe(program: &Program, checked: &Checked, verdict: &str) -> String {
+/// Returns the longest serial chain of each phase and of a program, in lines.
+fn chains(program: &Program, checked: &Checked) -> String {
     let plan = &program.plan;
-    let scene = program.scene.as_ref().map_or("?", |scene| &scene.name);
-    let Some(order) = &program.order else {
-        return format!("{}\n", plan.name);
+    let Some(order) = program.order.as_ref().filter(|_| plan.aggregate.is_none()) else {
+        return String::new();
     };
-    if let Some(size) = plan.aggregate {
-        let free = program.scene.as_ref().map_or(0, |scene| scene.free.count);
-        return format!(
-            "aggregate {} in {scene}: complete when {size} of {free} free blocks are bonded; {verdict}\n",
-            plan.name,
-        );
-    }
-    let (captures, releases) = plan.counts();
-    let by_hand = plan.phases.iter().filter(|phase| phase.planted);
-    let planted = by_hand.map(|phase| phase.events.len()).sum::<usize>();
-    let mut out = format!(
-        "assembly {} in {scene}: {}, {}, {}; {verdict}\n",
-        plan.name,
-        counted(plan.phases.len() - usize::from(planted > 0), "phase"),
-        counted(captures - planted, "capture"),
-        counted(releases, "release"),
-    );
-    let width = plan
-        .phases
-        .iter()
-        .map(|phase| phase.name.len())
-        .max()
-        .unwrap_or(0);
-    if planted > 0 {
-        out.push_str(&format!(
-            "  {} attached by hand\n",
-            counted(planted, "block")
-        ));
-    }
+    let width = plan.phases.iter().map(|phase| phase.name.len()).max();
+    let width = width.unwrap_or(0);
+    let mut out = String::new();
     for (phase, chain) in plan
         .phases
         .iter()

@@ -117,7 +117,7 @@ fn read(path: &Path) -> Result<Trade, Failure> {
     };
     let shown = file.display();
     let bytes = read_file(&file, TRADE)
-        .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
+        .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     Trade::from_json(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
 }

@@ -107,7 +107,7 @@ fn from_folder(out: &Path) -> Result<Manifest, Failure> {
 fn from_manifest(path: &Path, levels: &LintLevels, host: &dyn Host) -> Result<Manifest, Failure> {
     let shown = path.display();
     let bytes = read_file(path, MANIFEST)
-        .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
+        .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
     check_manifest(path).map_err(Failure::usage)?;
     let text = String::from_utf8_lossy(&bytes);
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));

@@ -390,12 +390,11 @@ impl NotPlanned {
             }),
             Unplanned::Refused(error) => NotPlanned::impossible(options, error),
             Unplanned::Wrong(checked) => {
-                host.report_findings(&checked);
-                NotPlanned::from(Failure::silent(match verdict(&checked) {
-                    // There is no program for all that.
-                    Exit::Success => Exit::InvalidProgram,
-                    exit => exit,
-                }))
+                // Also warnings leave no program.
+                NotPlanned::from(Failure {
+                    exit: Exit::InvalidProgram.or_worse(verdict(&checked)),
+                    message: host.draw(&checked),
+                })
             }
         }
     }

@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 use stochc_compiler::Checked;
 use stochc_compiler::diagnostic::{Code, Severity};
 use stochc_files::budget::VOXELS;
-use stochc_files::programs::not_a_file;
 use stochc_files::read_file;
 use stochc_grammar::{BYTE_ORDER_MARK, Symbols};
 use stochc_ir::{Cell, counted, listed, visible};
 use stochc_planner::{UnreadableVoxels, VoxelScene, layers, magica_voxel};
 
-use super::super::programs::verdict;
+use super::super::programs::{is_readable, verdict};
 use super::{PlanOptions, refused};
 use crate::exit::Failure;
 use crate::host::Host;
@@ -77,7 +76,7 @@ fn voxels(
         ));
     }
     let bytes = read_file(Path::new(target), VOXELS)
-        .map_err(|error| Failure::usage(format!("cannot read `{target}`: {error}")))?;
+        .map_err(|error| Failure::usage(format!("cannot read {target}: {error}")))?;
     let cells = cells(&bytes)
         .map_err(|error| Failure::usage(format!("`{target}` cannot be planned: {error}")))?;
     Ok(Goal::of_cells(&name(target), cells))
@@ -125,10 +124,8 @@ pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
 
 /// The program of a file, right or wrong.
 pub fn checked_file(file: &str, imports: &[PathBuf]) -> Result<Checked, Failure> {
-    match not_a_file(file) {
-        Some(reason) => Err(Failure::usage(reason)),
-        None => Ok(crate::check_within(file, &Default::default(), imports)),
-    }
+    is_readable(file)?;
+    Ok(crate::check_within(file, &Default::default(), imports))
 }
 
 /// Whether something may be called so in a program.

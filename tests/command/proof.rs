@@ -1,0 +1,160 @@
+//! The proof that `check` reports.
+use serde_json::{Value, json};
+use stochc_compiler::diagnostic::Code;
+use stochc_compiler::{Level, Limits, LintLevels, check_with};
+
+use crate::stochc::{stochc, stochc_reading};
+
+/// The program of a page of `stochc explain`.
+fn wrong_program(code: Code) -> &'static str {
+    let (_, rest) = code.page().split_once("```sa\n").unwrap();
+    rest.split_once("```").unwrap().0
+}
+
+/// Returns the status lines of a text's programs, and what the JSON says about each.
+fn checked(text: &str, option: &str) -> (Vec<String>, Vec<Value>) {
+    let said = stochc_reading(&format!("check {option} -"), text);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let lines = said.out.lines().filter(|line| line.contains("roved"));
+    let document = stochc_reading(&format!("check {option} --format json -"), text).json();
+    let programs = document["programs"].as_array().unwrap();
+    let proved = programs.iter().map(|program| program["proved"].clone());
+    (lines.map(str::to_owned).collect(), proved.collect())
+}
+
+#[test]
+fn what_is_proved_is_reported() {
+    let text = "shape pair { layer 1..2 { # } }
+        assembly tower {
+            seed plate 1 x 1 { M at (0, 0) }
+            phase low { M.up ->> T[1..2] yields pair }
+            phase high { T[2].up -> T[3] }
+            phase again { release T[3] yields pair }
+        }";
+    let (lines, proved) = checked(text, "");
+    let line = "tower: 3 captures and 1 release in 3 phases. Proved: completes in every order, no cell \
+                blocked or used twice, builds `pair`.";
+    assert_eq!(lines, [line]);
+    assert_eq!(proved[0]["shapes"], json!(["pair"]));
+    let document = stochc("check --format json tests/fixtures/tower.sa").json();
+    let program = json!({
+        "file": "tests/fixtures/tower.sa",
+        "name": "tower",
+        "kind": "assembly",
+        "scene": "hemisphere",
+        "phases": 2,
+        "pre_attached": 0,
+        "captures": 3,
+        "releases": 0,
+        "proved": {
+            "completes": true,
+            "no_cell_blocked": true,
+            "no_cell_used_twice": true,
+            "shapes": [],
+            "has_timeout": false,
+            "unproved": [],
+        },
+    });
+    assert_eq!(document["programs"], json!([program]));
+    assert_eq!(document["format"], 1);
+}
+
+#[test]
+fn a_timeout_is_an_exception() {
+    let text =
+        "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p timeout 3600 s { M.up -> A } }";
+    let (lines, proved) = checked(text, "");
+    assert!(
+        lines[0].contains("Proved: completes in every order unless a phase times out, no cell")
+    );
+    assert_eq!(proved[0]["has_timeout"], true);
+}
+
+#[test]
+fn nothing_is_proved_about_wrong_programs_and_aggregates() {
+    let document = stochc("check --format json tests/fixtures/wrong.sa").json();
+    assert_eq!(document["programs"][0]["proved"], Value::Null);
+    let denied = "check --deny warnings --format json tests/fixtures/careless.sa";
+    assert_eq!(stochc(denied).json()["programs"][0]["proved"], Value::Null);
+    let document = stochc("check --format json tests/fixtures/aggregate.sa").json();
+    assert_eq!(document["programs"][0]["kind"], "aggregate");
+    assert_eq!(document["programs"][0]["proved"], Value::Null);
+}
+
+/// Whether the warning is reported or allowed.
+#[test]
+fn a_search_that_gave_up_proves_no_access() {
+    // A core within walls: its access path has to be searched for.
+    let text = "assembly tunnel {
+        seed plate 3 x 3 {
+            for y in 0..2 { W[y] at (0, y)  E[y] at (2, y) }
+            M at (1, 1)
+        }
+        phase shell {
+            for y in 0..2 { W[y].up -> A[y].up -> B[y].east -> R[y]  E[y].up -> F[y] }
+        }
+        phase core { M.up -> CORE }
+    }";
+    let limits = Limits {
+        search: 0,
+        ..Limits::default()
+    };
+    for level in [Level::Warn, Level::Allow] {
+        let mut levels = LintLevels::default();
+        levels.set(None, level);
+        let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+        let checked = check_with("a.sa", &mut reader, limits, &levels);
+        let proof = checked.proof(0).unwrap();
+        assert!(!proof.completes && !proof.no_cell_blocked && proof.no_cell_used_twice);
+        let told = "Proved: no cell used twice. Not proved: completes in every order, because the search for \
+                    access paths reached its limit (reach-undecided).";
+        assert_eq!(proof.to_string(), told);
+        let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+        let checked = check_with("a.sa", &mut reader, Limits::default(), &levels);
+        assert!(checked.proof(0).unwrap().completes);
+    }
+}
+
+#[test]
+fn a_release_without_room_proves_no_access() {
+    let text = wrong_program(Code::BlockedRelease);
+    for option in ["", "--allow warnings"] {
+        let (lines, proved) = checked(text, option);
+        assert_eq!(proved[0]["completes"], false, "{lines:?}");
+        assert!(
+            lines[0].contains("Not proved: completes in every order"),
+            "{lines:?}"
+        );
+        assert!(lines[0].contains("(blocked-release)"), "{lines:?}");
+    }
+}
+
+/// `Y` and `Z` may come before `X` is released: then no third block is free.
+#[test]
+fn free_blocks_that_may_run_out_prove_no_completion() {
+    let program = |free: u32, wait: &str| {
+        format!(
+            "scene few from hemisphere {{ free {free} uniform }}
+            assembly a in few {{
+                seed plate 5 x 1 {{ A at (0, 0)  B at (2, 0)  C at (4, 0) }}
+                phase one {{ A.up -> X }}
+                phase two {{ B.up -> Y{wait}  C.up -> Z{wait}  release X }}
+            }}"
+        )
+    };
+    let proved = |text: &str| checked(text, "--allow warnings").1.remove(0);
+    let scarce = proved(&program(2, ""));
+    assert_eq!(
+        (&scarce["completes"], &scarce["no_cell_blocked"]),
+        (&json!(false), &json!(true))
+    );
+    assert!(
+        scarce["unproved"][0]
+            .as_str()
+            .unwrap()
+            .contains("phase `two`"),
+        "{scarce}"
+    );
+    assert_eq!(proved(&program(3, ""))["completes"], true);
+    assert_eq!(proved(&program(2, " after release X"))["completes"], true);
+}
