@@ -48,6 +48,7 @@ pub mod fit;
 mod folder;
 mod folder_checksums;
 mod folder_error;
+mod forecast;
 mod journal;
 mod journal_error;
 mod journal_line;
@@ -70,6 +71,7 @@ mod slurm_folder;
 pub mod statistics;
 pub mod sweep;
 pub mod text;
+mod thread_time;
 mod time_left;
 mod times;
 pub mod trade;
@@ -90,6 +92,7 @@ pub use folder::{
     survey,
 };
 pub use folder_error::FolderError;
+pub use forecast::{CpuForecast, forecast_cpu_time};
 pub use journal_error::JournalError;
 pub use manifest::{
     Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, OLDEST, Source, Varied,

@@ -7,6 +7,7 @@ pub mod ensemble;
 pub mod estimate;
 pub mod export;
 pub mod fit;
+pub mod forecast;
 mod in_memory;
 pub mod kept_text;
 pub mod memory;

@@ -2,7 +2,7 @@
 use stochc_ir::Draw;
 
 use super::sample::{End, Measured, Sample};
-use super::thread_time::thread_time;
+use crate::thread_time::thread_time;
 
 /// What tables call it, and what gives it.
 pub(super) const NAME: &str = "estimate";

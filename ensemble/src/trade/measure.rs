@@ -16,11 +16,11 @@ use super::measurement_journal::MeasurementJournal;
 use super::plan::{Extent, Job, NextJob, Plan};
 use super::result::Trade;
 use super::sample::Measured;
-use super::thread_time::thread_time;
 use crate::clock::now;
 use crate::executor::{RunCancelled, attempt, execute};
 use crate::manifest::EnsembleProgram;
 use crate::program_run::unless;
+use crate::thread_time::thread_time;
 
 /// How far a measurement is, for whoever shows it.
 #[derive(Debug, Default)]

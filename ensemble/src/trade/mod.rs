@@ -14,7 +14,6 @@ mod ranking;
 mod result;
 mod sample;
 mod selection;
-mod thread_time;
 
 pub use assessment::Conditions;
 pub use candidates::{FINEST, base};

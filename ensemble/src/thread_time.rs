@@ -3,7 +3,7 @@ use std::time::Duration;
 
 /// Processor time that this thread has used.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
-pub(super) fn thread_time() -> Duration {
+pub(crate) fn thread_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     let seconds = u64::try_from(time.tv_sec).unwrap_or(0);
     Duration::new(seconds, u32::try_from(time.tv_nsec).unwrap_or(0))
@@ -11,7 +11,7 @@ pub(super) fn thread_time() -> Duration {
 
 /// The time on the wall, where nothing better is at hand; it counts what others do as well.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
-pub(super) fn thread_time() -> Duration {
+pub(crate) fn thread_time() -> Duration {
     static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
     START.get_or_init(crate::now).elapsed()
 }
