@@ -93,6 +93,11 @@ impl Documents {
         self.all().get(path).cloned()
     }
 
+    /// Whether the client has a file open.
+    pub fn is_open(&self, path: &str) -> bool {
+        self.all().contains_key(path)
+    }
+
     /// The address of a file, as the client writes it if it has it open.
     pub fn uri(&self, path: &str) -> String {
         (self.get(path)).map_or_else(|| uri::uri(path), |document| document.uri)

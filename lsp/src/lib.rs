@@ -28,6 +28,7 @@ mod hover;
 mod jobs;
 mod position;
 mod programs;
+mod reads;
 mod rename;
 mod requests;
 mod scene;

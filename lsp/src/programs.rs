@@ -1,7 +1,7 @@
 //! What is known of each open program, and what is being found out.
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use gen_lsp_types::Diagnostic as LspDiagnostic;
 use stochc_compiler::{Cancellation, Reader};
@@ -12,6 +12,7 @@ use super::diagnostics;
 use super::documents::Documents;
 use super::jobs::{JobId, JobTrigger, Jobs};
 use super::position::Encoding;
+use super::reads::Reads;
 
 /// Diagnostics by the path of their file.
 pub type DiagnosticsByFile = BTreeMap<String, Vec<LspDiagnostic>>;
@@ -31,7 +32,7 @@ pub struct Programs(BTreeMap<String, OpenProgram>);
 struct OpenProgram {
     state: AnalysisState,
     /// The files that the last check has asked for.
-    reads: Arc<Mutex<Reads>>,
+    reads: Arc<Reads>,
     /// The client has not seen its findings as they are now.
     is_unseen: bool,
     /// Its diagnostics, as they were found last.
@@ -59,14 +60,6 @@ pub enum Knowledge {
     Failed,
 }
 
-/// What a check has asked for.
-#[derive(Default)]
-struct Reads {
-    paths: BTreeSet<String>,
-    /// Something was not there.
-    has_missing: bool,
-}
-
 impl Programs {
     /// The paths of all of them.
     pub fn paths(&self) -> impl Iterator<Item = &String> {
@@ -78,13 +71,18 @@ impl Programs {
     pub fn changed<T>(&mut self, path: &str, jobs: &Jobs<T>) -> BTreeSet<String> {
         self.0.entry(path.to_owned()).or_default();
         self.outdate(jobs, |own, reads| {
-            own == path || reads.has_missing || reads.paths.contains(path)
+            own == path || reads.lack_a_file() || reads.include(path)
         })
     }
 
-    /// Takes note that a file has been written: a program that was missing it may find it now.
-    pub fn saved<T>(&mut self, jobs: &Jobs<T>) -> BTreeSet<String> {
-        self.outdate(jobs, |_, reads| reads.has_missing)
+    /// Compares all files that are not open with the disk. Returns the programs that have to be checked again.
+    pub fn changed_on_disk<T>(
+        &mut self,
+        documents: &Documents,
+        encoding: Encoding,
+        jobs: &Jobs<T>,
+    ) -> BTreeSet<String> {
+        self.outdate(jobs, |_, reads| reads.are_outdated(documents, encoding))
     }
 
     /// Forgets a program that is closed, and takes note that its text is that of the disk again.
@@ -103,10 +101,9 @@ impl Programs {
     ) -> BTreeSet<String> {
         let mut outdated = BTreeSet::new();
         for (path, program) in &mut self.0 {
-            // A check asks before it reads, and a text changes before this: what is not asked for yet, will be
-            // read as it is now.
-            let reads = program.reads.lock().unwrap_or_else(PoisonError::into_inner);
-            if !is_outdated(path, &reads) {
+            // A check notes a file before it reads it, and the text has changed before this call. So files that are
+            // not noted yet will be read as they are now.
+            if !is_outdated(path, &program.reads) {
                 continue;
             }
             if let AnalysisState::UnderWay(job) = program.state {
@@ -194,17 +191,13 @@ impl Programs {
 struct ProgramReader<'a> {
     documents: &'a Documents,
     encoding: Encoding,
-    reads: &'a Mutex<Reads>,
+    reads: &'a Reads,
     bound: ImportFolders,
 }
 
 impl Reader for ProgramReader<'_> {
     fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
-        let reads = || self.reads.lock().unwrap_or_else(PoisonError::into_inner);
-        reads().paths.insert(path.to_owned());
-        let text = self.documents.read(path, self.encoding);
-        reads().has_missing |= text.is_err();
-        text
+        self.reads.read(path, self.documents, self.encoding)
     }
 
     fn identity(&mut self, path: &str) -> Option<String> {
@@ -220,7 +213,7 @@ impl Reader for ProgramReader<'_> {
 fn check(
     path: &str,
     documents: &Documents,
-    reads: &Mutex<Reads>,
+    reads: &Reads,
     folders: &[PathBuf],
     encoding: Encoding,
     cancellation: Cancellation<'_>,

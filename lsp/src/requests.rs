@@ -33,8 +33,8 @@ fn value(result: impl Serialize) -> Result<Value, RequestFailure> {
 pub enum Notification {
     /// It has another text than before.
     Changed(String),
-    /// It has written a file.
-    Saved,
+    /// Files on the disk may have changed.
+    ChangedOnDisk,
     /// It has closed a text.
     Closed(String),
 }
@@ -61,8 +61,10 @@ pub fn notification(
         }
         "textDocument/didSave" => {
             params::<DidSaveTextDocumentParams>(raw).ok()?;
-            Some(Notification::Saved)
+            Some(Notification::ChangedOnDisk)
         }
+        // Which files changed does not matter: a link or a folder may have changed as well.
+        "workspace/didChangeWatchedFiles" => Some(Notification::ChangedOnDisk),
         "textDocument/didClose" => {
             let it = params::<DidCloseTextDocumentParams>(raw).ok()?;
             Some(Notification::Closed(
@@ -90,6 +92,8 @@ pub struct Query {
     pub path: String,
     /// What has to be known first.
     pub needs: Needs,
+    /// Whether the answer may hold edits of files.
+    pub has_edits: bool,
     /// Works the answer out.
     pub answer: RequestHandler,
 }
@@ -148,7 +152,16 @@ impl Query {
         Query {
             path: uri::path(uri),
             needs,
+            has_edits: false,
             answer: Box::new(answer),
+        }
+    }
+
+    /// The same for an answer with edits of files that may not be open.
+    fn with_edits(self) -> Query {
+        Query {
+            has_edits: true,
+            ..self
         }
     }
 
@@ -250,6 +263,7 @@ impl Query {
                         cancellation,
                     )?)
                 })
+                .with_edits()
             }
             "textDocument/documentSymbol" => {
                 let it: DocumentSymbolParams = params(raw)?;
@@ -282,6 +296,7 @@ impl Query {
                     let (path, documents) = (&context.path, &context.documents);
                     value(actions::actions(analysis, path, between, documents))
                 })
+                .with_edits()
             }
             _ => {
                 return Err(RequestFailure::new(

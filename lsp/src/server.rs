@@ -44,6 +44,8 @@ pub struct Server<W> {
     programs: Programs,
     /// Those that the client has open, from which every program may import.
     folders: Arc<[PathBuf]>,
+    /// Whether the client offers to report changes of files.
+    can_watch: bool,
     /// Requests without an answer, in the order in which they have come in.
     requests: Vec<PendingRequest>,
     /// The diagnostics of each file, as the client has them, and the number of its text.
@@ -58,6 +60,7 @@ struct PendingRequest {
     method: String,
     path: String,
     needs: Needs,
+    has_edits: bool,
     work: Work,
 }
 
@@ -98,6 +101,7 @@ impl<W: Write> Server<W> {
             encoding: Encoding::default(),
             programs: Programs::default(),
             folders: Arc::default(),
+            can_watch: false,
             requests: Vec::new(),
             shown: BTreeMap::new(),
             gone: false,
@@ -143,6 +147,7 @@ impl<W: Write> Server<W> {
         let ClientMessage { id, method, params } = message;
         let Some(id) = id else {
             match method.as_str() {
+                "initialized" if self.can_watch => self.watch_files(),
                 "$/cancelRequest" => self.cancel(params.get("id").unwrap_or(&Value::Null)),
                 _ if self.stage == SessionStage::Serving => self.notification(&method, params),
                 _ => {}
@@ -176,6 +181,7 @@ impl<W: Write> Server<W> {
                         method,
                         path: query.path,
                         needs: query.needs,
+                        has_edits: query.has_edits,
                         work: Work::Waiting(query.answer),
                     });
                     return;
@@ -204,15 +210,21 @@ impl<W: Write> Server<W> {
                 let outdated = self.programs.changed(&path, &self.jobs);
                 (path, outdated)
             }
-            Notification::Saved => (String::new(), self.programs.saved(&self.jobs)),
+            Notification::ChangedOnDisk => (String::new(), self.changed_on_disk()),
             Notification::Closed(path) => {
                 let outdated = self.programs.closed(&path, &self.jobs);
                 self.show();
                 (path, outdated)
             }
         };
-        let why = RequestFailure::new(Reason::ContentModified, "the text has changed");
-        self.fail(|request| request.is_about(&path, &outdated), &why);
+        self.fail(|request| request.is_about(&path, &outdated), &modified());
+    }
+
+    /// Compares the files of all programs with the disk. Returns the programs that have to be checked again.
+    fn changed_on_disk(&mut self) -> BTreeSet<String> {
+        let (documents, jobs) = (&self.documents, &self.jobs);
+        self.programs
+            .changed_on_disk(documents, self.encoding, jobs)
     }
 
     fn cancel(&mut self, id: &Value) {
@@ -241,7 +253,7 @@ impl<W: Write> Server<W> {
         if let Some(at) = self.requests.iter().position(is_it) {
             let request = self.requests.remove(at);
             let result = match done {
-                Some(Done::Answered(result)) => result,
+                Some(Done::Answered(result)) => self.compared_with_disk(&request, result),
                 _ => Err(failed(&request.method)),
             };
             self.send(&wire::answer(&request.id, result));
@@ -253,6 +265,26 @@ impl<W: Write> Server<W> {
         };
         if self.programs.checked(job, checked) {
             self.show();
+        }
+    }
+
+    /// Replaces an answer with edits by an error if a file that it is based on has changed on the disk.
+    ///
+    /// The edits would be made at positions of the old text.
+    fn compared_with_disk(
+        &mut self,
+        request: &PendingRequest,
+        result: Result<Value, RequestFailure>,
+    ) -> Result<Value, RequestFailure> {
+        let is_empty = |answer: &Value| answer.as_array().is_some_and(Vec::is_empty);
+        if !request.has_edits || result.as_ref().map_or(true, is_empty) {
+            return result;
+        }
+        let outdated = self.changed_on_disk();
+        self.fail(|other| other.is_about("", &outdated), &modified());
+        match request.is_about("", &outdated) {
+            true => Err(modified()),
+            false => result,
         }
     }
 
@@ -359,6 +391,8 @@ impl<W: Write> Server<W> {
             self.encoding = Encoding::Utf8;
         }
         self.folders = folders(params);
+        let watching = "/capabilities/workspace/didChangeWatchedFiles/dynamicRegistration";
+        self.can_watch = params.pointer(watching) == Some(&Value::Bool(true));
         let client = params["processId"].as_i64();
         if let Some(client) = client.and_then(|id| i32::try_from(id).ok()) {
             client_process::watch(client, self.events.clone());
@@ -384,6 +418,22 @@ impl<W: Write> Server<W> {
             },
             "serverInfo": { "name": "stochc", "version": env!("CARGO_PKG_VERSION") },
         })
+    }
+
+    /// Asks the client to report changes of programs on the disk.
+    fn watch_files(&mut self) {
+        let watchers = json!([{ "globPattern": "**/*.sa" }]);
+        let registration = json!({
+            "id": "watched-files",
+            "method": "workspace/didChangeWatchedFiles",
+            "registerOptions": { "watchers": watchers },
+        });
+        self.send(&json!({
+            "jsonrpc": "2.0",
+            "id": "watched-files",
+            "method": "client/registerCapability",
+            "params": { "registrations": [registration] },
+        }));
     }
 
     /// Tells the client of every file whose diagnostics have changed.
@@ -436,6 +486,11 @@ impl<W: Write> Server<W> {
     fn send(&mut self, message: &Value) {
         self.gone |= wire::write(&mut self.output, message).is_err();
     }
+}
+
+/// Reports that an answer would be about a text of the past.
+fn modified() -> RequestFailure {
+    RequestFailure::new(Reason::ContentModified, "the text has changed")
 }
 
 /// Says that the server has made a mistake.

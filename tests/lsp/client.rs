@@ -34,12 +34,13 @@ impl Client {
 
     /// Starts a server and introduces itself, with the encodings that it offers.
     pub fn new(encodings: &[&str]) -> Client {
+        Client::with(json!({ "general": { "positionEncodings": encodings } }))
+    }
+
+    /// Starts a server and introduces itself, with its capabilities.
+    pub fn with(capabilities: Value) -> Client {
         let mut client = Client::start();
-        let general = json!({ "positionEncodings": encodings });
-        let answer = client.ask(
-            "initialize",
-            json!({ "capabilities": { "general": general } }),
-        );
+        let answer = client.ask("initialize", json!({ "capabilities": capabilities }));
         assert_eq!(answer["result"]["serverInfo"]["name"], "stochc");
         client.notify("initialized", json!({}));
         client
@@ -93,6 +94,12 @@ impl Client {
             }
         }
         answers
+    }
+
+    /// Requests of the server that have come in so far.
+    pub fn requests_of_server(&self) -> Vec<&Value> {
+        let notifications = self.notifications.iter();
+        notifications.filter(|it| it.get("id").is_some()).collect()
     }
 
     /// The numbers of a text for which diagnostics have come in so far.

@@ -5,6 +5,7 @@
 )]
 mod cancellation;
 mod client;
+mod imports;
 mod neovim;
 mod programs;
 mod protocol;
