@@ -51,7 +51,7 @@ fn all_loose_parts_are_reported_at_once() {
         panic!("{text}");
     };
     let bridges = parts.into_iter().filter_map(|part| part.bridge);
-    goal.cells.extend(bridges.flatten());
+    assert_eq!(goal.add_supports(), bridges.flatten().collect::<Vec<_>>());
     assert!(tried(&goal, 1).is_ok());
 }
 
