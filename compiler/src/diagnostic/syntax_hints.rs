@@ -1,4 +1,6 @@
 //! The most frequent mistakes of syntax: what to do about them, and how they are fixed.
+use stochc_grammar::is_unit;
+use stochc_ir::scene::quantity::QuantityKind;
 use stochc_ir::scene::units::unit_meant;
 use stochc_ir::suggest::{Suggestion, nearest};
 
@@ -140,6 +142,7 @@ impl SyntaxHint<'_> {
                 "a name has the letters `a` to `z` and `A` to `Z`, digits and `_`"
             }
             ";" => "remove it: nothing stands between two statements",
+            found if self.is_unit_on_next_line(found) => "a unit stands on the line of its number",
             "/" if self.is_one_over() => "one over a unit is written `s^-1`",
             "/" => "a comment runs from `//` to the end of its line",
             "#" if !self.is_row() => "a comment runs from `//` to the end of its line",
@@ -163,7 +166,8 @@ impl SyntaxHint<'_> {
         if is_word(self.found) {
             let before = self.before().trim_end_matches([' ', '\t']);
             if self.expects("`{`") && before.ends_with(|c: char| c.is_ascii_digit()) {
-                return unit_meant(self.found).map(|meant| (self.location, meant));
+                let kinds = [QuantityKind::TIME, QuantityKind::TICKS];
+                return unit_meant(self.found, &kinds).map(|meant| (self.location, meant));
             }
             let words = self.expected.iter().map(|word| word.trim_matches('`'));
             let words = words.filter(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
@@ -178,6 +182,16 @@ impl SyntaxHint<'_> {
             return None;
         }
         nearest(self.behind, FIRST).map(|meant| (word, meant))
+    }
+
+    /// Whether a unit follows a number that ends the line before.
+    fn is_unit_on_next_line(&self, found: &str) -> bool {
+        let before = self.before();
+        let number = before.trim_end();
+        before[number.len()..].contains('\n')
+            && number.ends_with(|c: char| c.is_ascii_digit())
+            && self.expects("`{`")
+            && is_unit(found)
     }
 
     /// The place of the first word of the statement.

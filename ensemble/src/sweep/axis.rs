@@ -114,9 +114,12 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
 /// In words, when the number may not have it.
 pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, String> {
     let given = format!("{said} {unit}");
-    let value = number
-        .accept(WrittenQuantity::of(&given)?.to_si())
-        .map_err(|error| error.to_string())?;
+    let mut quantity = WrittenQuantity::of(&given)?.to_si();
+    // Zero is the same in every unit.
+    if said == 0.0 && unit.is_empty() {
+        quantity.1 = number.kind.dimension;
+    }
+    let value = number.accept(quantity).map_err(|error| error.to_string())?;
     Ok(Varied {
         of: number.name().to_owned(),
         value,

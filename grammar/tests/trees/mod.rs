@@ -137,9 +137,9 @@ fn argument() -> impl Strategy<Value = Argument> {
 }
 
 /// With prefixes and without.
-const UNITS: [&str; 23] = [
+const UNITS: [&str; 26] = [
     "m", "mm", "µm", "um", "s", "ms", "min", "kg", "g", "N", "mPa", "L", "rev", "tick", "ticks",
-    "%", "deg", "kHz", "GW", "nJ", "V", "cm", "h",
+    "%", "deg", "kHz", "GW", "nJ", "V", "cm", "h", "mbar", "cP", "rpm",
 ];
 
 fn quantity() -> impl Strategy<Value = Quantity> {

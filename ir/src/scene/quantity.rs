@@ -37,7 +37,7 @@ macro_rules! kinds {
                 si: $si,
                 preferred: &$preferred,
             };)*
-            const ALL: &[QuantityKind] = &[$(QuantityKind::$name),*];
+            pub(super) const ALL: &[QuantityKind] = &[$(QuantityKind::$name),*];
         }
     };
 }
@@ -84,6 +84,11 @@ const CHOSEN: usize = 8;
 const ROUNDING: f64 = 1e-15;
 
 impl QuantityKind {
+    /// Returns the units that its values are written in.
+    pub(super) fn units(&self) -> impl Iterator<Item = &'static str> + Clone + use<> {
+        self.preferred.iter().copied().chain([self.si])
+    }
+
     /// A value in SI units with a unit in which it is short; reads as the same value again, within the
     /// rounding of the conversion: of what was written in another unit, as `1 g/cm^3`, more is not to be had.
     pub fn write(&self, value: f64) -> String {
@@ -177,7 +182,7 @@ mod tests {
     #[test]
     fn the_units_of_a_kind_are_of_its_dimension() {
         for kind in QuantityKind::ALL {
-            for unit in kind.preferred.iter().chain([&kind.si]) {
+            for unit in kind.units() {
                 assert_eq!(to_si(1.0, factors(unit)).1, kind.dimension, "{unit}");
             }
         }

@@ -1,11 +1,14 @@
 //! The values of a scene.
 use stochc_grammar::is_unit;
 use stochc_grammar::tree::{Quantity, Term};
+use stochc_ir::scene::quantity::QuantityKind;
 use stochc_ir::scene::schema::{self, SchemaNumber};
-use stochc_ir::scene::units::{Dimension, UNITS, unit_meant};
+use stochc_ir::scene::units::{Dimension, UNITS, converted, unit_meant};
+
+use stochc_grammar::Span;
 
 use super::{ClauseContent, SceneReader, span};
-use crate::diagnostic::{Code, Diagnostic, report};
+use crate::diagnostic::{Code, Diagnostic, Edit, Fix, report};
 use crate::units::to_si;
 
 impl<'a> SceneReader<'a, '_> {
@@ -16,7 +19,7 @@ impl<'a> SceneReader<'a, '_> {
         said: &mut ClauseContent,
     ) -> Option<()> {
         let quantity = self.quantity(number.kind.dimension)?;
-        let value = self.value(quantity, number.kind.dimension)?;
+        let [value] = self.values([quantity], &number.kind)?;
         self.within(number, quantity, value)?;
         said.numbers.push((number, value));
         Some(())
@@ -46,8 +49,7 @@ impl<'a> SceneReader<'a, '_> {
         };
         self.terms.next();
         self.place = last.span;
-        let dimension = high.kind.dimension;
-        let (from, to) = (self.value(first, dimension)?, self.value(last, dimension)?);
+        let [from, to] = self.values([first, last], &high.kind)?;
         if low.range.contains(from) && from <= to {
             self.within(low, first, from)?;
             self.within(high, last, to)?;
@@ -90,24 +92,29 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    fn value(&mut self, quantity: &Quantity, dimension: Dimension) -> Option<f64> {
-        let (value, found) = to_si(quantity);
-        if found == dimension {
-            return Some(value);
-        }
-        let title = format!("expected {}", dimension.noun());
-        if let (Dimension::NUMBER, Some(&&Term::Word(name))) = (found, self.terms.peek())
-            && name.span.start <= quantity.span.end + 1
-            && !schema::is_word(self.word_of(name))
+    /// Returns the values of quantities in SI units, or reports wrong units.
+    fn values<const N: usize>(
+        &mut self,
+        quantities: [&Quantity; N],
+        kind: &QuantityKind,
+    ) -> Option<[f64; N]> {
+        if quantities.iter().any(|quantity| lacks_unit(quantity, kind))
+            && (self.unit_on_next_line(&quantities, kind) || self.unknown_unit(&quantities, kind))
         {
-            self.terms.next();
-            let word = self.word_of(name);
-            let location = self.location(name.span);
-            let diagnostic = Diagnostic::new(Code::WrongDimension, title)
-                .label(location, format!("`{word}` is no unit"))
-                .suggest(location, unit_meant(word), || UNITS.to_owned());
-            report(self.diagnostics, diagnostic);
             return None;
+        }
+        let mut values = [0.0; N];
+        for (value, quantity) in values.iter_mut().zip(quantities) {
+            *value = self.value(quantity, kind)?;
+        }
+        Some(values)
+    }
+
+    fn value(&mut self, quantity: &Quantity, kind: &QuantityKind) -> Option<f64> {
+        let (value, found) = to_si(quantity);
+        // Zero is the same in every unit.
+        if found == kind.dimension || value == 0.0 && quantity.unit.is_empty() {
+            return Some(value);
         }
         let label = match found {
             Dimension::NUMBER => "has no unit".to_owned(),
@@ -117,10 +124,81 @@ impl<'a> SceneReader<'a, '_> {
             },
         };
         let location = self.location(quantity.span);
-        report(
-            self.diagnostics,
-            Diagnostic::new(Code::WrongDimension, title).label(location, label),
-        );
+        let diagnostic = wrong_unit(kind).label(location, label);
+        report(self.diagnostics, diagnostic);
         None
     }
+
+    /// Reports a unit that stands on another line than its number, where the grammar does not read it as one.
+    fn unit_on_next_line(&mut self, quantities: &[&Quantity], kind: &QuantityKind) -> bool {
+        let mut units: Vec<&str> = Vec::new();
+        let mut place: Option<Span> = None;
+        while let Some(&&Term::Word(name)) = self.terms.peek()
+            && is_unit(self.word_of(name))
+            && !schema::is_word(self.word_of(name))
+        {
+            self.terms.next();
+            units.push(self.word_of(name));
+            place = Some(place.map_or(name.span, |place| place.to(name.span)));
+        }
+        let (Some(place), Some(last)) = (place, quantities.last()) else {
+            return false;
+        };
+        let unit = units.join(" ");
+        let edit = |span: Span, text: String| Edit {
+            location: self.location(span),
+            text,
+        };
+        let behind = Span::new(last.span.end, last.span.end);
+        let fix = Fix {
+            title: format!("write `{unit}` on the line of its number"),
+            edits: vec![edit(behind, format!(" {unit}")), edit(place, String::new())],
+            safe: true,
+        };
+        let diagnostic = wrong_unit(kind)
+            .label(self.location(place), "is not on the line of its number")
+            .help(format!("write `{} {unit}` on one line", last.value))
+            .fix(fix);
+        report(self.diagnostics, diagnostic);
+        true
+    }
+
+    /// Reports a word that takes the place of a unit.
+    fn unknown_unit(&mut self, quantities: &[&Quantity], kind: &QuantityKind) -> bool {
+        let (Some(first), Some(last)) = (quantities.first(), quantities.last()) else {
+            return false;
+        };
+        let Some(&&Term::Word(name)) = self.terms.peek() else {
+            return false;
+        };
+        let word = self.word_of(name);
+        if name.span.start > last.span.end + 1 || schema::is_word(word) {
+            return false;
+        }
+        self.terms.next();
+        let location = self.location(name.span);
+        let diagnostic = wrong_unit(kind).label(location, format!("`{word}` is not a unit"));
+        let values: Vec<f64> = quantities.iter().map(|quantity| quantity.value).collect();
+        let diagnostic = match converted(&values, word, &[*kind]) {
+            Some(text) => {
+                let all = self.location(first.span.to(name.span));
+                let title = format!("write `{text}`");
+                diagnostic
+                    .help(title.clone())
+                    .fix(Fix::replace(all, text, title))
+            }
+            None => diagnostic.suggest(location, unit_meant(word, &[*kind]), || UNITS.to_owned()),
+        };
+        report(self.diagnostics, diagnostic);
+        true
+    }
+}
+
+fn lacks_unit(quantity: &Quantity, kind: &QuantityKind) -> bool {
+    quantity.unit.is_empty() && kind.dimension != Dimension::NUMBER
+}
+
+fn wrong_unit(kind: &QuantityKind) -> Diagnostic {
+    let title = format!("expected {}", kind.noun);
+    Diagnostic::new(Code::WrongDimension, title)
 }

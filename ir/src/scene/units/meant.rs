@@ -1,14 +1,16 @@
 //! Units as people write them.
-use super::{BASES, PREFIXES};
+use super::super::quantity::QuantityKind;
+use super::{BASES, PREFIXES, to_si};
 use crate::suggest::{Suggestion, nearest};
 
 /// Which units there are.
-pub const UNITS: &str = "units are those of the SI, with prefixes such as `m` and `k`, and min, h, L, rev, deg and ticks";
+pub const UNITS: &str = "units are those of the SI, with prefixes such as `m` and `k`, and min, h, L, bar, P, rpm, rev, deg and ticks";
 
 /// Names of units and the symbols for them.
-const NAMES: [(&str, &[&str]); 13] = [
+const NAMES: [(&str, &[&str]); 17] = [
     ("s", &["sec", "secs", "second", "seconds"]),
     ("ms", &["msec", "msecs", "millisecond", "milliseconds"]),
+    ("us", &["usec", "usecs", "microsecond", "microseconds"]),
     ("min", &["mins", "minute", "minutes"]),
     ("h", &["hr", "hrs", "hour", "hours"]),
     ("m", &["meter", "meters", "metre", "metres"]),
@@ -20,68 +22,181 @@ const NAMES: [(&str, &[&str]); 13] = [
         "cm",
         &["centimeter", "centimeters", "centimetre", "centimetres"],
     ),
+    (
+        "um",
+        &["micron", "microns", "micrometer", "micrometre", "mcm"],
+    ),
     ("g", &["gram", "grams"]),
     ("kg", &["kilogram", "kilograms", "kilo", "kilos"]),
+    ("ug", &["microgram", "micrograms", "mcg"]),
     ("N", &["newton", "newtons"]),
     ("Pa", &["pascal", "pascals"]),
     ("L", &["liter", "liters", "litre", "litres"]),
     ("deg", &["degree", "degrees"]),
+    ("K", &["kelvin", "kelvins"]),
 ];
 
-/// The unit that a word is probably meant to be.
-pub fn unit_meant(word: &str) -> Option<Suggestion> {
-    let named = NAMES
-        .iter()
-        .find(|(_, names)| names.iter().any(|name| name.eq_ignore_ascii_case(word)));
-    if let Some((unit, _)) = named {
-        return Some(Suggestion {
-            word: (*unit).to_owned(),
-            clear: true,
-        });
-    }
-    // A percent sign is no word, and of ticks the plural will do.
-    let bases = BASES.iter().map(|(base, ..)| *base);
-    let bases: Vec<&str> = bases.filter(|base| !["%", "tick"].contains(base)).collect();
-    let plain = bases.iter().map(|base| (*base).to_owned());
-    let common = PREFIXES.iter().filter(|prefix| prefix.is_common);
-    let prefixed = common.flat_map(|prefix| {
-        let bases = bases.iter().filter(|base| base.len() <= 2);
-        bases.map(|base| format!("{}{base}", prefix.sign))
+/// Units that the grammar does not read: their names, the unit for them, its value for one of them and for none.
+const FOREIGN: [(&[&str], &str, f64, f64); 11] = [
+    (&["mmHg", "Torr"], "Pa", 133.322387415, 0.0),
+    (&["atm"], "Pa", 101_325.0, 0.0),
+    (&["psi"], "Pa", 6_894.757293168, 0.0),
+    (&["degC", "celsius"], "K", 1.0, 273.15),
+    (&["degF"], "K", 5.0 / 9.0, 459.67 * 5.0 / 9.0),
+    (&["inch", "inches", "in"], "cm", 2.54, 0.0),
+    (&["dyn", "dyne", "dynes"], "uN", 10.0, 0.0),
+    (&["kgf", "kp"], "N", 9.80665, 0.0),
+    (&["gf"], "mN", 9.80665, 0.0),
+    (&["lb", "lbs"], "g", 453.59237, 0.0),
+    (&["ccm", "cc"], "mL", 1.0, 0.0),
+];
+
+/// Returns values in a unit that the grammar does not read in one that it reads, such as `266.645 Pa` for 2 `mmHg`.
+/// `None` if the unit is unknown or of none of the `kinds`; without kinds, every unit will do.
+pub fn converted(values: &[f64], word: &str, kinds: &[QuantityKind]) -> Option<String> {
+    let is_meant = |name: &&str| name.eq_ignore_ascii_case(word);
+    let mut foreign = FOREIGN.iter().filter(|(_, unit, ..)| fits(unit, kinds));
+    let (_, unit, factor, zero) = foreign.find(|(names, ..)| names.iter().any(is_meant))?;
+    let numbers = values.iter().map(|value| {
+        // More digits than this are not in such a value.
+        let rounded = format!("{:.11e}", value * factor + zero).parse::<f64>();
+        rounded.map(|number| number.to_string())
     });
-    let units: Vec<String> = plain.chain(prefixed).collect();
+    let numbers: Vec<String> = numbers.collect::<Result<_, _>>().ok()?;
+    Some(format!("{} {unit}", numbers.join(" .. ")))
+}
+
+/// Returns the unit that a word is probably meant to be, of one of the `kinds`. If there are none, it has to be plain
+/// from the word alone.
+pub fn unit_meant(word: &str, kinds: &[QuantityKind]) -> Option<Suggestion> {
+    let clear = |unit: &str| {
+        Some(Suggestion {
+            word: unit.to_owned(),
+            clear: true,
+        })
+    };
+    let is_word = |name: &&str| name.eq_ignore_ascii_case(word);
+    let mut named = (NAMES.iter()).filter(|(_, names)| names.iter().any(is_word));
+    if let Some((unit, _)) = named.next() {
+        return clear(unit).filter(|_| fits(unit, kinds));
+    }
+    let units: Vec<String> = symbols().filter(|unit| fits(unit, kinds)).collect();
     // `KG` and `khz` are meant to be `kg` and `kHz`; `MS` could be two units.
     let mut same = units.iter().filter(|unit| unit.eq_ignore_ascii_case(word));
-    match (same.next(), same.next()) {
-        (Some(only), None) => Some(Suggestion {
-            word: only.clone(),
-            clear: true,
-        }),
-        _ => nearest(word, units),
+    if let (Some(only), None) = (same.next(), same.next()) {
+        return clear(only);
     }
+    // `mPas` is `mPa s` without its space.
+    let products = kinds.iter().flat_map(QuantityKind::units);
+    let products = products.filter(|unit| unit.contains([' ', '/']));
+    let joined = products.clone().find(|unit| unit.replace(' ', "") == word);
+    if let Some(joined) = joined {
+        return clear(joined);
+    }
+    let known = units.into_iter().chain(products.map(str::to_owned));
+    nearest(word, known).filter(|_| !kinds.is_empty())
+}
+
+/// Whether a symbol is of the dimension of one of the `kinds`, or there are none.
+fn fits(unit: &str, kinds: &[QuantityKind]) -> bool {
+    let (_, dimension) = to_si(1.0, [(unit, 1)]);
+    kinds.is_empty() || kinds.iter().any(|kind| kind.dimension == dimension)
+}
+
+/// Symbols of units, and of short ones those with a common prefix as well.
+fn symbols() -> impl Iterator<Item = String> {
+    let bases = BASES.iter().map(|(base, ..)| *base);
+    // A percent sign is no word, and of ticks the plural will do.
+    let bases = bases.filter(|base| !["%", "tick"].contains(base));
+    let common = PREFIXES.iter().filter(|prefix| prefix.is_common);
+    let short = bases
+        .clone()
+        .filter(|base| base.len() <= 2 || *base == "bar");
+    let prefixed = common.flat_map(move |prefix| {
+        let short = short.clone();
+        short.map(|base| format!("{}{base}", prefix.sign))
+    });
+    bases.map(str::to_owned).chain(prefixed)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Dimension, to_si};
+    use super::super::{Dimension, WrittenQuantity};
     use super::*;
 
     #[test]
     fn what_a_name_stands_for_is_a_unit() {
-        for (unit, _) in NAMES {
-            let (size, dimension) = to_si(1.0, [(unit, 1)]);
+        let foreign = FOREIGN.iter().map(|(_, unit, ..)| unit);
+        for unit in NAMES.iter().map(|(unit, _)| unit).chain(foreign) {
+            let (size, dimension) = to_si(1.0, [(*unit, 1)]);
             assert!((size, dimension) != (1.0, Dimension::NUMBER), "{unit}");
         }
     }
 
     #[test]
     fn units_are_suggested() {
-        let meant = |word| unit_meant(word).map(|meant| (meant.word, meant.clear));
+        let kinds = [
+            QuantityKind::TIME,
+            QuantityKind::MASS,
+            QuantityKind::RATE,
+            QuantityKind::TICKS,
+            QuantityKind::VISCOSITY,
+        ];
+        let meant = |word| unit_meant(word, &kinds).map(|meant| (meant.word, meant.clear));
         let clear = |word: &str| Some((word.to_owned(), true));
         assert_eq!(meant("seconds"), clear("s"));
         assert_eq!(meant("KG"), clear("kg"));
         assert_eq!(meant("khz"), clear("kHz"));
         assert_eq!(meant("tics"), clear("ticks"));
         assert_eq!(meant("mss"), Some(("ms".to_owned(), false)));
+        assert_eq!(meant("mPas"), clear("mPa s"));
         assert_eq!(meant("furlong"), None);
+    }
+
+    /// Words of the laboratory, and the symbols of all units with a letter more, less or changed.
+    fn words() -> Vec<String> {
+        let odd = [
+            "mcg", "mcm", "mcL", "mbr", "torr", "cst", "cSt", "kgm", "Nm", "Ns", "mPas", "ccm",
+            "rps", "rps", "hz", "PSI", "lbs", "gauss", "oe", "c", "f", "mol", "mM", "dm", "hPa",
+        ];
+        let mut words: Vec<String> = odd.map(str::to_owned).to_vec();
+        for unit in symbols() {
+            words.push(unit.to_uppercase());
+            words.extend(["m", "a", "s"].map(|letter| format!("{unit}{letter}")));
+            words.extend(["m", "c", "x"].map(|letter| format!("{letter}{unit}")));
+            words.extend(unit.char_indices().map(|(i, _)| {
+                let (before, behind) = unit.split_at(i);
+                format!("{before}x{}", behind.get(1..).unwrap_or_default())
+            }));
+        }
+        words
+    }
+
+    #[test]
+    fn what_is_suggested_has_the_dimension_that_is_expected() {
+        let words = words();
+        for kind in QuantityKind::ALL {
+            let suggested = words.iter().filter_map(|word| unit_meant(word, &[*kind]));
+            for meant in suggested {
+                let text = format!("1 {}", meant.word);
+                let (_, dimension) = WrittenQuantity::of(&text).unwrap().to_si();
+                assert_eq!(dimension, kind.dimension, "{text} for {}", kind.noun);
+            }
+        }
+    }
+
+    #[test]
+    fn foreign_units_are_converted() {
+        for (values, word, written) in [
+            (&[2.0][..], "mmHg", "266.64477483 Pa"),
+            (&[1.0], "atm", "101325 Pa"),
+            (&[20.0], "degC", "293.15 K"),
+            (&[68.0], "degF", "293.15 K"),
+            (&[1.0, 3.0], "inch", "2.54 .. 7.62 cm"),
+        ] {
+            assert_eq!(converted(values, word, &[]).as_deref(), Some(written));
+        }
+        assert_eq!(converted(&[1.0], "furlong", &[]), None);
+        assert_eq!(converted(&[1.0], "atm", &[QuantityKind::LENGTH]), None);
     }
 }

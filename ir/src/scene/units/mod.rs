@@ -1,39 +1,46 @@
 //! Units of the values of a scene, in powers of the base units.
 mod meant;
+mod scale;
 mod written;
 
-pub use meant::{UNITS, unit_meant};
+pub use meant::{UNITS, converted, unit_meant};
+pub use scale::Scale;
 pub use written::WrittenQuantity;
 
 /// Powers of kilogram, metre, second, ampere and kelvin, and of the tick, the scene's own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dimension(pub(in crate::scene) [i8; 6]);
 
-const TURN: f64 = std::f64::consts::TAU;
-
-/// The units that the grammar knows, each with its size in SI units and its dimension.
-pub const BASES: [(&str, f64, Dimension); 21] = [
-    ("m", 1.0, Dimension::LENGTH),
-    ("g", 1e-3, Dimension::MASS),
-    ("s", 1.0, Dimension::TIME),
-    ("min", 60.0, Dimension::TIME),
-    ("h", 3600.0, Dimension::TIME),
-    ("Hz", 1.0, Dimension::RATE),
-    ("N", 1.0, Dimension::FORCE),
-    ("Pa", 1.0, Dimension::PRESSURE),
-    ("J", 1.0, Dimension([1, 2, -2, 0, 0, 0])),
-    ("W", 1.0, Dimension::POWER),
-    ("L", 1e-3, Dimension([0, 3, 0, 0, 0, 0])),
-    ("K", 1.0, Dimension::TEMPERATURE),
-    ("A", 1.0, Dimension([0, 0, 0, 1, 0, 0])),
-    ("T", 1.0, Dimension([1, 0, -2, -1, 0, 0])),
-    ("V", 1.0, Dimension([1, 2, -3, -1, 0, 0])),
-    ("rev", TURN, Dimension::NUMBER),
-    ("rad", 1.0, Dimension::NUMBER),
-    ("deg", TURN / 360.0, Dimension::NUMBER),
-    ("ticks", 1.0, Dimension::TICKS),
-    ("tick", 1.0, Dimension::TICKS),
-    ("%", 1e-2, Dimension::NUMBER),
+/// The units that the grammar reads, each with its size in SI units and its dimension.
+pub const BASES: [(&str, Scale, Dimension); 24] = [
+    ("m", Scale::ONE, Dimension::LENGTH),
+    ("g", Scale::ONE.tens(-3), Dimension::MASS),
+    ("s", Scale::ONE, Dimension::TIME),
+    ("min", Scale::SIXTY, Dimension::TIME),
+    ("h", Scale::SIXTY.times(Scale::SIXTY, 1), Dimension::TIME),
+    ("Hz", Scale::ONE, Dimension::RATE),
+    ("rpm", Scale::TURN.times(Scale::SIXTY, -1), Dimension::RATE),
+    ("N", Scale::ONE, Dimension::FORCE),
+    ("Pa", Scale::ONE, Dimension::PRESSURE),
+    ("bar", Scale::ONE.tens(5), Dimension::PRESSURE),
+    ("P", Scale::ONE.tens(-1), Dimension::VISCOSITY),
+    ("J", Scale::ONE, Dimension([1, 2, -2, 0, 0, 0])),
+    ("W", Scale::ONE, Dimension::POWER),
+    ("L", Scale::ONE.tens(-3), Dimension([0, 3, 0, 0, 0, 0])),
+    ("K", Scale::ONE, Dimension::TEMPERATURE),
+    ("A", Scale::ONE, Dimension([0, 0, 0, 1, 0, 0])),
+    ("T", Scale::ONE, Dimension([1, 0, -2, -1, 0, 0])),
+    ("V", Scale::ONE, Dimension([1, 2, -3, -1, 0, 0])),
+    ("rev", Scale::TURN, Dimension::NUMBER),
+    ("rad", Scale::ONE, Dimension::NUMBER),
+    (
+        "deg",
+        Scale::TURN.times(Scale::SIXTY, -2).tens(1),
+        Dimension::NUMBER,
+    ),
+    ("ticks", Scale::ONE, Dimension::TICKS),
+    ("tick", Scale::ONE, Dimension::TICKS),
+    ("%", Scale::ONE.tens(-2), Dimension::NUMBER),
 ];
 
 /// What may stand before a unit.
@@ -41,13 +48,13 @@ pub const BASES: [(&str, f64, Dimension); 21] = [
 pub struct Prefix {
     /// How it is written.
     pub sign: char,
-    /// What it stands for.
-    pub power: f64,
+    /// The power of ten that it stands for.
+    pub power: i32,
     /// Whether it is in common use, so that units are suggested with it.
     pub is_common: bool,
 }
 
-const fn prefix(sign: char, power: f64, is_common: bool) -> Prefix {
+const fn prefix(sign: char, power: i32, is_common: bool) -> Prefix {
     Prefix {
         sign,
         power,
@@ -57,18 +64,18 @@ const fn prefix(sign: char, power: f64, is_common: bool) -> Prefix {
 
 /// The prefixes that the grammar knows, the most frequent first.
 pub const PREFIXES: [Prefix; 11] = [
-    prefix('m', 1e-3, true),
-    prefix('k', 1e3, true),
-    prefix('c', 1e-2, true),
-    prefix('u', 1e-6, true),
-    prefix('n', 1e-9, true),
-    prefix('M', 1e6, true),
-    prefix('G', 1e9, true),
-    prefix('\u{b5}', 1e-6, false),
+    prefix('m', -3, true),
+    prefix('k', 3, true),
+    prefix('c', -2, true),
+    prefix('u', -6, true),
+    prefix('n', -9, true),
+    prefix('M', 6, true),
+    prefix('G', 9, true),
+    prefix('\u{b5}', -6, false),
     // The Greek letter, which looks the same.
-    prefix('\u{3bc}', 1e-6, false),
-    prefix('p', 1e-12, false),
-    prefix('f', 1e-15, false),
+    prefix('\u{3bc}', -6, false),
+    prefix('p', -12, false),
+    prefix('f', -15, false),
 ];
 
 impl Dimension {
@@ -81,46 +88,30 @@ impl Dimension {
     }
 }
 
-/// A value in a unit, such as `[("N", 1), ("m", -1)]`, in SI units, with its dimension.
-pub fn to_si<'a>(
-    mut value: f64,
-    unit: impl IntoIterator<Item = (&'a str, i8)>,
-) -> (f64, Dimension) {
-    let mut dimension = Dimension::NUMBER;
+/// Converts a value in a unit, such as `[("N", 1), ("m", -1)]`, to SI units. Returns it with its dimension.
+pub fn to_si<'a>(value: f64, unit: impl IntoIterator<Item = (&'a str, i8)>) -> (f64, Dimension) {
+    let (mut scale, mut dimension) = (Scale::ONE, Dimension::NUMBER);
     for (symbol, power) in unit {
-        let (scale, base) = factor(symbol);
-        // One multiplication or division by a power of ten keeps `20cm` the nearest double to 0.2.
-        let parts = scale.recip().round();
-        if scale < 1.0 && (parts * scale - 1.0).abs() < 1e-9 {
-            value /= parts.powi(i32::from(power));
-        } else {
-            value *= scale.powi(i32::from(power));
-        }
+        let (size, base) = factor(symbol);
+        scale = scale.times(size, i32::from(power));
         dimension = dimension.times(base, power);
     }
-    (value, dimension)
+    (scale.apply(value), dimension)
 }
 
 /// The size in SI units and the dimension of a symbol that the grammar lets through.
-fn factor(symbol: &str) -> (f64, Dimension) {
-    if let Some(base) = base(symbol) {
-        return base;
-    }
-    let Some(prefix) = symbol.chars().next() else {
-        return (1.0, Dimension::NUMBER);
+fn factor(symbol: &str) -> (Scale, Dimension) {
+    let base = |symbol: &str| {
+        let known = BASES.iter().find(|(base, ..)| *base == symbol);
+        known.map(|&(_, size, dimension)| (size, dimension))
     };
-    let (scale, dimension) = base(&symbol[prefix.len_utf8()..]).unwrap_or((1.0, Dimension::NUMBER));
-    // A gram is the one base with a scale below one; its own kilo makes exactly one.
-    if (prefix, symbol) == ('k', "kg") {
-        return (1.0, dimension);
-    }
-    let power = PREFIXES.iter().find(|it| it.sign == prefix);
-    (scale * power.map_or(1.0, |it| it.power), dimension)
-}
-
-fn base(symbol: &str) -> Option<(f64, Dimension)> {
-    let known = BASES.iter().find(|(base, ..)| *base == symbol);
-    known.map(|&(_, scale, dimension)| (scale, dimension))
+    let prefixed = || {
+        let prefix = PREFIXES.iter().find(|it| symbol.starts_with(it.sign))?;
+        let (size, dimension) = base(&symbol[prefix.sign.len_utf8()..])?;
+        Some((size.tens(prefix.power), dimension))
+    };
+    let known = base(symbol).or_else(prefixed);
+    known.unwrap_or((Scale::ONE, Dimension::NUMBER))
 }
 
 #[cfg(test)]

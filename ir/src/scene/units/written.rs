@@ -1,5 +1,5 @@
 //! A value that stands alone, read as the language reads it in a scene.
-use super::{BASES, Dimension, PREFIXES, UNITS, to_si, unit_meant};
+use super::{BASES, Dimension, PREFIXES, UNITS, converted, to_si, unit_meant};
 
 /// A number with its unit, such as `4.5 N`.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,8 +34,10 @@ impl<'a> WrittenQuantity<'a> {
             return Err(none());
         }
         if !word.is_empty() {
-            let help = unit_meant(word).map_or(UNITS.to_owned(), |meant| meant.help());
-            return Err(format!("`{word}` is no unit; {help}"));
+            let converted = converted(&[value], word, &[]).map(|text| format!("write `{text}`"));
+            let meant = || unit_meant(word, &[]).map(|meant| meant.help());
+            let help = converted.or_else(meant).unwrap_or_else(|| UNITS.to_owned());
+            return Err(format!("`{word}` is not a unit; {help}"));
         }
         Ok(WrittenQuantity {
             value,
@@ -181,7 +183,11 @@ mod tests {
             assert!(told.contains("is no value"), "{text}: {told}");
         }
         let told = |text| WrittenQuantity::of(text).unwrap_err();
-        assert_eq!(told("3 newton"), "`newton` is no unit; did you mean `N`?");
+        assert_eq!(
+            told("3 newton"),
+            "`newton` is not a unit; did you mean `N`?"
+        );
+        assert_eq!(told("2 atm"), "`atm` is not a unit; write `202650 Pa`");
         assert!(told("3 furlongs").contains("of the SI"));
     }
 }
