@@ -23,7 +23,7 @@ use stochc_ir::record::Outcome;
 use super::finished::Finished;
 use super::journal_error::JournalError;
 use super::journal_line::{line, read_line};
-use super::record_validation::inconsistency;
+use super::record_validation::RecordValidator;
 use super::records::Records;
 use super::{EnsembleProgram, Manifest};
 
@@ -122,9 +122,10 @@ pub(super) fn read(
     let mut places = Vec::new();
     let (mut shortest, mut damage) = (Shortest::default(), Vec::new());
     let most = most_line(manifest);
+    let validator = RecordValidator::new(manifest);
     (stored.whole, stored.is_sealed) =
         read_lines(path, &JournalHeader::of(identity), most, |line| {
-            match run(line.text, line.is_sealed, manifest) {
+            match run(line.text, line.is_sealed, &validator) {
                 Ok(finished) => {
                     places.push(finished.at(0, line.at));
                     shortest.offer(finished);
@@ -244,7 +245,11 @@ pub(super) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
 }
 
 /// The run of a line, or what is wrong with it.
-pub(super) fn run(line: &[u8], is_sealed: bool, manifest: &Manifest) -> Result<Finished, String> {
+pub(super) fn run(
+    line: &[u8],
+    is_sealed: bool,
+    validator: &RecordValidator<'_>,
+) -> Result<Finished, String> {
     let damaged = || "is damaged".to_owned();
     match checksum::check(line) {
         LineIntegrity::Sound => {}
@@ -252,8 +257,8 @@ pub(super) fn run(line: &[u8], is_sealed: bool, manifest: &Manifest) -> Result<F
         LineIntegrity::Unsealed if !is_sealed => {}
         LineIntegrity::Damaged | LineIntegrity::Unsealed => return Err(damaged()),
     }
-    let finished = serde_json::from_slice(line).map_err(|_| damaged())?;
-    match inconsistency(manifest, &finished) {
+    let finished: Finished = serde_json::from_slice(line).map_err(|_| damaged())?;
+    match validator.inconsistency(finished.program, &finished.record) {
         Some(reason) => Err(format!("says what cannot be: {reason}")),
         None => Ok(finished),
     }
@@ -274,6 +279,7 @@ pub(super) fn salvaged(
     // Where the first line is sound, it says whose the others are; where it is not, nobody says. Without checksums are those behind
     // a first line without one alone: of another journal they have lost theirs.
     let most = most_line(manifest);
+    let validator = RecordValidator::new(manifest);
     let mut count = read_or_end(&mut file, most, &mut next)?;
     let mut is_sealed = true;
     if let Ok(header) = serde_json::from_slice::<JournalHeader>(&next) {
@@ -287,7 +293,7 @@ pub(super) fn salvaged(
     // The first line may have lost its end, and be the first run as well.
     while count > 0 {
         let whole = next.strip_suffix(b"\n").unwrap_or(&next);
-        if let Ok(finished) = run(whole, is_sealed, manifest) {
+        if let Ok(finished) = run(whole, is_sealed, &validator) {
             text.extend(line(&finished).into_bytes());
         }
         next.clear();

@@ -57,6 +57,7 @@ mod manifest;
 mod pairwise;
 mod parquet;
 mod pending_runs;
+mod program_events;
 mod program_run;
 mod progress;
 mod record_json;

@@ -1,38 +1,63 @@
 //! What a record can say, and what no run of its program can have done.
-use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::record::{Origin, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
 use super::Manifest;
-use super::finished::Finished;
+use super::program_events::ProgramEvents;
 
-/// Why a line is of no run of the manifest; `None`: it may be.
-pub(super) fn inconsistency(manifest: &Manifest, finished: &Finished) -> Option<String> {
-    let Some(program) = manifest.programs.get(finished.program) else {
-        return Some(format!("there is no program {}", finished.program));
-    };
-    let record = &finished.record;
-    if record.run >= manifest.runs {
-        return Some(manifest.no_such_run(record.run));
-    }
-    let ticks = record.ticks;
-    match manifest.settings.max_ticks {
-        Some(limit) if ticks > limit => {
-            return Some(format!("{ticks} ticks are beyond `--max-ticks` ({limit})"));
+/// Checks what records claim against the programs of a manifest.
+pub(super) struct RecordValidator<'m> {
+    manifest: &'m Manifest,
+    programs: Vec<ProgramEvents<'m>>,
+}
+
+impl<'m> RecordValidator<'m> {
+    pub fn new(manifest: &'m Manifest) -> RecordValidator<'m> {
+        let programs = manifest.programs.iter();
+        RecordValidator {
+            manifest,
+            programs: programs.map(ProgramEvents::new).collect(),
         }
-        _ => {}
     }
-    if times(record).any(|tick| tick > ticks) {
-        return Some("something happens after its end".to_owned());
+
+    /// Returns why a record is not of a run of the manifest. `None`: it may be.
+    pub fn inconsistency(&self, number: usize, record: &RunRecord) -> Option<String> {
+        let Some(program) = self.manifest.programs.get(number) else {
+            return Some(format!("there is no program {number}"));
+        };
+        if record.run >= self.manifest.runs {
+            return Some(self.manifest.no_such_run(record.run));
+        }
+        let ticks = record.ticks;
+        match self.manifest.settings.max_ticks {
+            Some(limit) if ticks > limit => {
+                return Some(format!("{ticks} ticks are beyond `--max-ticks` ({limit})"));
+            }
+            _ => {}
+        }
+        if times(record).any(|tick| tick > ticks) {
+            return Some("something happens after its end".to_owned());
+        }
+        let phases = program.phases().len();
+        let is_phase = |phase: PhaseId| (phase.0 as usize) < phases;
+        if record.phase_ticks.len() > phases || !phases_of(record).all(is_phase) {
+            return Some("its program has no such phase".to_owned());
+        }
+        let free = program.scene.free.count;
+        if bodies(record).any(|body| body >= free) {
+            return Some("its scene has no such block".to_owned());
+        }
+        // An aggregate has no roles, and no blocks that take one.
+        if program.tables().aggregate.is_some() {
+            return None;
+        }
+        let is_role = |role: RoleId| (role.0 as usize) < program.roles().len();
+        if !roles(record).all(is_role) {
+            return Some("its program has no such role".to_owned());
+        }
+        let order = self.programs[number].check(record);
+        order.err().map(str::to_owned)
     }
-    let phases = program.phases().len();
-    let is_phase = |phase: PhaseId| (phase.0 as usize) < phases;
-    let is_role = |role: &RoleId| (role.0 as usize) < program.roles().len();
-    if record.phase_ticks.len() > phases || !phases_of(record).all(is_phase) {
-        return Some("its program has no such phase".to_owned());
-    }
-    // An aggregate has no roles, and no blocks that take one.
-    let known = program.tables().aggregate.is_some() || roles(record).all(|role| is_role(&role));
-    (!known).then(|| "its program has no such role".to_owned())
 }
 
 /// All times of a record, but that of its end.
@@ -61,7 +86,17 @@ fn phases_of(record: &RunRecord) -> impl Iterator<Item = PhaseId> {
         .chain(end)
 }
 
+fn bodies(record: &RunRecord) -> impl Iterator<Item = u32> {
+    (record.bonds.iter().map(|bond| bond.body))
+        .chain(record.releases.iter().map(|release| release.body))
+        .chain(record.unplanned_bonds.iter().map(|bond| bond.body))
+}
+
 fn roles(record: &RunRecord) -> impl Iterator<Item = RoleId> {
+    let origins = record.bonds.iter().filter_map(|bond| match bond.origin {
+        Origin::Free => None,
+        Origin::Released { role, .. } => Some(role),
+    });
     (record
         .bonds
         .iter()
@@ -74,4 +109,5 @@ fn roles(record: &RunRecord) -> impl Iterator<Item = RoleId> {
     )
     .chain(record.releases.iter().flat_map(|it| [it.parent, it.child]))
     .chain(record.unplanned_bonds.iter().map(|bond| bond.parent))
+    .chain(origins)
 }

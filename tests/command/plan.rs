@@ -569,3 +569,50 @@ assembly x {
     let checked = stochc_with("check", &[&all]);
     assert_eq!(checked.status, 0, "{}", checked.err);
 }
+
+/// A forged line with a valid checksum is left out if no run of the program can have made it.
+#[test]
+fn a_forged_record_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = path(folder.path(), "results");
+    let program = path(folder.path(), "chain.sa");
+    let text =
+        "assembly a { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up -> A.up -> B.up -> C } }";
+    fs::write(&program, text).unwrap();
+    let options = "simulate --model shuffle --runs 1 --max-ticks 2 --quiet";
+    let said = stochc_with(options, &[&program, "--out", &results]);
+    assert_eq!(said.status, 3, "{}", said.err);
+    let journal = Path::new(&results).join("journal.jsonl");
+    let honest = fs::read_to_string(&journal).unwrap();
+    fs::remove_file(Path::new(&results).join("checksums.json")).unwrap();
+    for (index, key, value) in [
+        (1, "cell", serde_json::json!([0, 0, 0])),
+        (1, "cell", serde_json::json!([7, 7, 7])),
+        (0, "parent", 2.into()),
+        (1, "parent", 2.into()),
+        (1, "child", 1.into()),
+        (1, "face", "east".into()),
+        (1, "magnetized", 0.into()),
+        (1, "body", 100_000.into()),
+    ] {
+        let (header, line) = honest.trim_end().split_once('\n').unwrap();
+        let mut line: serde_json::Value = serde_json::from_str(line).unwrap();
+        line.as_object_mut().unwrap().remove("crc");
+        assert!(line["record"]["bonds"][index][key] != value);
+        line["record"]["bonds"][index][key] = value.clone();
+        let forged = stochc::files::checksum::sealed(line.to_string());
+        fs::write(&journal, format!("{header}\n{forged}\n")).unwrap();
+        for command in ["plan --run 0 --budget 5", "results", "replay --run 0"] {
+            let said = stochc_with(command, &[&results]);
+            let told = "says what cannot be";
+            assert!(
+                said.err.contains(told),
+                "{command}, {key} {value}: {}",
+                said.err
+            );
+        }
+    }
+    fs::write(&journal, &honest).unwrap();
+    let said = stochc_with("plan --run 0 --budget 5", &[&results]);
+    assert_eq!(said.status, 0, "{}", said.err);
+}

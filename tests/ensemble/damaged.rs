@@ -203,6 +203,11 @@ fn what_cannot_be_is_told_and_left_out() {
         ("\"run\":0", "\"run\":4", "run 4 is not among runs 0..3"),
         ("\"child\":1", "\"child\":7", "no such role"),
         ("\"phase\":0", "\"phase\":7", "no such phase"),
+        ("\"cell\":[-1,0,1]", "\"cell\":[0,0,0]", "no such event"),
+        ("\"face\":\"up\"", "\"face\":\"down\"", "no such event"),
+        ("\"phase\":0", "\"phase\":1", "no such event"),
+        ("\"body\":", "\"body\":9999", "no such block"),
+        ("\"role\":1", "\"role\":9", "no such role"),
     ] {
         let changed = first.replacen(what, with, 1);
         assert_ne!(changed, first, "{what}");

@@ -116,19 +116,25 @@ pub fn manifest(runs: u64) -> Manifest {
     )
 }
 
-/// B on A in the first phase, and C on B in the second.
+/// B on A in the first phase; in the second, C on B, and B is released.
 fn graph() -> EventGraph {
-    let event = |phase, child: u32| GraphEvent {
+    let capture = |phase, child: u32| GraphEvent {
         phase: PhaseId(phase),
         action: EventAction::Capture {
             parent: RoleId(child - 1),
             face: Face::Up,
             child: RoleId(child),
         },
-        cell: Some(Cell::new(0, 0, child as i32)),
+        cell: Some(Cell::new(-1, 0, child as i32)),
+    };
+    let release = GraphEvent {
+        phase: PhaseId(1),
+        action: EventAction::Release { child: RoleId(1) },
+        cell: Some(Cell::new(-1, 0, 1)),
     };
     let chains = vec![vec![EventId(0)], vec![EventId(1)]];
-    EventGraph::new(vec![event(0, 1), event(1, 2)], Vec::new(), chains)
+    let events = vec![capture(0, 1), capture(1, 2), release];
+    EventGraph::new(events, Vec::new(), chains)
 }
 
 /// SplitMix64 of the run's number and what the draw is for.
@@ -238,6 +244,7 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
             record.phase_ticks.clear();
             record.bonds.clear();
             record.waiting.clear();
+            record.releases.clear();
             record.outcome = Outcome::Failed {
                 phase: PhaseId(0),
                 reason: "block 7 left the world".into(),

@@ -13,6 +13,7 @@ use super::events::{Seeds, TimedEvent};
 use super::format::{
     DONE, EVENTS, POSES, RecordingError, RecordingHeader, inflate, read_header, read_section,
 };
+use crate::record_validation::RecordValidator;
 use crate::{Finished, Manifest};
 
 /// What a recording is of, and what came of the run.
@@ -66,7 +67,7 @@ impl Outline {
         &self.record
     }
 
-    /// Whether it is that of a run of an ensemble, of which these runs are finished.
+    /// Whether it is that of a run of an ensemble: the one that is `known`, or one that its program can have had.
     pub fn is_of(
         &self,
         manifest: &Manifest,
@@ -76,7 +77,13 @@ impl Outline {
     ) -> bool {
         self.header.ensemble == manifest.identity()
             && (self.header.program, self.header.run) == (program, run)
-            && known.is_none_or(|known| known.record == self.record)
+            && match known {
+                Some(known) => known.record == self.record,
+                None => {
+                    let validator = RecordValidator::new(manifest);
+                    validator.inconsistency(program, &self.record).is_none()
+                }
+            }
     }
 }
 

@@ -17,6 +17,7 @@ use crate::journal::{self, Journal, JournalHeader, Shortest};
 use crate::journal_line::line as journal_line;
 use crate::line_location::LineLocation;
 use crate::pending_runs::{self, PendingRuns, job};
+use crate::record_validation::RecordValidator;
 use crate::records::Records;
 use crate::run::{check_again, journaled};
 use crate::{
@@ -228,10 +229,11 @@ impl Piece {
         let mut shortest = Shortest::default();
         let most = journal::most_line(&self.manifest);
         let programs = self.manifest.programs.len() as u64;
+        let validator = RecordValidator::new(&self.manifest);
         for part in parts_of(&self.path, self.number).map_err(|it| in_folder(&self.path, it))? {
             let number = parts.len() as u32;
             let read = journal::read_lines(&part, &self.header, most, |line| {
-                let Ok(done) = journal::run(line.text, line.is_sealed, &self.manifest) else {
+                let Ok(done) = journal::run(line.text, line.is_sealed, &validator) else {
                     return;
                 };
                 let place = pending_runs::number(done.program, done.record.run, programs);
@@ -275,12 +277,13 @@ pub(super) fn read(
     let mut next = jobs.start;
     let (mut wrong, mut broken) = (None, None);
     let most = journal::most_line(manifest);
+    let validator = RecordValidator::new(manifest);
     let lines = journal::read_lines(file, header, most, |line| {
         if wrong.is_some() || broken.is_some() {
             return;
         }
         let number = line.number;
-        match journal::run(line.text, true, manifest) {
+        match journal::run(line.text, true, &validator) {
             Err(reason) => wrong = Some(format!("is damaged: its line {number} {reason}")),
             Ok(done) => {
                 let expected = job(next, programs);
