@@ -2,7 +2,7 @@
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::counted;
 use stochc_ir::scene::room::NoRoom;
-use stochc_ir::scene::{BondKind, Scene};
+use stochc_ir::scene::{BondKind, Enclosure, Scene};
 
 use crate::block_demand::first_beyond;
 use crate::diagnostic::{Code, Diagnostic};
@@ -158,6 +158,10 @@ fn check_terms(
         return;
     };
     let side = scene.block.side;
+    if let Some(diagnostic) = plate_outside(plan, enclosure, side) {
+        diagnostics.push(diagnostic);
+        return;
+    }
     let radius = enclosure.radius();
     let outside = plan
         .events
@@ -193,4 +197,21 @@ fn distinct(one: f64, other: f64) -> (String, String) {
     let differ = |(one, other): &(String, String)| one != other;
     let mut pairs = (2..17).map(written);
     pairs.find(differ).unwrap_or_else(|| written(17))
+}
+
+/// Compares the plate with the enclosure around it.
+fn plate_outside(plan: &ProgramPlan, enclosure: &Enclosure, side: f64) -> Option<Diagnostic> {
+    let (width, depth) = (plan.plate.width, plan.plate.depth);
+    let corner = f64::from(width).hypot(f64::from(depth)) / 2.0 * side;
+    let radius = enclosure.radius();
+    (corner > radius).then(|| {
+        let title = "the plate is larger than the enclosure";
+        let (corner, radius) = distinct(corner, radius);
+        let label = format!(
+            "the corners of its {width} x {depth} plate are {corner} m from the centre, beyond {radius} m"
+        );
+        Diagnostic::new(Code::OutsideEnclosure, title)
+            .label(plan.location, label)
+            .help("a scene with a larger radius, or a smaller plate")
+    })
 }
