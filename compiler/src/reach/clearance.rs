@@ -36,8 +36,8 @@ pub struct NarrowCaptures {
 /// Captures of a phase that are described.
 const MOST_SHOWN: usize = 5;
 
-/// Cells looked at to measure one gap.
-const FARTHEST: usize = 20_000;
+/// Cells looked at to measure one gap. The length of a longer gap is of no use.
+const FARTHEST: usize = 1_000;
 
 impl ReachAnalysis<'_> {
     /// The captures of a phase that come in through a gap, in their worst case.
@@ -199,6 +199,7 @@ impl ReachAnalysis<'_> {
                     SearchOutcome::Unknown => return None,
                 }
             }
+            self.warning.steps += 1 + self.occupancy.take_passed();
             if best.len() > FARTHEST || self.warning.is_spent() {
                 return None;
             }

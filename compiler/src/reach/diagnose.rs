@@ -1,8 +1,9 @@
 //! What is said of captures that cannot, or hardly, be reached.
-use stochc_ir::Face;
+use stochc_ir::{Face, counted};
 
 use super::closable_phase::ClosablePhase;
 use super::descendants::DescendantIndex;
+use super::edit::CaptureStatement;
 use super::occupancy::Has;
 use super::path_search::SearchOutcome;
 use super::sealed::BlockedCapture;
@@ -15,8 +16,8 @@ const MOST_WALLS: usize = 6;
 /// Events of an order that are written out.
 const MOST_EVENTS: usize = 12;
 
-/// Cells told of, at most, in one phase; more than anybody would read.
-const MOST_REPORTED: usize = 100;
+/// Captures of one phase that are described. The others are only counted.
+const MAX_DESCRIBED: usize = 100;
 
 /// What becomes of a capture that can be closed in.
 enum SealedOutcome {
@@ -63,12 +64,18 @@ impl ReachAnalysis<'_> {
             apart,
         };
         let most = match self.subject.trial {
-            Some(_) => MOST_REPORTED,
+            Some(_) => MAX_DESCRIBED,
             None => usize::MAX,
         };
         let mut told = 0;
-        for blocked in blocked.iter().filter(|blocked| blocked.is_shown) {
+        let mut shown = blocked.iter().filter(|blocked| blocked.is_shown);
+        while let Some(blocked) = shown.next() {
             if told == most {
+                let rest = 1 + shown.count();
+                report(
+                    diagnostics,
+                    self.more(Code::SealedCavity, blocked.capture, rest),
+                );
                 break;
             }
             if let Some(diagnostic) = self.sealed(&phase, blocked.capture) {
@@ -84,6 +91,13 @@ impl ReachAnalysis<'_> {
         if told == 0 {
             for blocked in blocked.iter().take(most) {
                 report(diagnostics, self.undecided(blocked.capture));
+            }
+            if let Some(next) = blocked.get(most) {
+                let rest = blocked.len() - most;
+                report(
+                    diagnostics,
+                    self.more(Code::ReachUndecided, next.capture, rest),
+                );
             }
         }
     }
@@ -221,6 +235,9 @@ impl ReachAnalysis<'_> {
                         format!("{other} after {name}")
                     })
                     .collect();
+                if later.iter().all(|&other| self.is_plain(other)) {
+                    return (format!("write {}\n", listed(&waits)), None);
+                }
                 let its_own = match waits.len() {
                     1 => "as a statement of its own",
                     _ => "as statements of their own",
@@ -313,6 +330,33 @@ impl ReachAnalysis<'_> {
             text.push_str(&format!(", and {more} more"));
         }
         text
+    }
+
+    /// Whether a capture is written as the first one of its statement, which makes no other one there.
+    fn is_plain(&self, id: EventId) -> bool {
+        let plan = self.subject.plan;
+        let location = plan.event(id).location;
+        let made = plan
+            .events
+            .iter()
+            .filter(|event| event.location == location);
+        made.take(2).count() == 1
+            && CaptureStatement::of(&self.subject, id).is_some_and(|it| it.is_first())
+    }
+
+    /// Counts further captures of a phase, from `first` on.
+    fn more(&self, code: Code, first: EventId, count: usize) -> Diagnostic {
+        let what = match code {
+            Code::SealedCavity => "may be walled in as well",
+            _ => "could not be decided either",
+        };
+        let plan = self.subject.plan;
+        let phase = plan.phase_of(first).map(|phase| &plan.phases[phase].name);
+        let phase = phase.map_or(String::new(), |name| format!(" of phase `{name}`"));
+        let captures = counted(count, "further capture");
+        Diagnostic::new(code, format!("{captures}{phase} {what}"))
+            .label(plan.event(first).location, "the first of them")
+            .help("fix the others and check again")
     }
 
     fn undecided(&self, id: EventId) -> Diagnostic {

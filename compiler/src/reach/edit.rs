@@ -40,6 +40,11 @@ impl<'a> CaptureStatement<'a> {
         (parent, &chain.links[link].place)
     }
 
+    /// Whether it is the first arrow of its chain, whose captures an `after` delays.
+    pub fn is_first(&self) -> bool {
+        self.link == 0
+    }
+
     /// As it is written.
     pub fn text(&self, subject: &SoundProgram<'a>) -> &'a str {
         let (parent, child) = self.places();
@@ -72,7 +77,7 @@ impl<'a> CaptureStatement<'a> {
             }
         }
         // Each name with how far it is from what is mostly meant.
-        let mut names = vec![(0, String::new())];
+        let mut names: Vec<(u64, String)> = vec![(0, String::new())];
         for (i, key) in path[from..].iter().enumerate() {
             let word = subject.symbols.word(key.word);
             if word.contains('#') {
@@ -93,7 +98,9 @@ impl<'a> CaptureStatement<'a> {
                 names = (names.iter())
                     .flat_map(|(cost, name)| {
                         (written.iter()).map(move |(extra, index)| {
-                            (cost + extra, format!("{name}{begin}{index}{end}"))
+                            // Mostly each counter stands in one index.
+                            let again = u64::from(begin == ", " && stands_in(name, index));
+                            (cost + extra + again, format!("{name}{begin}{index}{end}"))
                         })
                     })
                     .take(MOST_NAMES)
@@ -193,6 +200,12 @@ fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
             && segment.index.as_deref().map_or(0, <[Subscript]>::len) == usize::from(key.arity)
     });
     (is_written && from < path.len()).then_some(&path[from..])
+}
+
+/// Whether one of the indices of a name is this one.
+fn stands_in(name: &str, index: &str) -> bool {
+    let indices = name.rsplit('[').next().unwrap_or_default();
+    indices.split(", ").any(|other| other == index)
 }
 
 /// Finds counters from the indices in which they are written alone, or with a number added.

@@ -60,7 +60,7 @@ use stochc_grammar::tree::Assembly;
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::Cell;
 
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, report};
 use crate::expand::Patterns;
 use crate::graph::DependencyGraph;
 use crate::layout::Layout;
@@ -68,6 +68,7 @@ use crate::liveness::Liveness;
 use crate::order::Order;
 use crate::plan::{EventId, EventKind, ProgramPlan};
 use crate::{FileId, Sources, face_turns};
+use trial::Proposal;
 pub use trial::Trial;
 
 /// Cells that may be searched for every event, besides those that the limits say.
@@ -144,6 +145,7 @@ pub fn check(
             cancellation,
         },
         untouched: None,
+        proposed: Vec::new(),
     };
     let events = subject.order.by_phase(plan);
     for (number, events) in events.iter().enumerate() {
@@ -153,7 +155,15 @@ pub fn check(
         survey.phase(number, events, &descendants, diagnostics);
     }
     // A search that nobody waits for has been given up.
-    cancellation.check()
+    cancellation.check()?;
+    if survey.warning.is_spent() {
+        let title = "whether blocks come in through narrow gaps was not decided everywhere";
+        let diagnostic = Diagnostic::new(Code::ReachUndecided, title)
+            .label(plan.location, "the search for gaps has reached its limit")
+            .help("split the program, or build it in fewer phases");
+        report(diagnostics, diagnostic);
+    }
+    Ok(())
 }
 
 struct ReachAnalysis<'a> {
@@ -172,6 +182,8 @@ struct ReachAnalysis<'a> {
     trials: SearchEffort<'a>,
     /// The errors of the files as they are, once a remedy has been tried.
     untouched: Option<Vec<ReportedFinding>>,
+    /// Remedies that have been proposed, each with the errors that it leaves.
+    proposed: Vec<(Vec<ReportedFinding>, Proposal)>,
 }
 
 /// What is told of an error, without its places.

@@ -11,6 +11,7 @@ use crate::trial::OF_AN_EVENT;
 pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedFinding>> + 'a;
 
 /// Statements that have to wait for a block, and how that is written.
+#[derive(Clone)]
 pub struct Proposal {
     /// The statements as they are written, each with the name that it has to wait for.
     pub waits: Vec<(String, String)>,
@@ -32,6 +33,8 @@ struct DelayedStatement<'a> {
 const MOST_LISTS: usize = 6;
 /// Ways to write the name that are tried for one list.
 const MOST_WRITINGS: usize = 16;
+/// Writings that are tried after one that helps, for one that helps more.
+const MAX_BETTER: usize = 3;
 /// Events that a trial counts for, besides those of the program.
 const OVERHEAD: u64 = 250;
 
@@ -46,25 +49,53 @@ impl<'a> ReachAnalysis<'a> {
         title: &str,
     ) -> Option<Proposal> {
         let error = (Code::SealedCavity, title.to_owned());
+        // A change that has been proposed for another capture may help this one as well.
+        let before = self.untouched.as_deref().unwrap_or_default();
+        let is_gone = |after: &[ReportedFinding]| count(after, &error) < count(before, &error);
+        if let Some((_, known)) = self.proposed.iter().find(|(after, _)| is_gone(after)) {
+            return Some(known.clone());
+        }
         let plan = self.subject.plan;
         let mut lists = first;
         let mut barred: Vec<SourceLocation> = Vec::new();
         for i in 0..MOST_LISTS {
             let later = lists.get(i)?;
-            for mut delayed in self.writings(id, later) {
-                if !self.helps(&error, &delayed)? {
-                    continue;
+            // The writing that leaves the fewest errors, the likeliest first.
+            let mut best: Option<(Vec<ReportedFinding>, Vec<DelayedStatement<'a>>)> = None;
+            let mut tried = 0;
+            for delayed in self.writings(id, later) {
+                let Some(after) = self.errors_after(&error, &delayed) else {
+                    break;
+                };
+                let is_better = |after: &Vec<ReportedFinding>| {
+                    (best.as_ref()).is_none_or(|(least, _)| after.len() < least.len())
+                };
+                if let Some(after) = after.filter(is_better) {
+                    best = Some((after, delayed));
                 }
+                tried += usize::from(best.is_some());
+                let is_perfect = best.as_ref().is_some_and(|(after, _)| after.is_empty());
+                if is_perfect || tried > MAX_BETTER {
+                    break;
+                }
+            }
+            if best.is_none() && self.trials.is_spent() {
+                return None;
+            }
+            if let Some((mut after, mut delayed)) = best {
                 let mut i = 0;
                 while i < delayed.len() && delayed.len() > 1 {
                     let mut fewer = delayed.clone();
                     fewer.remove(i);
-                    match self.helps(&error, &fewer)? {
-                        true => delayed = fewer,
-                        false => i += 1,
+                    match self.errors_after(&error, &fewer) {
+                        Some(Some(left)) => (after, delayed) = (left, fewer),
+                        Some(None) => i += 1,
+                        None => break,
                     }
                 }
-                return Some(self.propose(phase, &delayed));
+                let proposal = self.propose(phase, &delayed);
+                self.proposed.push((after, proposal.clone()));
+                return Some(proposal);
             }
             // Another way out, by other statements.
             barred.extend(later.iter().map(|&other| plan.event(other).location));
@@ -153,8 +184,13 @@ impl<'a> ReachAnalysis<'a> {
         }
     }
 
-    /// Whether an error goes with a change, and no other comes; `None`: no more is tried.
-    fn helps(&mut self, error: &ReportedFinding, delayed: &[DelayedStatement<'a>]) -> Option<bool> {
+    /// Returns the errors that a change leaves, or `None` within if `error` does not go with it or another one comes.
+    /// `None`: no more is tried.
+    fn errors_after(
+        &mut self,
+        error: &ReportedFinding,
+        delayed: &[DelayedStatement<'a>],
+    ) -> Option<Option<Vec<ReportedFinding>>> {
         let trial = self.subject.trial.filter(|_| !self.trials.is_spent())?;
         let plan = self.subject.plan;
         self.trials.steps += (plan.events.len() + plan.steps / OF_AN_EVENT) as u64 + OVERHEAD;
@@ -162,14 +198,15 @@ impl<'a> ReachAnalysis<'a> {
             Some(before) => before,
             None => trial(&[])?,
         };
-        let helps = trial(&[&self.fix(delayed)]).is_some_and(|after| {
-            let times = |told: &[ReportedFinding], one: &ReportedFinding| {
-                told.iter().filter(|told| *told == one).count()
-            };
-            times(&after, error) < times(&before, error)
-                && (after.iter()).all(|one| times(&after, one) <= times(&before, one))
+        let left = trial(&[&self.fix(delayed)]).filter(|after| {
+            count(after, error) < count(&before, error)
+                && (after.iter()).all(|one| count(after, one) <= count(&before, one))
         });
         self.untouched = Some(before);
-        Some(helps)
+        Some(left)
     }
+}
+
+fn count(told: &[ReportedFinding], one: &ReportedFinding) -> usize {
+    told.iter().filter(|told| *told == one).count()
 }
