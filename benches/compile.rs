@@ -122,7 +122,10 @@ fn measure(text: &str) -> Measured {
     let checked = check_observed(
         "generated.sa",
         &mut reader,
-        Limits::default(),
+        Limits {
+            events: usize::MAX,
+            ..Limits::default()
+        },
         &LintLevels::default(),
         &mut done,
     );

@@ -117,7 +117,11 @@ assembly towers in vast {{
 "
     );
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
-    let checked = check("towers.sa", &mut reader, Limits::default());
+    let limits = Limits {
+        events: usize::MAX,
+        ..Limits::default()
+    };
+    let checked = check("towers.sa", &mut reader, limits);
     assert!(!checked.has_errors(), "{:?}\n{text}", checked.diagnostics);
     checked
 }

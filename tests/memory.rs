@@ -203,3 +203,37 @@ fn of_ensemble(runs: u64) -> usize {
     });
     bytes
 }
+
+/// Short texts at the limits of the language.
+#[test]
+fn no_short_text_takes_more_than_300_mib() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let scene = "scene w from hemisphere { free 10000000 uniform enclosure hemisphere { radius 1e7 m wall 250 N/m } }";
+    let seed = "seed plate 1 x 1 { M at (0, 0) }";
+    for text in [
+        format!("{scene} assembly a in w {{ {seed} phase p {{ M.up ->> T[1..499990] }} }}"),
+        format!(
+            "assembly a {{ {seed} shape s {{ layer 1..5000000 {{ # }} }} phase p {{ M.up ->> T[1..3] yields s }} }}"
+        ),
+        format!(
+            "{scene} assembly a in w {{ seed plate 6000 x 1 {{ for i in 0..5999 {{ S[i] at (i, 0) }} }} \
+             phase p {{ for i in 0..699 {{ S[i].up -> T[i] }} for i in 700..1399 {{ S[i].up -> T[i] after T[0..690] }} }} }}"
+        ),
+        format!(
+            "assembly a {{ seed plate 700 x 700 {{ for i in 0..699 {{ for j in 0..699 {{ S[i, j] at (i, j) }} }} }} }}"
+        ),
+        format!(
+            "{scene} assembly a in w {{ {seed} for i in 1..240000 {{ phase p[i] {{ M.up -> T[i] }} }} }}"
+        ),
+        format!(
+            "{scene} pattern p(b) {{ b.up -> T }} assembly a in w {{ seed plate 700 x 350 {{ \
+             for i in 0..699 {{ for j in 0..349 {{ S[i, j] at (i, j) }} }} }} phase q {{ \
+             for i in 0..230 {{ for j in 0..349 {{ p(S[i, j]) }} }} }} }}"
+        ),
+        format!("{scene} assembly a in w {{ {seed} phase p {{ M.up ->> T[1..9000000] }} }}"),
+    ] {
+        let (checked, bytes) = peak(|| checked(&text));
+        let codes: Vec<Code> = checked.diagnostics.iter().map(|it| it.code).collect();
+        assert!(bytes < 300 * MIB, "{} MiB: {text}: {codes:?}", bytes / MIB);
+    }
+}

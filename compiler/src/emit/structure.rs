@@ -11,7 +11,7 @@ use stochc_ir::{Cell, CellBounds, Json, counted};
 use crate::layout::Layout;
 use crate::placed_blocks::{PlacedBlock, placed_blocks};
 use crate::plan::ProgramPlan;
-use crate::shape::MOST_CELLS;
+use crate::shape::MAX_CELLS;
 
 /// The block in a cell.
 fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {
@@ -46,7 +46,7 @@ fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) ->
         ];
         let edges = edges.map(|(first, last)| (i64::from(last) - i64::from(first) + 1).max(0));
         let cells = edges.iter().map(|&edge| edge as u128).product::<u128>();
-        if cells > MOST_CELLS as u128 {
+        if cells > MAX_CELLS as u128 {
             writeln!(
                 out,
                 "// {} x {} x {} cells are more than a shape may have; `--format json` lists the blocks",

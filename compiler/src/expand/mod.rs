@@ -27,10 +27,13 @@ pub use probe::Probe;
 use scope::{BoundValue, Scope};
 use stochc_ir::table::{Plate, RoleId};
 
+/// Captures, releases and what else is written out. With so many, a check takes less than 300 MB.
+const MAX_EVENTS: usize = 500_000;
+
 /// How large a program may grow when it is written out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Captures and releases.
+    /// Captures, releases, seeds, names in `after`, instances, phases and claims, all together.
     pub events: usize,
     /// Statements that are looked at, loops with nothing in them included.
     pub steps: usize,
@@ -43,7 +46,7 @@ pub struct Limits {
 impl Limits {
     /// How far a program is followed while it is written.
     pub const EDITOR: Limits = Limits {
-        events: 1_000_000,
+        events: 200_000,
         steps: 10_000_000,
         search: 2_000_000,
         further: Some("stochc check"),
@@ -61,7 +64,7 @@ impl Limits {
 impl Default for Limits {
     fn default() -> Limits {
         Limits {
-            events: 10_000_000,
+            events: MAX_EVENTS,
             steps: 100_000_000,
             search: 2_000_000,
             further: None,
@@ -80,7 +83,7 @@ pub struct ExpansionBounds<'c> {
 
 /// A program with more than one in so many of the events that are allowed is counted before it is
 /// written out, so that one beyond all limits takes no memory.
-const UNCOUNTED: usize = 50;
+const UNCOUNTED: usize = 5;
 
 /// Loops, instances and blocks inside each other, at most.
 pub(crate) const MAX_NESTING: usize = 200;
@@ -219,8 +222,7 @@ struct ExpansionSize {
 }
 
 impl ExpansionSize {
-    /// The most of anything.
-    fn most(self) -> usize {
+    fn total(self) -> usize {
         let ExpansionSize {
             seeds,
             events,
@@ -229,9 +231,7 @@ impl ExpansionSize {
             phases,
             claims,
         } = self;
-        [seeds, events, afters, instances, phases, claims]
-            .into_iter()
-            .fold(0, usize::max)
+        seeds + events + afters + instances + phases + claims
     }
 }
 
@@ -415,7 +415,7 @@ impl<'a> Expander<'a, '_> {
         self.steps += 1;
         let most = self.limits;
         // What is written out beside the events takes memory as well.
-        let grown = self.grown.most().max(self.plan.roles.count());
+        let grown = self.grown.total().max(self.plan.roles.count());
         let told = self.diagnostics.len();
         if self.errors.0 != told {
             self.errors = (told, has_enough_errors(self.diagnostics));
@@ -439,7 +439,10 @@ impl<'a> Expander<'a, '_> {
             (most.steps, "statements")
         } else {
             self.outgrown = true;
-            (most.events, "blocks, captures and releases")
+            (
+                most.events,
+                "captures, releases, seeds and names in `after`",
+            )
         };
         let mut diagnostic = Diagnostic::new(
             Code::ExpansionLimit,
@@ -624,7 +627,8 @@ impl<'a> Expander<'a, '_> {
         let quantity = quantity?;
         let timeout = Timeout::of(quantity);
         if timeout.is_none() {
-            let (title, label, help) = if quantity.unit.is_empty() {
+            let lacks_unit = quantity.unit.is_empty() && quantity.value != 0.0;
+            let (title, label, help) = if lacks_unit {
                 (
                     "a timeout without its unit",
                     "ticks or seconds?",
@@ -639,7 +643,7 @@ impl<'a> Expander<'a, '_> {
                     "not a whole number below 9e15",
                     "write a whole number of ticks such as `40000 ticks`, or seconds".to_owned(),
                 )
-            } else if !Timeout::is_a_time(quantity) {
+            } else if quantity.value != 0.0 && !Timeout::is_a_time(quantity) {
                 (
                     "a timeout is a time",
                     "not a time",
