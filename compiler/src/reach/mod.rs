@@ -156,8 +156,8 @@ pub fn check(
     }
     // A search that nobody waits for has been given up.
     cancellation.check()?;
-    let is_reported = |code| diagnostics.iter().any(|diagnostic| diagnostic.code == code);
-    if survey.warning.is_spent() && !is_reported(Code::ReachUndecided) {
+    let is_undecided = |diagnostic: &Diagnostic| diagnostic.code == Code::ReachUndecided;
+    if survey.warning.is_spent() && !diagnostics.iter().any(is_undecided) {
         let title = "whether blocks come in through narrow gaps was not decided everywhere";
         let diagnostic = Diagnostic::new(Code::ReachUndecided, title)
             .label(plan.location, "the search for gaps has reached its limit")
