@@ -1,7 +1,9 @@
 //! What is known of a file and its programs.
 use stochc_grammar::Symbols;
 use stochc_grammar::tree::Tree;
+use stochc_ir::JamRisk;
 use stochc_ir::scene::Scene;
+use stochc_ir::scene::warnings::SceneWarning;
 use stochc_ir::table::Tables;
 
 use crate::diagnostic::Diagnostic;
@@ -50,6 +52,10 @@ pub struct Program {
     /// The tables of a program that is right but for circles and cells out of reach: to show how
     /// it gets stuck, not to be run.
     pub stuck: Option<Tables>,
+    /// The reasons why the scene does not work, whether or not they are allowed.
+    pub scene_warnings: Vec<SceneWarning>,
+    /// Reasons why blocks may jam. The rate model leaves them out.
+    pub jam_risks: Vec<JamRisk>,
 }
 
 impl Checked {

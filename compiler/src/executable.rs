@@ -41,6 +41,7 @@ impl Program {
             tables: self.tables?,
             scene: self.scene?,
             graph,
+            jam_risks: self.jam_risks,
         })
     }
 }

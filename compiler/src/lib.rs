@@ -46,8 +46,10 @@ mod proof;
 mod reach;
 mod reader;
 pub mod scene;
+mod scene_check;
 mod scenes;
 mod shape;
+mod short_timeout;
 mod source;
 pub mod source_map;
 mod trial;
@@ -66,5 +68,6 @@ pub use program::{Stage, check, check_cancellable, check_changed, check_observed
 pub use proof::Proof;
 pub use reader::Reader;
 pub use shape::cells as shape_cells;
+pub use short_timeout::MAX_ESTIMATED;
 pub use source::{FileId, SourceFile, SourceLocation, Sources};
 pub use stochc_grammar::{Cancellation, Cancelled, Span, Symbols};

@@ -2,6 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Item, ItemKind, LintDirective, LintDirectiveKind};
 use stochc_grammar::{Span, Symbols};
+use stochc_ir::scene::warnings::Stepping;
 use stochc_ir::suggest::nearest;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, report};
@@ -20,9 +21,20 @@ pub enum Level {
 }
 
 /// The levels of the warnings where the files say nothing; every one is told by default.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LintLevels {
     said: Vec<(Option<Code>, Level)>,
+    /// The steps that scenes are checked for. `None`: runs have no physics.
+    stepping: Option<Stepping>,
+}
+
+impl Default for LintLevels {
+    fn default() -> LintLevels {
+        LintLevels {
+            said: Vec::new(),
+            stepping: Some(Stepping::DEFAULT),
+        }
+    }
 }
 
 impl LintLevels {
@@ -30,6 +42,22 @@ impl LintLevels {
     /// error is fixed, and saying otherwise has no effect.
     pub fn set(&mut self, code: Option<Code>, level: Level) {
         self.said.push((code, level));
+    }
+
+    /// The same levels for runs with other steps, or without physics (`None`).
+    #[must_use]
+    pub fn for_runs(self, stepping: Option<Stepping>) -> LintLevels {
+        LintLevels { stepping, ..self }
+    }
+
+    /// The steps that scenes are checked for. `None`: runs have no physics.
+    pub(crate) fn stepping(&self) -> Option<Stepping> {
+        self.stepping
+    }
+
+    /// Whether a check finds every warning of this code.
+    fn are_about(&self, code: Code) -> bool {
+        !code.is_of_runs() || self.stepping == Some(Stepping::DEFAULT)
     }
 
     /// The level of a warning.
@@ -197,6 +225,7 @@ impl FileLevels {
                 let unused = |set: &&Set| {
                     set.reported
                         && !set.used
+                        && levels.are_about(set.code)
                         && set.verdict == LintDirectiveKind::Allow
                         && (set.code == Code::UnusedAllow) == about_itself
                 };

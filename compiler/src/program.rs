@@ -2,7 +2,9 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
+use stochc_ir::JamRisk;
 use stochc_ir::scene::scalars::{self, ScalarChange};
+use stochc_ir::scene::warnings::Stepping;
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_rates::Rates;
 
@@ -19,7 +21,7 @@ use crate::reader::Reader;
 use crate::scenes::Scenes;
 use crate::{
     FileId, SourceLocation, Sources, capacity, face_turns, graph, layout, liveness, lower, order,
-    reach, scene, shape, trial, unplanned_bonds, unused,
+    reach, scene, scene_check, shape, short_timeout, trial, unplanned_bonds, unused,
 };
 
 /// A step of the pipeline, in the order of work.
@@ -180,6 +182,7 @@ fn check_all(
         readable,
         bounds,
         changes,
+        stepping: levels.stepping(),
         is_trial,
     };
     let trees = loaded.modules.iter();
@@ -252,6 +255,8 @@ struct About<'a> {
     bounds: ExpansionBounds<'a>,
     /// Other numbers for the scene of the one of this name.
     changes: (&'a str, &'a [ScalarChange]),
+    /// The steps that scenes are checked for. `None`: runs have no physics.
+    stepping: Option<Stepping>,
     /// A change is tried: only what is wrong and where matters, not what helps.
     is_trial: bool,
 }
@@ -315,10 +320,12 @@ fn programs(
             ItemKind::Aggregate(aggregate) => (aggregate.name, aggregate.scene),
             _ => continue,
         };
-        let location = SourceLocation {
+        let at = |span| SourceLocation {
             file: own.file,
-            span: name.span,
+            span,
         };
+        let location = at(name.span);
+        let scene_location = scene.map_or(location, |scene| at(scene.span));
         if let Some(old) = seen.insert(name.symbol, location) {
             let name = symbols.word(name.symbol);
             report(
@@ -345,8 +352,13 @@ fn programs(
                 let written = (own.file, &**aggregate);
                 let plan = expand_aggregate(&declarations, written, sources, symbols, &mut errors);
                 let wrong = !readable || diagnostics.iter().any(Diagnostic::is_error);
-                let program =
+                let checked = scene.as_ref().zip(about.stepping);
+                let scene_warnings = checked.map(|(scene, stepping)| {
+                    scene_check::check(scene, None, stepping, scene_location, &mut errors)
+                });
+                let mut program =
                     compile_aggregate(plan, scene, wrong, (symbols, sources), &mut errors)?;
+                program.scene_warnings = scene_warnings.unwrap_or_default();
                 diagnostics.append(&mut errors);
                 attribute(&mut diagnostics[before..], programs.len());
                 programs.push(program);
@@ -362,8 +374,13 @@ fn programs(
             bounds: about.bounds,
             readable,
             trial: (!about.is_trial).then_some(&trial),
+            stepping: about.stepping,
+            scene_location,
         };
         let program = input.compile(scene, symbols, doubtful, diagnostics, done)?;
+        if !about.is_trial && program.tables.is_some() {
+            short_timeout::check(&program, diagnostics);
+        }
         attribute(&mut diagnostics[before..], programs.len());
         programs.push(program);
     }
@@ -430,6 +447,8 @@ fn compile_aggregate(
         order,
         tables,
         stuck: None,
+        scene_warnings: Vec::new(),
+        jam_risks: Vec::new(),
     })
 }
 
@@ -468,6 +487,10 @@ struct AssemblyInput<'a> {
     readable: bool,
     /// Checks the files again with a change; `None` in such a check.
     trial: Option<&'a reach::Trial<'a>>,
+    /// The steps that scenes are checked for. `None`: runs have no physics.
+    stepping: Option<Stepping>,
+    /// The place that names the scene.
+    scene_location: SourceLocation,
 }
 
 impl<'a> AssemblyInput<'a> {
@@ -582,6 +605,7 @@ impl<'a> AssemblyInput<'a> {
         if let (Some(order), true, true) = (&order, is_whole, is_passive) {
             unplanned_bonds::check(&plan, &layout, order, symbols, cancellation, &mut later)?;
         }
+        let mut scene_warnings = Vec::new();
         if is_sound {
             shape::check(
                 &plan,
@@ -596,8 +620,15 @@ impl<'a> AssemblyInput<'a> {
                 let order = order.map(|order| (order, certain));
                 capacity::check(&plan, &layout, order, scene, cancellation, &mut later)?;
                 capacity::check_room(&plan, scene, &mut later);
+                if let Some(stepping) = self.stepping {
+                    let layers = scene_check::layers(&plan, &layout);
+                    let location = self.scene_location;
+                    scene_warnings =
+                        scene_check::check(scene, layers, stepping, location, &mut later);
+                }
             }
         }
+        let jam_risks = jam_risks(&later);
         // What would use them may be what is missing.
         if (later.iter()).any(|diagnostic| diagnostic.code == Code::ShapeMismatch) {
             errors.retain(|diagnostic| {
@@ -642,6 +673,21 @@ impl<'a> AssemblyInput<'a> {
             order,
             tables,
             stuck,
+            scene_warnings,
+            jam_risks,
         })
     }
+}
+
+/// Returns the reasons why blocks may jam, whether or not they are allowed.
+fn jam_risks(diagnostics: &[Diagnostic]) -> Vec<JamRisk> {
+    let of_code = |diagnostic: &Diagnostic| match diagnostic.code {
+        Code::TightApproach => Some(JamRisk::TightApproach),
+        Code::CrowdedCaptures => Some(JamRisk::CrowdedCaptures),
+        _ => None,
+    };
+    let mut risks: Vec<JamRisk> = diagnostics.iter().filter_map(of_code).collect();
+    risks.sort_unstable();
+    risks.dedup();
+    risks
 }

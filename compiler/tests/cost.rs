@@ -1,5 +1,6 @@
 //! What the compiler says of how long a program takes.
 use stochc_compiler::cost::{Cost, estimate};
+use stochc_compiler::diagnostic::Code;
 use stochc_compiler::{Program, check};
 use stochc_rates::{Interaction, Rates};
 
@@ -277,5 +278,72 @@ fn messages_take_time_by_hops() {
         let is_alone = [tower, gone].contains(&body);
         assert!(lost > hops - chance, "{body}: {lost}");
         assert!(!is_alone || lost < hops + chance, "{body}: {lost}");
+    }
+}
+
+/// Jams void an estimate, also where they are allowed: physics takes longer.
+#[test]
+fn a_program_that_may_jam_has_a_lower_bound() {
+    let reasons = |text: &str| {
+        let (_, cost, _) = program(text);
+        serde_json::to_value(cost.lower_bound).expect("it is a list")
+    };
+    let five_tower = include_str!("../../examples/five_tower.sa");
+    let allowed = five_tower.replacen(
+        "assembly",
+        "allow tight-approach \"as in the paper\"\nassembly",
+        1,
+    );
+    assert_eq!(reasons(five_tower), serde_json::json!(["tight-approach"]));
+    assert_eq!(reasons(&allowed), serde_json::json!(["tight-approach"]));
+    let square = "assembly a { seed plate 2 x 2 { A at (0, 0) B at (1, 0) C at (0, 1) }
+        phase p { A.up -> D  B.up -> E  C.up -> F } }";
+    assert_eq!(reasons(square), serde_json::json!(["crowded-captures"]));
+    // Five towers of two blocks in each row.
+    let towers = |rows: u32| {
+        let last = rows - 1;
+        format!(
+            "assembly a {{ seed plate 13 x 13 {{
+                for x in 0..4 {{ for y in 0..{last} {{ S[x, y] at (3 * x, 3 * y) }} }} }}
+            phase p {{ for x in 0..4 {{ for y in 0..{last} {{ S[x, y].up -> A[x, y].up -> B[x, y] }} }} }} }}"
+        )
+    };
+    assert_eq!(reasons(&towers(3)), serde_json::json!([]));
+    assert_eq!(reasons(&towers(4)), serde_json::json!(["large-structure"]));
+    assert_eq!(
+        reasons(include_str!("../../examples/line.sa")),
+        serde_json::json!([])
+    );
+}
+
+#[test]
+fn a_timeout_that_ends_most_runs_is_warned_of() {
+    let found = |timeout: &str| {
+        let text = format!(
+            "assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}
+                phase first {{ M.up -> A }}
+                phase last timeout {timeout} {{ A.up ->> T[1..2] }} }}"
+        );
+        let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+        check("test.sa", &mut reader, Default::default()).diagnostics
+    };
+    assert!(found("4000 ticks").is_empty());
+    for short in ["400 ticks", "8 s"] {
+        let [warning] = &found(short)[..] else {
+            panic!("one warning");
+        };
+        assert_eq!(warning.code, Code::ShortTimeout);
+        assert!(
+            warning
+                .title
+                .starts_with("phase `last` comes to its timeout in ")
+        );
+        // The help holds.
+        let help = warning.help.as_deref().expect("it says what to write");
+        let timeout = help.split('`').nth(1).expect("it is quoted");
+        assert!(
+            found(timeout.trim_start_matches("timeout ")).is_empty(),
+            "{help}"
+        );
     }
 }

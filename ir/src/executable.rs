@@ -25,6 +25,29 @@ pub struct Executable {
     pub scene: Scene,
     /// What waits for what.
     pub graph: EventGraph,
+    /// Reasons why blocks may jam. The rate model leaves them out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub jam_risks: Vec<JamRisk>,
+}
+
+/// A reason why blocks may jam: the code of a warning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum JamRisk {
+    /// A block comes in through a gap one block wide.
+    TightApproach,
+    /// Faces near each other attract blocks at the same time.
+    CrowdedCaptures,
+}
+
+impl JamRisk {
+    /// Returns the code of the warning.
+    pub const fn code(self) -> &'static str {
+        match self {
+            JamRisk::TightApproach => "tight-approach",
+            JamRisk::CrowdedCaptures => "crowded-captures",
+        }
+    }
 }
 
 /// Why a file is no executable.

@@ -192,6 +192,17 @@ impl EventGraph {
         chain.iter().filter(is_capture).count()
     }
 
+    /// Returns the number of blocks of the largest structure that a phase ends with.
+    pub fn largest_structure(&self) -> u32 {
+        let (mut blocks, mut largest) = (0_i64, 0);
+        for of_phase in self.events.chunk_by(|one, other| one.phase == other.phase) {
+            let captures = of_phase.iter().filter(|it| it.action.is_capture()).count();
+            blocks += 2 * captures as i64 - of_phase.len() as i64;
+            largest = largest.max(blocks);
+        }
+        largest as u32
+    }
+
     /// An event in a few words.
     pub fn describe(&self, id: EventId, tables: &Tables) -> String {
         self.event(id).action.describe(|role| tables.name(role))

@@ -25,7 +25,7 @@ pub mod table;
 pub use cell::{Cell, offsets_within};
 pub use cell_bounds::CellBounds;
 pub use draw::Draw;
-pub use executable::{Executable, ExecutableError, FORMAT, sha256};
+pub use executable::{Executable, ExecutableError, FORMAT, JamRisk, sha256};
 pub use face::Face;
 pub use invisible::{is_invisible, visible, visible_lines};
 pub use json::Json;

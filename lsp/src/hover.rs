@@ -11,7 +11,7 @@ use stochc_grammar::tree::{Item, Tree};
 use stochc_ir::counted;
 use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
-use stochc_rates::{GUESS_ERROR, Rates};
+use stochc_rates::{GUESS_ERROR, LowerBoundReasons, Rates};
 
 use super::analysis::Analysis;
 use super::scene;
@@ -126,7 +126,13 @@ fn block(
         let wait = costs.find(|it| it.event == capture);
         let wait = wait.map_or_else(String::new, |it| {
             let by = by(program);
-            format!(", waits {:.0} ticks on average, by {by}", it.wait)
+            let bound = cost.map(|cost| cost.lower_bound).unwrap_or_default();
+            let at_least = bound.prefix();
+            format!(
+                ", waits {at_least}{:.0} ticks on average, by {by}{}",
+                it.wait,
+                because(bound)
+            )
         });
         let _ = writeln!(text, "- {how}{cell}{depth}{wait}");
     }
@@ -148,6 +154,15 @@ fn times(program: &Program) -> Option<Cost> {
     let rates = Rates::known_or_guessed(&[], scene)?;
     let is_small = program.plan.events.len() <= MOST_ESTIMATED;
     is_small.then(|| estimate(program, Some(&*rates))).flatten()
+}
+
+/// Returns the reasons why a time is a lower bound, in brackets. Empty if it is an estimate.
+fn because(bound: LowerBoundReasons) -> String {
+    if bound.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", bound.text())
+    }
 }
 
 /// What times are by, in words.
@@ -235,9 +250,12 @@ fn phases(analysis: &Analysis, location: SourceLocation) -> String {
         for (number, phase) in named {
             let measured = measure(program, number, phase);
             let _ = write!(text, "- `{}`: {measured}", phase.name);
-            let times = cost.as_ref().and_then(|cost| cost.phases[number].times);
-            if let Some(times) = times.filter(|_| !phase.planted) {
-                let _ = write!(text, "; by {} {}", by(program), times.in_words());
+            if let Some(cost) = cost.as_ref().filter(|_| !phase.planted)
+                && let Some(times) = cost.phases[number].times
+            {
+                let (by, bound) = (by(program), cost.lower_bound);
+                let takes = times.in_words(bound);
+                let _ = write!(text, "; by {by} {takes}{}", because(bound));
             }
             text.push('\n');
         }

@@ -27,9 +27,10 @@ pub fn explanation(plan: &BuildPlan) -> String {
     let _ = writeln!(
         out,
         "{}, at most {} open at the same time\n\
-         estimate: {:.0} ticks on average, nine of ten runs within {:.0}{}",
+         estimate: {}{:.0} ticks on average, nine of ten runs within {:.0}{}",
         counted(captures.len() + handed_over, "capture"),
         counted(plan.widest, "face"),
+        plan.estimate.lower_bound.prefix(),
         plan.estimate.mean,
         plan.estimate.p90,
         plan.estimate.caveat(),
@@ -103,8 +104,9 @@ pub fn explanation(plan: &BuildPlan) -> String {
         let finding = finding.map_or(String::new(), |code| format!("; `check` finds {code}"));
         let _ = writeln!(
             out,
-            "  {}: {:.0} ticks{finding}",
+            "  {}: {}{:.0} ticks{finding}",
             baseline.words(),
+            estimate.lower_bound.prefix(),
             estimate.mean
         );
     }

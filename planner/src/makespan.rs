@@ -6,6 +6,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
+use stochc_rates::LowerBoundReasons;
 
 use crate::precedence::Waiting;
 use crate::schedule::Schedule;
@@ -33,17 +34,24 @@ pub struct PlanEstimate {
     pub is_typical: bool,
     /// Whether they are by a first guess of the rates of the scene.
     pub is_first_guess: bool,
+    /// Reasons why they are lower bounds. Empty if they are estimates.
+    pub lower_bound: LowerBoundReasons,
 }
 
 impl PlanEstimate {
     /// What it rests on, where that has to be told.
-    pub(crate) fn caveat(&self) -> &'static str {
-        match (self.is_typical, self.is_first_guess) {
+    pub(crate) fn caveat(&self) -> String {
+        let origin = match (self.is_typical, self.is_first_guess) {
             (true, _) => {
                 ", if waits were those of the default scene: nobody has measured them in this one"
             }
             (_, true) => ", by a first guess of its waits: nobody has measured them in this scene",
             (false, false) => "",
+        };
+        if self.lower_bound.is_empty() {
+            origin.to_owned()
+        } else {
+            format!("{origin}: {}", self.lower_bound.text())
         }
     }
 
@@ -185,6 +193,7 @@ impl Samples {
             p90: f64::from(ends[place]),
             is_typical: false,
             is_first_guess: false,
+            lower_bound: LowerBoundReasons::default(),
         }
     }
 

@@ -12,8 +12,9 @@ use stochc::ensemble::{
 };
 use stochc::exit::{Exit, Failure};
 use stochc::host::Host;
+use stochc::ir::scene::warnings::Stepping;
 use stochc::operations::chosen_run::{ChosenRun, choose};
-use stochc::operations::ensemble::{EnsembleOptions, can_record, make, warn_of_doubts};
+use stochc::operations::ensemble::{EnsembleOptions, can_record, judge_scenes, make};
 use stochc::operations::results::{ensemble_results, read};
 use stochc::operations::runs::{made_again, try_out_all};
 use stochc::operations::{export, replay, report as pages, shard as pieces, sweep};
@@ -87,7 +88,8 @@ impl Detached {
         manifest.within_limits().map_err(Failure::usage)?;
         can_record(&manifest, record)?;
         try_out_all(&manifest)?;
-        warn_of_doubts(&manifest, host);
+        let is_checked = manifest.settings.stepping() == Some(Stepping::DEFAULT);
+        judge_scenes(&manifest, is_checked, &levels(&asked.levels)?, host)?;
         Ok(manifest)
     }
 }

@@ -215,6 +215,7 @@ impl PythonProgram {
                 tables: entry.tables().clone(),
                 scene: entry.scene.clone(),
                 graph: entry.compiled.graph.clone(),
+                jam_risks: entry.compiled.jam_risks.clone(),
             };
             let mut bytes = Vec::new();
             Executable::write_all(&[executable], &mut bytes).map_err(Failure::usage)?;

@@ -178,6 +178,15 @@ impl Rates {
         self.parameters.wait(surroundings)
     }
 
+    /// Returns the blocks of the largest structure that the rates were measured with.
+    ///
+    /// `None`: they are a first guess.
+    pub fn largest_structure(&self) -> Option<u32> {
+        let part = 1.0 - self.coverage.least_free;
+        let blocks = (part * f64::from(self.free)).round();
+        (!self.is_guess()).then_some(blocks as u32)
+    }
+
     /// As a file, a JSON object on lines of its own.
     pub fn to_text(&self) -> String {
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();

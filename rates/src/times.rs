@@ -1,6 +1,8 @@
 //! What many times come to.
 use serde::Serialize;
 
+use crate::LowerBoundReasons;
+
 /// Mean and quantiles of a time \[tick\], each with half of its 95 % interval, in which there is chance alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Times {
@@ -47,17 +49,24 @@ impl Times {
         })
     }
 
-    /// As part of a sentence.
-    pub fn in_words(&self) -> String {
+    /// Returns the times as part of a sentence, as estimates or as lower bounds.
+    pub fn in_words(&self, bound: LowerBoundReasons) -> String {
+        let at_least = bound.prefix();
         if let (Some(mean), Some(p10), Some(p90)) = (self.mean, self.p10, self.p90) {
             return format!(
-                "{mean:.0} ticks on average, {p10:.0} to {p90:.0} in eight of ten runs"
+                "{at_least}{mean:.0} ticks on average, {p10:.0} to {p90:.0} in eight of ten runs"
             );
         }
         let within = [(self.p10, "one"), (self.median, "five"), (self.p90, "nine")];
-        let within = within
-            .into_iter()
-            .filter_map(|(time, runs)| Some(format!("at most {:.0} ticks in {runs}", time?)));
+        let is_estimate = bound.is_empty();
+        let within = within.into_iter().filter_map(|(time, runs)| {
+            let most = if is_estimate {
+                "at most"
+            } else {
+                "no less than"
+            };
+            Some(format!("{most} {:.0} ticks in {runs}", time?))
+        });
         within.collect::<Vec<_>>().join(", ") + " of ten runs"
     }
 }
@@ -152,7 +161,7 @@ mod tests {
         assert!(times.median_half_width.is_some());
         assert_eq!((times.p90, times.p90_half_width), (None, None));
         assert_eq!(
-            times.in_words(),
+            times.in_words(LowerBoundReasons::default()),
             "at most 11 ticks in one, at most 50 ticks in five of ten runs"
         );
         let most = Times::of((1..=5).map(f64::from).collect(), 95);

@@ -3,7 +3,7 @@ use serde::Serialize;
 use stochc_ensemble::statistics::{Observation, Summary};
 use stochc_ensemble::{EnsembleProgram, completion_time, phase_time};
 use stochc_ir::record::RunRecord;
-use stochc_runtime::rates::{Interaction, Times};
+use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
 
 use crate::analysis::critical_path::{critical_path, moments};
 use crate::analysis::events::Events;
@@ -15,6 +15,8 @@ pub struct CompletionEstimate {
     pub program: String,
     /// What the times are from.
     pub method: Method,
+    /// Reasons why the times are lower bounds. Empty if they are estimates.
+    pub lower_bound: LowerBoundReasons,
     /// Draws or runs that completed.
     pub completed: u64,
     /// Those that did not: a phase came to its timeout, or a run to its last tick.
@@ -73,10 +75,12 @@ pub struct Share {
 
 impl CompletionEstimate {
     /// From the records of a program's runs by rates; `is_compiled`: there was no choice.
+    /// `lower_bound`: see [`EnsembleProgram::lower_bound`].
     pub fn of_runs(
         program: &EnsembleProgram,
         records: &[&RunRecord],
         is_compiled: bool,
+        lower_bound: LowerBoundReasons,
     ) -> CompletionEstimate {
         let seen = records.iter().filter_map(|record| completion_time(record));
         let seen: Vec<Observation> = seen.collect();
@@ -98,6 +102,7 @@ impl CompletionEstimate {
         CompletionEstimate {
             program: program.name.clone(),
             method: Method::Runs { is_compiled },
+            lower_bound,
             completed: completed as u64,
             stopped: (seen.len() - completed) as u64,
             total: times(&seen),

@@ -35,11 +35,12 @@ pub mod view;
 mod watch;
 pub mod world;
 
+pub use stochc_ir::scene::Substeps;
 pub use stochc_rates as rates;
 
 pub use run::{drive, observe, run};
 pub use run_error::RunError;
-pub use settings::{Model, Precision, Reduction, Setting, Settings, Substeps};
+pub use settings::{Model, Precision, Reduction, Setting, Settings};
 pub use step_error::{StepError, step_errors};
 pub use watch::{Save, Watch};
 

@@ -1,6 +1,7 @@
 //! How a run is computed: the model and its accuracy, which are never the scene's.
 use serde::{Deserialize, Serialize};
-use stochc_ir::scene::{Bond, Scene};
+use stochc_ir::scene::warnings::Stepping;
+use stochc_ir::scene::{Scene, Substeps};
 use stochc_ir::sha256;
 use stochc_rates::Rates;
 
@@ -35,75 +36,6 @@ pub struct Settings {
     pub rates: Vec<Rates>,
     /// Ticks after which a run is given up; `None`, the default: never.
     pub max_ticks: Option<u64>,
-}
-
-/// The steps of the model per tick, as an option says them: `4`, or `1/8` for one of blocks away from magnetized faces and eight
-/// of those near them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Substeps {
-    /// [`Settings::substeps`].
-    pub near: u32,
-    /// [`Settings::away`].
-    pub away: Option<u32>,
-}
-
-impl Substeps {
-    /// The most steps a tick that are taken.
-    pub const MOST: u32 = 1000;
-
-    /// If nothing else is said: the cheapest whose times in the default scene are not known to be off the limit of small steps
-    /// (docs/trade.md).
-    pub const DEFAULT: Substeps = Substeps {
-        near: 8,
-        away: Some(2),
-    };
-
-    /// Those of the blocks that take the longest.
-    pub fn longest(self) -> u32 {
-        self.away.unwrap_or(self.near)
-    }
-
-    /// Whether there are steps, not too many, and whole numbers of short ones in a long one.
-    pub fn are_sound(self) -> bool {
-        (1..=Substeps::MOST).contains(&self.near)
-            && (self.away).is_none_or(|away| away > 0 && self.near.is_multiple_of(away))
-    }
-}
-
-impl std::fmt::Display for Substeps {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.away {
-            Some(away) => write!(f, "{away}/{}", self.near),
-            None => write!(f, "{}", self.near),
-        }
-    }
-}
-
-impl std::str::FromStr for Substeps {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Substeps, String> {
-        let number = |text: &str| text.trim().parse::<u32>().ok();
-        let (away, near) = match text.split_once('/') {
-            Some((away, near)) => (Some(number(away)), number(near)),
-            None => (None, number(text)),
-        };
-        let read = match (away, near) {
-            (None, Some(near)) => Some(Substeps { near, away: None }),
-            (Some(Some(away)), Some(near)) => Some(Substeps {
-                near,
-                away: (away != near).then_some(away),
-            }),
-            _ => None,
-        };
-        read.filter(|steps| steps.are_sound()).ok_or_else(|| {
-            format!(
-                "say from 1 to {} steps a tick, such as `4`, or `1/8` for one away from magnetized faces and \
-                 eight near them, which have to be a multiple",
-                Substeps::MOST
-            )
-        })
-    }
 }
 
 /// Rounds over contacts that `rigid` makes at most, if nothing else is said.
@@ -271,14 +203,6 @@ impl Precision {
     }
 }
 
-/// Whether blocks of a scene may take steps of different lengths: not where a fluid carries them, or where free blocks pull
-/// each other.
-pub(crate) fn takes_local_steps(scene: &Scene) -> bool {
-    scene.fluid.is_none()
-        && scene.flow.is_none()
-        && !matches!(scene.bond, Some(Bond::Reject { .. }))
-}
-
 impl Settings {
     /// So many steps per tick of a model, and nothing else out of the ordinary.
     pub const fn of(model: Model, substeps: u32) -> Settings {
@@ -306,11 +230,34 @@ impl Settings {
 
     /// The steps per tick that blocks of a scene take.
     pub fn steps_in(&self, scene: &Scene) -> Substeps {
-        let local = takes_local_steps(scene) && self.model == Model::Rigid;
-        Substeps {
-            near: self.substeps,
-            away: self.away.filter(|_| local),
+        let steps = self.steps();
+        match self.model {
+            Model::Rigid => steps.in_scene(scene),
+            _ => Substeps {
+                away: None,
+                ..steps
+            },
         }
+    }
+
+    /// The steps and digits of runs with physics. `None`: the model has none.
+    pub fn stepping(&self) -> Option<Stepping> {
+        let steps = match self.model {
+            Model::Rigid => self.steps(),
+            _ => Substeps {
+                away: None,
+                ..self.steps()
+            },
+        };
+        let smallest_turn = match (self.model, self.precision) {
+            (Model::Rapier, _) => Stepping::RAPIER,
+            (_, Precision::Single) => Stepping::SINGLE,
+            (_, Precision::Double) => 0.0,
+        };
+        self.model.has_places().then_some(Stepping {
+            steps,
+            smallest_turn,
+        })
     }
 
     /// The steps per tick that are asked for.
@@ -411,20 +358,6 @@ impl Default for Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn steps_are_read_as_they_are_written() {
-        for text in ["1", "4", "1/8", "2/16", "1000"] {
-            let steps: Substeps = text.parse().expect("it is allowed");
-            assert_eq!(steps.to_string(), text);
-        }
-        assert_eq!("8/8".parse(), "8".parse::<Substeps>());
-        for text in [
-            "", "0", "1001", "3/8", "8/1", "0/4", "1/", "/8", "1/8/2", "-1", "a",
-        ] {
-            assert!(text.parse::<Substeps>().is_err(), "{text}");
-        }
-    }
 
     #[test]
     fn settings_of_other_models_differ_in_what_both_use() {

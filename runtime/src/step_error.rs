@@ -2,11 +2,11 @@
 //! are taken and in much shorter ones.
 use nalgebra::Vector3;
 use stochc_ir::scene::groups::{BlockUnits, speed};
-use stochc_ir::scene::{Bond, ContactLaw, Fluid, Scene};
+use stochc_ir::scene::{Bond, ContactLaw, Fluid, Scene, Substeps};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
-use crate::settings::{Model, Settings, Substeps};
+use crate::settings::{Model, Settings};
 use crate::world::rigid::RigidWorld;
 use crate::world::{Arena, BlockFace, Body, BodyState, World};
 

@@ -1,23 +1,25 @@
 //! Making the runs of an ensemble.
 use std::path::Path;
 
+use stochc_compiler::diagnostic::Code;
+use stochc_compiler::{Level, LintLevels};
 use stochc_ensemble::recording::Selection;
 use stochc_ensemble::{
-    Destination, Folder, FolderState, Interval, Manifest, Progress, Results, Resume, RunCancelled,
-    RunWatch, check_stored, run as run_all,
+    Destination, EnsembleProgram, Folder, FolderState, Interval, Manifest, Progress, Results,
+    Resume, RunCancelled, RunWatch, check_stored, run as run_all,
 };
-use stochc_ir::table::{Action, Tables};
+use stochc_ir::scene::warnings::{SceneWarning, scene_warnings};
 use stochc_ir::visible;
 use stochc_report::figures::Figures;
 use stochc_runtime::RunError;
 
+use super::kept_text::KeptText;
 use super::memory::{Kept, threads};
 use super::recordings::Recordings;
 use super::results::warn_of_damage;
 use super::runs::{made_again, made_by, warn_of_build, warn_of_checkpoints};
-use super::scene_warnings::{SceneWarning, scene_warnings};
 use super::sweep;
-use crate::exit::Failure;
+use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
 use crate::viewer::{Viewer, attended};
@@ -79,40 +81,99 @@ pub fn can_record(manifest: &Manifest, record: Option<&Selection>) -> Result<(),
     }
 }
 
-/// Whether a program captures blocks above others, where none that lies on the floor comes.
-fn grows_upwards(tables: &Tables) -> bool {
-    let mut rules = tables.duties().flat_map(|duty| duty.rules());
-    rules.any(|rule| matches!(rule.then, Action::Magnetize { cell, .. } if cell.z > 1))
-}
-
-/// Says what the steps of a model do not resolve in the scenes of programs, and what their blocks do not
-/// reach: each doubt once, with how many other programs share it.
-pub fn warn_of_doubts(manifest: &Manifest, host: &dyn Host) {
-    if !manifest.settings.model.has_places() {
-        return;
-    }
-    let mut found: Vec<(&str, SceneWarning, usize)> = Vec::new();
-    for program in &manifest.programs {
-        let all = scene_warnings(&program.scene, &manifest.settings).into_iter();
-        for doubt in all.filter(|doubt| !doubt.is_of_height || grows_upwards(program.tables())) {
-            match found
-                .iter_mut()
-                .find(|(_, it, _)| it.symbol == doubt.symbol)
-            {
-                Some((_, _, more)) => *more += 1,
-                None => found.push((&program.name, doubt, 0)),
+/// Reports why scenes of a manifest do not work that no check has reported, each reason once.
+///
+/// A check has reported those of programs whose text was read, as it is. `is_checked`: texts were read for these settings.
+///
+/// # Errors
+/// If such a warning is denied.
+pub fn judge_scenes(
+    manifest: &Manifest,
+    is_checked: bool,
+    levels: &LintLevels,
+    host: &dyn Host,
+) -> Result<(), Failure> {
+    let Some(stepping) = manifest.settings.stepping() else {
+        return Ok(());
+    };
+    let is_new = |program: &&EnsembleProgram| {
+        !is_checked || program.sources.is_empty() || !program.varied.is_empty()
+    };
+    let levels = levels.clone().for_runs(Some(stepping));
+    let mut found: Vec<FoundWarning> = Vec::new();
+    for program in manifest.programs.iter().filter(is_new) {
+        let layers = program.tables().capture_layers();
+        for warning in scene_warnings(&program.scene, stepping, layers) {
+            if let Some(known) = found.iter_mut().find(|it| it.is_like(&warning)) {
+                known.others += 1;
+            } else {
+                found.push(FoundWarning {
+                    program,
+                    warning,
+                    others: 0,
+                });
             }
         }
     }
-    for (name, SceneWarning { figure, effect, .. }, more) in found {
-        let others = match more {
+    let mut denied = String::new();
+    for found in found {
+        let code = Code::from(found.warning.kind);
+        match level(found.program, code, &levels) {
+            Level::Allow => {}
+            Level::Warn => host.warn(&format!("warning{}", found.text(code))),
+            Level::Deny => denied += &format!("error{}", found.text(code)),
+        }
+    }
+    if denied.is_empty() {
+        return Ok(());
+    }
+    Err(Failure {
+        exit: Exit::InvalidProgram,
+        message: denied,
+    })
+}
+
+/// A warning about the scene of a program, which others share.
+struct FoundWarning<'a> {
+    program: &'a EnsembleProgram,
+    warning: SceneWarning,
+    /// Other programs that have it.
+    others: usize,
+}
+
+impl FoundWarning<'_> {
+    fn is_like(&self, other: &SceneWarning) -> bool {
+        (self.warning.kind, self.warning.symbol) == (other.kind, other.symbol)
+    }
+
+    /// Returns the warning in one line, without its level.
+    fn text(&self, code: Code) -> String {
+        let others = match self.others {
             0 => String::new(),
             1 => " and another program".to_owned(),
             more => format!(" and {more} other programs"),
         };
-        host.warn(&format!(
-            "warning: {name}{others}: {figure}: {effect}; `stochc check --scene` shows more\n"
-        ));
+        let name = visible(&self.program.name);
+        let SceneWarning {
+            figure,
+            effect,
+            remedy,
+            ..
+        } = &self.warning;
+        format!("[{code}]: {name}{others}: {figure}: {effect}; {remedy}\n")
+    }
+}
+
+/// Returns the level of a warning about the scene of a program, as its text says or else the command line.
+fn level(program: &EnsembleProgram, code: Code, levels: &LintLevels) -> Level {
+    let checked = KeptText::of(program, levels).checked;
+    let mut allowed = checked.allowed.iter().map(|it| it.diagnostic.code);
+    let mut reported = checked.diagnostics.iter();
+    match reported.find(|it| it.code == code) {
+        Some(diagnostic) if diagnostic.is_error() => Level::Deny,
+        Some(_) => Level::Warn,
+        None if allowed.any(|it| it == code) => Level::Allow,
+        None => levels.of(code),
     }
 }
 

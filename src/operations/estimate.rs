@@ -90,6 +90,7 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
             is_exact: cost.is_exact,
             is_first_guess: rates.is_guess(),
         },
+        lower_bound: cost.lower_bound,
         completed: (cost.draws.len() - cost.stopped()) as u64,
         stopped: cost.stopped() as u64,
         total: cost.total,
@@ -126,6 +127,9 @@ fn of_runs(
         ..Settings::of(Model::Rate, 1)
     };
     let is_compiled = programs[0].sources.is_empty();
+    let lower_bound = Rates::known(&settings.rates, &programs[0].scene)
+        .map(|rates| programs[0].lower_bound(rates))
+        .unwrap_or_default();
     let runs = (how.runs).unwrap_or((DRAWN / programs[0].captures().max(1)).clamp(LEAST, MOST));
     let manifest = Manifest::new(settings, how.seed, runs, programs);
     manifest.within_limits().map_err(Failure::usage)?;
@@ -136,5 +140,6 @@ fn of_runs(
         &manifest.programs[0],
         &records,
         is_compiled,
+        lower_bound,
     ))
 }

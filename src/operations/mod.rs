@@ -21,7 +21,6 @@ pub mod replay;
 pub mod report;
 pub mod results;
 pub mod runs;
-pub(crate) mod scene_warnings;
 pub mod shard;
 pub mod summary;
 pub mod sweep;

@@ -12,7 +12,7 @@ use stochc_files::shell::file as shell_file;
 use stochc_ir::record::Outcome;
 use stochc_ir::table::PhaseId;
 use stochc_report::tables::{
-    KNOWN_BIAS, captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text,
+    KNOWN_BIAS, captures_to_text, comparison_to_text, lower_bounds, pairs_to_text, sweep_to_text,
 };
 use stochc_report::text::paragraph;
 use stochc_runtime::Model;
@@ -135,6 +135,9 @@ impl EnsembleResults<'_> {
         };
         if self.manifest.settings.model == Model::Rate {
             text += &format!("\n{}", paragraph(KNOWN_BIAS, width));
+        }
+        for bound in lower_bounds(self.manifest) {
+            text += &paragraph(&bound, width);
         }
         for (program, waits) in self.manifest.programs.iter().zip(self.waits) {
             let name = visible(&program.name);

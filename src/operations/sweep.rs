@@ -101,12 +101,13 @@ pub(crate) fn at_point(
         tables,
         scene,
         graph,
+        jam_risks,
     }) = program.and_then(|(program, _)| program.into_executable())
     else {
         return Err(Failure::usage(format!("`{}` does not compile", entry.name)));
     };
     entry.scene = scene;
-    entry.compiled = Arc::new(Compiled::new(tables, graph));
+    entry.compiled = Arc::new(Compiled::new(tables, graph, jam_risks));
     Ok(())
 }
 
@@ -118,7 +119,8 @@ pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
         let first = known
             .entry(digest)
             .or_insert_with(|| program.compiled.clone());
-        if first.graph == program.compiled.graph {
+        let (known, new) = (&first, &program.compiled);
+        if known.graph == new.graph && known.jam_risks == new.jam_risks {
             program.compiled = first.clone();
         }
     }

@@ -93,6 +93,11 @@ const MOST_COMPARED: usize = 1000;
 /// Findings behind which others may not be told of.
 const MANY: usize = 100;
 
+/// Whether a warning is about the scene, which a plan does not change.
+fn is_of_scene(code: Code) -> bool {
+    code == Code::TooManyBlocks || code.is_of_runs()
+}
+
 /// What a planned program allows itself, and why: the only warnings that it may have.
 fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
     let reason = match code {
@@ -100,7 +105,7 @@ fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
             "no order was found in which every block has a way in two cells wide"
         }
         Code::ReachUndecided => "the planner has found a way in for every block",
-        Code::TooManyBlocks => "the scene is as it was given",
+        code if is_of_scene(code) => "the scene is as it was given",
         Code::UnplannedBond if hardware.attracts_always => {
             "where every face attracts, none can be kept from it"
         }
@@ -389,7 +394,7 @@ impl Goal {
                 price(&mut plan, &checked, &law);
                 let estimate = plan.estimate;
                 // What the scene is warned of holds for all plans.
-                let is_of_scene = |it: &&Diagnostic| it.code == Code::TooManyBlocks;
+                let is_of_scene = |it: &&Diagnostic| is_of_scene(it.code);
                 let mut findings = checked.diagnostics.iter();
                 let finding = findings.find(|it| !is_of_scene(it));
                 let finding = finding.map(|it| it.code.name());
@@ -398,9 +403,9 @@ impl Goal {
                     plan.baseline = Some(baseline);
                     plan.rounds = best.plan.rounds;
                     plan.scaffolds = best.plan.scaffolds.unused();
-                    let found = checked.diagnostics.iter().find(is_of_scene);
-                    let reason = found.and_then(|it| allowance(it.code, hardware));
-                    let text = self.text(&target, &plan, &reason.into_iter().collect::<Vec<_>>());
+                    let found = checked.diagnostics.iter().filter(is_of_scene);
+                    let reasons = found.filter_map(|it| allowance(it.code, hardware));
+                    let text = self.text(&target, &plan, &reasons.collect::<Vec<_>>());
                     best = self.planned(plan, text);
                 }
                 alternatives.push(Alternative {
@@ -513,7 +518,11 @@ fn price(plan: &mut BuildPlan, checked: &Checked, law: &RateLaw<'_>) {
     let program = checked.programs.first();
     let cost = program.and_then(|program| cost::estimate(program, law.rates()));
     let total = cost.as_ref().and_then(|cost| cost.total);
-    plan.estimate = estimate(total, law, plan.estimate);
+    let lower_bound = cost.as_ref().map(|cost| cost.lower_bound);
+    plan.estimate = PlanEstimate {
+        lower_bound: lower_bound.unwrap_or_default(),
+        ..estimate(total, law, plan.estimate)
+    };
     let (Some(program), Some(cost)) = (program, cost) else {
         return;
     };
@@ -544,6 +553,7 @@ fn estimate(times: Option<Times>, law: &RateLaw<'_>, found: PlanEstimate) -> Pla
         p90,
         is_typical: rates.is_none(),
         is_first_guess: rates.is_some_and(Rates::is_guess),
+        lower_bound: found.lower_bound,
     }
 }
 

@@ -67,9 +67,11 @@ fn scenes_come_as_json_beside_the_findings() {
     let pull = find(&hemisphere["groups"], "symbol", "F τ² / (m d)");
     assert_eq!(
         (&pull["most"], &pull["exceeded"], &pull["substeps"]),
-        (&1.0.into(), &true.into(), &3.into())
+        (&1.0.into(), &false.into(), &3.into())
     );
     assert_eq!(hemisphere["warnings"].as_array().unwrap().len(), 0);
+    let steps = serde_json::json!({ "taken": "2/8", "needed": 3, "resolved": true });
+    assert_eq!(hemisphere["steps"], steps);
     assert_eq!(hemisphere["speed"]["from"], "collisions");
     let said = stochc("check --format json tests/fixtures/careless.sa").json();
     assert_eq!(said["diagnostics"], document["diagnostics"]);
@@ -102,7 +104,7 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
     assert_eq!(heads, ["hemisphere, of a, c", "calm, of b"]);
     let (_, calm) = said.out.split_once("scene calm").unwrap();
     assert!(
-        calm.ends_with("\n\n  One step a tick is short enough for all of these.\n"),
+        calm.ends_with("\n\n  One step a tick is short enough.\n"),
         "{calm}"
     );
 
@@ -114,22 +116,29 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
     assert!(said.err.contains("scene hemisphere, of tower"));
 }
 
-/// What the listing warns of, `simulate` warns of too, once for all programs, for the steps that it takes.
+/// `simulate` judges the steps that it takes, and the points of a sweep once for all.
 #[test]
 fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
-    let line = "simulate --quiet --runs 1 --max-ticks 1 tests/fixtures/dense.sa --substeps";
+    let line = "simulate --runs 1 --max-ticks 1 tests/fixtures/dense.sa --substeps";
     let told = |steps: &str| stochc_with(line, &[steps]).err;
-    assert_eq!(told("4"), "");
+    assert!(!told("4").contains("warning"));
     let one = told("1");
-    assert_eq!(one.matches("warning: ").count(), 2, "{one}");
+    let title = "warning[coarse-step]: in the scene `dense`, blocks overlap deeply";
+    assert_eq!(one.matches(title).count(), 1, "{one}");
+    // It is denied like any other.
+    let denied = stochc_with(line, &["1", "--deny", "warnings"]);
+    assert_eq!(denied.status, 1, "{}", denied.err);
     for text in [
-        "warning: dense: v τ / a is ",
-        "warning: dense: F τ² / (m d) is 6 with one step a tick, more than 1; `--substeps 3` resolves it: a \
-         pulled block jumps",
+        "v τ / a is ",
+        "F τ² / (m d) is 6 with one step a tick, more than 1: a pulled block jumps",
+        "`--substeps 3` resolves it",
     ] {
-        assert!(one.contains(text), "{one}");
+        assert!(denied.err.contains(text), "{}", denied.err);
     }
-    // A sweep has many scenes, and one warning.
+    let allowed = stochc_with(line, &["1", "--allow", "coarse-step"]);
+    assert_eq!(allowed.status, 3);
+    assert!(!allowed.err.contains("coarse-step"), "{}", allowed.err);
+    // A sweep has many scenes, and one warning in addition to that of the text.
     let swept = stochc_with(line, &["1", "--sweep", "free=5..9/3"]).err;
     assert_eq!(swept.matches("F τ² / (m d) is 6").count(), 1, "{swept}");
     assert!(
@@ -172,17 +181,13 @@ fn a_tank_whose_blocks_sink_is_told_of() {
                 phase p { M.up -> A.up -> B } }\n";
     std::fs::write(&file, text).unwrap();
     let said = stochc_with("check --scene", &[&file]);
-    assert!(
-        said.out.contains("most blocks lie on the floor"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("warning[buoyant-blocks]"), "{}", said.out);
     assert!(
         said.out.contains("fluid { density 1000 kg/m^3"),
         "{}",
         said.out
     );
-    let said = stochc_with("simulate --quiet --runs 1 --max-ticks 1", &[&file]);
+    let said = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
     assert_eq!(
         said.err.matches("most blocks lie on the floor").count(),
         1,
@@ -191,8 +196,8 @@ fn a_tank_whose_blocks_sink_is_told_of() {
     );
     // What grows along the floor does not care.
     std::fs::write(&file, text.replace("A.up -> B", "A")).unwrap();
-    let said = stochc_with("simulate --quiet --runs 1 --max-ticks 1", &[&file]);
-    assert_eq!(said.err, "");
+    let said = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
+    assert!(!said.err.contains("warning"), "{}", said.err);
 }
 
 /// A scene whose blocks float, or sink where there is no floor, with nothing that stirs them.
@@ -212,23 +217,11 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "tank.sa");
     let contact = "contact { stiffness 250 N/m  damping 6 N s/m  friction 1 }";
-    for (wall, density, contact, depth, effect) in [
-        (
-            "25 N/m",
-            "1000 kg/m^3",
-            contact,
-            13.734,
-            "blocks that float",
-        ),
-        ("25 N/m", "1000 kg/m^3", "", 13.734, "blocks that float"),
+    for (wall, density, contact, depth, remedy) in [
+        ("25 N/m", "1000 kg/m^3", contact, 13.734, "a stiffer `wall`"),
+        ("25 N/m", "1000 kg/m^3", "", 13.734, "a stiffer `wall`"),
         ("1 kN/m", "1000 kg/m^3", contact, 0.34335, ""),
-        (
-            "3 N/m",
-            "100 kg/m^3",
-            "",
-            3.27,
-            "blocks sink through the floor",
-        ),
+        ("3 N/m", "100 kg/m^3", "", 3.27, "there is no floor"),
         ("3 N/m", "100 kg/m^3", contact, f64::NAN, ""),
     ] {
         std::fs::write(&file, tank(wall, density, contact)).unwrap();
@@ -236,9 +229,7 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
         assert_eq!(said.status, 0, "{}", said.err);
         let scene = &said.json()["scenes"][0];
         let groups = scene["groups"].as_array().unwrap();
-        let group = groups
-            .iter()
-            .find(|it| it["symbol"] == "|m - ρ a³| g / (k a)");
+        let group = groups.iter().find(|it| it["symbol"] == "F / (k a), shell");
         match depth.is_nan() {
             true => assert_eq!(group, None),
             false => {
@@ -247,11 +238,11 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
             }
         }
         let warnings = scene["warnings"].to_string();
-        let told = |text: &str| text.contains("outside of the shell");
-        assert_eq!(told(&warnings), !effect.is_empty(), "{warnings}");
-        let run = stochc_with("simulate --quiet --runs 1 --max-ticks 1", &[&file]);
-        assert_eq!(told(&run.err), !effect.is_empty(), "{}", run.err);
-        assert!(run.err.contains(effect), "{}", run.err);
+        let told = |text: &str| text.contains("soft-contact");
+        assert_eq!(told(&warnings), !remedy.is_empty(), "{warnings}");
+        assert!(warnings.contains(remedy), "{warnings}");
+        let run = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
+        assert_eq!(told(&run.err), !remedy.is_empty(), "{}", run.err);
     }
 }
 
@@ -289,4 +280,66 @@ fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
             "{distance} and {depth}"
         );
     }
+}
+
+/// A compiled file has no text, and its scene is judged all the same.
+#[test]
+fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
+    let folder = tempfile::tempdir().unwrap();
+    let [text, compiled] = ["a.sa", "a.json"].map(|name| path(folder.path(), name));
+    let program = "scene still from hemisphere { agitation kicks { speed 0 .. 0 m/s } }\n\
+        assembly a in still { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }\n";
+    std::fs::write(&text, program).unwrap();
+    let found = stochc_with("check --format json", &[&text]);
+    assert_eq!(
+        (found.status, &found.json()["diagnostics"][0]["code"]),
+        (0, &"no-agitation".into())
+    );
+    let made = stochc_with("compile --emit executable --out", &[&compiled, &text]);
+    assert_eq!(made.status, 0, "{}", made.err);
+    for file in [&text, &compiled] {
+        let run = |level: &str| {
+            let line = format!("simulate --runs 1 --max-ticks 1 {level} no-agitation");
+            stochc_with(&line, &[file])
+        };
+        let [warned, denied, allowed] = ["--warn", "--deny", "--allow"].map(run);
+        let told = [&warned, &denied, &allowed].map(|said| said.err.contains("no-agitation"));
+        assert_eq!(told, [true, true, false], "{}", warned.err);
+        assert_eq!([warned.status, denied.status, allowed.status], [3, 1, 3]);
+    }
+}
+
+/// A listing always says whether steps are short enough, and marks what is outside of its limit.
+#[test]
+fn rows_outside_of_their_limit_are_marked() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    let program = "scene slow from hemisphere { drag { rate 650 Hz } }\n\
+        assembly a in slow { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }\n";
+    std::fs::write(&file, program).unwrap();
+    let said = stochc_with("check --scene", &[&file]);
+    let marked: Vec<&str> = said
+        .out
+        .lines()
+        .filter(|line| line.ends_with("exceeded"))
+        .collect();
+    assert_eq!(marked.len(), 1, "{}", said.out);
+    assert!(marked[0].trim_start().starts_with("γ τ"), "{}", said.out);
+    assert!(
+        said.out
+            .contains("The steps are too long: `simulate` takes 2/8 a tick."),
+        "{}",
+        said.out
+    );
+    assert!(
+        said.out.contains("displacements are 100 times too small"),
+        "{}",
+        said.out
+    );
+    let json = stochc_with("check --scene --format json", &[&file]).json();
+    let groups = json["scenes"][0]["groups"].as_array().unwrap();
+    let exceeded = groups.iter().filter(|it| it["exceeded"] == true);
+    assert_eq!(exceeded.count(), 1);
+    assert_eq!(json["scenes"][0]["steps"]["resolved"], false);
+    assert_eq!(json["scenes"][0]["warnings"][0]["code"], "coarse-step");
 }

@@ -476,12 +476,11 @@ fn a_trade_of_something_else_is_refused() {
 
 #[test]
 fn a_reduced_model_is_told_of() {
-    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 2 --seed 2 --reduce no-friction";
+    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 2 --seed 2 --reduce no-friction --allow coarse-step";
     let said = stochc(line);
     assert_eq!(said.status, 0);
     let note =
         "note: `no-friction` is a reduced model: it leaves out something that the scene has\n";
-    // Behind it, that two steps do not resolve the scene.
     assert!(said.err.starts_with(note), "{}", said.err);
     let folder = tempfile::tempdir().unwrap();
     let trade = written(folder.path(), (0.0, 0.004));

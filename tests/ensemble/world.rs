@@ -103,6 +103,7 @@ pub fn program(name: &str) -> EnsembleProgram {
         tables,
         scene,
         graph,
+        jam_risks: Vec::new(),
     };
     EnsembleProgram::new(name, vec![source], executable)
 }

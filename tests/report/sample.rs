@@ -61,6 +61,7 @@ pub fn manifest(friction: f64, runs: u64) -> Manifest {
         tables: program.tables.clone().unwrap(),
         scene,
         graph: program.event_graph(),
+        jam_risks: Vec::new(),
     };
     let program = EnsembleProgram::new("pair", vec![source], executable);
     Manifest::new(Settings::of(Model::Rigid, 1), 7, runs, vec![program])

@@ -17,7 +17,7 @@ mod waits;
 
 use rustc_hash::FxHashMap;
 use stochc_ir::Draw;
-use stochc_rates::{Interaction, Rates, Times, Wait};
+use stochc_rates::{Interaction, LowerBoundReasons, Rates, Times, Wait};
 
 use crate::Program;
 use crate::plan::{EventId, EventKind};
@@ -40,6 +40,8 @@ pub struct Cost {
     pub draws: Vec<Draw>,
     /// What times leave out.
     pub interaction: Interaction,
+    /// Reasons why the times are lower bounds. Empty if they are estimates.
+    pub lower_bound: LowerBoundReasons,
     /// The captures, the one first that decides most of the time; those of equal shares in source order. None without times.
     pub captures: Vec<CaptureCost>,
 }
@@ -60,6 +62,8 @@ pub struct PhaseCost {
     pub width: u32,
     /// How long it takes; `None` as for the whole.
     pub times: Option<Times>,
+    /// The share of its draws that end at its timeout.
+    pub timed_out: f64,
 }
 
 /// What a capture costs.
@@ -75,6 +79,19 @@ pub struct CaptureCost {
 
 /// Looks at a program; `None` if it has no order.
 pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
+    estimate_within(program, rates, &steps::timeouts(program))
+}
+
+/// Looks at a program as if its phases had no timeouts.
+pub(crate) fn estimate_without_timeouts(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
+    estimate_within(
+        program,
+        rates,
+        &vec![f64::INFINITY; program.plan.phases.len()],
+    )
+}
+
+fn estimate_within(program: &Program, rates: Option<&Rates>, timeouts: &[f64]) -> Option<Cost> {
     let order = program.order.as_ref()?;
     let plan = &program.plan;
     let levels = schedule::levels(program, order);
@@ -87,29 +104,33 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         is_exact: false,
         draws: Vec::new(),
         interaction: Interaction::Apart,
+        lower_bound: LowerBoundReasons::default(),
         captures: Vec::new(),
     };
     let Some(rates) = rates else {
         return Some(cost);
     };
+    let largest = program.layout.sizes.iter().copied().max().unwrap_or(0);
+    cost.lower_bound = LowerBoundReasons::new(&program.jam_risks, rates, largest);
     let waits = waits::waits(program, &levels, rates);
     if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {
         return Some(cost);
     }
-    let (steps, timeouts) = (steps::steps(program, order), steps::timeouts(program));
+    let steps = steps::steps(program, order);
     let scarce = scarcity::scarce_blocks(program, &steps, &waits, rates);
     let exact = match scarce {
-        None => convolution::exact_times(&steps, &timeouts, &waits),
+        None => convolution::exact_times(&steps, timeouts, &waits),
         Some(_) => None,
     };
-    let sampled = sampling::sample(program, &steps, &timeouts, &waits, scarce);
+    let sampled = sampling::sample(program, &steps, timeouts, &waits, scarce);
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
     let never = sampled.draws.len() - complete.len();
     cost.total = Times::of(complete, never);
     cost.draws = sampled.draws;
-    for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
-        phase.times = times;
+    for (phase, sampled) in cost.phases.iter_mut().zip(sampled.phases) {
+        phase.times = sampled.times;
+        phase.timed_out = sampled.timed_out;
     }
     if let Some((phases, total)) = exact {
         cost.total = Some(total);

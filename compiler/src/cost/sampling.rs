@@ -23,10 +23,28 @@ const MOST: usize = 4000;
 /// The numbers are the same whenever a program is asked for.
 const SEED: u64 = 0;
 
+/// The draws of a phase.
+pub struct SampledPhase {
+    /// How long it takes. `None`: nine in ten of the draws that reach it come to its timeout.
+    pub times: Option<Times>,
+    /// The share of its draws that end at its timeout.
+    pub timed_out: f64,
+}
+
+impl SampledPhase {
+    fn new(durations: Vec<f64>, timed_out: usize) -> SampledPhase {
+        let reached = durations.len() + timed_out;
+        SampledPhase {
+            timed_out: timed_out as f64 / reached.max(1) as f64,
+            times: Times::of(durations, timed_out),
+        }
+    }
+}
+
 /// What comes out.
 pub struct Sampled {
-    /// Of each phase, of the draws that came to it; `None`: nine in ten of those did not come to its end.
-    pub phases: Vec<Option<Times>>,
+    /// The phases, in order.
+    pub phases: Vec<SampledPhase>,
     /// Of the whole program.
     pub draws: Vec<Draw>,
     /// Whether two captures in cells beside each other wait at the same time, in one of the first [`LEAST`] draws.
@@ -124,7 +142,9 @@ pub fn sample(
     let phases = durations.into_iter().zip(stopped);
     let waited = waited.into_iter();
     Sampled {
-        phases: phases.map(|(them, never)| Times::of(them, never)).collect(),
+        phases: phases
+            .map(|(them, never)| SampledPhase::new(them, never))
+            .collect(),
         draws,
         has_race,
         shares: decided,

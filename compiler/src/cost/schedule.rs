@@ -35,6 +35,7 @@ pub fn shape(program: &Program, phase: &PlanPhase, levels: &[u32]) -> PhaseCost 
         }
     }
     PhaseCost {
+        timed_out: 0.0,
         depth: counts.len().saturating_sub(1) as u32,
         width: counts.iter().copied().max().unwrap_or(0),
         times: None,

@@ -107,6 +107,11 @@ codes! {
     Warning TooManyBlocks "too-many-blocks"
     Error OutsideEnclosure "outside-enclosure"
     Error CannotAggregate "cannot-aggregate"
+    Warning BuoyantBlocks "buoyant-blocks"
+    Warning NoAgitation "no-agitation"
+    Warning CoarseStep "coarse-step"
+    Warning SoftContact "soft-contact"
+    Warning ShortTimeout "short-timeout"
 
     Error InternalError "internal-error"
 
@@ -130,6 +135,14 @@ codes! {
 }
 
 impl Code {
+    /// Whether it is about how a scene is simulated. Runs with other steps may not have it.
+    pub fn is_of_runs(self) -> bool {
+        matches!(
+            self,
+            Code::BuoyantBlocks | Code::NoAgitation | Code::CoarseStep | Code::SoftContact
+        )
+    }
+
     /// Whether it is about text that the program would do as well without.
     pub fn is_unnecessary(self) -> bool {
         matches!(

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use stochc_ir::graph::EventGraph;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{Phase, PhaseId, Role, RoleId, Tables};
-use stochc_ir::{Executable, sha256};
+use stochc_ir::{Executable, JamRisk, sha256};
+use stochc_rates::{LowerBoundReasons, Rates};
 use stochc_runtime::Settings;
 
 use super::build::this_build;
@@ -66,6 +67,8 @@ pub struct Compiled {
     pub tables: Tables,
     /// What waits for what.
     pub graph: EventGraph,
+    /// Reasons why blocks may jam. The rate model leaves them out.
+    pub jam_risks: Vec<JamRisk>,
     /// SHA-256 of the tables, in hexadecimal.
     digest: String,
 }
@@ -298,14 +301,21 @@ impl EnsembleProgram {
             tables,
             scene,
             graph,
+            jam_risks,
         } = executable;
         EnsembleProgram {
             name: name.to_owned(),
-            compiled: Arc::new(Compiled::new(tables, graph)),
+            compiled: Arc::new(Compiled::new(tables, graph, jam_risks)),
             scene,
             varied: Vec::new(),
             sources,
         }
+    }
+
+    /// Returns the reasons why its times by rates are lower bounds.
+    pub fn lower_bound(&self, rates: &Rates) -> LowerBoundReasons {
+        let blocks = self.compiled.graph.largest_structure();
+        LowerBoundReasons::new(&self.compiled.jam_risks, rates, blocks)
     }
 
     /// What its blocks know.
@@ -393,11 +403,12 @@ impl EnsembleProgram {
 
 impl Compiled {
     /// Tables and the graph that they come from.
-    pub fn new(tables: Tables, graph: EventGraph) -> Compiled {
+    pub fn new(tables: Tables, graph: EventGraph, jam_risks: Vec<JamRisk>) -> Compiled {
         let digest = sha256(&tables);
         Compiled {
             tables,
             graph,
+            jam_risks,
             digest,
         }
     }

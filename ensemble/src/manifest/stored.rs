@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
+use stochc_ir::JamRisk;
 use stochc_ir::graph::EventGraph;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
@@ -42,12 +43,16 @@ struct StoredProgram {
 struct CompiledRef<'a> {
     tables: &'a Tables,
     graph: &'a EventGraph,
+    #[serde(skip_serializing_if = "<[JamRisk]>::is_empty")]
+    jam_risks: &'a [JamRisk],
 }
 
 #[derive(Deserialize)]
 struct StoredCompiled {
     tables: Tables,
     graph: EventGraph,
+    #[serde(default)]
+    jam_risks: Vec<JamRisk>,
 }
 
 /// The number of a value in a list in which each stands once.
@@ -65,8 +70,17 @@ impl Manifest {
         let programs = self.programs.iter().map(|program| {
             let (place, is_new) = number(&mut known_compiled, Arc::as_ptr(&program.compiled));
             if is_new {
-                let Compiled { tables, graph, .. } = &*program.compiled;
-                let raw = serde_json::value::to_raw_value(&CompiledRef { tables, graph });
+                let Compiled {
+                    tables,
+                    graph,
+                    jam_risks,
+                    ..
+                } = &*program.compiled;
+                let raw = serde_json::value::to_raw_value(&CompiledRef {
+                    tables,
+                    graph,
+                    jam_risks,
+                });
                 compiled.push(raw.expect("tables are plain data"));
             }
             let texts = program.sources.iter().map(|source| {
@@ -116,10 +130,13 @@ impl Manifest {
             return Err(damaged(&"it has no steps"));
         }
         let compiled = stored.compiled.iter().map(|raw| {
-            let StoredCompiled { tables, graph } =
-                serde_json::from_str(raw.get()).map_err(|error| damaged(&error))?;
+            let StoredCompiled {
+                tables,
+                graph,
+                jam_risks,
+            } = serde_json::from_str(raw.get()).map_err(|error| damaged(&error))?;
             graph.validate(&tables).map_err(|reason| damaged(&reason))?;
-            Ok(Arc::new(Compiled::new(tables, graph)))
+            Ok(Arc::new(Compiled::new(tables, graph, jam_risks)))
         });
         let compiled: Vec<Arc<Compiled>> = compiled.collect::<Result<_, String>>()?;
         let programs = stored.programs.into_iter().map(|program| {

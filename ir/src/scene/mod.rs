@@ -11,10 +11,13 @@ pub mod room;
 mod scalar_error;
 pub mod scalars;
 pub mod schema;
+mod substeps;
 pub mod units;
+pub mod warnings;
 
 pub use bond::{Anchor, Bond, BondKind, Magnets, Measure, Pump, Reach};
 pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, Turbulence};
+pub use substeps::{Substeps, takes_local_steps};
 
 use serde::{Deserialize, Serialize};
 

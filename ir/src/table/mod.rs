@@ -11,6 +11,8 @@ mod hardware;
 mod in_scene;
 mod stored;
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
 use crate::scene::BondKind;
@@ -354,6 +356,19 @@ impl Tables {
     /// Every duty, sorted by (role, phase, trigger).
     pub fn duties(&self) -> impl ExactSizeIterator<Item = Duty<'_>> {
         (0..self.duties.len()).map(|i| self.duty_at(i))
+    }
+
+    /// Returns the lowest and the highest layer of captures. `None` without captures.
+    pub fn capture_layers(&self) -> Option<RangeInclusive<i32>> {
+        let rules = self.duties().flat_map(|duty| duty.rules());
+        let heights = rules.filter_map(|rule| match rule.then {
+            Action::Magnetize { cell, .. } => Some(cell.z),
+            _ => None,
+        });
+        heights.fold(None, |layers: Option<RangeInclusive<i32>>, z| {
+            let (low, high) = layers.map_or((z, z), RangeInclusive::into_inner);
+            Some(low.min(z)..=high.max(z))
+        })
     }
 
     /// The duties of one role, sorted by (phase, trigger).

@@ -1,7 +1,7 @@
 //! Estimates as text.
 use stochc_ensemble::text::percent;
 
-use stochc_runtime::rates::{Interaction, Times};
+use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
 
 use super::rates::{KNOWN_BIAS, first_guess};
 use crate::estimate::{CompletionEstimate, Method};
@@ -17,6 +17,7 @@ pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: u
         }
         text += &times(estimate).text(width, false);
         text += &paragraph(&origin(estimate), width);
+        text += &lower_bound(estimate.lower_bound, width);
         if most > 0 && !estimate.shares.is_empty() {
             text += &format!("\n{}", shares(estimate, most).text(width, false));
         }
@@ -74,6 +75,18 @@ fn origin(estimate: &CompletionEstimate) -> String {
     text
 }
 
+/// Returns a paragraph about times that are lower bounds. Empty if they are estimates.
+pub fn lower_bound(reasons: LowerBoundReasons, width: usize) -> String {
+    if reasons.is_empty() {
+        String::new()
+    } else {
+        paragraph(
+            &format!("These times are lower bounds: {}.", reasons.text()),
+            width,
+        )
+    }
+}
+
 /// What waits that are added up along a graph leave out, and by how much that was off.
 pub fn left_out(interaction: Interaction) -> String {
     let (meaning, error) = (interaction.meaning(), percent(interaction.error()));
@@ -101,13 +114,17 @@ fn times(estimate: &CompletionEstimate) -> TextTable {
         TextColumn::figures(header, rows.iter().map(|(_, times)| cell(times)).collect())
     };
     TextTable {
-        label: match estimate.method {
-            Method::Graph {
-                is_first_guess: true,
-                ..
-            } => "by a first guess of rates".to_owned(),
-            _ => "by rates".to_owned(),
-        },
+        label: format!(
+            "{}{}",
+            estimate.lower_bound.prefix(),
+            match estimate.method {
+                Method::Graph {
+                    is_first_guess: true,
+                    ..
+                } => "by a first guess of rates",
+                _ => "by rates",
+            }
+        ),
         columns: vec![
             column("mean", &|it| (it.mean, it.half_width)),
             column("10 %", &|it| (it.p10, it.p10_half_width)),

@@ -10,9 +10,9 @@ pub(crate) mod trade;
 
 pub use captures::captures_to_text;
 pub use comparison::{comparison_to_text, pairs_to_text};
-pub use estimate::{estimates_to_text, left_out};
+pub use estimate::{estimates_to_text, left_out, lower_bound};
 pub use fit::fit_to_text;
-pub use rates::{KNOWN_BIAS, first_guess, rates_to_text};
+pub use rates::{KNOWN_BIAS, first_guess, lower_bounds, rates_to_text};
 pub use replanning::replanning_to_text;
 pub use sweep::sweep_to_text;
 pub use trade::trade_to_text;

@@ -1,14 +1,30 @@
 //! The rates of a scene as text.
 use stochc_ensemble::text::{number, percent};
-use stochc_ir::{Cell, Face};
+use stochc_ensemble::{EnsembleProgram, Manifest};
+use stochc_ir::{Cell, Face, visible};
+use stochc_runtime::Model;
 use stochc_runtime::rates::{GUESS_ERROR, Neighbourhood, Parameters, Rates};
 
 use crate::text::{TextColumn, TextTable};
 
 /// What goes with every time by rates.
 pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of other programs were 3 % off those with physics on average and 7 % at most; \
-     in other scenes up to 20 %. Blocks jam where `check` warns of a tight approach, or of crowded captures; rates do not know that, and are too \
-     fast there (docs/rates.md).";
+     in other scenes up to 20 % (docs/rates.md).";
+
+/// Returns a sentence for each program of an ensemble by rates whose times are lower bounds.
+pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
+    let known = |program: &EnsembleProgram| {
+        let rates = Rates::known(&manifest.settings.rates, &program.scene)?;
+        let reasons = program.lower_bound(rates);
+        (!reasons.is_empty()).then(|| {
+            let name = visible(&program.name);
+            format!("The times of {name} are lower bounds: {}.", reasons.text())
+        })
+    };
+    let is_by_rates = manifest.settings.model == Model::Rate;
+    let programs = manifest.programs.iter().filter(|_| is_by_rates);
+    programs.filter_map(known).collect()
+}
 
 /// What there is to know about waits in a scene that nobody has measured, for whoever tells of them.
 pub fn first_guess() -> String {

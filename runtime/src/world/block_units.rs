@@ -6,6 +6,7 @@ use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::schema::numbers::*;
 use stochc_ir::scene::{
     Agitation, Anchor, BOLTZMANN, Bond, ContactLaw, Enclosure, Flow, Fluid, Reach, Scene,
+    takes_local_steps,
 };
 use stochc_ir::table::Plate;
 
@@ -14,7 +15,6 @@ use super::parameters::{
     Attraction, ContactParameters, Eddies, Kicks, Magnet, MeanFlow, Passive, Pull, Resistance,
     Shell, Suction, WorldParameters, built,
 };
-use crate::settings::takes_local_steps;
 
 impl WorldParameters {
     /// The terms of a scene around a plate.

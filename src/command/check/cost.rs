@@ -1,8 +1,8 @@
 //! What `check --cost` says of a program.
 use stochc_compiler::cost::{CaptureCost, Cost, PhaseCost, estimate};
-use stochc_compiler::{Program, Symbols};
+use stochc_compiler::{MAX_ESTIMATED, Program, Symbols};
 use stochc_ensemble::text::percent;
-use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out};
+use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out, lower_bound};
 use stochc_report::text::{TextColumn, TextTable, event_labels, paragraph};
 use stochc_runtime::rates::{Rates, Times};
 use stochc_runtime::world::rate::RateWorld;
@@ -23,13 +23,10 @@ pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &
     })
 }
 
-/// Events of a program whose times are told unasked, at most: more take longer than the check.
-const MOST_SUMMED: usize = 2_000;
-
 /// A line on how long a program takes; empty where nobody knows.
 pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
-    let (true, Some(rates)) = (program.plan.events.len() <= MOST_SUMMED, rates) else {
+    let (true, Some(rates)) = (program.plan.events.len() <= MAX_ESTIMATED, rates) else {
         return String::new();
     };
     let Some(cost) = estimate(program, Some(rates)) else {
@@ -44,8 +41,13 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
         _ => return String::new(),
     };
     let never = never.map_or(String::new(), |never| format!(" ({never} never complete)"));
-    let takes = total.in_words();
-    format!("  by rates it takes {takes}{never}; `--cost` says what decides it\n")
+    let takes = total.in_words(cost.lower_bound);
+    let reasons = if cost.lower_bound.is_empty() {
+        String::new()
+    } else {
+        format!(": {}", cost.lower_bound.text())
+    };
+    format!("  by rates it takes {takes}{never}{reasons}; `--cost` says what decides it\n")
 }
 
 /// The part of the times that were drawn in which a phase came to its timeout; `None`: in none.
@@ -75,6 +77,7 @@ fn table(
     match cost.total {
         Some(_) => {
             text += &paragraph(TIMES, width);
+            text += &lower_bound(cost.lower_bound, width);
             let mut left_out = left_out(cost.interaction);
             left_out[..1].make_ascii_uppercase();
             text += &paragraph(&left_out, width);
@@ -131,12 +134,13 @@ fn by_phase(program: &Program, cost: &Cost) -> TextTable {
             ("median", |times| times.median),
             ("90 %", |times| times.p90),
         ];
+        let at_least = cost.lower_bound.prefix();
         columns.extend(of.map(|(header, of)| {
             let times = phases.iter().map(|(_, cost)| cost.times);
             let times = times.chain(is_many.then_some(Some(total)));
             let ticks = times.map(|times| times.as_ref().and_then(of));
             let cell = |ticks: Option<f64>| ticks.map_or("-".into(), |it| format!("{it:.0}"));
-            TextColumn::figures(header, ticks.map(cell).collect())
+            TextColumn::figures(&format!("{at_least}{header}"), ticks.map(cell).collect())
         }));
     }
     TextTable {

@@ -43,8 +43,8 @@ pub struct CheckArguments {
     #[arg(long, value_name = "FILE.rates", requires = "cost")]
     rates: Vec<PathBuf>,
     /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and
-    /// whether the default number of steps in a tick resolves them. Its warnings do not change the
-    /// exit status
+    /// dimensionless numbers. Numbers outside of their limit are marked, and a verdict says whether
+    /// the default steps are short enough
     #[arg(long)]
     scene: bool,
     /// Apply all safe fixes, and show them as a diff

@@ -3,16 +3,14 @@ use std::fmt::Write as _;
 
 use serde_json::{Value as Json, json};
 use stochc_compiler::Checked;
+use stochc_compiler::diagnostic::Code;
 use stochc_ir::scene::describe::{AbsentTerm, DescribedTerm, DescribedValue, absent, terms};
-use stochc_ir::scene::groups::{
-    BlockUnits, DimensionlessGroup, RangeBound, Speed, SpeedFrom, groups, speed,
-};
-use stochc_ir::scene::{ContactLaw, Scene};
+use stochc_ir::scene::groups::{BlockUnits, DimensionlessGroup, Speed, SpeedFrom, groups, speed};
+use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, short};
+use stochc_ir::scene::{ContactLaw, Scene, Substeps};
 use stochc_ir::visible;
 use stochc_report::text::aligned;
-use stochc_runtime::{Settings, StepError, step_errors};
-
-use crate::operations::scene_warnings::{SceneWarning, scene_warnings, short};
+use stochc_runtime::{StepError, step_errors};
 
 /// A scene that assemblies of a file run in, and all that is said of it.
 pub struct InForce<'a> {
@@ -24,8 +22,10 @@ pub struct InForce<'a> {
     absent: Vec<AbsentTerm>,
     speed: Speed,
     groups: Vec<DimensionlessGroup>,
-    /// With the steps that are taken unasked.
-    scene_warnings: Vec<SceneWarning>,
+    /// The default steps in it.
+    steps: Substeps,
+    /// The warnings about it, with the default steps.
+    warnings: Vec<SceneWarning>,
     step_errors: Vec<StepError>,
 }
 
@@ -37,9 +37,9 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
             continue;
         };
         let name = program.plan.name.as_str();
-        let settings = Settings::default();
+        let steps = Substeps::DEFAULT.in_scene(scene);
         match out.iter_mut().find(|it| it.scene == scene) {
-            Some(known) => known.assemblies.push(name),
+            Some(known) => known.add(name, &program.scene_warnings),
             None => out.push(InForce {
                 file,
                 scene,
@@ -48,29 +48,55 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 absent: absent(scene),
                 speed: speed(scene),
                 groups: groups(scene),
-                scene_warnings: scene_warnings(scene, &settings),
-                step_errors: step_errors(scene, settings.steps_in(scene)),
+                steps,
+                warnings: program.scene_warnings.clone(),
+                step_errors: step_errors(scene, steps),
             }),
         }
     }
     out
 }
 
-impl InForce<'_> {
+impl<'a> InForce<'a> {
+    /// Adds an assembly, with warnings about the heights of its captures.
+    fn add(&mut self, assembly: &'a str, warnings: &[SceneWarning]) {
+        self.assemblies.push(assembly);
+        for warning in warnings {
+            let is_same =
+                |known: &SceneWarning| (known.kind, known.symbol) == (warning.kind, warning.symbol);
+            if !self.warnings.iter().any(is_same) {
+                self.warnings.push(warning.clone());
+            }
+        }
+    }
+
+    /// Whether a row is outside of its limit, with the default steps.
+    fn is_exceeded(&self, group: &DimensionlessGroup) -> bool {
+        group.is_exceeded(group.steps_of(self.steps)) || group.disappoints().is_some()
+    }
+
     /// The listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed, groups, warnings,
     /// step_errors }`.
     pub fn json(&self) -> Json {
         let units = BlockUnits::of(self.scene);
-        let warning = |doubt: &SceneWarning| format!("{}: {}", doubt.figure, doubt.effect);
+        let warning = |warning: &SceneWarning| {
+            json!({
+                "code": Code::from(warning.kind),
+                "symbol": warning.symbol,
+                "figure": warning.figure,
+                "effect": warning.effect,
+                "remedy": warning.remedy,
+            })
+        };
         let group = |group: &DimensionlessGroup| {
             json!({
                 "symbol": group.symbol,
                 "meaning": group.meaning,
                 "value": group.value,
                 "most": max_value(group),
-                "exceeded": group.is_exceeded(1),
+                "taken": group.steps_of(self.steps),
+                "exceeded": self.is_exceeded(group),
                 "substeps": group.substeps(),
-                "least": min_value(group),
             })
         };
         let step_error = |error: &StepError| {
@@ -94,7 +120,12 @@ impl InForce<'_> {
                 "block": self.speed.rms.map(|rms| units.speed(rms)),
             },
             "groups": self.groups.iter().map(group).collect::<Vec<_>>(),
-            "warnings": self.scene_warnings.iter().map(warning).collect::<Vec<_>>(),
+            "steps": {
+                "taken": self.steps.to_string(),
+                "needed": self.needed(),
+                "resolved": self.are_steps_short(),
+            },
+            "warnings": self.warnings.iter().map(warning).collect::<Vec<_>>(),
             "step_errors": self.step_errors.iter().map(step_error).collect::<Vec<_>>(),
         })
     }
@@ -124,20 +155,14 @@ impl InForce<'_> {
         self.list_groups(&mut out);
         self.list_step_errors(&mut out);
         out.push('\n');
-        for SceneWarning { figure, effect, .. } in &self.scene_warnings {
-            let _ = writeln!(out, "  warning: {figure}\n           {effect}");
-        }
-        if self.scene_warnings.is_empty() {
+        let _ = writeln!(out, "  {}", self.verdict());
+        for warning in &self.warnings {
+            let SceneWarning { figure, effect, .. } = warning;
+            let code = Code::from(warning.kind);
             let _ = writeln!(
                 out,
-                "  {} short enough for all of these.",
-                match self.needed() {
-                    1 => "One step a tick is".to_owned(),
-                    needed => format!(
-                        "{needed} steps a tick are needed, and the {} that `simulate` takes are",
-                        Settings::default().steps_in(self.scene)
-                    ),
-                }
+                "  warning[{code}]: {figure}\n    {effect}; {}",
+                warning.remedy
             );
         }
         if self.needed() > 1 && matches!(self.contact(), Some(ContactLaw::Rigid { .. })) {
@@ -147,6 +172,24 @@ impl InForce<'_> {
             );
         }
         out
+    }
+
+    /// Whether the default steps resolve the motion.
+    fn are_steps_short(&self) -> bool {
+        let is_of_steps = |it: &SceneWarning| it.kind == SceneWarningKind::CoarseStep;
+        !self.warnings.iter().any(is_of_steps)
+    }
+
+    /// Returns the sentence on whether steps are short enough.
+    fn verdict(&self) -> String {
+        let taken = self.steps;
+        if !self.are_steps_short() {
+            format!("The steps are too long: `simulate` takes {taken} a tick.")
+        } else if self.needed() == 1 {
+            "One step a tick is short enough.".to_owned()
+        } else {
+            format!("The steps are short enough: `simulate` takes {taken} a tick.")
+        }
     }
 
     fn list_terms(&self, out: &mut String) {
@@ -179,16 +222,20 @@ impl InForce<'_> {
         let named =
             |group: &DimensionlessGroup| [group.symbol.to_owned(), group.meaning.to_owned()];
         let names: Vec<_> = self.groups.iter().map(named).collect();
-        let head = ["groups", "value", "limit, about"].map(str::to_owned);
+        let head = ["groups", "value", "limit, about", ""].map(str::to_owned);
         let mut rows = vec![head];
         for (group, name) in self.groups.iter().zip(aligned(&names)) {
             let most = max_value(group).map(|most| format!("at most {}", short(most)));
-            let least = min_value(group).map(|least| format!("at least {}", short(least)));
-            let limit = most.or(least).unwrap_or_default();
+            let mark = if self.is_exceeded(group) {
+                "exceeded"
+            } else {
+                ""
+            };
             rows.push([
                 format!("  {name}"),
                 format!("{:9}", short(group.value)),
-                limit,
+                most.unwrap_or_default(),
+                mark.to_owned(),
             ]);
         }
         out.push('\n');
@@ -266,23 +313,10 @@ impl InForce<'_> {
     }
 }
 
-/// The smallest value that a group should have.
-fn min_value(group: &DimensionlessGroup) -> Option<f64> {
-    match group.expected?.bound {
-        RangeBound::AtLeast(least) => Some(least),
-        RangeBound::AtMost(_) => None,
-    }
-}
-
 /// The largest value that a group should have: with one step a tick, or whatever the steps are.
 fn max_value(group: &DimensionlessGroup) -> Option<f64> {
-    if let Some(limit) = group.limit {
-        return Some(limit.most);
-    }
-    match group.expected?.bound {
-        RangeBound::AtMost(most) => Some(most),
-        RangeBound::AtLeast(_) => None,
-    }
+    let expected = group.expected.map(|expected| expected.most);
+    group.limit.map(|limit| limit.most).or(expected)
 }
 
 fn in_unit(value: f64, unit: &str) -> String {

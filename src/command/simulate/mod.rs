@@ -19,9 +19,7 @@ use super::results::{ResultsFormat, ResultsView, show};
 use super::terminal::{output_width, print};
 use super::watch::Watching;
 use crate::exit::{Exit, Failure};
-use crate::operations::ensemble::{
-    EnsembleOptions, MadeEnsemble, can_record, make, warn_of_doubts,
-};
+use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::precision::make_until;
 use crate::operations::replan::{Replan, replan};
@@ -66,7 +64,10 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     accuracy::comment(options, &manifest)?;
     can_record(&manifest, options.record.as_ref())?;
     try_out_all(&manifest)?;
-    warn_of_doubts(&manifest, &host);
+    // A check of the texts has judged the steps that are asked for.
+    let is_checked =
+        options.manifest.is_none() && !options.files.is_empty() && options.accuracy.is_none();
+    judge_scenes(&manifest, is_checked, &options.levels.levels, &host)?;
     if let Some(after) = options.replan {
         return replanned(options, manifest, after, &host);
     }

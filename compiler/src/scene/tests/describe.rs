@@ -168,14 +168,15 @@ fn bond() -> impl Strategy<Value = Bond> {
         Just(Measure::Gap),
         Just(Measure::Corners)
     ];
-    let anchor = (measure, size(), tilt, any::<bool>()).prop_map(
-        |(measure, within, tilt, sampled)| Anchor {
-            measure,
-            within,
-            tilt,
-            sampled,
-        },
-    );
+    let anchor =
+        (measure, size(), tilt, any::<bool>()).prop_map(|(measure, within, tilt, sampled)| {
+            Anchor {
+                measure,
+                within,
+                tilt,
+                sampled,
+            }
+        });
     (reach(), prop::option::of(reach()), anchor).prop_map(|(pull, align, anchor)| Bond::Attract {
         pull,
         align,

@@ -5,6 +5,7 @@
 mod block_units;
 mod gas;
 mod settling;
+mod softness;
 mod speed;
 
 use serde::Serialize;
@@ -13,9 +14,9 @@ pub use block_units::BlockUnits;
 pub use gas::Gas;
 pub use settling::Settling;
 pub(super) use speed::rms_of_range;
-pub use speed::{Speed, SpeedFrom, kick, speed, turn_in_steps};
+pub use speed::{Speed, SpeedFrom, carried, kick, speed, turn_in_steps};
 
-use super::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene};
+use super::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene, Substeps};
 
 /// A number without a dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -45,26 +46,15 @@ pub struct ResolutionLimit {
     pub beyond: &'static str,
 }
 
-/// The values of a group at which a scene does what it is for.
+/// The largest value of a group that a scene works with, at any steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ExpectedRange {
-    /// The bound, about.
-    pub bound: RangeBound,
-    /// What happens beyond it, as a clause.
+    /// The largest value, about.
+    pub most: f64,
+    /// The consequence beyond it, as a clause.
     pub beyond: &'static str,
-    /// What changes it.
+    /// The change that helps.
     pub remedy: &'static str,
-    /// Whether it matters to structures alone that grow away from where blocks settle.
-    pub is_of_height: bool,
-}
-
-/// A smallest or a largest value.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub enum RangeBound {
-    /// A smallest one.
-    AtLeast(f64),
-    /// A largest one.
-    AtMost(f64),
 }
 
 impl DimensionlessGroup {
@@ -74,17 +64,23 @@ impl DimensionlessGroup {
         (self.limit).is_some_and(|limit| needed(limit).is_none_or(|needed| substeps < needed))
     }
 
+    /// The steps a tick that the blocks take which the group is about.
+    pub fn steps_of(&self, steps: Substeps) -> u32 {
+        if self.of_faces {
+            steps.near
+        } else {
+            steps.longest()
+        }
+    }
+
     /// The fewest substeps a tick that keep to the limit; `None` if there is none, or no number of them does.
     pub fn substeps(&self) -> Option<u32> {
         self.limit?.substeps
     }
 
-    /// What it should keep to whatever the steps are, and does not.
+    /// Returns the range that the group leaves, whatever the steps are.
     pub fn disappoints(&self) -> Option<ExpectedRange> {
-        self.expected.filter(|expected| match expected.bound {
-            RangeBound::AtLeast(least) => self.value < least,
-            RangeBound::AtMost(most) => self.value > most,
-        })
+        self.expected.filter(|expected| self.value > expected.most)
     }
 }
 
@@ -153,11 +149,12 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     if let Some(drag) = &scene.drag {
         let rate = units.rate(drag.rate);
         out.push(
-            DimensionlessGroup::new("γ τ", "what drag takes from a speed in a tick", rate).limited(
-                |_| DRAG,
-                |steps| rate / steps,
-                "blocks that a steady force moves fall short of their terminal speed",
-            ),
+            DimensionlessGroup::new(DRAG_SYMBOL, "what drag takes from a speed in a tick", rate)
+                .limited(
+                    |_| DRAG,
+                    |steps| rate / steps,
+                    "blocks that a steady force moves fall short of their terminal speed",
+                ),
         );
     }
     fluid(scene, v, &mut out);
@@ -201,7 +198,7 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     contact(scene, push, &mut out);
     gas(scene, v, &mut out);
     settling(scene, &mut out);
-    bearing(scene, &mut out);
+    softness::softness(scene, &mut out);
     out
 }
 
@@ -301,6 +298,9 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
         ));
     }
 }
+
+/// The symbol of the part of a speed that `drag` takes in a tick.
+pub(super) const DRAG_SYMBOL: &str = "γ τ";
 
 /// What drag may take in a step. A force acts before it, so that a terminal speed lacks half of that.
 const DRAG: f64 = 0.2;
@@ -405,61 +405,11 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
         meaning,
         units.length(settling.mean()),
     ));
-    out.push(
-        DimensionlessGroup::new(
-            "n(a) / n",
-            "part of the blocks that is kept a side or more from where they settle",
-            settling.above(scene.block.side),
-        )
-        .expected(ExpectedRange {
-            bound: RangeBound::AtLeast(0.1),
-            beyond: match settling.is_floating {
-                true => "most blocks float at the top, and few come to what is below",
-                false => "most blocks lie on the floor, and few come to what is above",
-            },
-            remedy: "stir more, or bring the blocks' density closer to the fluid's",
-            is_of_height: true,
-        }),
-    );
-}
-
-/// What the shell alone bears: all blocks that float, and without contacts, so that there is no floor, those that sink.
-fn bearing(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
-    let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
-        &scene.enclosure
-    else {
-        return;
-    };
-    let down = settling::down(scene);
-    let lies_on_floor = down > 0.0 && scene.contact.is_some();
-    if down == 0.0 || lies_on_floor {
-        return;
-    }
-    let units = BlockUnits::of(scene);
-    let depth = units.acceleration(down.abs()) / units.stiffness(*wall);
-    let (beyond, remedy) = match down < 0.0 {
-        true => (
-            "blocks that float come to rest outside of the shell",
-            "give the enclosure a stiffer `wall`, or bring the blocks' density closer to the fluid's",
-        ),
-        false => (
-            "blocks sink through the floor, which is solid for contacts alone, and come to rest outside of the shell",
-            "give the scene a `contact`, or the enclosure a stiffer `wall`",
-        ),
-    };
-    out.push(
-        DimensionlessGroup::new(
-            "|m - ρ a³| g / (k a)",
-            "sides that a block at rest, which the shell alone bears, is outside of it",
-            depth,
-        )
-        .expected(ExpectedRange {
-            bound: RangeBound::AtMost(0.5),
-            beyond,
-            remedy,
-            is_of_height: false,
-        }),
-    );
+    out.push(DimensionlessGroup::new(
+        "n(a) / n",
+        "part of the blocks that is kept a side or more from where they settle",
+        settling.above(scene.block.side),
+    ));
 }
 
 impl DimensionlessGroup {

@@ -5,7 +5,7 @@
 //! against simulated profiles.
 use std::f64::consts::PI;
 
-use super::super::{Agitation, BOLTZMANN, Fluid, Scene, Turbulence};
+use super::super::{Agitation, BOLTZMANN, Enclosure, Fluid, Scene, Turbulence};
 use super::{BlockUnits, speed};
 
 /// How blocks that are heavier than their fluid, or lighter, are spread.
@@ -22,10 +22,14 @@ pub struct Settling {
 }
 
 impl Settling {
-    /// `None` without weight or a floor, or where nothing is known of what spreads the blocks.
+    /// Returns how weight and agitation spread blocks.
+    ///
+    /// `None` without weight, without agitation, and for sinking blocks without a floor.
     pub fn of(scene: &Scene) -> Option<Settling> {
-        scene.contact.as_ref()?;
         let down = down(scene);
+        if down > 0.0 && scene.contact.is_none() {
+            return None;
+        }
         let weight = down.abs();
         if weight == 0.0 {
             return None;
@@ -59,6 +63,63 @@ impl Settling {
         }
     }
 }
+
+impl Settling {
+    /// Returns the density of free blocks in a layer of cells, over their mean in the enclosure.
+    ///
+    /// The lowest layer is 1. Sinking blocks reach it wherever they lie.
+    /// `None` without an enclosure.
+    pub fn density_in(&self, scene: &Scene, layer: i32) -> Option<f64> {
+        let enclosure = scene.enclosure.as_ref()?;
+        let side = scene.block.side;
+        if !self.is_floating && layer <= 1 {
+            return Some(1.0);
+        }
+        let reach = enclosure.reach(side);
+        let middle = match enclosure {
+            Enclosure::Hemisphere { .. } => 0.0,
+            Enclosure::Sphere { radius, .. } => *radius,
+        };
+        let top = middle + reach;
+        let middle_of_layer = (f64::from(layer) - 0.5) * side;
+        let area = |height: f64| (reach * reach - (height - middle).powi(2)).max(0.0);
+        // Distances from the place of settled blocks: the roof, or half a block above the floor.
+        let away = if self.is_floating {
+            top - middle_of_layer
+        } else {
+            middle_of_layer - side / 2.0
+        };
+        let height_at = |away: f64| {
+            if self.is_floating {
+                top - away
+            } else {
+                away + side / 2.0
+            }
+        };
+        let sum = |end: f64, weight: &dyn Fn(f64) -> f64| {
+            let slice = end / f64::from(SLICES);
+            let places = (0..SLICES).map(|slice_number| (f64::from(slice_number) + 0.5) * slice);
+            places
+                .map(|away| area(height_at(away)) * weight(away))
+                .sum::<f64>()
+                * slice
+        };
+        let thinned = |away: f64| (-away / self.height).exp();
+        let spread = sum(top.min(FAR * self.height), &thinned);
+        let part = thinned(away.max(0.0)) / spread;
+        Some(if part.is_finite() {
+            self.lifted * part * sum(top, &|_| 1.0)
+        } else {
+            0.0
+        })
+    }
+}
+
+/// Slices of the enclosure that a sum is made of.
+const SLICES: u32 = 512;
+
+/// Heights of the profile beyond which nothing of it is left.
+const FAR: f64 = 40.0;
 
 /// What pulls a block at rest down, or up where it is below 0 \[m/s^2\].
 pub fn down(scene: &Scene) -> f64 {

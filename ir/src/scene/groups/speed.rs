@@ -84,13 +84,52 @@ pub(super) fn mean_left(taken: f64) -> f64 {
 }
 
 /// The speed at which the mean flow takes blocks along, at most \[m/s\]; 0 without one.
-pub(super) fn carried(scene: &Scene) -> f64 {
+pub fn carried(scene: &Scene) -> f64 {
     match &scene.flow {
         Some(Flow::Stir(stir)) => stir.follow * stir.speed(),
         Some(Flow::Jets(jets)) => jets.speed(),
         None => 0.0,
     }
 }
+
+/// Returns the speed of blocks that meet contacts or shell \[m/s\], mean flow included.
+///
+/// `away`: the distance from the mouth of a jet \[m\]. `None` if the speed never stops growing.
+pub(super) fn impact(scene: &Scene, away: f64) -> Option<f64> {
+    Some(energetic(scene)?.hypot(flow_at(scene, away)))
+}
+
+/// Returns the drag of the fluid on a block that something holds \[N\], in mean flow and eddies.
+///
+/// `away`: the distance from the mouth of a jet \[m\].
+pub(super) fn flow_force(scene: &Scene, away: f64) -> f64 {
+    let (Some(fluid), side) = (&scene.fluid, scene.block.side) else {
+        return 0.0;
+    };
+    let eddies = match &scene.agitation {
+        Some(Agitation::Turbulence(_)) => speed(scene).rms.unwrap_or(0.0),
+        _ => 0.0,
+    };
+    let speed = eddies.hypot(flow_at(scene, away));
+    let linear = fluid.viscosity.map_or(0.0, |it| Fluid::friction(it, side));
+    let square = fluid.density.map_or(0.0, |it| Fluid::wake(it, side));
+    linear * speed + square * speed * speed
+}
+
+/// Returns the largest speed of the mean flow, of jets at a distance from their mouths \[m/s\].
+fn flow_at(scene: &Scene, away: f64) -> f64 {
+    let slowed = match &scene.flow {
+        Some(Flow::Jets(jets)) => (JET * jets.nozzle / away).min(1.0),
+        _ => 1.0,
+    };
+    carried(scene) * slowed
+}
+
+/// Speed on the axis of a round jet, over that at its mouth, at one diameter.
+///
+/// # Source
+/// S. B. Pope, Turbulent Flows, 2000, 5.1.
+const JET: f64 = 6.2;
 
 /// The rms speed by which free blocks have their energy of motion \[m/s\], where velocities that are means over a tick have less.
 pub(super) fn energetic(scene: &Scene) -> Option<f64> {

@@ -6,7 +6,7 @@ use stochc_runtime::Model;
 use super::common::inside;
 use crate::analysis::reported_program::Input;
 use crate::ensemble_report::html::{code, name};
-use crate::tables::KNOWN_BIAS;
+use crate::tables::{KNOWN_BIAS, lower_bounds};
 
 /// What a reader has to know before believing anything, in HTML.
 pub(super) fn warnings(input: &Input) -> Vec<String> {
@@ -35,6 +35,8 @@ pub(super) fn warnings(input: &Input) -> Vec<String> {
     if manifest.settings.model == Model::Rate {
         found.push(format!("{path}: {}", name(KNOWN_BIAS)));
     }
+    let bounds = lower_bounds(manifest).into_iter();
+    found.extend(bounds.map(|bound| format!("{path}: {}", name(&bound))));
     if let Some(reduction) = manifest.settings.reduction {
         found.push(format!(
             "{path} was made with the reduced model {}: it leaves out something that the scene has.",

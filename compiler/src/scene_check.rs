@@ -1,0 +1,69 @@
+//! Whether a scene works for a program.
+use std::ops::RangeInclusive;
+
+use stochc_ir::scene::Scene;
+use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, Stepping, scene_warnings};
+
+use crate::SourceLocation;
+use crate::diagnostic::{Code, Diagnostic, report};
+use crate::layout::Layout;
+use crate::plan::{EventKind, ProgramPlan};
+
+impl From<SceneWarningKind> for Code {
+    fn from(kind: SceneWarningKind) -> Code {
+        match kind {
+            SceneWarningKind::BuoyantBlocks => Code::BuoyantBlocks,
+            SceneWarningKind::NoAgitation => Code::NoAgitation,
+            SceneWarningKind::CoarseStep => Code::CoarseStep,
+            SceneWarningKind::SoftContact => Code::SoftContact,
+        }
+    }
+}
+
+/// Reports and returns what keeps a scene from working, one diagnostic for each code.
+///
+/// `location`: the name of the scene in the program, or else the name of the program.
+pub fn check(
+    scene: &Scene,
+    layers: Option<RangeInclusive<i32>>,
+    stepping: Stepping,
+    location: SourceLocation,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<SceneWarning> {
+    let found = scene_warnings(scene, stepping, layers);
+    for of_kind in found.chunk_by(|one, other| one.kind == other.kind) {
+        report(diagnostics, diagnostic(scene, of_kind, location));
+    }
+    found
+}
+
+/// Returns one diagnostic for warnings of one kind.
+fn diagnostic(scene: &Scene, warnings: &[SceneWarning], location: SourceLocation) -> Diagnostic {
+    let first = &warnings[0];
+    let title = format!("in the scene `{}`, {}", scene.name, first.effect);
+    let mut remedies: Vec<&str> = Vec::new();
+    let mut figures = vec![first.figure.clone()];
+    for warning in &warnings[1..] {
+        figures.push(format!("{}: {}", warning.figure, warning.effect));
+    }
+    for warning in warnings {
+        if !remedies.contains(&warning.remedy.as_str()) {
+            remedies.push(&warning.remedy);
+        }
+    }
+    Diagnostic::new(first.kind.into(), title)
+        .label(location, figures.join("; "))
+        .help(remedies.join("; "))
+}
+
+/// Returns the lowest and the highest layer of a program's captures.
+pub fn layers(plan: &ProgramPlan, layout: &Layout) -> Option<RangeInclusive<i32>> {
+    let phases = plan.phases.iter().filter(|phase| !phase.planted);
+    let events = phases.flat_map(|phase| plan.events_of(phase));
+    let captures = events.filter(|&id| matches!(plan.event(id).kind, EventKind::Capture { .. }));
+    let heights = captures.filter_map(|id| Some((*layout.cells.get(id.0 as usize)?)?.z));
+    heights.fold(None, |layers: Option<RangeInclusive<i32>>, z| {
+        let (low, high) = layers.map_or((z, z), RangeInclusive::into_inner);
+        Some(low.min(z)..=high.max(z))
+    })
+}

@@ -1,0 +1,59 @@
+//! Whether a phase is given the time that it takes.
+use stochc_rates::Rates;
+
+use crate::Program;
+use crate::cost::{estimate, estimate_without_timeouts};
+use crate::diagnostic::{Code, Diagnostic, report};
+
+/// The largest number of events for which times are estimated at every check.
+pub const MAX_ESTIMATED: usize = 2_000;
+
+/// The share of runs that a timeout may end.
+const MAX_TIMED_OUT: f64 = 0.5;
+
+/// Reports phases whose timeout ends more than half of the runs, by the calibrated rates of the scene.
+pub fn check(program: &Program, diagnostics: &mut Vec<Diagnostic>) {
+    let phases = &program.plan.phases;
+    let has_timeout = phases.iter().any(|phase| phase.timeout.is_some());
+    if !has_timeout || program.plan.events.len() > MAX_ESTIMATED {
+        return;
+    }
+    let rates = program.scene.as_ref().and_then(Rates::built_in);
+    let Some(cost) = rates.and_then(|rates| estimate(program, Some(rates))) else {
+        return;
+    };
+    let is_short = |timed_out: f64| timed_out > MAX_TIMED_OUT;
+    if !cost.phases.iter().any(|phase| is_short(phase.timed_out)) {
+        return;
+    }
+    let unlimited = estimate_without_timeouts(program, rates);
+    for (number, (phase, cost)) in phases.iter().zip(&cost.phases).enumerate() {
+        if !is_short(cost.timed_out) {
+            continue;
+        }
+        let title = format!(
+            "phase `{}` comes to its timeout in {:.0} % of the runs that reach it",
+            phase.name,
+            (100.0 * cost.timed_out).floor()
+        );
+        let label = "by the rate model, more than half of the runs end here";
+        let needed = unlimited
+            .as_ref()
+            .and_then(|cost| cost.phases[number].times?.p90);
+        let help = match needed {
+            Some(ticks) => format!(
+                "write `timeout {:.0} ticks`, in which nine of ten runs complete the phase",
+                round_up(ticks)
+            ),
+            None => "give the phase more time".to_owned(),
+        };
+        let diagnostic = Diagnostic::new(Code::ShortTimeout, title).label(phase.location, label);
+        report(diagnostics, diagnostic.help(help));
+    }
+}
+
+/// Returns the next larger number with two digits.
+fn round_up(ticks: f64) -> f64 {
+    let digit = 10_f64.powf(ticks.max(10.0).log10().floor() - 1.0);
+    (ticks / digit).ceil() * digit
+}

@@ -1,0 +1,109 @@
+//! Steps of the physics in a tick.
+use super::{Bond, Scene};
+
+/// Steps of the model per tick, as the option `--substeps` writes them: `4`, or `1/8`.
+///
+/// `1/8` is one step for blocks away from magnetized faces and eight for those near them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Substeps {
+    /// Steps of blocks near magnetized faces.
+    pub near: u32,
+    /// Steps of all other blocks. `None`: as many as near a face.
+    pub away: Option<u32>,
+}
+
+impl Substeps {
+    /// The most steps a tick that are taken.
+    pub const MOST: u32 = 1000;
+
+    /// The default: the cheapest that keep the times of the default scene (docs/trade.md).
+    pub const DEFAULT: Substeps = Substeps {
+        near: 8,
+        away: Some(2),
+    };
+
+    /// The steps of the blocks that take the longest ones.
+    pub fn longest(self) -> u32 {
+        self.away.unwrap_or(self.near)
+    }
+
+    /// The steps that blocks of a scene take with the model `rigid`.
+    ///
+    /// Steps of two lengths need blocks that no fluid carries and that do not pull each other.
+    #[must_use]
+    pub fn in_scene(self, scene: &Scene) -> Substeps {
+        let local = takes_local_steps(scene);
+        Substeps {
+            away: self.away.filter(|_| local),
+            ..self
+        }
+    }
+
+    /// Whether there are steps, not too many, and whole numbers of short ones in a long one.
+    pub fn are_sound(self) -> bool {
+        (1..=Substeps::MOST).contains(&self.near)
+            && (self.away).is_none_or(|away| away > 0 && self.near.is_multiple_of(away))
+    }
+}
+
+impl std::fmt::Display for Substeps {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.away {
+            Some(away) => write!(f, "{away}/{}", self.near),
+            None => write!(f, "{}", self.near),
+        }
+    }
+}
+
+impl std::str::FromStr for Substeps {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Substeps, String> {
+        let number = |text: &str| text.trim().parse::<u32>().ok();
+        let (away, near) = match text.split_once('/') {
+            Some((away, near)) => (Some(number(away)), number(near)),
+            None => (None, number(text)),
+        };
+        let read = match (away, near) {
+            (None, Some(near)) => Some(Substeps { near, away: None }),
+            (Some(Some(away)), Some(near)) => Some(Substeps {
+                near,
+                away: (away != near).then_some(away),
+            }),
+            _ => None,
+        };
+        read.filter(|steps| steps.are_sound()).ok_or_else(|| {
+            format!(
+                "say from 1 to {} steps a tick, such as `4`, or `1/8` for one away from magnetized faces and \
+                 eight near them, which have to be a multiple",
+                Substeps::MOST
+            )
+        })
+    }
+}
+
+/// Whether blocks of a scene may take steps of different lengths.
+pub fn takes_local_steps(scene: &Scene) -> bool {
+    scene.fluid.is_none()
+        && scene.flow.is_none()
+        && !matches!(scene.bond, Some(Bond::Reject { .. }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_read_as_they_are_written() {
+        for text in ["1", "4", "1/8", "2/16", "1000"] {
+            let steps: Substeps = text.parse().expect("it is allowed");
+            assert_eq!(steps.to_string(), text);
+        }
+        assert_eq!("8/8".parse(), "8".parse::<Substeps>());
+        for text in [
+            "", "0", "1001", "3/8", "8/1", "0/4", "1/", "/8", "1/8/2", "-1", "a",
+        ] {
+            assert!(text.parse::<Substeps>().is_err(), "{text}");
+        }
+    }
+}

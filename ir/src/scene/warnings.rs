@@ -1,0 +1,285 @@
+//! Reasons why a scene does not work, or why its time step is too long.
+use std::ops::RangeInclusive;
+
+use super::groups::{
+    DRAG_SYMBOL, DimensionlessGroup, ExpectedRange, ResolutionLimit, Settling, carried, groups,
+    speed, turn_in_steps,
+};
+use super::{Agitation, Bond, Scene, Substeps};
+
+/// A reason why a scene does not work, or is not computed as it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneWarning {
+    /// Its kind.
+    pub kind: SceneWarningKind,
+    /// The symbol of the dimensionless number. Empty if nothing moves.
+    pub symbol: &'static str,
+    /// The dimensionless number and its limit.
+    pub figure: String,
+    /// The consequence, as a clause.
+    pub effect: String,
+    /// The change that helps.
+    pub remedy: String,
+}
+
+/// A kind of warning about a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SceneWarningKind {
+    /// Weight or lift keeps free blocks away from the structure.
+    BuoyantBlocks,
+    /// Nothing moves free blocks.
+    NoAgitation,
+    /// The time step does not resolve the motion.
+    CoarseStep,
+    /// Contacts or the shell do not keep blocks out.
+    SoftContact,
+}
+
+/// The steps of a run, and the digits that it computes with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepping {
+    /// Steps in a tick.
+    pub steps: Substeps,
+    /// The smallest turn in a step that an orientation keeps \[rad\].
+    pub smallest_turn: f64,
+}
+
+impl Stepping {
+    /// The smallest turn in a step that single precision adds up, and that Rapier does \[rad\].
+    ///
+    /// docs/stability.md measures both.
+    pub const SINGLE: f64 = 2.5e-7;
+    /// See [`Stepping::SINGLE`].
+    pub const RAPIER: f64 = 2.5e-6;
+
+    /// The steps of a run without options.
+    pub const DEFAULT: Stepping = Stepping {
+        steps: Substeps::DEFAULT,
+        smallest_turn: Stepping::SINGLE,
+    };
+}
+
+impl Default for Stepping {
+    fn default() -> Stepping {
+        Stepping::DEFAULT
+    }
+}
+
+/// The density of free blocks at the structure, over their mean density, below which captures are rare.
+const MIN_DENSITY: f64 = 0.1;
+
+/// Returns all warnings about a scene that is computed with these steps.
+///
+/// `layers`: the lowest and the highest layer of captures. Layer 1 is on the floor.
+pub fn scene_warnings(
+    scene: &Scene,
+    stepping: Stepping,
+    layers: Option<RangeInclusive<i32>>,
+) -> Vec<SceneWarning> {
+    let steps = stepping.steps.in_scene(scene);
+    let groups = groups(scene);
+    let taken = |group: &DimensionlessGroup| group.steps_of(steps);
+    let exceeded = groups
+        .iter()
+        .filter(|group| group.is_exceeded(taken(group)));
+    let resolving = resolving(exceeded, steps);
+    let mut found = Vec::new();
+    found.extend(no_agitation(scene));
+    found.extend(layers.and_then(|layers| buoyant(scene, layers)));
+    found.extend(groups.iter().filter_map(|group| {
+        let steps = taken(group);
+        let limit = group.limit.filter(|_| group.is_exceeded(steps))?;
+        Some(coarse(group, limit, steps, resolving))
+    }));
+    found.extend(digits(scene, stepping.smallest_turn, steps));
+    let soft = |group: &DimensionlessGroup| Some(soft_contact(group, group.disappoints()?));
+    found.extend(groups.iter().filter_map(soft));
+    found
+}
+
+/// Returns the fewest steps that resolve all of these groups that any number of steps does.
+///
+/// Blocks near open faces take no fewer steps than before, in whole numbers for each long step.
+fn resolving<'a>(
+    exceeded: impl Iterator<Item = &'a DimensionlessGroup>,
+    taken: Substeps,
+) -> Substeps {
+    let allowed = |needed: &u32| *needed <= Substeps::MOST;
+    let mut steps = taken;
+    for group in exceeded {
+        let Some(needed) = group.substeps().filter(allowed) else {
+            continue;
+        };
+        match &mut steps.away {
+            Some(away) if !group.of_faces => *away = needed.max(*away),
+            _ => steps.near = needed.max(steps.near),
+        }
+    }
+    if let Some(away) = steps.away {
+        steps.near = steps.near.next_multiple_of(away);
+    }
+    steps
+}
+
+/// Warns of a scene in which free blocks stay where they are.
+///
+/// The pump of `bond suction` draws blocks from any distance.
+fn no_agitation(scene: &Scene) -> Option<SceneWarning> {
+    let is_drawn = matches!(scene.bond, Some(Bond::Suction { .. }));
+    let is_still = speed(scene).rms == Some(0.0) && carried(scene) == 0.0;
+    (is_still && !is_drawn && scene.free.count > 0).then(|| SceneWarning {
+        kind: SceneWarningKind::NoAgitation,
+        symbol: "",
+        figure: match scene.agitation {
+            None => "it has no `agitation` and no `flow`",
+            Some(Agitation::Kicks { .. }) => "the speed of its `kicks` is 0",
+            Some(_) => "its `agitation` has the strength 0",
+        }
+        .to_owned(),
+        effect: "nothing moves the free blocks".to_owned(),
+        remedy: "add agitation such as `agitation kicks { speed 0 .. 0.8 m/s }`".to_owned(),
+    })
+}
+
+/// Warns of a structure at heights where weight or lift leaves few free blocks.
+fn buoyant(scene: &Scene, layers: RangeInclusive<i32>) -> Option<SceneWarning> {
+    let settling = Settling::of(scene)?;
+    let layer = if settling.is_floating {
+        *layers.start()
+    } else {
+        *layers.end()
+    };
+    let density = settling.density_in(scene, layer)?;
+    let where_they_are = if settling.is_floating {
+        "most blocks float at the top"
+    } else {
+        "most blocks lie on the floor"
+    };
+    (density < MIN_DENSITY).then(|| SceneWarning {
+        kind: SceneWarningKind::BuoyantBlocks,
+        symbol: "n(z) / n",
+        figure: format!(
+            "in layer {layer} their density is {} of the mean, less than {MIN_DENSITY}",
+            short(density)
+        ),
+        effect: format!("{where_they_are}, and few come to the structure"),
+        remedy: "bring the density of blocks and fluid closer together, or stir more".to_owned(),
+    })
+}
+
+/// Warns of a motion that steps do not resolve.
+fn coarse(
+    group: &DimensionlessGroup,
+    limit: ResolutionLimit,
+    steps: u32,
+    resolving: Substeps,
+) -> SceneWarning {
+    let (symbol, value) = (group.symbol, short(group.value));
+    let most = short(limit.most);
+    let remedy = match group.substeps() {
+        Some(needed) if needed <= Substeps::MOST && resolving.are_sound() => {
+            format!("`--substeps {resolving}` resolves it")
+        }
+        _ => "no number of substeps that is allowed resolves it".to_owned(),
+    };
+    let taken = match steps {
+        1 => String::new(),
+        steps => format!(", and {steps} are taken"),
+    };
+    SceneWarning {
+        kind: SceneWarningKind::CoarseStep,
+        symbol,
+        figure: format!("{symbol} is {value} with one step a tick, more than {most}{taken}"),
+        effect: if symbol == DRAG_SYMBOL {
+            slowed(group.value / f64::from(steps))
+        } else {
+            limit.beyond.to_owned()
+        },
+        remedy,
+    }
+}
+
+/// Returns the consequence of a drag that takes `taken` from a speed in a step.
+///
+/// Drag acts before a block moves: its way is x e^-x / (1 - e^-x) of the right one.
+fn slowed(taken: f64) -> String {
+    let times = taken.exp_m1() / taken;
+    format!("displacements are {} times too small", two_digits(times))
+}
+
+/// Warns of blocks that turn by less than the last digit of an orientation in a step.
+fn digits(scene: &Scene, smallest_turn: f64, steps: Substeps) -> Option<SceneWarning> {
+    let turn = turn_in_steps(scene, f64::from(steps.longest()))?;
+    (turn > 0.0 && turn < smallest_turn).then(|| SceneWarning {
+        kind: SceneWarningKind::CoarseStep,
+        symbol: "ω τ",
+        figure: format!(
+            "ω τ is {} in a step, less than the precision {} of an orientation",
+            short(turn),
+            short(smallest_turn)
+        ),
+        effect: "blocks stop turning".to_owned(),
+        remedy: "`--model rigid --precision double` resolves it".to_owned(),
+    })
+}
+
+/// Warns of blocks that go deep into contacts or out of the shell.
+fn soft_contact(group: &DimensionlessGroup, expected: ExpectedRange) -> SceneWarning {
+    let (symbol, value) = (group.symbol, short(group.value));
+    SceneWarning {
+        kind: SceneWarningKind::SoftContact,
+        symbol,
+        figure: format!("{symbol} is {value}, more than {}", short(expected.most)),
+        effect: expected.beyond.to_owned(),
+        remedy: expected.remedy.to_owned(),
+    }
+}
+
+/// Returns a number with two digits.
+fn two_digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    short(rounded)
+}
+
+/// Returns a number with four digits.
+pub fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1.0 / 3.0, "0.3333"),
+            (5.999_999_999, "6"),
+            (10_000_000.0, "1e7"),
+            (123_456.0, "123500"),
+            (0.000_012_345_6, "1.235e-5"),
+            (-2.0, "-2"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+
+    /// e^-6.5 + e^-13 over 2 is the way in two steps of γ τ = 13. The right one is 1 / 13.
+    #[test]
+    fn a_coarse_drag_says_how_much_too_small_displacements_are() {
+        let way = ((-6.5_f64).exp() + (-13.0_f64).exp()) / 2.0;
+        let times = 1.0 / 13.0 / way;
+        assert!(
+            (6.5_f64.exp_m1() / 6.5 / times - 1.0).abs() < 0.01,
+            "{times}"
+        );
+        assert_eq!(slowed(6.5), "displacements are 100 times too small");
+    }
+}

@@ -1,0 +1,118 @@
+//! When a time by rates is a lower bound.
+use serde::{Serialize, Serializer};
+use stochc_ir::JamRisk;
+
+use crate::Rates;
+
+/// A reason why a program takes longer than the rate model says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LowerBoundReason {
+    /// Blocks may jam in a gap one block wide.
+    TightApproach,
+    /// Blocks may jam before faces near each other.
+    CrowdedCaptures,
+    /// The structure has more blocks than any that the rates were measured with.
+    ///
+    /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer with physics (docs/rates.md).
+    LargeStructure,
+}
+
+impl LowerBoundReason {
+    const ALL: [LowerBoundReason; 3] = [
+        LowerBoundReason::TightApproach,
+        LowerBoundReason::CrowdedCaptures,
+        LowerBoundReason::LargeStructure,
+    ];
+
+    /// Returns the reason as a clause.
+    const fn text(self) -> &'static str {
+        match self {
+            LowerBoundReason::TightApproach => {
+                "`tight-approach` captures take longer than the rate model predicts"
+            }
+            LowerBoundReason::CrowdedCaptures => {
+                "`crowded-captures` take longer than the rate model predicts"
+            }
+            LowerBoundReason::LargeStructure => {
+                "the structure has more blocks than any that the rates were measured with"
+            }
+        }
+    }
+}
+
+impl From<JamRisk> for LowerBoundReason {
+    fn from(risk: JamRisk) -> LowerBoundReason {
+        match risk {
+            JamRisk::TightApproach => LowerBoundReason::TightApproach,
+            JamRisk::CrowdedCaptures => LowerBoundReason::CrowdedCaptures,
+        }
+    }
+}
+
+/// Reasons why times by rates are lower bounds. Empty if they are estimates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LowerBoundReasons([bool; LowerBoundReason::ALL.len()]);
+
+impl LowerBoundReasons {
+    /// Decides whether times by rates are lower bounds for a program.
+    ///
+    /// No other code decides it. `blocks`: the size of the largest structure.
+    pub fn new(jam_risks: &[JamRisk], rates: &Rates, blocks: u32) -> LowerBoundReasons {
+        let is_large = rates.largest_structure().is_some_and(|most| blocks > most);
+        let holds = |reason: LowerBoundReason| match reason {
+            LowerBoundReason::LargeStructure => is_large,
+            _ => jam_risks.iter().any(|&risk| reason == risk.into()),
+        };
+        LowerBoundReasons(LowerBoundReason::ALL.map(holds))
+    }
+
+    /// Whether times are estimates.
+    pub fn is_empty(self) -> bool {
+        self.0 == [false; LowerBoundReason::ALL.len()]
+    }
+
+    /// Returns the reasons, in a fixed order.
+    pub fn iter(self) -> impl Iterator<Item = LowerBoundReason> {
+        let all = LowerBoundReason::ALL.into_iter().zip(self.0);
+        all.filter_map(|(reason, holds)| holds.then_some(reason))
+    }
+
+    /// Returns the reasons as a clause. Empty without reasons.
+    pub fn text(self) -> String {
+        let reasons: Vec<&str> = self.iter().map(LowerBoundReason::text).collect();
+        reasons.join(", and ")
+    }
+
+    /// Returns `at least ` before a time that is a lower bound.
+    pub fn prefix(self) -> &'static str {
+        if self.is_empty() { "" } else { "at least " }
+    }
+}
+
+impl Serialize for LowerBoundReasons {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_rates_were_not_measured_with_is_a_lower_bound() {
+        let rates = &Rates::shipped()[0];
+        // `calibrate` builds 39 blocks of 300.
+        assert_eq!(rates.largest_structure(), Some(39));
+        let reasons = |risks: &[JamRisk], blocks| LowerBoundReasons::new(risks, rates, blocks);
+        assert!(reasons(&[], 39).is_empty());
+        let all = reasons(&[JamRisk::CrowdedCaptures, JamRisk::TightApproach], 40);
+        assert_eq!(all.iter().count(), 3);
+        assert_eq!(
+            serde_json::to_value(all).expect("it is a list"),
+            serde_json::json!(["tight-approach", "crowded-captures", "large-structure"])
+        );
+        assert_eq!((all.prefix(), reasons(&[], 1).prefix()), ("at least ", ""));
+    }
+}
