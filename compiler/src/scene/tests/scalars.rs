@@ -316,7 +316,8 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
     };
     let timeout = |changes: &[(&str, f64)]| {
         let checked = checked(changes);
-        assert_eq!(checked.diagnostics, [], "{changes:?}");
+        // Such steps and timeouts are warned of.
+        assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
         checked.programs[0].tables.as_ref().unwrap().phases[0].timeout
     };
     assert_eq!(timeout(&[]), Some(500));
