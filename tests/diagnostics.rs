@@ -635,7 +635,7 @@ fn a_scene_may_take_the_place_of_the_built_in_one() {
 }
 
 /// Helps that are changes without a fix: the old text and the new one, which the help names.
-const FOLLOWED: [(Code, &str, &str); 9] = [
+const FOLLOWED: [(Code, &str, &str); 11] = [
     (
         Code::NumberTooLarge,
         "10000000000000000000",
@@ -661,10 +661,12 @@ const FOLLOWED: [(Code, &str, &str); 9] = [
         "allow unplanned-bond \"reason\" seed plate",
     ),
     (Code::BlockedRelease, "release B", "release C  release B"),
+    (Code::NoAgitation, "0 .. 0 m/s", "0 .. 0.8 m/s"),
+    (Code::ShortTimeout, "300 ticks", "3700 ticks"),
 ];
 
 /// Codes whose help is not a change of the text, with the reason.
-const ADVICE: [(Code, &str); 21] = [
+const ADVICE: [(Code, &str); 24] = [
     (Code::WrongKind, "either of two things may be renamed"),
     (Code::WrongArguments, "it has no help"),
     (Code::Arithmetic, "the intention is not known"),
@@ -695,6 +697,9 @@ const ADVICE: [(Code, &str); 21] = [
     (Code::TightApproach, "the order of phases is the author's"),
     (Code::CrowdedCaptures, "the order of phases is the author's"),
     (Code::EmptyPhase, "a loop or the phase may be wrong"),
+    (Code::BuoyantBlocks, "the scene is the author's"),
+    (Code::CoarseStep, "steps are an option of a run"),
+    (Code::SoftContact, "the scene is the author's"),
 ];
 
 /// A text with the change of one of its diagnostics.
@@ -842,7 +847,7 @@ fn the_after_of_a_chain_belongs_to_its_first_capture() {
 
 #[test]
 fn a_timeout_is_moved_to_its_phase() {
-    for time in ["5 s", "60s", "2500 ticks"] {
+    for time in ["50 s", "60s", "2500 ticks"] {
         let (help, changed) = help_tried(&format!("N.up -> X M.up -> A timeout {time}"));
         assert_eq!(
             help,

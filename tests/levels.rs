@@ -70,13 +70,13 @@ fn the_innermost_statement_counts() {
     assert_eq!(reported(&program([&both, "", "", allow, ""])), [""; 0]);
     assert_eq!(
         reported(&program([seed, allow, "", deny, ""])),
-        ["unused-allow", "EMPTY-PHASE"]
+        ["EMPTY-PHASE", "unused-allow"]
     );
     // In one block the last one does.
     let twice = format!("{seed} {allow} {deny}");
     assert_eq!(
         reported(&program([&twice, "", "", "", ""])),
-        ["unused-allow", "EMPTY-PHASE"]
+        ["EMPTY-PHASE", "unused-allow"]
     );
 }
 
@@ -284,7 +284,7 @@ fn no_warning_follows_from_an_error() {
     // What is wrong about the cells leaves no use unseen.
     assert_eq!(
         program("phase q { A.down -> B }"),
-        ["unused-seed", "ANCHORING-FACE"]
+        ["ANCHORING-FACE", "unused-seed"]
     );
     // A misspelt name may be that of what seems to be unused.
     let unused = |used: &str| {

@@ -620,7 +620,8 @@ impl<'a> AssemblyInput<'a> {
                 let order = order.map(|order| (order, certain));
                 capacity::check(&plan, &layout, order, scene, cancellation, &mut later)?;
                 capacity::check_room(&plan, scene, &mut later);
-                if let Some(stepping) = self.stepping {
+                // A scene that lacks a term is not judged.
+                if let Some(stepping) = self.stepping.filter(|_| !wrong(&later)) {
                     let layers = scene_check::layers(&plan, &layout);
                     let location = self.scene_location;
                     scene_warnings =

@@ -332,7 +332,7 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
     assert_eq!(codes(&[("free", 2.0)]), [Code::TooFewBlocks]);
     assert_eq!(
         codes(&[("enclosure.radius", 0.5)]),
-        [Code::TooManyBlocks, Code::OutsideEnclosure]
+        [Code::OutsideEnclosure, Code::TooManyBlocks]
     );
     assert_eq!(codes(&[("free", 2.5)]), [Code::WrongValue]);
     assert_eq!(codes(&[("fre", 2.0)]), [Code::UnknownTerm]);
