@@ -13,7 +13,7 @@ pub use crate::command::terminal::show_deferred;
 use crate::command::terminal::{output_has_colour, print_drawn};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
-    plan, replay, report, results, shard, simulate, status, submit, trade, verify,
+    plan, replay, report, shard, show, simulate, status, submit, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -59,8 +59,8 @@ pub enum Command {
     Estimate(estimate::EstimateArguments),
     /// Find the numbers of a scene that measured times speak for, with their uncertainty
     Fit(Box<fit::FitArguments>),
-    /// Print the table of a results folder again
-    Results(results::ResultsArguments),
+    /// Print the results of a folder
+    Show(show::ShowArguments),
     /// Check that the files of a results folder are as they were written, and save what can be saved
     Verify(verify::VerifyArguments),
     /// Write an HTML report on results folders: completion curves, waits, critical paths, tests
@@ -193,7 +193,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Estimate(options) => estimate::run(&options),
         Command::Fit(options) => fit::run(&options),
-        Command::Results(options) => results::run(&options),
+        Command::Show(options) => show::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Report(options) => report::run(&options),
         Command::Replay(options) => replay::run(&options),

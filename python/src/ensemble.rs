@@ -374,7 +374,7 @@ impl PythonEnsemble {
         })
     }
 
-    /// What `stochc results` prints: tables of so many columns, or JSON.
+    /// What `stochc show` prints: tables of so many columns, or JSON.
     fn results(&self, py: Python<'_>, bonds: bool, width: Option<usize>) -> PyResult<String> {
         self.ask(py, move |inner, finished, _| {
             let told = ensemble_results(&inner.manifest, finished, bonds)?;

@@ -178,7 +178,7 @@ class Replay:
 
 
 class Ensemble:
-    """Runs of one or more programs, and what they tell; it prints as `stochc results` does.
+    """Runs of one or more programs, and what they tell; it prints as `stochc show` does.
 
     >>> import stochc
     >>> ensemble = stochc.simulate(stochc.EXAMPLE, runs=5, model="shuffle")
@@ -265,11 +265,11 @@ class Ensemble:
         return Table(self._native.survival())
 
     def results(self, *, captures: bool = False) -> Any:
-        """All figures and comparisons, as `stochc results --format json` has them; of every capture, if asked for."""
+        """All figures and comparisons, as `stochc show --format json` has them; of every capture, if asked for."""
         return json.loads(self._native.results(_arguments.yes("captures", captures), None))
 
     def text(self, *, captures: bool = False, width: int = 100) -> str:
-        """What `stochc results` prints, in so many columns."""
+        """What `stochc show` prints, in so many columns."""
         columns = whole("width", width, 40, 10_000)
         return self._native.results(_arguments.yes("captures", captures), columns)
 

@@ -66,7 +66,7 @@ def test_folders_are_the_same(
     ours = stochc.simulate(programs, runs=3, seed=7, threads=1, out=tmp_path / "python", **options)
     assert_same(tmp_path / "python", out)
     assert ours.text() + "\n" == done.stdout or str(ours) == done.stdout.rstrip()
-    results = command("results", out, "--format", "json", status=3 if stopped else 0)
+    results = command("show", out, "--format", "json", status=3 if stopped else 0)
     assert ours.results() == json.loads(results.stdout)
     # In memory it is the same.
     in_memory = stochc.simulate(programs, runs=3, seed=7, **options)

@@ -8,7 +8,7 @@ use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
-use super::results::ResultsFormat;
+use super::show::ResultsFormat;
 use super::run_options::{MeasuringOptions, RatesOption};
 use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};

@@ -38,5 +38,5 @@ pub fn run(options: &MergeArguments) -> Result<Exit, Failure> {
 pub(super) fn is_whole(folder: &Path, runs: u64) -> String {
     let folder = visible(&folder.to_string_lossy());
     let argument = shell_file(&folder);
-    format!("`{folder}` is whole: {runs} runs; stochc results {argument}\n")
+    format!("`{folder}` is whole: {runs} runs; stochc show {argument}\n")
 }

@@ -24,7 +24,7 @@ pub mod plan;
 mod progress;
 pub mod replay;
 pub mod report;
-pub mod results;
+pub mod show;
 mod run_options;
 pub mod shard;
 pub mod simulate;

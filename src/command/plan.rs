@@ -11,7 +11,7 @@ use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::new_file::NewFile;
-use super::results::ResultsFormat;
+use super::show::ResultsFormat;
 use super::run_options::RatesOption;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::results::ResultsFormat;
+use super::show::ResultsFormat;
 
 /// How runs are made.
 #[derive(Debug, Args)]

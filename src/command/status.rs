@@ -7,7 +7,7 @@ use stochc_ensemble::shards::{PieceState, ShardStatus, status};
 use stochc_ensemble::text::{ranges, visible};
 use stochc_files::shell::file as shell_file;
 
-use super::results::ResultsFormat;
+use super::show::ResultsFormat;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
 

@@ -13,7 +13,7 @@ use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
-use super::results::ResultsFormat;
+use super::show::ResultsFormat;
 use super::run_options::MeasuringOptions;
 use super::terminal::{output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};

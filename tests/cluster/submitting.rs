@@ -50,7 +50,7 @@ fn the_document_can_be_followed() {
     let section = page.split("## With Slurm\n").nth(1).unwrap();
     let block = section.split("```sh\n").nth(1).unwrap();
     let block = block.split("```").next().unwrap();
-    let (submit, results) = block.split_at(block.find("stochc results").unwrap());
+    let (submit, results) = block.split_at(block.find("stochc show").unwrap());
     let folder = tempfile::tempdir().unwrap();
     let link = |from: &Path, to: &str| {
         std::os::unix::fs::symlink(from.canonicalize().unwrap(), folder.path().join(to)).unwrap();

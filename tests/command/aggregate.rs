@@ -99,7 +99,7 @@ fn its_phases_are_the_sizes_that_it_reaches() {
         largest.iter().all(|size| (4..=6).contains(size)),
         "{largest:?}"
     );
-    let again = stochc_with("results --bonds", &[&out]);
+    let again = stochc_with("show --bonds", &[&out]);
     assert_eq!((again.status, again.out), (0, said.out));
     let page = path(folder.path(), "page");
     let report = stochc_with("report", &[&out, "--out", &page]);

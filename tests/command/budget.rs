@@ -53,13 +53,13 @@ impl Results {
         self.path.to_str().unwrap()
     }
 
-    /// What `results` and `verify` say of the folder with a file that begins so, and has so many bytes.
+    /// What `show` and `verify` say of the folder with a file that begins so, and has so many bytes.
     #[track_caller]
     fn with(&self, name: &str, begins: &str, length: u64) -> [String; 2] {
         let file = self.path.join(name);
         let whole = fs::read(&file).unwrap();
         sparse(&file, begins, length);
-        let said = ["results", "verify"].map(|command| refused(&[command, self.text()]));
+        let said = ["show", "verify"].map(|command| refused(&[command, self.text()]));
         fs::write(&file, whole).unwrap();
         said
     }
@@ -124,7 +124,7 @@ fn a_manifest_of_more_than_there_can_be_is_refused() {
         let path = manifest.to_str().unwrap();
         let _ = fs::remove_file(results.path.join("checksums.json"));
         for arguments in [
-            &["results", results.text()][..],
+            &["show", results.text()][..],
             &["verify", results.text()],
             &["report", results.text()],
             &["replay", "--run", "0", results.text()],

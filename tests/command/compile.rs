@@ -131,7 +131,7 @@ fn an_executable_is_simulated_without_its_text() {
     let text = simulate("tests/fixtures/importing.sa", &there);
     assert_eq!(simulate(&program, &here), text);
     assert!(tables(&there) != tables(&here), "their identities differ");
-    let bonds = |out: &str| stochc_with("results --bonds", &[out]).out;
+    let bonds = |out: &str| stochc_with("show --bonds", &[out]).out;
     assert_eq!(bonds(&there), bonds(&here));
     let said = stochc_with("report --quiet", &[&here]);
     assert_eq!(said.status, 0, "{}", said.err);

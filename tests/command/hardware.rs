@@ -60,7 +60,7 @@ fn runs_count_what_docks_where_nobody_expects_it() {
     assert!(counted[0] > 5, "{counted:?}");
     assert_eq!(counted[1], 0, "suction has to be switched on");
     // Read again, it is what it was.
-    let again = stochc_with("results --bonds", &[&out]);
+    let again = stochc_with("show --bonds", &[&out]);
     assert_eq!((again.status, again.out), (0, said.out));
     let page = stochc_with(
         "report",

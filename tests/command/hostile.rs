@@ -57,7 +57,7 @@ fn names_of_files_are_shown_as_what_they_are() {
             &missing,
         ),
         ("trade --quiet --runs 2", &missing),
-        ("results", &missing),
+        ("show", &missing),
         ("verify", &missing),
         ("report", &missing),
         ("replay --run 0", &missing),
@@ -102,7 +102,7 @@ fn names_in_files_are_shown_as_what_they_are() {
     fs::write(&tower, hostile).unwrap();
     let simulate = "simulate --model shuffle --runs 3 --max-ticks 100000 --out";
     assert_harmless(&stochc_with(simulate, &[&results, &tower]), false);
-    for line in ["results --bonds", "results"] {
+    for line in ["show --bonds", "show"] {
         assert_harmless(&stochc_with(line, &[&results]), false);
     }
     assert_harmless(

@@ -77,7 +77,7 @@ fn what_is_finished_is_kept() {
     assert_eq!(said.row("Runs"), ["1", "0", "of", "1"]);
     assert_eq!(lines(), 2);
 
-    let results = stochc_with("results", &[&out]);
+    let results = stochc_with("show", &[&out]);
     assert_eq!(results.status, 0);
     assert_eq!(results.err, "1 of 2 runs is still to do\n");
     assert_eq!(results.out, said.out);

@@ -85,7 +85,7 @@ fn only_ordinary_files_belong_to_a_folder_of_results() {
             "manifest.json",
             &[
                 "simulate",
-                "results",
+                "show",
                 "report",
                 "replay --run 0",
                 "export --format gltf --run 0",
@@ -95,7 +95,7 @@ fn only_ordinary_files_belong_to_a_folder_of_results() {
             "journal.jsonl",
             &[
                 "simulate",
-                "results",
+                "show",
                 "report",
                 "replay --run 0",
                 "export --format gltf --run 0",

@@ -34,11 +34,11 @@ mod plan_voxels;
 mod proof;
 mod rates;
 mod refused;
-mod results;
 #[cfg(target_os = "linux")]
 mod scarce;
 mod scene;
 mod shards;
+mod show;
 mod simulate;
 #[path = "../skipped/mod.rs"]
 mod skipped;

@@ -107,7 +107,7 @@ fn an_older_folder_is_refused_and_made_again() {
         fs::write(&manifest, text.replace("\"format\": 2", &of)).unwrap();
         let way_out = format!("`stochc simulate --manifest '{manifest}' --out NEW`");
         let resume = format!("{TOWER} --runs 3 --resume --out");
-        for line in ["results", "report --quiet", "replay --run 0", &resume] {
+        for line in ["show", "report --quiet", "replay --run 0", &resume] {
             let said = stochc_with(line, &[&old]);
             assert_eq!(said.status, 2, "{line}: {}", said.out);
             assert!(said.err.contains("an older `stochc`"), "{}", said.err);
@@ -150,7 +150,7 @@ fn what_a_kill_has_left_goes_on() {
     )
     .unwrap();
 
-    let said = stochc_with("results", &[&torn]);
+    let said = stochc_with("show", &[&torn]);
     assert_eq!(said.status, 0);
     assert!(
         said.err.ends_with("of 8 runs are still to do\n"),
@@ -200,7 +200,7 @@ fn runs_of_another_build_are_told_of_once() {
         let file = path(out.as_ref(), "manifest.json");
         let once = |err: &str| assert_eq!(err.matches(told).count(), 1, "{err}");
         // Nothing is made, nothing is to be doubted.
-        assert!(!stochc_with("results", &[&out]).err.contains(told));
+        assert!(!stochc_with("show", &[&out]).err.contains(told));
         let again = stochc_with("simulate --quiet --manifest", &[&file]);
         assert_eq!(again.status, 0, "it is a warning");
         once(&again.err);
@@ -283,7 +283,7 @@ fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
         assert_eq!(said.status, 0, "{}", said.err);
         let said = stochc_with("verify", &[out]);
         assert_eq!(said.status, 0, "{program}: {}", said.out);
-        assert_eq!(stochc_with("results", &[out]).status, 0, "{program}");
+        assert_eq!(stochc_with("show", &[out]).status, 0, "{program}");
     };
     simulate("tests/fixtures/tower.sa", "3", &out);
     let first = fs::read(path(out.as_ref(), "manifest.json")).unwrap();
@@ -343,6 +343,6 @@ fn a_folder_goes_on_without_its_program() {
     let line = "simulate --quiet --runs 2 --manifest";
     let said = stochc_with(line, &[&manifest, "--out", &other]);
     assert_eq!(said.status, 0, "{}", said.err);
-    let rows = stochc_with("results --format json", &[&other]).json();
+    let rows = stochc_with("show --format json", &[&other]).json();
     assert_eq!(rows["programs"][0]["runs"], 2, "{rows}");
 }

@@ -142,7 +142,7 @@ fn every_command_of_ensembles_has_a_limit() {
         &["shard", &cut, "0", "--quiet"][..],
         &["shard", &cut, "1", "--quiet"],
         &["merge", &cut, "--quiet"],
-        &["results", &cut],
+        &["show", &cut],
         &["report", &cut, "--quiet"],
         &["verify", &cut],
     ] {
@@ -156,7 +156,7 @@ fn every_command_of_ensembles_has_a_limit() {
     assert!(refused > 1, "{refused}");
     let [whole, cut] = [whole, cut].map(|folder| tables(&folder).split_off(1));
     assert!(whole == cut);
-    let said = stochc_with("results nowhere --memory 2", &[]);
+    let said = stochc_with("show nowhere --memory 2", &[]);
     assert_eq!(said.status, 2);
     assert!(
         said.err

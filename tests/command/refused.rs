@@ -14,7 +14,7 @@ fn wrong_command_lines_are_told_of() {
         "check --format xml tests/fixtures/tower.sa",
         "compile",
         "compile --emit nothing tests/fixtures/tower.sa",
-        "results",
+        "show",
         "simulate",
         "simulate --bogus tests/fixtures/tower.sa",
         "simulate --runs 0 tests/fixtures/tower.sa",

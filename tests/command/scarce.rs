@@ -72,7 +72,7 @@ fn without_memory_a_command_says_so_and_ends_with_its_status() {
                 "--runs",
                 "2",
             ],
-            &["results", &out],
+            &["show", &out],
             &["report", &out],
             &["plan", "examples/planned/chair.sa", "--budget", "3"],
             &["merge", &cut],
@@ -84,7 +84,7 @@ fn without_memory_a_command_says_so_and_ends_with_its_status() {
         }
     }
     assert!(refused > 2, "{refused}: nothing was short of memory");
-    let results = stochc_with("results", &[&out]);
+    let results = stochc_with("show", &[&out]);
     assert_eq!(results.status, 0, "{}", results.err);
 }
 

@@ -56,7 +56,7 @@ fn pieces_put_together_are_the_folder_of_one_machine() {
         let said = stochc_with("merge", &[&pieces]);
         assert_eq!(said.status, 0, "{}", said.err);
         assert!(files(&pieces) == files(&plain), "{command}");
-        for what in ["results", "verify", "report --quiet"] {
+        for what in ["show", "verify", "report --quiet"] {
             let [one, other] = [&plain, &pieces].map(|it| stochc_with(what, &[it]));
             assert_eq!((one.status, &one.out), (other.status, &other.out), "{what}");
         }
@@ -133,7 +133,7 @@ fn what_cannot_be_is_refused() {
     );
     refused(TOWER, &["--out", &out], 2, "stochc merge");
     refused(TOWER, &["--resume", "--out", &out], 2, "stochc merge");
-    for line in ["results", "report", "replay --run 0"] {
+    for line in ["show", "report", "replay --run 0"] {
         refused(line, &[&out], 2, "stochc status");
     }
     refused(

@@ -58,7 +58,7 @@ fn a_number_is_swept_in_one_folder() {
         roxmltree::Document::parse(&picture).unwrap();
     }
     // The folder tells the same again, and its points can be watched and reported.
-    assert_eq!(stochc_with("results", &[&out]).out, said.out);
+    assert_eq!(stochc_with("show", &[&out]).out, said.out);
     let again = stochc_with(TOWER, &sweep);
     assert_eq!((again.status, again.out), (0, said.out), "finished already");
     assert_eq!(stochc_with("report", &[&out]).status, 0);
@@ -274,7 +274,7 @@ fn a_swept_folder_is_made_again_and_goes_on() {
     let journal = text(&whole, "journal.jsonl");
     let half = &journal[..journal.len() / 2];
     fs::write(path(torn.as_ref(), "journal.jsonl"), half).unwrap();
-    let results = stochc_with("results", &[&torn]);
+    let results = stochc_with("show", &[&torn]);
     assert!(
         results.err.ends_with("of 24 runs are still to do\n"),
         "{}",

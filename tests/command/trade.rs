@@ -48,7 +48,7 @@ fn every_setting_is_measured_and_kept() {
     let out = path(folder.path(), "out");
     let said = stochc_with(DENSE, &["--out", &out]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
-    for command in ["results", "report", "verify"] {
+    for command in ["show", "report", "verify"] {
         let other = stochc_with(command, &[&out]);
         assert_eq!((other.status, other.out.as_str()), (2, ""), "{command}");
         let told = format!(

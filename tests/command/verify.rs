@@ -59,7 +59,7 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     }
     assert_eq!(said.out.matches(": damaged: ").count(), 5, "{}", said.out);
     assert!(!Path::new(&out).join("damaged").exists());
-    let told = stochc_with("results", &[&out]);
+    let told = stochc_with("show", &[&out]);
     assert_eq!(told.status, 2);
     assert!(told.err.contains("`stochc verify"), "{}", told.err);
     let said = stochc_with("verify --repair", &[&out]);

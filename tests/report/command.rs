@@ -34,7 +34,7 @@ fn simulated(folder: &Path, name: &str, more: &[&str]) -> String {
 fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
-    let before = stochc_with("results", &[&out]).out;
+    let before = stochc_with("show", &[&out]).out;
     for _ in 0..2 {
         let said = stochc_with("report", &[&out]);
         let page = path(out.as_ref(), "report.html");
@@ -45,7 +45,7 @@ fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
                 .is_file()
         );
     }
-    assert_eq!(stochc_with("results", &[&out]).out, before);
+    assert_eq!(stochc_with("show", &[&out]).out, before);
     assert_eq!(simulated(folder.path(), "out", &[]), out, "still finished");
     let quiet = stochc_with("report --quiet", &[&out]);
     assert_eq!((quiet.status, quiet.out.as_str()), (0, ""));

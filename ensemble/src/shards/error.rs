@@ -44,7 +44,7 @@ pub enum ShardError {
     },
     /// There are no pieces.
     #[error(
-        "`{path}` is not cut into pieces: {done} of {total} runs are in one piece, which `stochc results {}` shows{}",
+        "`{path}` is not cut into pieces: {done} of {total} runs are in one piece, which `stochc show {}` shows{}",
         shell_file(&.path.to_string_lossy()),
         if .done < .total { "; `simulate --shards` cuts a new folder" } else { "" }
     )]

@@ -9,7 +9,7 @@ use stochc_files::budget::TRADE;
 use stochc_files::read_file;
 use stochc_runtime::Settings;
 
-use super::super::results::ResultsFormat;
+use super::super::show::ResultsFormat;
 use super::super::terminal::warn;
 use super::SimulateArguments;
 use super::arguments::MAX_TICKS;

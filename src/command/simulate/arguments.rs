@@ -13,7 +13,7 @@ use super::super::figures::FigureOptions;
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::memory::MemoryOption;
-use super::super::results::ResultsFormat;
+use super::super::show::ResultsFormat;
 use super::super::run_options::{SeedOption, WorkOptions};
 use crate::operations::time;
 

@@ -5,7 +5,7 @@ use stochc_ensemble::{EnsembleProgram, JournalError, Manifest, Records, completi
 use stochc_files::shell::file as shell_file;
 use stochc_report::text::{Strip, strips};
 
-use super::super::results::ResultsFormat;
+use super::super::show::ResultsFormat;
 use super::super::terminal::{output_is_watched, output_width, print};
 use super::SimulateArguments;
 use crate::exit::Failure;

@@ -15,7 +15,7 @@ pub use arguments::SimulateArguments;
 use super::estimate::{SHOWN, print_estimates};
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
-use super::results::{ResultsFormat, ResultsView, show};
+use super::show::{ResultsFormat, ResultsView, show};
 use super::terminal::{output_width, print};
 use super::watch::Watching;
 use crate::exit::{Exit, Failure};

@@ -8,7 +8,7 @@ use stochc_ir::counted;
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::super::results::ResultsFormat;
+use super::super::show::ResultsFormat;
 use super::super::terminal::print;
 use super::SimulateArguments;
 use crate::exit::{Exit, Failure};

@@ -1,4 +1,4 @@
-//! `stochc results`, and the table that `simulate` ends with.
+//! `stochc show`, and the table that `simulate` ends with.
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -11,9 +11,9 @@ use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::results::{ensemble_results, read};
 
-/// What `results` is given.
+/// What `show` is given.
 #[derive(Debug, Args)]
-pub struct ResultsArguments {
+pub struct ShowArguments {
     /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -49,7 +49,7 @@ pub struct ResultsView<'a> {
 }
 
 /// Shows what a folder holds, finished or not.
-pub fn run(options: &ResultsArguments) -> Result<Exit, Failure> {
+pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     options.memory.apply()?;
     let (manifest, finished) = read(&options.folder, &Terminal::new(false))?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);

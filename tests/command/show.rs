@@ -15,7 +15,7 @@ fn a_folder_tells_what_was_told_when_it_was_filled() {
         &["--format", "json", "--bonds"],
     ] {
         let told = stochc_with(simulate, &[&["--out", &out], form].concat());
-        let again = stochc_with("results", &[&[out.as_str()], form].concat());
+        let again = stochc_with("show", &[&[out.as_str()], form].concat());
         assert_eq!((told.status, again.status), (3, 3), "one program times out");
         assert_eq!(again.err, "");
         assert_eq!(told.out, again.out);
@@ -46,7 +46,7 @@ fn the_first_reason_of_runs_that_fail_is_told() {
         said.err
     );
     let kept = stochc_with(simulate, &[&file, "--out", &out]);
-    let told = stochc_with("results", &[&out]);
+    let told = stochc_with("show", &[&out]);
     for said in [kept, told] {
         assert!(said.err.contains("2 runs failed"), "{}", said.err);
         let (_, command) = said.err.rsplit_once("`stochc ").unwrap();
@@ -140,7 +140,7 @@ fn what_holds_no_results_is_told_of() {
         "tests/fixtures",
         "Cargo.toml",
     ] {
-        let said = stochc_with("results", &[place]);
+        let said = stochc_with("show", &[place]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{place}");
         assert!(
             said.err.contains(&format!("`{place}` holds no results")),
@@ -150,7 +150,7 @@ fn what_holds_no_results_is_told_of() {
     }
 }
 
-/// The terminal, `results` and the report say the same of one folder, with censored runs and without.
+/// The terminal, `show` and the report say the same of one folder, with censored runs and without.
 #[test]
 fn one_folder_has_one_test_and_one_wording() {
     let folder = tempfile::tempdir().unwrap();
@@ -165,9 +165,9 @@ fn one_folder_has_one_test_and_one_wording() {
         let line = "simulate --quiet --runs 12 tests/fixtures/dense.sa --max-ticks";
         let told = stochc_with(line, &[limit, &taller, "--out", &out]);
         assert_eq!(told.status == 3, name == "censored", "{}", told.err);
-        let results = stochc_with("results", &[&out]);
+        let results = stochc_with("show", &[&out]);
         assert_eq!(results.out, told.out);
-        let json = stochc_with("results --format json", &[&out]).json();
+        let json = stochc_with("show --format json", &[&out]).json();
         let pair = &json["pairs"][0]["difference"];
         assert_eq!(pair["test"]["kind"], "paired");
         assert_eq!(pair["horizon"].is_null(), name == "all", "{pair}");
