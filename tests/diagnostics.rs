@@ -334,6 +334,43 @@ fn a_program_without_a_bond_can_capture_nothing() {
 }
 
 #[test]
+fn missing_clauses_are_one_diagnostic_with_a_template_that_can_be_pasted() {
+    let program = |clauses: &str| {
+        let text = format!(
+            "scene s {{ {clauses} bond attract {{ pull 15 N within 20 cm  anchor centres 1 mm }} }}\n\
+             assembly a in s {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> N }} }}"
+        );
+        self::text(&text).diagnostics
+    };
+    for (clauses, title) in [
+        (
+            "",
+            "scene `s` lacks `tick`, `block`, `free` and `enclosure`",
+        ),
+        ("tick 1 s free 5 uniform", "scene `s` lacks `block` and `enclosure`"),
+    ] {
+        let found = program(clauses);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].title, title);
+        let help = found[0].help.as_deref().unwrap();
+        let template = help.lines().filter_map(|line| line.strip_prefix("    "));
+        let template: Vec<&str> = template.collect();
+        let found = program(&format!("{clauses} {}", template.join(" ")));
+        let errors = found.iter().filter(|it| it.code.name() == "missing-term");
+        assert_eq!(errors.count(), 0, "{found:?}");
+    }
+    let found = program("tick 1 s block cube { } free 5 uniform enclosure hemisphere { }");
+    let titles: Vec<&str> = found.iter().map(|it| it.title.as_str()).collect();
+    assert_eq!(
+        titles,
+        [
+            "`block` without `side` and `mass`",
+            "`enclosure` without `radius` and `wall`"
+        ]
+    );
+}
+
+#[test]
 fn a_statement_that_is_wrong_many_times_is_told_of_once() {
     let program = |seeds: &str, statement: &str| {
         let text = format!(

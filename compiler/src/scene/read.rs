@@ -12,6 +12,7 @@ use stochc_ir::scene::schema::{
     self, Absent, CLAUSES, Either, FieldAlternative, FieldGroup, REQUIREMENTS, SchemaEntry,
     SchemaNumber, SchemaPart,
 };
+use stochc_ir::series;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
 use crate::{FileId, SourceLocation};
@@ -48,18 +49,8 @@ pub fn read(
         }
     }
     reader.requirements(&draft, &seen, &wrong);
-    let is_absent =
-        |clause: &&SchemaEntry| !is_derived && named(&seen, clause.word, symbols).is_none();
-    for clause in CLAUSES.iter().filter(is_absent) {
-        let Absent::Example(example) = clause.absent else {
-            continue;
-        };
-        wrong.push(clause.word);
-        let title = format!("a scene without `{}`", clause.word);
-        let diagnostic = Diagnostic::new(Code::MissingTerm, title)
-            .label(reader.location(scene.name.span), "says nothing of it")
-            .help(format!("add `{example}`"));
-        report(reader.diagnostics, diagnostic);
+    if !is_derived {
+        wrong.extend(reader.missing_clauses(scene.name, &seen));
     }
     (wrong.is_empty() && diagnostics.len() == before).then_some(draft)
 }
@@ -192,7 +183,7 @@ impl<'a> SceneReader<'a, '_> {
             FieldGroup::Free => Some(()),
             FieldGroup::Any { needed, help } => {
                 if sound.is_empty() && self.diagnostics.len() == before {
-                    let diagnostic = self.without(clause, needed).help(*help);
+                    let diagnostic = self.without(clause, &[needed]).help(*help);
                     report(self.diagnostics, diagnostic);
                 }
                 sound.first().map(|_| ())
@@ -204,14 +195,16 @@ impl<'a> SceneReader<'a, '_> {
                     .map(|chosen| said.makes.push(chosen.make))
             }
         };
-        let mut complete = fits;
-        for field in fields.iter().filter(|field| field.absent.is_needed()) {
-            if named(&seen, field.word, self.symbols).is_none() {
-                let diagnostic = self.without(clause, field.word);
-                report(self.diagnostics, diagnostic);
-            }
-            complete = complete.filter(|()| sound.contains(&field.word));
+        let needed = fields.iter().filter(|field| field.absent.is_needed());
+        let needed: Vec<&str> = needed.map(|field| field.word).collect();
+        let missing = (needed.iter().copied())
+            .filter(|field| named(&seen, field, self.symbols).is_none())
+            .collect::<Vec<_>>();
+        if !missing.is_empty() {
+            let diagnostic = self.without(clause, &missing);
+            report(self.diagnostics, diagnostic);
         }
+        let complete = fits.filter(|()| needed.iter().all(|field| sound.contains(field)));
         self.place = *span;
         complete
     }
@@ -244,7 +237,7 @@ impl<'a> SceneReader<'a, '_> {
         };
         let needed = chosen.fields[0];
         if named(seen, needed, symbols).is_none() {
-            let diagnostic = self.without(clause, needed).help(chosen.missing);
+            let diagnostic = self.without(clause, &[needed]).help(chosen.missing);
             report(self.diagnostics, diagnostic);
             return None;
         }
@@ -280,11 +273,32 @@ impl<'a> SceneReader<'a, '_> {
         while self.terms.next_if(|term| !is(term, &CLAUSES)).is_some() {}
     }
 
-    /// That a clause has none of a field that it needs.
-    fn without(&self, clause: Name, field: &str) -> Diagnostic {
-        let word = self.word_of(clause);
-        Diagnostic::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
-            .label(self.location(clause.span), format!("needs `{field}`"))
+    /// Reports fields that a clause needs and does not have.
+    fn without(&self, clause: Name, fields: &[&str]) -> Diagnostic {
+        let (word, fields) = (self.word_of(clause), quoted(fields));
+        Diagnostic::new(Code::MissingTerm, format!("`{word}` without {fields}"))
+            .label(self.location(clause.span), format!("needs {fields}"))
+    }
+
+    /// Reports the clauses that every scene needs and that were not `seen`, and returns them.
+    fn missing_clauses(&mut self, scene: Name, seen: &[Name]) -> Vec<&'static str> {
+        let examples = CLAUSES.iter().filter_map(|clause| match clause.absent {
+            Absent::Example(example) => Some((clause.word, example)),
+            _ => None,
+        });
+        let missing = examples.filter(|(word, _)| named(seen, word, self.symbols).is_none());
+        let (words, examples): (Vec<_>, Vec<_>) = missing.unzip();
+        if !words.is_empty() {
+            let title = format!("scene `{}` lacks {}", self.word_of(scene), quoted(&words));
+            let help = format!(
+                "add what is missing, for instance:\n    {}\nor start from a built-in scene: `scene {} from hemisphere {{ ... }}`",
+                examples.join("\n    "),
+                self.word_of(scene),
+            );
+            let label = "every scene needs `tick`, `block`, `free` and `enclosure`";
+            self.report(Code::MissingTerm, title, scene.span, label, help);
+        }
+        words
     }
 
     /// Whether each term has what it needs of others; a clause that is there but wrong has been told of.
@@ -328,6 +342,12 @@ impl<'a> SceneReader<'a, '_> {
 fn named(names: &[Name], word: &str, symbols: &Symbols) -> Option<Name> {
     let mut names = names.iter().copied();
     names.find(|name| symbols.word(name.symbol) == word)
+}
+
+/// Words in backticks: `a`, `b` and `c`.
+fn quoted(words: &[&str]) -> String {
+    let quoted: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
+    series(&quoted, "and")
 }
 
 fn words(entries: &[SchemaEntry]) -> Vec<&'static str> {
