@@ -108,5 +108,5 @@ pub use record_json::record_json;
 pub use records::Records;
 pub use run::{Destination, EnsembleError, Results, check_stored, run};
 pub use time_left::time_left;
-pub use times::{completion_status, completion_time, phase_time};
+pub use times::{completion_status, completion_time, median_run, phase_time, sort_by_time};
 pub use views::ViewedRun;

@@ -2,6 +2,7 @@
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 
 use crate::statistics::{Observation, Status};
+use crate::{JournalError, Records};
 
 /// The time to completion of a run in ticks; a failed run has none.
 ///
@@ -24,6 +25,32 @@ pub fn completion_status(outcome: &Outcome) -> Option<Status> {
         }),
         Outcome::Failed { .. } => None,
     }
+}
+
+/// Sorts runs by their times to completion, the fastest first. A stopped run is slower than every
+/// run that completed before it was stopped.
+pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
+    runs.sort_by(|(_, a), (_, b)| {
+        let times = a.at_risk_until().total_cmp(&b.at_risk_until());
+        times.then(b.is_completed().cmp(&a.is_completed()))
+    });
+}
+
+/// Returns the number of the program's run with the median time to completion. `None` if no run
+/// has a time.
+///
+/// # Errors
+/// If the runs cannot be read again.
+pub fn median_run(finished: &Records, program: usize) -> Result<Option<u64>, JournalError> {
+    let mut times = Vec::new();
+    let keys = finished.keys().filter(|&(of, _)| of == program);
+    finished.try_each_of(keys, |done| {
+        times.extend(completion_time(&done.record).map(|time| (done.record.run, time)));
+        Ok::<(), JournalError>(())
+    })?;
+    sort_by_time(&mut times);
+    let middle = times.len().saturating_sub(1) / 2;
+    Ok(times.get(middle).map(|&(run, _)| run))
 }
 
 /// The time of a phase in ticks, censored where the run was stopped in it; `None`: the run failed or did not reach it.

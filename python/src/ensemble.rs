@@ -13,7 +13,7 @@ use stochc::ensemble::{
 use stochc::exit::{Exit, Failure};
 use stochc::host::Host;
 use stochc::ir::scene::warnings::Stepping;
-use stochc::operations::chosen_run::{ChosenRun, choose};
+use stochc::operations::chosen_run::{ChosenRun, choose, median_run};
 use stochc::operations::ensemble::{EnsembleOptions, can_record, judge_scenes, make};
 use stochc::operations::results::{ensemble_results, read};
 use stochc::operations::runs::{made_again, try_out_all};
@@ -411,6 +411,13 @@ impl PythonEnsemble {
                     .map_err(|_| interrupted())?,
             };
             Ok(record_json(&record, chosen.entry()).to_string())
+        })
+    }
+
+    /// The number of the run with the median time to completion.
+    fn median_run(&self, py: Python<'_>, program: Option<String>) -> PyResult<u64> {
+        self.ask(py, move |inner, finished, _| {
+            median_run(&inner.manifest, finished, program.as_deref())
         })
     }
 

@@ -277,15 +277,21 @@ class Ensemble:
         """Its figures (SVG) by their titles: the completion curves, or those of a sweep."""
         return {title: svg for _, title, svg in self._native.pictures()}
 
-    def run(self, number: int, program: str | None = None) -> Run:
-        """A run by its number, from 0; of which program, if there are several."""
+    def run(self, number: int | None = None, program: str | None = None) -> Run:
+        """A run by its number, from 0; without a number, the run with the median time to completion.
+
+        The program has to be named if there are several.
+        """
         names = [it.name for it in self._native.programs]
-        number = whole("number", number, 0, self._native.runs_asked - 1)
+        if number is not None:
+            number = whole("number", number, 0, self._native.runs_asked - 1)
         if program is None and len(names) > 1:
             listed = ", ".join(f"`{name}`" for name in names[:10])
             raise UsageError(f"program: name one of {listed}{', ...' if len(names) > 10 else ''}")
         if program is not None and _arguments.word("program", program) not in names:
             raise UsageError(f"program: there is no `{program}`, but {', '.join(names[:10])}")
+        if number is None:
+            number = self._native.median_run(program)
         return Run(self, number, program)
 
     def __reduce__(self) -> tuple[Any, tuple[str]]:
@@ -423,8 +429,8 @@ def open(folder: Path) -> Ensemble:
     return Ensemble(_native.open(_arguments.path("folder", folder)))
 
 
-def replay(run: Run | Ensemble | Path, number: int = 0, program: str | None = None) -> Replay:
-    """The page that shows a run: of an ensemble or a folder, by its number and its program."""
+def replay(run: Run | Ensemble | Path, number: int | None = None, program: str | None = None) -> Replay:
+    """The page that shows a run of an ensemble or a folder; without a number, the median run."""
     if isinstance(run, Run):
         return run.replay()
     ensemble = run if isinstance(run, Ensemble) else open(run)

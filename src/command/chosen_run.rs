@@ -5,7 +5,8 @@ use clap::Args;
 
 use super::host::Terminal;
 use crate::exit::Failure;
-use crate::operations::chosen_run::{self, ChosenRun};
+use crate::host::Host as _;
+use crate::operations::chosen_run::{self, ChosenRun, median_run};
 use crate::operations::results::read;
 
 /// Which run.
@@ -14,17 +15,27 @@ pub struct RunSelection {
     /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Number of the run, from 0
+    /// Number of the run, from 0 [default: the run with the median time to completion]
     #[arg(long, value_name = "N")]
-    pub run: u64,
+    pub run: Option<u64>,
     /// Name of the program; needed if the folder holds several
     #[arg(long, value_name = "NAME")]
     pub program: Option<String>,
 }
 
-/// Finds a run.
+/// Finds a run. Without a number, that is the median run, and a note says which it is.
 pub fn choose(choice: &RunSelection, host: &Terminal) -> Result<ChosenRun, Failure> {
     let (manifest, finished) = read(&choice.folder, host)?;
     let (folder, program) = (Some(choice.folder.as_path()), choice.program.as_deref());
-    chosen_run::choose((manifest, &finished), folder, program, choice.run)
+    let run = match choice.run {
+        Some(run) => run,
+        None => {
+            let run = median_run(&manifest, &finished, program)?;
+            host.warn(&format!(
+                "note: run {run} has the median time to completion; choose another with `--run N`\n"
+            ));
+            run
+        }
+    };
+    chosen_run::choose((manifest, &finished), folder, program, run)
 }

@@ -32,12 +32,12 @@ pub fn run(options: &ReplayArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(false);
     let chosen = choose(&options.choice, &host)?;
     let other = match options.against {
-        Some(run) if run == options.choice.run => {
-            return Err(Failure::usage("`--against` needs another run than `--run`"));
+        Some(run) if run == chosen.run => {
+            return Err(Failure::usage(format!("`--against {run}` needs another run than {run}")));
         }
         Some(run) => {
             let choice = RunSelection {
-                run,
+                run: Some(run),
                 ..options.choice.clone()
             };
             Some(choose(&choice, &host)?)

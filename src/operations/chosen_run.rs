@@ -61,6 +61,24 @@ pub fn choose(
     })
 }
 
+/// Returns the number of the run with the median time to completion; its program has to be named if there are several.
+///
+/// # Errors
+/// If there is no such program, or none of its runs has a time.
+pub fn median_run(
+    manifest: &Manifest,
+    finished: &Records,
+    program: Option<&str>,
+) -> Result<u64, Failure> {
+    let names: Vec<_> = manifest.programs.iter().map(|it| &*it.name).collect();
+    let program = index(&names, program, "folder").map_err(Failure::usage)?;
+    let median = stochc_ensemble::median_run(finished, program).map_err(Failure::usage)?;
+    median.ok_or_else(|| {
+        let name = names[program];
+        Failure::usage(format!("no run of `{name}` has a time: choose a run by its number"))
+    })
+}
+
 /// The place of a program among those of a folder or file, by its name, which may be left out if there is no other.
 ///
 /// # Errors

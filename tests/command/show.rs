@@ -130,6 +130,32 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
     assert_eq!(time(1, "mean"), time(0, "max"), "{json}");
 }
 
+/// Of five runs, the third by time is the median.
+#[test]
+fn a_replay_without_a_number_shows_the_median_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --model shuffle --runs 5 tests/fixtures/tower.sa --out";
+    assert_eq!(stochc_with(simulate, &[&out]).status, 0);
+    let runs = stochc_with("show --format json", &[&out]).json();
+    let median = runs["programs"][0]["time"]["median"].as_f64().unwrap();
+    let said = stochc_with("replay", &[&out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let (_, run) = said.err.split_once("note: run ").expect(&said.err);
+    let (run, _) = run.split_once(" has the median time").expect(&said.err);
+    assert!(said.out.ends_with(&format!("replay-tower-{run}.html\n")), "{}", said.out);
+    let single = "simulate --model shuffle --format json tests/fixtures/tower.sa --run";
+    let ticks = stochc_with(single, &[run]).json()["ticks"].as_f64().unwrap();
+    assert_eq!(ticks, median);
+    // Another program has to be named, and has runs of its own.
+    let failing = "simulate --quiet --model shuffle --runs 2 tests/fixtures/tower.sa tests/fixtures/late.sa --out";
+    let two = path(folder.path(), "two");
+    stochc_with(failing, &[&two]);
+    let said = stochc_with("replay", &[&two]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("choose one with `--program`"), "{}", said.err);
+}
+
 #[test]
 fn what_holds_no_results_is_told_of() {
     let folder = tempfile::tempdir().unwrap();

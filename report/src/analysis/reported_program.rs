@@ -6,7 +6,7 @@ use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
 use stochc_ensemble::text::Tick;
 use stochc_ensemble::{
     EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_status,
-    completion_time, phase_time,
+    completion_time, phase_time, sort_by_time,
 };
 use stochc_ir::record::{BondRecord, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
@@ -229,10 +229,7 @@ impl<'a> ReportedProgram<'a> {
     /// than all that completed before.
     fn choose(&mut self, finished: &Records) -> Result<(), ReportError> {
         let mut runs = self.times.clone();
-        runs.sort_by(|(_, a), (_, b)| {
-            let times = a.at_risk_until().total_cmp(&b.at_risk_until());
-            times.then(b.is_completed().cmp(&a.is_completed()))
-        });
+        sort_by_time(&mut runs);
         let places = match runs.len() {
             0 => vec![],
             1 => vec![("only", 0)],
