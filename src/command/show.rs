@@ -2,14 +2,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use stochc_ensemble::{Manifest, Records};
+use stochc_ensemble::{Contents, Manifest, Records};
 use stochc_ir::counted;
 
 use super::host::Terminal;
 use super::memory::MemoryOption;
 use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::results::{ensemble_results, read};
+use crate::operations::results::{ensemble_results, read_contents};
 
 /// What `show` is given.
 #[derive(Debug, Args)]
@@ -48,10 +48,14 @@ pub struct ResultsView<'a> {
     pub folder: Option<&'a Path>,
 }
 
-/// Shows what a folder holds, finished or not.
+/// Shows what a folder holds. Corrupted files and missing runs have an exit status of their own.
 pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     options.memory.apply()?;
-    let (manifest, finished) = read(&options.folder, &Terminal::new(false))?;
+    let Contents {
+        manifest,
+        finished,
+        damage,
+    } = read_contents(&options.folder, &Terminal::new(false))?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);
     if missing > 0 {
         warn(&format!(
@@ -60,15 +64,16 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
             if missing == 1 { "is" } else { "are" }
         ));
     }
-    show(
-        &manifest,
-        &finished,
-        &ResultsView {
-            form: options.format,
-            bonds: options.bonds,
-            folder: Some(&options.folder),
-        },
-    )
+    let shown = ResultsView {
+        form: options.format,
+        bonds: options.bonds,
+        folder: Some(&options.folder),
+    };
+    let exit = show(&manifest, &finished, &shown)?;
+    if !damage.is_empty() {
+        return Ok(Exit::Usage);
+    }
+    Ok(exit.or_worse(Exit::of_runs(missing == 0)))
 }
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.

@@ -5,7 +5,7 @@ use serde_json::json;
 use stochc_ensemble::sweep::{Sweep, SweepTally};
 use stochc_ensemble::text::visible;
 use stochc_ensemble::{
-    Comparison, ComparisonTally, Finished, Folder, MANIFEST, Manifest, Records, WaitsTally,
+    Comparison, ComparisonTally, Contents, Finished, Folder, MANIFEST, Manifest, Records, WaitsTally,
     captures,
 };
 use stochc_files::shell::file as shell_file;
@@ -25,9 +25,18 @@ use crate::host::Host;
 /// # Errors
 /// If it holds no results.
 pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failure> {
+    let contents = read_contents(folder, host)?;
+    Ok((contents.manifest, contents.finished))
+}
+
+/// Reads a results folder with what is wrong with it, and warns of that.
+///
+/// # Errors
+/// If it holds no results.
+pub fn read_contents(folder: &Path, host: &dyn Host) -> Result<Contents, Failure> {
     let contents = Folder::read(folder).map_err(Failure::usage)?;
     warn_of_damage(folder, &contents.damage, host);
-    Ok((contents.manifest, contents.finished))
+    Ok(contents)
 }
 
 /// Says what is wrong with the files of a results folder.

@@ -78,7 +78,7 @@ fn what_is_finished_is_kept() {
     assert_eq!(lines(), 2);
 
     let results = stochc_with("show", &[&out]);
-    assert_eq!(results.status, 0);
+    assert_eq!(results.status, 3);
     assert_eq!(results.err, "1 of 2 runs is still to do\n");
     assert_eq!(results.out, said.out);
     let refused = stochc_with("", &simulate);

@@ -130,6 +130,26 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
     assert_eq!(time(1, "mean"), time(0, "max"), "{json}");
 }
 
+#[test]
+fn a_corrupted_folder_ends_with_2_and_its_sound_runs_are_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --model shuffle --runs 4 tests/fixtures/tower.sa --out";
+    assert_eq!(stochc_with(simulate, &[&out]).status, 0);
+    assert_eq!(stochc_with("show", &[&out]).status, 0);
+    for name in ["journal.jsonl", "runs.parquet"] {
+        let file = path(out.as_ref(), name);
+        let whole = fs::read(&file).unwrap();
+        let mut flipped = whole.clone();
+        flipped[whole.len() / 2] ^= 1;
+        fs::write(&file, flipped).unwrap();
+        let said = stochc_with("show", &[&out]);
+        assert_eq!(said.status, 2, "{name}: {}", said.err);
+        assert!(said.out.contains("Mean time to completion"), "{}", said.out);
+        fs::write(&file, whole).unwrap();
+    }
+}
+
 /// Of five runs, the third by time is the median.
 #[test]
 fn a_replay_without_a_number_shows_the_median_run() {
