@@ -243,11 +243,11 @@ fn times_that_are_not_known_are_not_called_accurate() {
     let trade = trade_within([SHORT, LIMIT]);
     let reference = trade.reference.as_ref().unwrap();
     assert_eq!(reference.convergence, Convergence::Undecided);
-    assert_eq!(reference.doublings[1].at_limit, [6 + 5, 0]);
+    assert_eq!(reference.doublings[1].censored, [6 + 5, 0]);
     let close = &trade.candidates[1];
     assert_eq!((close.bound, close.front), (None, false));
     let first = &close.programs[0];
-    assert_eq!((first.at_limit, first.censored), (5, 5));
+    assert_eq!((first.censored, first.timed_out), (5, 0));
     assert_eq!(first.bias.unwrap().horizon, Some(SHORT as f64));
     assert_eq!(close.programs[1].bias.unwrap().horizon, None);
 

@@ -47,8 +47,8 @@ pub struct ProgramSummary {
     /// Runs that were stopped by the timeout of a phase (a competing event): they never complete, and their times are
     /// infinite.
     pub timed_out: u64,
-    /// Runs that were stopped by the limit of ticks, `--max-ticks`: their times are censored.
-    pub stopped: u64,
+    /// Runs that reached the limit of ticks, `--max-ticks`: their times are right-censored.
+    pub censored: u64,
     /// Runs whose physics broke down: no time counts them.
     pub failed: u64,
     /// Of the whole run.
@@ -73,8 +73,8 @@ pub struct PhaseTime {
 pub struct Time {
     /// Times that were completed.
     pub completed: usize,
-    /// Times that were cut short.
-    pub censored: usize,
+    /// Times that were cut short: timed out or right-censored.
+    pub incomplete: usize,
     /// The mean; where any are cut short the mean of min(time, horizon), which is a lower bound.
     pub mean: f64,
     /// Half the width of its 95 % confidence interval; `None`: fewer than two were completed.
@@ -134,7 +134,7 @@ struct ProgramTally {
     finished: u64,
     completed: u64,
     timed_out: u64,
-    stopped: u64,
+    censored: u64,
     blocks: Mean,
     unplanned: Mean,
     is_any_unplanned: bool,
@@ -170,7 +170,7 @@ impl<'a> ComparisonTally<'a> {
             }
             Outcome::TimedOut { by, .. } => match by {
                 Limit::Timeout => tally.timed_out += 1,
-                Limit::MaxTicks => tally.stopped += 1,
+                Limit::MaxTicks => tally.censored += 1,
             },
             Outcome::Failed { .. } => {}
         }
@@ -246,12 +246,12 @@ impl Time {
             .map(|o| o.time)
             .collect();
         let summary = Summary::of(&completed);
-        let censored = observations.len() - completed.len();
-        if censored == 0 {
+        let incomplete = observations.len() - completed.len();
+        if incomplete == 0 {
             let summary = summary?;
             return Some(Time {
                 completed: summary.n,
-                censored,
+                incomplete,
                 mean: summary.mean,
                 half_width: summary.half_width,
                 horizon: None,
@@ -269,7 +269,7 @@ impl Time {
         let spread = Summary::of(&curve.contributions(observations, horizon));
         Some(Time {
             completed: completed.len(),
-            censored,
+            incomplete,
             mean: mean.mean,
             half_width: (spread.filter(|_| completed.len() > 1)).and_then(|it| it.half_width),
             horizon: Some(mean.horizon),
@@ -296,7 +296,7 @@ impl ProgramTally {
         let phases = program.phases().iter().enumerate();
         let waited = |(i, _): &(usize, _)| !program.is_planted(PhaseId(*i as u32));
         let phases: Vec<_> = phases.filter(waited).collect();
-        let known = self.completed + self.timed_out + self.stopped;
+        let known = self.completed + self.timed_out + self.censored;
         ProgramSummary {
             name: program.name.clone(),
             tick: program.scene.tick,
@@ -308,7 +308,7 @@ impl ProgramTally {
             finished: self.finished,
             completed: self.completed,
             timed_out: self.timed_out,
-            stopped: self.stopped,
+            censored: self.censored,
             failed: self.finished - known,
             time,
             phase_times: phases

@@ -20,7 +20,7 @@ pub struct CompletionEstimate {
     /// Draws or runs that completed.
     pub completed: u64,
     /// Those that did not: a phase came to its timeout, or a run to its last tick.
-    pub stopped: u64,
+    pub incomplete: u64,
     /// Of the whole program, those that did not complete being slower than all others; `None`: less than a tenth of them completed, or there
     /// is no block for a capture.
     pub total: Option<Times>,
@@ -104,7 +104,7 @@ impl CompletionEstimate {
             method: Method::Runs { is_compiled },
             lower_bound,
             completed: completed as u64,
-            stopped: (seen.len() - completed) as u64,
+            incomplete: (seen.len() - completed) as u64,
             total: times(&seen),
             phases: phases.collect(),
             shares: shares(program, records),

@@ -92,7 +92,7 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
         },
         lower_bound: cost.lower_bound,
         completed: (cost.draws.len() - cost.stopped()) as u64,
-        stopped: cost.stopped() as u64,
+        incomplete: cost.stopped() as u64,
         total: cost.total,
         phases: phases
             .map(|(phase, cost)| PhaseEstimate {

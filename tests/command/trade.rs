@@ -294,7 +294,7 @@ fn written(folder: &Path, (value, half_width): (f64, f64)) -> String {
     let out = path(folder, "measured");
     let mut trade = stochc_with(DENSE, &["--format", "json", "--out", &out]).json();
     let change = serde_json::json!({ "value": value, "half_width": half_width, "horizon": null });
-    let doubling = |from: u32| serde_json::json!({ "from": from, "to": 2 * from, "changes": [change], "at_limit": [0] });
+    let doubling = |from: u32| serde_json::json!({ "from": from, "to": 2 * from, "changes": [change], "censored": [0] });
     trade["reference"]["doublings"] = [1, 2].map(doubling).to_vec().into();
     for (i, candidate) in trade["candidates"]
         .as_array_mut()
@@ -422,7 +422,7 @@ fn an_accuracy_of_runs_that_were_stopped_is_refused() {
     let file = path(out.as_ref(), "trade.json");
     let mut trade: Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
     trade["programs"][0]["max_ticks"] = 5000.into();
-    trade["reference"]["doublings"][1]["at_limit"] = serde_json::json!([7]);
+    trade["reference"]["doublings"][1]["censored"] = serde_json::json!([7]);
     fs::write(&file, trade.to_string()).unwrap();
     let said = simulate(&out, &["--accuracy", "5%"]);
     assert_eq!((said.status, said.out.as_str()), (4, ""), "{}", said.err);

@@ -151,8 +151,8 @@ fn captures_are_summed_up_by_edge() {
     // Some runs were stopped while it was waited for; none of the waits is left out.
     let runs = (finished.iter()).filter(|done| done.program == 0);
     let runs = runs.filter(|done| !matches!(done.record.outcome, Outcome::Failed { .. }));
-    assert!(second.wait.censored > 0);
-    assert_eq!(second.wait.completed + second.wait.censored, runs.count());
+    assert!(second.wait.incomplete > 0);
+    assert_eq!(second.wait.completed + second.wait.incomplete, runs.count());
     assert!(captures(&manifest.programs[1], WaitsTally::default()).is_empty());
     assert_snapshot!(captures_to_text(&[], 1.0, 100), @"n  wait  CV  entries  docking  released before
 ─  ────  ──  ───────  ───────  ───────────────");

@@ -54,7 +54,7 @@ fn word(outcome: &Outcome) -> (&'static str, Option<PhaseId>, Option<&str>) {
         Outcome::Completed => ("completed", None, None),
         Outcome::TimedOut { phase, by } => match by {
             Limit::Timeout => ("timed_out", Some(*phase), None),
-            Limit::MaxTicks => ("max_ticks", Some(*phase), None),
+            Limit::MaxTicks => ("censored", Some(*phase), None),
         },
         Outcome::Failed { phase, reason } => ("failed", Some(*phase), Some(reason)),
     }
@@ -108,7 +108,7 @@ fn the_table_of_runs_says_what_the_records_say() {
     let results = complete(folder.path(), &manifest(40), 2);
     let runs = results.finished.to_vec().unwrap();
     let expected: Vec<_> = runs.iter().map(|done| run_row(done, u64::MAX)).collect();
-    for outcome in ["completed", "timed_out", "max_ticks", "failed"] {
+    for outcome in ["completed", "timed_out", "censored", "failed"] {
         assert!(expected.iter().any(|row| row["outcome"] == outcome));
     }
     assert_eq!(table(folder.path(), "runs"), expected);

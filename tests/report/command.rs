@@ -359,7 +359,7 @@ fn a_program_that_no_run_completes_has_no_mean_in_short() {
     assert_eq!(stochc_with(simulate, &[&out, &file]).status, 3);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
-    let begin = "</strong>: 0 of 5 runs completed, 5 stopped before. ";
+    let begin = "</strong>: 0 of 5 runs completed, 5 timed out. ";
     let (_, rest) = page.split_once(begin).unwrap();
     let item = rest.split_once("</li>").unwrap().0;
     assert!(!item.contains("most of that"), "{item}");

@@ -54,7 +54,7 @@ fn a_censored_mean_is_a_lower_bound() {
     let report = report_of(&[five(0.2)]);
     let means = rows(&report, "means.csv");
     let row = &means[0];
-    assert_eq!((&*row["completed"], &*row["stopped"]), ("4", "1"));
+    assert_eq!((&*row["completed"], &*row["incomplete"]), ("4", "1"));
     close(&row["mean"], 260.0);
     close(&row["horizon"], 400.0);
     close(&row["median"], 200.0);
@@ -121,7 +121,7 @@ fn waits_are_averaged_and_censored_ones_are_not_left_out() {
     assert_eq!(order, ["A.up -> C", "C.up -> E", "B.up -> D", "M.up -> F"]);
     close(&waits[0]["wait"], (20 + 50 + 60 + 50 + 70) as f64 / 5.0);
     // F: 50, 80, 100, 200+, 300; the mean up to 300 is 50 + 0.8 x 30 + 0.6 x 20 + 0.4 x 200.
-    assert_eq!((&*waits[3]["captured"], &*waits[3]["stopped"]), ("4", "1"));
+    assert_eq!((&*waits[3]["captured"], &*waits[3]["censored"]), ("4", "1"));
     close(&waits[3]["wait"], 166.0);
     // A tenth has ended at 50, and nine tenths at 300, where the curve ends.
     close(&waits[3]["p10"], 50.0);

@@ -209,10 +209,10 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
         let row = row.unwrap();
         let maybe = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
         assert_eq!(row["captured"], expected.completed.to_string());
-        assert_eq!(row["stopped"], expected.censored.to_string());
+        assert_eq!(row["censored"], expected.incomplete.to_string());
         assert_eq!(row["wait"], expected.mean.to_string());
         assert_eq!(row["half_width"], maybe(expected.half_width));
-        stopped += expected.censored;
+        stopped += expected.incomplete;
     }
     // As many as there are faces that were on when a run was stopped.
     let rows = table(&out, "runs.parquet", name);

@@ -47,8 +47,8 @@ pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, Reach
         ColumnDefinition::new(
             "outcome",
             "",
-            "`completed`, or that of the run, which ended in this phase: `timed_out`, `max_ticks` (the time \
-             is censored) or `failed` (it means nothing)",
+            "`completed`, or that of the run, which ended in this phase: `timed_out`, `censored` \
+             or `failed` (it means nothing)",
             text(|row: &R<'a>| match row.of.ended {
                 Some(_) => "completed",
                 None => outcome(&row.run.record.outcome),

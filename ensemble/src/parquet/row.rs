@@ -99,7 +99,7 @@ pub(super) fn outcome(outcome: &Outcome) -> &'static str {
         Outcome::TimedOut {
             by: Limit::MaxTicks,
             ..
-        } => "max_ticks",
+        } => "censored",
         Outcome::Failed { .. } => "failed",
     }
 }

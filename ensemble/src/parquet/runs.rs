@@ -35,9 +35,8 @@ pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, ()>> 
         ColumnDefinition::new(
             "outcome",
             "",
-            "`completed`; `timed_out`: stopped by the timeout of a phase; `max_ticks`: stopped by the \
-             limit of ticks, `--max-ticks`; `failed`: the physics broke down. At \
-             the limit the time is censored, after a timeout infinite, and of failed runs it means nothing",
+            "`completed`; `timed_out`: stopped by the timeout of a phase, its time is infinite; `censored`: stopped by \
+             `--max-ticks`, its time is longer; `failed`: the physics broke down, its time means nothing",
             text(|row: &R<'a>| outcome(&row.run.record.outcome)),
         ),
         ColumnDefinition::new(

@@ -24,7 +24,8 @@ impl Sweep {
         let rest = [
             "runs",
             "completed",
-            "stopped",
+            "timed_out",
+            "censored",
             "failed",
             "share",
             "share_low",
@@ -47,7 +48,8 @@ impl Sweep {
             let figures = [
                 point.runs.to_string(),
                 point.completed.to_string(),
-                point.stopped.to_string(),
+                point.timed_out.to_string(),
+                point.censored.to_string(),
                 point.failed.to_string(),
                 maybe(point.share),
                 maybe(point.share_interval.map(|interval| interval.0)),

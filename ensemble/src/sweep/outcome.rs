@@ -47,11 +47,10 @@ pub struct SweepPoint {
     pub runs: u64,
     /// Runs that completed.
     pub completed: usize,
-    /// Runs that were stopped before they completed.
-    pub stopped: usize,
-    /// Those of them that a timeout of the program has ended, so that they never complete; the times of the others are
-    /// censored.
+    /// Runs that a timeout of the program has ended: they never complete.
     pub timed_out: usize,
+    /// Runs that reached the limit of ticks: their times are right-censored.
+    pub censored: usize,
     /// Runs whose physics broke down, which no time counts.
     pub failed: usize,
     /// The part of the finished runs that completed, 0 to 1; `None`: none is finished.
@@ -258,8 +257,8 @@ impl PointTally {
         last: f64,
     ) -> SweepPoint {
         let times = self.times.to_vec();
-        let completed = times.iter().filter(|time| time.is_completed()).count();
-        let timed_out = times.iter().filter(|time| time.status == Status::Competing);
+        let count = |status| times.iter().filter(|time| time.status == status).count();
+        let completed = count(Status::Completed);
         let any = (self.captures > 0).then_some(self.captures as f64);
         let finished = self.finished;
         SweepPoint {
@@ -269,8 +268,8 @@ impl PointTally {
             tick,
             runs,
             completed,
-            stopped: times.len() - completed,
-            timed_out: timed_out.count(),
+            timed_out: count(Status::Competing),
+            censored: count(Status::Censored),
             failed: finished - times.len(),
             share: (finished > 0).then(|| completed as f64 / finished as f64),
             share_interval: share_interval(completed, finished),
@@ -285,6 +284,6 @@ impl PointTally {
 impl SweepPoint {
     /// Finished runs.
     pub fn finished(&self) -> usize {
-        self.completed + self.stopped + self.failed
+        self.completed + self.timed_out + self.censored + self.failed
     }
 }

@@ -211,8 +211,8 @@ fn cell(
     ProgramResult {
         runs: sample.len(),
         completed: sample.count(End::Completed),
-        censored: sample.count(End::Censored) + sample.count(End::TimedOut),
-        at_limit: sample.count(End::Censored),
+        timed_out: sample.count(End::TimedOut),
+        censored: sample.count(End::Censored),
         failed: sample.count(End::Failed),
         mean: time.as_ref().map(|time| time.mean),
         half_width: time.as_ref().and_then(|time| time.half_width),

@@ -31,9 +31,9 @@ pub struct Doubling {
     pub to: u32,
     /// For each program, the mean after over the mean before, less one; `None`: nothing to compare.
     pub changes: Vec<Option<Relative>>,
-    /// For each program, runs before and after that the limit of ticks has stopped: if there are any, the
-    /// change is one of times up to a horizon, and says nothing about longer ones.
-    pub at_limit: Vec<usize>,
+    /// For each program, the right-censored runs before and after. With any, the change is one of
+    /// times up to a horizon.
+    pub censored: Vec<usize>,
 }
 
 impl Doubling {
@@ -44,7 +44,7 @@ impl Doubling {
             from: from.0,
             to: to.0,
             changes: programs().map(|(to, from)| relative(to, from)).collect(),
-            at_limit: programs()
+            censored: programs()
                 .map(|(to, from)| at_limit(to) + at_limit(from))
                 .collect(),
         }
@@ -52,7 +52,7 @@ impl Doubling {
 
     /// Whether the limit of ticks has stopped runs.
     pub(super) fn is_cut(&self) -> bool {
-        self.at_limit.iter().any(|&runs| runs > 0)
+        self.censored.iter().any(|&runs| runs > 0)
     }
 
     /// Whether no mean is known to have changed: every interval includes 0.
@@ -179,7 +179,7 @@ mod tests {
                     from: 1,
                     to: 2,
                     changes: vec![Some(Relative { value, half_width: Some(half), horizon: None })],
-                    at_limit: vec![0],
+                    censored: vec![0],
                 })
                 .collect();
             let last = changes[changes.len() - 1];

@@ -99,14 +99,14 @@ pub struct CandidateResult {
 /// A program at a setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProgramResult {
-    /// Runs that have ended, or times that were drawn, the sum of the next three.
+    /// Runs that have ended, or times that were drawn, the sum of the next four.
     pub runs: usize,
     /// Runs with the whole structure.
     pub completed: usize,
-    /// Runs that were stopped before.
+    /// Runs that a timeout of the program has ended.
+    pub timed_out: usize,
+    /// Runs that reached the limit of ticks: their times are right-censored.
     pub censored: usize,
-    /// Those of them that the limit of ticks has stopped, and not a timeout.
-    pub at_limit: usize,
     /// Runs whose physics broke down.
     pub failed: usize,
     /// Mean time to completion \[ticks\]; where any are censored, of min(time, horizon).
@@ -177,7 +177,7 @@ impl Trade {
                 && reference
                     .doublings
                     .iter()
-                    .all(|d| d.changes.len() == programs && d.at_limit.len() == programs)
+                    .all(|d| d.changes.len() == programs && d.censored.len() == programs)
         });
         if !refers || !trade.candidates.iter().all(whole) {
             return Err("it is damaged: its parts do not belong together".into());
@@ -188,10 +188,10 @@ impl Trade {
     /// How many runs of a program the limit of ticks has stopped, among those of the reference and of its last doubling.
     pub(crate) fn reference_runs_at_limit(&self, program: usize) -> usize {
         let own = self.reference_candidate();
-        let own = own.map_or(0, |candidate| candidate.programs[program].at_limit);
+        let own = own.map_or(0, |candidate| candidate.programs[program].censored);
         let doublings = self.reference.as_ref().map(|it| &it.doublings[..]);
         let last = doublings.and_then(<[Doubling]>::last);
-        last.map_or(own, |last| last.at_limit[program])
+        last.map_or(own, |last| last.censored[program])
     }
 
     /// The candidate that others are held against.

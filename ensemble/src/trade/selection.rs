@@ -219,7 +219,7 @@ fn bound(
     }
     let mut bounds = programs.iter().map(|&p| {
         let cell = &candidate.programs[p];
-        let is_cut = cell.at_limit > 0 && go_on(trade, p, max_ticks);
+        let is_cut = cell.censored > 0 && go_on(trade, p, max_ticks);
         let bias = cell.bias.filter(|_| cell.failed == 0 && !is_cut);
         bias?.bound()
     });

@@ -77,10 +77,10 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Py
             count(|it| it.timed_out),
         ),
         DerivedColumn(
-            "stopped",
+            "censored",
             "",
-            "runs that the limit of ticks stopped: their times are censored",
-            count(|it| it.stopped),
+            "runs that reached the limit of ticks: their times are longer",
+            count(|it| it.censored),
         ),
         DerivedColumn("failed", "", "runs whose physics broke down", count(|it| it.failed)),
         DerivedColumn("captures", "", "captures that the program makes", count(|it| it.captures)),

@@ -1,7 +1,7 @@
 //! One program of one folder, and what its runs tell, one after the other.
 use std::io;
 
-use stochc_ensemble::statistics::{Observation, TimeSample};
+use stochc_ensemble::statistics::{Observation, Status, TimeSample};
 use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
 use stochc_ensemble::text::Tick;
 use stochc_ensemble::{
@@ -298,20 +298,35 @@ impl<'a> ReportedProgram<'a> {
         self.phase_times[phase].to_vec()
     }
 
-    /// How many runs completed, were stopped, and failed.
-    pub fn counts(&self) -> (usize, usize, usize) {
-        let completed = self
-            .times
-            .iter()
-            .filter(|(_, time)| time.is_completed())
-            .count();
-        (completed, self.times.len() - completed, self.failed)
+    /// How many runs had each outcome.
+    pub fn counts(&self) -> RunCounts {
+        let times = || self.times.iter().map(|(_, time)| time.status);
+        let count = |of| times().filter(|status| *status == of).count();
+        RunCounts {
+            completed: count(Status::Completed),
+            timed_out: count(Status::Competing),
+            censored: count(Status::Censored),
+            failed: self.failed,
+        }
     }
 
     /// The fastest run, the one in the middle, and the slowest, each once.
     pub fn example_runs(&self) -> &[(&'static str, FinishedRun)] {
         &self.example_runs
     }
+}
+
+/// Finished runs by outcome.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RunCounts {
+    /// Runs that completed the structure.
+    pub completed: usize,
+    /// Runs that a timeout of the program has ended.
+    pub timed_out: usize,
+    /// Runs that reached the limit of ticks.
+    pub censored: usize,
+    /// Runs whose physics broke down.
+    pub failed: usize,
 }
 
 /// Entries and docking times of captures, one for each; of very many, some that lie evenly among them.

@@ -35,7 +35,7 @@ pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Optio
         let (low, high) = (x.at(time.mean - half(time)), x.at(time.mean + half(time)));
         out.stroke(class(i), (low, y), (high, y), Style::line(3.0));
         out.disc(class(i), (x.at(time.mean), y), 5.0, tooltip);
-        if time.censored > 0 {
+        if time.incomplete > 0 {
             out.text("ink", (high + 7.0, y + 4.0), "≥");
         }
     }
@@ -43,7 +43,7 @@ pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Optio
 }
 
 fn described(name: &str, time: &Time, unit: &str) -> String {
-    let bound = if time.censored > 0 { "at least " } else { "" };
+    let bound = if time.incomplete > 0 { "at least " } else { "" };
     let half = match time.half_width {
         Some(half) => format!(" ± {}", number(half)),
         None => String::new(),

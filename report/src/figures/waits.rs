@@ -109,7 +109,7 @@ pub(crate) fn waits(
                 let half = time.half_width.unwrap_or(0.0);
                 let (low, high) = (x.at(time.mean - half), x.at(time.mean + half));
                 out.stroke(class, (low, middle), (high, middle), Style::line(4.0));
-                let bound = if time.censored > 0 { "at least " } else { "" };
+                let bound = if time.incomplete > 0 { "at least " } else { "" };
                 let tooltip = format!(
                     "{}: {bound}{} ± {} ticks, {} captures",
                     wait.text,
@@ -118,7 +118,7 @@ pub(crate) fn waits(
                     time.completed
                 );
                 out.disc(class, (x.at(time.mean), middle), 4.5, &tooltip);
-                if time.censored > 0 {
+                if time.incomplete > 0 {
                     out.text("ink", (high + 6.0, middle + 4.0), "≥");
                 }
             }

@@ -35,9 +35,9 @@ pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) ->
             shares.join(", ")
         }),
     ];
-    let is_censored = captures.iter().any(|capture| capture.wait.censored > 0);
+    let is_censored = captures.iter().any(|capture| capture.wait.incomplete > 0);
     if is_censored {
-        let cell = |capture: &CaptureSummary| capture.wait.censored.to_string();
+        let cell = |capture: &CaptureSummary| capture.wait.incomplete.to_string();
         columns.insert(1, column("under way", &cell));
     }
     let table = TextTable {

@@ -44,8 +44,8 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
         cv.map_or(NONE.into(), |cv| format!("{cv:.2}"))
     });
     rows.add("Timed out", |c| c.timed_out.to_string());
-    if comparison.programs.iter().any(|c| c.stopped > 0) {
-        rows.add("At --max-ticks (censored)", |c| c.stopped.to_string());
+    if comparison.programs.iter().any(|c| c.censored > 0) {
+        rows.add("At --max-ticks (censored)", |c| c.censored.to_string());
     }
     rows.add("Failed", |c| c.failed.to_string());
     let phases = comparison
@@ -116,7 +116,7 @@ fn notes(comparison: &Comparison) -> Vec<String> {
                     times are too short.";
         notes.push(note.to_owned());
     }
-    let censored = |c: &ProgramSummary| c.timed_out + c.stopped > 0;
+    let censored = |c: &ProgramSummary| c.timed_out + c.censored > 0;
     if comparison.programs.iter().any(censored) {
         let note = "≥: some runs were stopped before they completed, so that the mean is one \
                     of min(time, horizon), a lower bound; the median is Kaplan and Meier's, \

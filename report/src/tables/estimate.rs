@@ -44,7 +44,7 @@ pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: u
 
 /// Where the times come from, and how well they are known.
 fn origin(estimate: &CompletionEstimate) -> String {
-    let all = estimate.completed + estimate.stopped;
+    let all = estimate.completed + estimate.incomplete;
     let mut text = match (estimate.method, all) {
         (Method::Graph { .. }, 0) => return "No block is left for one of the captures.".to_owned(),
         (
@@ -66,10 +66,10 @@ fn origin(estimate: &CompletionEstimate) -> String {
         ),
         (Method::Runs { is_compiled: false }, _) => format!("From {all} runs by rates."),
     };
-    if estimate.stopped > 0 {
+    if estimate.incomplete > 0 {
         text += &format!(
             " {} of these did not complete, so that there is no mean; they count as slower than all others.",
-            estimate.stopped
+            estimate.incomplete
         );
     }
     text

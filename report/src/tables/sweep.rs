@@ -27,7 +27,7 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
         column("mean time", &|point| match sweep.tick(point) {
             None => maybe(point.time.as_ref().map(|it| {
                 let half = it.half_width.map(|half| format!(" ± {}", number(half)));
-                let bound = if it.censored > 0 { "≥ " } else { "" };
+                let bound = if it.incomplete > 0 { "≥ " } else { "" };
                 format!("{bound}{}{}", number(it.mean), half.unwrap_or_default())
             })),
             Some(tick) => mean(point.time.as_ref(), tick),
@@ -78,7 +78,7 @@ fn notes(sweep: &Sweep) -> Vec<String> {
                     are too short.";
         notes.push(note.to_owned());
     }
-    if points().any(|point| point.stopped > 0) {
+    if points().any(|point| point.timed_out + point.censored > 0) {
         let note = "≥: some runs were stopped before they completed, so that the mean is one of \
                     min(time, horizon), a lower bound; the median is Kaplan and Meier's.";
         notes.push(note.to_owned());

@@ -15,7 +15,7 @@ pub(crate) const RESTRICTED: &str = "* ";
 
 /// The columns of figures.
 const HEADER: [&str; 9] = [
-    "CPU/run", "ratio", "n", "mean", "bias", "D", "p", "cens.", "failed",
+    "CPU/run", "ratio", "n", "mean", "bias", "D", "p", "incompl.", "failed",
 ];
 
 /// One line of a table.
@@ -148,7 +148,7 @@ fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) ->
         })),
         blank(cell.distance.map(|distance| format!("{:.2}", distance.d))),
         blank(cell.distance.map(|distance| probability(distance.p))),
-        cell.censored.to_string(),
+        (cell.timed_out + cell.censored).to_string(),
         cell.failed.to_string(),
     ]
 }
@@ -250,11 +250,11 @@ fn notes(trade: &Trade) -> Vec<String> {
             .iter()
             .flat_map(|candidate| &candidate.programs)
     };
-    if cells().any(|cell| cell.censored > 0) {
+    if cells().any(|cell| cell.timed_out + cell.censored > 0) {
         let limit = |program: &MeasuredProgram| format!("{} {}", program.name, program.max_ticks);
         let limits: Vec<String> = trade.programs.iter().map(limit).collect();
         notes.push(format!(
-            "cens.: runs stopped by a timeout of the program or the limit of ticks ({}). Means \
+            "incompl.: runs that timed out or were censored by the limit of ticks ({}). Means \
              of such samples (≥) count min(time, the last time seen). Biases with * are no bounds: they compare \
              means of min(time, h), where h is the last time that both samples tell of, and say nothing of longer \
              times. D compares times before the first censored one.",
@@ -318,10 +318,10 @@ fn convergence(reference: &Reference, changes: &str) -> String {
                 _ if reference.doublings.len() < 2 => {
                     "only one doubling of its substeps was measured".to_owned()
                 }
-                Some(bound) if last.at_limit.iter().any(|&runs| runs > 0) => format!(
+                Some(bound) if last.censored.iter().any(|&runs| runs > 0) => format!(
                     "the limit of ticks has stopped {} runs of its last doubling, which tells of times up to that \
                      limit (a change of {} at most), and of no longer ones",
-                    last.at_limit.iter().sum::<usize>(),
+                    last.censored.iter().sum::<usize>(),
                     percent(bound)
                 ),
                 Some(bound) => format!(

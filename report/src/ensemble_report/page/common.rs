@@ -116,7 +116,7 @@ pub(super) fn mean(time: &Time) -> String {
         Some(half) => format!(" ± {}", number(half)),
         None => String::new(),
     };
-    match time.censored {
+    match time.incomplete {
         0 => format!("{}{half}", number(time.mean)),
         _ => format!("≥ {}{half}", number(time.mean)),
     }

@@ -39,7 +39,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         )
     };
     let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
-                   curves), <code>|</code> a run that was stopped before it completed. At risk are the runs under \
+                   curves), <code>|</code> a run that timed out or was censored. At risk are the runs under \
                    observation at a tick of the axis, those that a timeout has ended among them.";
     show(parts, out, drawings, figure, caption, &["survival.csv"]);
     let times: Vec<(&str, Time)> = (parts.detailed())
@@ -47,16 +47,22 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         .collect();
     if times.len() > 1 {
         let caption = "Dots are means, lines their 95 % intervals; ≥ a lower bound, because runs \
-                       were stopped before they completed.";
+                       timed out or were censored.";
         let figure = |medium| picture::means(medium, &times, unit);
         show(parts, out, drawings, figure, caption, &["means.csv"]);
     }
     let rows: Vec<Vec<HtmlCell>> = (parts.subjects.iter())
         .map(|subject| {
-            let (completed, stopped, failed) = subject.counts();
+            let counts = subject.counts();
             let time = parts.time(subject);
             let mut row = vec![HtmlCell::Marked(name(&subject.label))];
-            row.extend([completed, stopped, failed].map(|n| HtmlCell::Number(n.to_string())));
+            let counts = [
+                counts.completed,
+                counts.timed_out,
+                counts.censored,
+                counts.failed,
+            ];
+            row.extend(counts.map(|n| HtmlCell::Number(n.to_string())));
             row.extend(figures(time.as_ref(), tick(parts)));
             row
         })
@@ -64,7 +70,8 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     let header = [
         "program",
         "completed",
-        "stopped",
+        "timed out",
+        "censored",
         "failed",
         "mean",
         "median",

@@ -171,9 +171,8 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
              the reach of its pull (<em>entries</em>), and one docks; its <em>docking</em> time \
              counts from its last entry."
                 .to_owned(),
-            "<strong>Stopped</strong> runs are censored by <code>--max-ticks</code>: their times are longer than the tick at \
-             which they were stopped, and nobody knows by how much. Those that a timeout of their program has ended never \
-             complete. The curves take both into \
+            "<strong>Censored</strong> runs reached <code>--max-ticks</code>: their times are longer, by an unknown amount. \
+             Runs that <strong>timed out</strong> never complete. The curves take both into \
              account (Kaplan and Meier; intervals by Greenwood's formula for log(−log S)); means \
              are then those of min(time, horizon), lower bounds."
                 .to_owned(),

@@ -130,7 +130,7 @@ fn sizes(
     let header = [
         "a group of",
         "reached",
-        "stopped",
+        "incomplete",
         "mean",
         "median",
         "SD",
@@ -209,7 +209,7 @@ pub(super) fn phases(
     let header = [
         "phase",
         "completed",
-        "stopped",
+        "incomplete",
         "mean",
         "median",
         "SD",

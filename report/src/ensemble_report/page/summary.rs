@@ -13,13 +13,18 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
     let mut items = Vec::new();
     for (number, subject) in parts.detailed() {
         let waits = &parts.waits[number];
-        let (completed, stopped, failed) = subject.counts();
+        let counts = subject.counts();
         let mut item = format!(
-            "<strong>{}</strong>: {completed} of {} runs completed",
+            "<strong>{}</strong>: {} of {} runs completed",
             name(&subject.label),
+            counts.completed,
             subject.manifest.runs
         );
-        for (n, what) in [(stopped, "stopped before"), (failed, "failed")] {
+        for (n, what) in [
+            (counts.timed_out, "timed out"),
+            (counts.censored, "censored"),
+            (counts.failed, "failed"),
+        ] {
             if n > 0 {
                 item += &format!(", {n} {what}");
             }

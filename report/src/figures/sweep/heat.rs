@@ -71,7 +71,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
             None => (0.0, "×".to_owned()),
             Some(time) => {
                 let share = (time.mean - least) / (most - least).max(f64::MIN_POSITIVE);
-                let bound = if time.censored > 0 { "≥ " } else { "" };
+                let bound = if time.incomplete > 0 { "≥ " } else { "" };
                 (0.08 + 0.5 * share, format!("{bound}{}", number(time.mean)))
             }
         };

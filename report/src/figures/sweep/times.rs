@@ -17,7 +17,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     if last <= 0.0 {
         return None;
     }
-    let is_bound = times().any(|time| time.censored > 0);
+    let is_bound = times().any(|time| time.incomplete > 0);
     let is_absent = panel.points.iter().any(|point| point.time.is_none());
     let mut notes = vec!["dots: means, lines: their 95 % intervals, short bars: medians"];
     if is_bound {
@@ -67,7 +67,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
             }
             let mean = (at, y.at(time.mean));
             out.disc(class(i), mean, 4.5, &tooltip);
-            if time.censored > 0 {
+            if time.incomplete > 0 {
                 out.disc("paper", mean, 2.6, &tooltip);
                 out.text("ink", (at + 8.0, mean.1 - 6.0), "≥");
             }
@@ -110,7 +110,7 @@ pub(super) fn described(point: &SweepPoint, unit: &str) -> String {
     let Some(time) = &point.time else {
         return "no time".to_owned();
     };
-    let bound = if time.censored > 0 { "at least " } else { "" };
+    let bound = if time.incomplete > 0 { "at least " } else { "" };
     let half = time.half_width.map(|half| format!(" ± {}", number(half)));
     let median = match time.median {
         Some(median) => format!(", median {}", number(median)),
