@@ -74,6 +74,10 @@ fn row(done: &Finished, phase: PhaseId, more: Value) -> Value {
     row
 }
 
+fn seconds(ticks: u64) -> f64 {
+    ticks as f64 * scene().tick
+}
+
 /// What the table of runs should say.
 fn run_row(done: &Finished, seed: u64) -> Value {
     let record = &done.record;
@@ -88,7 +92,7 @@ fn run_row(done: &Finished, seed: u64) -> Value {
         "failed_phase_number": phase.map(|phase| phase.0),
         "reason": reason,
         "ticks": record.ticks,
-        "seconds": record.ticks as f64 * scene().tick,
+        "seconds": seconds(record.ticks),
         "tick_seconds": scene().tick,
         "phase_names": PHASES,
         "phase_ticks": record.phase_ticks,
@@ -125,7 +129,7 @@ fn the_table_of_phases_says_when_each_began_and_ended() {
         for (i, ticks) in record.phase_ticks.iter().enumerate() {
             let ended = began + ticks;
             let more =
-                json!({ "outcome": "completed", "began": began, "ended": ended, "ticks": ticks });
+                json!({ "outcome": "completed", "began": began, "ended": ended, "ticks": ticks, "seconds": seconds(*ticks) });
             expected.push(row(done, PhaseId(i as u32), more));
             began = ended;
         }
@@ -133,7 +137,7 @@ fn the_table_of_phases_says_when_each_began_and_ended() {
         let (outcome, phase, _) = word(&record.outcome);
         if let Some(phase) = phase.filter(|phase| phase.0 as usize == record.phase_ticks.len()) {
             let ticks = record.ticks - began;
-            let more = json!({ "outcome": outcome, "began": began, "ended": null, "ticks": ticks });
+            let more = json!({ "outcome": outcome, "began": began, "ended": null, "ticks": ticks, "seconds": seconds(ticks) });
             expected.push(row(done, phase, more));
         }
     }
@@ -162,7 +166,9 @@ fn the_table_of_bonds_says_what_the_records_say() {
                 "z": bond.cell.z,
                 "magnetized": bond.magnetized,
                 "docked": bond.docked,
+                "docked_seconds": seconds(bond.docked),
                 "wait": bond.docked - bond.magnetized,
+                "wait_seconds": seconds(bond.docked - bond.magnetized),
                 "censored": false,
                 "entries": bond.entries,
                 "docking": bond.docking,
@@ -184,7 +190,9 @@ fn the_table_of_bonds_says_what_the_records_say() {
                 "z": wait.cell.z,
                 "magnetized": wait.magnetized,
                 "docked": null,
+                "docked_seconds": null,
                 "wait": done.record.ticks - wait.magnetized,
+                "wait_seconds": seconds(done.record.ticks - wait.magnetized),
                 "censored": true,
                 "entries": wait.entries,
                 "docking": null,
@@ -209,6 +217,7 @@ fn the_tables_of_releases_and_unplanned_bonds_say_what_the_records_say() {
         for release in &done.record.releases {
             let more = json!({
                 "tick": release.tick,
+                "seconds": seconds(release.tick),
                 "parent": ROLES[release.parent.0 as usize],
                 "child": ROLES[release.child.0 as usize],
                 "body": release.body,
@@ -218,6 +227,7 @@ fn the_tables_of_releases_and_unplanned_bonds_say_what_the_records_say() {
         for bond in &done.record.unplanned_bonds {
             let more = json!({
                 "tick": bond.tick,
+                "seconds": seconds(bond.tick),
                 "parent": ROLES[bond.parent.0 as usize],
                 "face": bond.face.word(),
                 "body": bond.body,

@@ -3,7 +3,7 @@ use stochc_ir::Cell;
 use stochc_ir::record::{BondRecord, Origin, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::column::{ColumnDefinition, TableDefinition, integer, small, text, truth};
+use super::column::{ColumnDefinition, TableDefinition, integer, real, small, text, truth};
 use super::row::{RunContext, RunRow, key, phase};
 use crate::Varied;
 
@@ -57,6 +57,13 @@ impl<'a> BondRow<'a> {
         }
     }
 
+    /// Returns the ticks from the magnetizing to the docking, or to the end of the run.
+    fn wait(self, run: RunContext<'_>) -> u64 {
+        let docked = self.docked().map(|bond| bond.docked);
+        let end = docked.unwrap_or(run.record.ticks);
+        end.saturating_sub(both!(self, magnetized))
+    }
+
     /// The role that the captured block had before, and when it lost it.
     fn released(self) -> Option<(RoleId, u64)> {
         match self.docked()?.origin {
@@ -106,14 +113,23 @@ pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, BondR
         )
         .null(CENSORED),
         ColumnDefinition::new(
+            "docked_seconds",
+            "s",
+            "`docked` in seconds of the scene",
+            real(|row: &R<'a>| row.of.docked().map(|bond| row.run.seconds(bond.docked))),
+        )
+        .null(CENSORED),
+        ColumnDefinition::new(
             "wait",
             "ticks",
             "from `magnetized` to `docked`; of a censored wait, to the end of the run",
-            integer(|row: &R<'a>| {
-                let docked = row.of.docked().map(|bond| bond.docked);
-                let end = docked.unwrap_or(row.run.record.ticks);
-                end.saturating_sub(both!(row.of, magnetized))
-            }),
+            integer(|row: &R<'a>| row.of.wait(row.run)),
+        ),
+        ColumnDefinition::new(
+            "wait_seconds",
+            "s",
+            "`wait` in seconds of the scene",
+            real(|row: &R<'a>| row.run.seconds(row.of.wait(row.run))),
         ),
         ColumnDefinition::new(
             "censored",

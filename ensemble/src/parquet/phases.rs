@@ -1,7 +1,7 @@
 //! `phases.parquet`.
 use stochc_ir::table::PhaseId;
 
-use super::column::{ColumnDefinition, TableDefinition, integer, text};
+use super::column::{ColumnDefinition, TableDefinition, integer, real, text};
 use super::row::{RunContext, RunRow, key, outcome, phase};
 use crate::Varied;
 
@@ -11,6 +11,14 @@ pub(super) struct Reached {
     began: u64,
     /// `None`: it was under way when the run ended.
     ended: Option<u64>,
+}
+
+impl Reached {
+    /// Returns how long it took, or had taken when the run ended.
+    fn ticks(&self, run: RunContext<'_>) -> u64 {
+        let end = self.ended.unwrap_or(run.record.ticks);
+        end.saturating_sub(self.began)
+    }
 }
 
 /// The phases that a run has reached, in their order.
@@ -71,10 +79,13 @@ pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, Reach
             "ticks",
             "ticks",
             "how long it took, or had taken when the run ended",
-            integer(|row: &R<'a>| {
-                let end = row.of.ended.unwrap_or(row.run.record.ticks);
-                end.saturating_sub(row.of.began)
-            }),
+            integer(|row: &R<'a>| row.of.ticks(row.run)),
+        ),
+        ColumnDefinition::new(
+            "seconds",
+            "s",
+            "the same in seconds of the scene",
+            real(|row: &R<'a>| row.run.seconds(row.of.ticks(row.run))),
         ),
     ]);
     TableDefinition {

@@ -13,6 +13,13 @@ pub(super) struct RunContext<'a> {
     pub record: &'a RunRecord,
 }
 
+impl RunContext<'_> {
+    /// Returns ticks of the run in seconds of its scene.
+    pub fn seconds(&self, ticks: u64) -> f64 {
+        ticks as f64 * self.program.scene.tick
+    }
+}
+
 /// Something in a run.
 pub(super) struct RunRow<'a, T> {
     pub run: RunContext<'a>,

@@ -76,7 +76,7 @@ pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, ()>> 
             "seconds",
             "s",
             "the same in seconds of the scene",
-            real(|row: &R<'a>| row.run.record.ticks as f64 * row.run.program.scene.tick),
+            real(|row: &R<'a>| row.run.seconds(row.run.record.ticks)),
         ),
         ColumnDefinition::new(
             "tick_seconds",

@@ -1,7 +1,7 @@
 //! `unplanned.parquet`.
 use stochc_ir::record::UnplannedRecord;
 
-use super::column::{ColumnDefinition, TableDefinition, integer, text};
+use super::column::{ColumnDefinition, TableDefinition, integer, real, text};
 use super::row::{RunRow, key, phase};
 use crate::Varied;
 
@@ -15,6 +15,12 @@ pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, &'a U
             "ticks",
             "when, from the beginning of the run",
             integer(|row: &R<'a>| row.of.tick),
+        ),
+        ColumnDefinition::new(
+            "seconds",
+            "s",
+            "the same in seconds of the scene",
+            real(|row: &R<'a>| row.run.seconds(row.of.tick)),
         ),
         ColumnDefinition::new(
             "parent",
