@@ -209,7 +209,7 @@ impl Parameters {
 }
 
 /// The place of the exponent of the free blocks.
-pub(crate) const DEPLETION: usize = 12;
+const DEPLETION: usize = 12;
 
 /// The least part of the blocks that is free by which `depletion` counts.
 const LEAST_FREE: f64 = 1e-3;

@@ -4,10 +4,10 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
-use stochc_ir::{Cell, Face, StrictJsonError, strict_json};
+use stochc_ir::{Cell, Face, strict_json};
 
 use crate::head_start::{HeadStart, HeadStarts};
-use crate::law::{DEPLETION, Parameters, Surroundings};
+use crate::law::{Parameters, Surroundings};
 use crate::neighbourhood::Neighbourhood;
 use crate::rivals::Rivals;
 use crate::surroundings::{around, blocked_around};
@@ -53,20 +53,11 @@ pub struct Coverage {
     pub least_free: f64,
 }
 
-/// The version of the form of [`Rates`].
-pub const FORMAT: u32 = 6;
+/// Version of the format of [`Rates`]. No other version is read.
+pub const FORMAT: u32 = 1;
 
-/// The places among the [`Parameters`] of those that a file of format 1 has: its law said nothing of corners, gaps, and of rivals nothing
-/// but their docking times, which is what 0 means for the others.
-const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 13, 14, 15, 17, 18];
-
-/// Places of parameters that not all formats have.
-const AROUND: usize = 9;
+/// The place of the parameter for a block ahead.
 const AHEAD: usize = 10;
-const NEAR_PARENT: usize = 11;
-
-/// The places of those that came with formats 3 to 6, one with each.
-const ADDED: [usize; 4] = [AHEAD, AROUND, NEAR_PARENT, DEPLETION];
 
 /// The logarithm of a rate's factor from which on a gap hinders nobody: half of the rate.
 const SLOWEST_GAP: f64 = -0.7;
@@ -199,14 +190,7 @@ impl Rates {
     /// # Errors
     /// If it is no such file, or one that makes no sense, in words.
     pub fn from_text(text: &str) -> Result<Rates, String> {
-        match strict_json::<Rates>(text.as_bytes()) {
-            Ok(rates) => Ok(rates),
-            // An earlier form may have more.
-            Err(StrictJsonError::UnknownField(_)) if !is_of_this_format(text) => {
-                serde_json::from_str(text).map_err(no_rates)
-            }
-            Err(error) => Err(no_rates(error)),
-        }
+        strict_json(text.as_bytes()).map_err(no_rates)
     }
 }
 
@@ -216,14 +200,6 @@ fn no_rates(error: impl std::fmt::Display) -> String {
 
 // All numbers are finite: `Stored` sees to that.
 impl Eq for Rates {}
-
-fn is_of_this_format(text: &str) -> bool {
-    #[derive(Deserialize)]
-    struct Version {
-        format: u32,
-    }
-    serde_json::from_str(text).is_ok_and(|version: Version| version.format == FORMAT)
-}
 
 /// Rates that nobody has looked at yet.
 #[derive(Deserialize)]
@@ -258,28 +234,18 @@ impl TryFrom<Stored> for Rates {
             head_starts,
             coverage,
         } = stored;
-        let places: Vec<usize> = match format {
-            1 => FIRST_PARAMETERS.to_vec(),
-            2..=FORMAT => without(&ADDED[format as usize - 2..]),
-            _ => {
-                return Err(format!(
-                    "its format is {format}, and this is {FORMAT}; calibrate again"
-                ));
-            }
-        };
-        if parameters.len() != places.len() {
-            return Err("its parameters are of another number".to_owned());
+        if format != FORMAT {
+            return Err(format!(
+                "its format is {format}, and this is {FORMAT}; calibrate again"
+            ));
         }
-        if covariance.len() != places.len() * places.len() {
+        let parameters = <[f64; Parameters::COUNT]>::try_from(parameters)
+            .map_err(|_| "its parameters are of another number")?;
+        if covariance.len() != Parameters::COUNT * Parameters::COUNT {
             return Err("its covariance has another size".to_owned());
         }
-        let (parameters, covariance) = at_places(&places, &parameters, &covariance);
         // Beyond e^30 no wait has a meaning, and sums overflow.
-        if parameters
-            .0
-            .iter()
-            .any(|value| !(-30.0..=30.0).contains(value))
-        {
+        if (parameters.iter()).any(|value| !(-30.0..=30.0).contains(value)) {
             return Err("a parameter is out of range".to_owned());
         }
         let is_density = |value: &f64| (0.0..=1e6).contains(value);
@@ -306,7 +272,7 @@ impl TryFrom<Stored> for Rates {
             simulated,
             seed,
             captures,
-            parameters,
+            parameters: Parameters(parameters),
             covariance,
             profile,
             free,
@@ -314,27 +280,6 @@ impl TryFrom<Stored> for Rates {
             coverage,
         })
     }
-}
-
-/// The places of all parameters but some.
-fn without(missing: &[usize]) -> Vec<usize> {
-    let all = 0..Parameters::COUNT;
-    all.filter(|place| !missing.contains(place)).collect()
-}
-
-/// Parameters and their covariance, of which some are given, each at its place; the others are 0, and certain.
-fn at_places(places: &[usize], parameters: &[f64], covariance: &[f64]) -> (Parameters, Vec<f64>) {
-    let mut all = Parameters([0.0; Parameters::COUNT]);
-    let mut of_all = vec![0.0; Parameters::COUNT * Parameters::COUNT];
-    for (&place, parameter) in places.iter().zip(parameters) {
-        all.0[place] = *parameter;
-    }
-    for (&row, values) in places.iter().zip(covariance.chunks(places.len())) {
-        for (&column, value) in places.iter().zip(values) {
-            of_all[row * Parameters::COUNT + column] = *value;
-        }
-    }
-    (all, of_all)
 }
 
 /// Layers of a profile, at most.
@@ -360,81 +305,6 @@ mod tests {
             let mut denser = renamed;
             denser.free.count += 1;
             assert_eq!(Rates::built_in(&denser), None);
-        }
-    }
-
-    #[test]
-    fn files_of_the_first_format_have_the_law_that_they_were_made_for() {
-        let rates =
-            Rates::from_text(include_str!("../tests/data/calm.rates")).expect("it is sound");
-        assert_eq!(rates.format, FORMAT);
-        let named = |name: &str| {
-            let place = Parameters::ALL.iter().position(|it| it.name == name);
-            let place = place.expect("there is one");
-            let variance = rates.covariance[place * (Parameters::COUNT + 1)];
-            (rates.parameters.0[place], variance)
-        };
-        for name in [
-            "corner",
-            "corner-parent",
-            "rival",
-            "rival-across",
-            "rival-around",
-            "docking-corner-parent",
-            "ahead",
-            "near-parent",
-            "depletion",
-        ] {
-            assert_eq!(named(name), (0.0, 0.0), "{name}");
-        }
-        for name in [
-            "rate",
-            "beside-parent",
-            "docking",
-            "docking-rival",
-            "docking-cold",
-        ] {
-            let (value, variance) = named(name);
-            assert!(value != 0.0 && variance > 0.0, "{name}");
-        }
-        let again = Rates::from_text(&rates.to_text());
-        assert_eq!(again, Ok(rates));
-    }
-
-    #[test]
-    fn files_of_older_formats_lack_what_nobody_looked_for_then() {
-        let mut rates = Rates::from_text(BUILT_IN[0]).expect("it is sound");
-        for place in [NEAR_PARENT, DEPLETION] {
-            rates.parameters.0[place] = 0.5;
-            rates.covariance[place * (Parameters::COUNT + 1)] = 0.01;
-        }
-        for (format, missing) in [(4, &[NEAR_PARENT, DEPLETION][..]), (5, &[DEPLETION])] {
-            let mut old = serde_json::to_value(&rates).expect("it is written");
-            let mut drop = |key: &str, is_missing: &dyn Fn(usize) -> bool| {
-                let values = old[key].as_array_mut().expect("it is a list");
-                let mut place = 0;
-                values.retain(|_| {
-                    place += 1;
-                    !is_missing(place - 1)
-                });
-            };
-            drop("parameters", &|place| missing.contains(&place));
-            drop("covariance", &|place| {
-                let [row, column] = [place / Parameters::COUNT, place % Parameters::COUNT];
-                missing.contains(&row) || missing.contains(&column)
-            });
-            old["format"] = format.into();
-            // An earlier form may have had more.
-            old["more"] = 1.into();
-            let mut expected = rates.clone();
-            for &place in missing {
-                expected.parameters.0[place] = 0.0;
-                for other in 0..Parameters::COUNT {
-                    expected.covariance[place * Parameters::COUNT + other] = 0.0;
-                    expected.covariance[other * Parameters::COUNT + place] = 0.0;
-                }
-            }
-            assert_eq!(Rates::from_text(&old.to_string()), Ok(expected));
         }
     }
 
