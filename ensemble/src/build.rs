@@ -4,9 +4,6 @@
 //! protocol, the rates or the runtime. A build is told from others by a digest of their sources, which is the same on every
 //! machine. What the compiler makes of a text is in the manifest.
 
-/// The build of a folder that does not say which it was.
-pub(super) const UNKNOWN: &str = "unknown";
-
 /// The digest of this build: 16 hexadecimal digits.
 pub fn this_build() -> String {
     let sources = [
@@ -24,22 +21,11 @@ pub fn this_build() -> String {
 /// `None`: there are no others.
 pub fn other_build(builds: &[String]) -> Option<String> {
     let this = this_build();
-    let other = builds.iter().find(|&build| *build != this);
-    match other.map(String::as_str) {
-        None if builds.is_empty() => Some(unknown()),
-        None => None,
-        Some(UNKNOWN) => Some(unknown()),
-        Some(other) => Some(format!(
-            "these runs were made by another build of `stochc` ({other}, and this is {this}); what \
-             is run now may come out differently"
-        )),
-    }
-}
-
-fn unknown() -> String {
-    "the manifest does not say which build of `stochc` made these runs; what is run now may come out \
-     differently"
-        .to_owned()
+    let other = builds.iter().find(|&build| *build != this)?;
+    Some(format!(
+        "these runs were made by another build of `stochc` ({other}, and this is {this}); what \
+         is run now may come out differently"
+    ))
 }
 
 #[cfg(test)]
@@ -51,11 +37,7 @@ mod tests {
         let this = this_build();
         assert_eq!(this.len(), 16);
         assert_eq!(other_build(std::slice::from_ref(&this)), None);
-        let told = other_build(&[this.clone(), "0123456789abcdef".into()]).unwrap();
+        let told = other_build(&[this, "0123456789abcdef".into()]).unwrap();
         assert!(told.contains("(0123456789abcdef, and this is"), "{told}");
-        for builds in [vec![], vec![UNKNOWN.to_owned(), this]] {
-            let told = other_build(&builds).unwrap();
-            assert!(told.contains("does not say which build"), "{told}");
-        }
     }
 }

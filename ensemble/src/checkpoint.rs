@@ -29,7 +29,7 @@ use super::text::{duration, visible};
 use super::{Manifest, this_build};
 
 /// Of the file.
-const VERSION: u32 = 2;
+const VERSION: u32 = 1;
 
 /// How the name of a checkpoint ends.
 const SUFFIX: &str = ".state";

@@ -25,7 +25,7 @@ use stochc_files::checksum::{Sum, Summed, of_file};
 use stochc_files::disk;
 use stochc_files::disk::Lock;
 
-use super::build::{UNKNOWN, other_build};
+use super::build::other_build;
 use super::checkpoint::{self, Checkpoints, Interval};
 use super::file_names::{
     CHECKPOINTS, CHECKSUMS_FILE, DAMAGED, JOURNAL, MANIFEST, RECORDINGS, SHARDS_FILE,
@@ -36,7 +36,7 @@ use super::folder_error::FolderError;
 use super::journal::{self, Journal, JournalHeader};
 use super::journal_error::JournalError;
 use super::line_location::LineLocation;
-use super::manifest::{Manifest, OLDEST};
+use super::manifest::Manifest;
 use super::parquet;
 use super::records::Records;
 
@@ -532,10 +532,6 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
             let bytes = files::read_file(&file, budget::MANIFEST).map_err(FolderError::of(file))?;
             as_written(path)?;
             let json = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
-            if (1..OLDEST).contains(&Manifest::format(&json).map_err(unreadable)?) {
-                let path = path.to_owned();
-                return Err(FolderError::Old { path });
-            }
             return Manifest::from_json(&json).map(Some).map_err(unreadable);
         }
         foreign |= !is_remnant(&entry);
@@ -603,10 +599,7 @@ pub(super) fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), Fol
 
 /// The builds of a folder, after one more has made runs.
 fn joined(stored: &[String], here: &[String]) -> Vec<String> {
-    let mut all = match stored {
-        [] => vec![UNKNOWN.to_owned()],
-        stored => stored.to_vec(),
-    };
+    let mut all = stored.to_vec();
     for build in here {
         if !all.contains(build) {
             all.push(build.clone());

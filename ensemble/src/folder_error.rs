@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use stochc_files::shell::file as shell_file;
 
-use super::file_names::MANIFEST;
 use super::journal_error::JournalError;
 use super::trade::MEASUREMENT_JOURNAL;
 
@@ -52,16 +51,6 @@ pub enum FolderError {
         shell_file(&.path.to_string_lossy())
     )]
     Damaged {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// Of an older layout.
-    #[error(
-        "`{path}` was filled by an older `stochc`, which kept less of each run; to make the same runs \
-         again: `stochc simulate --manifest {} --out NEW`",
-        shell_file(&.path.join(MANIFEST).to_string_lossy())
-    )]
-    Old {
         /// The folder.
         path: PathBuf,
     },

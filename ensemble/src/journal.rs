@@ -30,16 +30,15 @@ use super::{EnsembleProgram, Manifest};
 /// What a loss of power may cost: the runs finished during this time. A kill costs none.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
 
-/// Version of the layout of a journal: in 1 lines had no checksums.
-const JOURNAL: u32 = 2;
+/// Version of the layout of a journal.
+const JOURNAL: u32 = 1;
 
-/// The first line. Another field would be another header, so that no damage makes it an older one.
+/// The first line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JournalHeader {
     pub ensemble: String,
-    #[serde(default)]
-    journal: Option<u32>,
+    journal: u32,
     /// `None`: it is the journal of a whole ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub piece: Option<PieceHeader>,
@@ -51,7 +50,7 @@ impl JournalHeader {
     pub fn of(identity: &str) -> JournalHeader {
         JournalHeader {
             ensemble: identity.to_owned(),
-            journal: Some(JOURNAL),
+            journal: JOURNAL,
             piece: None,
             crc: None,
         }
@@ -101,8 +100,6 @@ pub(super) struct StoredJournal {
     pub shortest: Option<Finished>,
     /// Where its last line ends; what follows is half of one.
     pub whole: u64,
-    /// Whether its lines bear checksums.
-    pub is_sealed: bool,
     /// What is wrong with it, line by line.
     pub damage: Vec<String>,
 }
@@ -123,21 +120,19 @@ pub(super) fn read(
     let (mut shortest, mut damage) = (Shortest::default(), Vec::new());
     let most = most_line(manifest);
     let validator = RecordValidator::new(manifest);
-    (stored.whole, stored.is_sealed) =
-        read_lines(path, &JournalHeader::of(identity), most, |line| {
-            match run(line.text, line.is_sealed, &validator) {
-                Ok(finished) => {
-                    places.push(finished.at(0, line.at));
-                    shortest.offer(finished);
-                }
-                Err(reason) => {
-                    let number = line.number;
-                    damage.push(format!(
-                        "line {number} of `journal.jsonl` {reason}, and is left out"
-                    ));
-                }
-            }
-        })?;
+    let header = JournalHeader::of(identity);
+    stored.whole = read_lines(path, &header, most, |line| match run(line.text, &validator) {
+        Ok(finished) => {
+            places.push(finished.at(0, line.at));
+            shortest.offer(finished);
+        }
+        Err(reason) => {
+            let number = line.number;
+            damage.push(format!(
+                "line {number} of `journal.jsonl` {reason}, and is left out"
+            ));
+        }
+    })?;
     let files = match places.is_empty() {
         true => Vec::new(),
         false => vec![files::open(path)?],
@@ -170,11 +165,9 @@ pub(super) struct JournalLine<'a> {
     pub at: u64,
     /// Without the line break.
     pub text: &'a [u8],
-    /// Whether the journal is of a layout in which lines bear checksums.
-    pub is_sealed: bool,
 }
 
-/// Reads the whole lines of a journal behind its first. Where the last one ends, and whether they bear checksums.
+/// Reads the whole lines of a journal behind its first, and returns where the last one ends.
 ///
 /// # Errors
 /// [`JournalError::Foreign`] where it does not begin with `expected`.
@@ -183,10 +176,10 @@ pub(super) fn read_lines(
     expected: &JournalHeader,
     most: u64,
     mut each: impl FnMut(JournalLine),
-) -> Result<(u64, bool), JournalError> {
+) -> Result<u64, JournalError> {
     let file = match files::open(path) {
         Ok(file) => file,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((0, true)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(0),
         Err(error) => return Err(error.into()),
     };
     JOURNAL_BUDGET.admits(file.metadata()?.len())?;
@@ -194,15 +187,12 @@ pub(super) fn read_lines(
     let mut line = Vec::new();
     let mut position = read_line(&mut file, most, &mut line)?;
     let Some(first) = line.strip_suffix(b"\n") else {
-        return Ok((0, true));
+        return Ok(0);
     };
     let header: JournalHeader = serde_json::from_slice(first).map_err(|_| JournalError::Foreign)?;
-    let sound = checksum::check(first) == LineIntegrity::Sound;
-    let is_sealed = match (header.journal, header.crc) {
-        (Some(JOURNAL), Some(_)) if sound => true,
-        (None, None) => false,
-        _ => return Err(JournalError::Foreign),
-    };
+    if header.journal != JOURNAL || checksum::check(first) != LineIntegrity::Sound {
+        return Err(JournalError::Foreign);
+    }
     if (&header.ensemble, &header.piece) != (&expected.ensemble, &expected.piece) {
         return Err(JournalError::Foreign);
     }
@@ -213,15 +203,10 @@ pub(super) fn read_lines(
         let Some(text) = line.strip_suffix(b"\n") else {
             break;
         };
-        each(JournalLine {
-            number,
-            at,
-            text,
-            is_sealed,
-        });
+        each(JournalLine { number, at, text });
         at = position;
     }
-    Ok((at, is_sealed))
+    Ok(at)
 }
 
 /// The first line of a file of runs; `None`: it is damaged, or not there as a whole.
@@ -245,17 +230,10 @@ pub(super) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
 }
 
 /// The run of a line, or what is wrong with it.
-pub(super) fn run(
-    line: &[u8],
-    is_sealed: bool,
-    validator: &RecordValidator<'_>,
-) -> Result<Finished, String> {
+pub(super) fn run(line: &[u8], validator: &RecordValidator<'_>) -> Result<Finished, String> {
     let damaged = || "is damaged".to_owned();
-    match checksum::check(line) {
-        LineIntegrity::Sound => {}
-        // Of an older journal those lines have one that were added since.
-        LineIntegrity::Unsealed if !is_sealed => {}
-        LineIntegrity::Damaged | LineIntegrity::Unsealed => return Err(damaged()),
+    if checksum::check(line) != LineIntegrity::Sound {
+        return Err(damaged());
     }
     let finished: Finished = serde_json::from_slice(line).map_err(|_| damaged())?;
     match validator.inconsistency(finished.program, &finished.record) {
@@ -276,16 +254,13 @@ pub(super) fn salvaged(
     let mut file = BufReader::new(files::open(path)?);
     let mut text = line(&JournalHeader::of(identity)).into_bytes();
     let mut next = Vec::new();
-    // Where the first line is sound, it says whose the others are; where it is not, nobody says. Without checksums are those behind
-    // a first line without one alone: of another journal they have lost theirs.
+    // A sound first line names the ensemble of the others; a corrupted one does not.
     let most = most_line(manifest);
     let validator = RecordValidator::new(manifest);
     let mut count = read_or_end(&mut file, most, &mut next)?;
-    let mut is_sealed = true;
     if let Ok(header) = serde_json::from_slice::<JournalHeader>(&next) {
         let first = next.strip_suffix(b"\n").unwrap_or(&next);
-        is_sealed = (header.journal, header.crc) != (None, None);
-        let sound = !is_sealed || checksum::check(first) == LineIntegrity::Sound;
+        let sound = checksum::check(first) == LineIntegrity::Sound;
         if sound && header.ensemble != identity {
             return Ok(None);
         }
@@ -293,7 +268,7 @@ pub(super) fn salvaged(
     // The first line may have lost its end, and be the first run as well.
     while count > 0 {
         let whole = next.strip_suffix(b"\n").unwrap_or(&next);
-        if let Ok(finished) = run(whole, is_sealed, &validator) {
+        if let Ok(finished) = run(whole, &validator) {
             text.extend(line(&finished).into_bytes());
         }
         next.clear();

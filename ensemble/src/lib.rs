@@ -96,7 +96,7 @@ pub use folder_error::FolderError;
 pub use forecast::{CpuForecast, forecast_cpu_time};
 pub use journal_error::JournalError;
 pub use manifest::{
-    Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, OLDEST, Source, Varied,
+    Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, Source, Varied,
 };
 pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pairwise_tests};
 pub use parquet::{

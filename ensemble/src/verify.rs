@@ -11,8 +11,7 @@ use super::folder::{keep_sound_lines, lock, without_manifest, write_manifest};
 use super::folder_checksums::FolderChecksums;
 use super::journal::read as read_journal;
 use super::journal_error::JournalError;
-use super::manifest::OLDEST;
-use super::recording::{Outline, RecordingError, VERSION, path as recording_path};
+use super::recording::{Outline, RecordingError, path as recording_path};
 use super::shards::{self, Cut};
 use super::text::visible;
 use super::{Folder, FolderError, Further, Manifest, Records, Resume};
@@ -35,11 +34,6 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         return Err(without_manifest(path, FolderError::absent));
     }
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(&in_manifest)?;
-    let format = std::str::from_utf8(&bytes).map_err(|error| error.to_string());
-    if matches!(format.and_then(Manifest::format), Ok(1..OLDEST)) {
-        let path = path.to_owned();
-        return Err(FolderError::Old { path });
-    }
     let (checksums, damage) = FolderChecksums::read(path);
     if checksums.is_some() || damage.is_some() {
         report(
@@ -82,7 +76,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
                     damage.extend(checksums.damage(path, JOURNAL, true));
                 }
                 finished = stored.finished;
-                Integrity::of(damage, stored.is_sealed)
+                Integrity::of(damage, true)
             }
             Err(JournalError::Io(error)) if is_short_of_memory(&error) => {
                 return Err(FolderError::of(journal)(error));
@@ -277,7 +271,7 @@ fn recording(
     Ok(
         match recording.is_of(manifest, known.as_ref(), program, run) {
             false => damaged(&"it is the recording of another run"),
-            true => Integrity::of(Vec::new(), recording.version() == VERSION),
+            true => Integrity::Sound,
         },
     )
 }

@@ -1,6 +1,6 @@
 //! Any bytes are read as a journal: what is sound is a run that the manifest allows, each once, and all else is told.
 //!
-//! The first byte says whether the bytes are the whole file, lines of one without checksums, or lines that get theirs.
+//! An even first byte marks a whole file, an odd one lines that get their checksums here.
 use std::sync::LazyLock;
 
 use stochc_ensemble::Folder;
@@ -14,15 +14,10 @@ pub fn read(bytes: &[u8]) {
         return;
     };
     let (folder, identity) = &*PLACE;
-    let journal = match how % 3 {
+    let journal = match how % 2 {
         0 => bytes.to_vec(),
-        1 => [
-            format!("{{\"ensemble\":\"{identity}\"}}\n").as_bytes(),
-            bytes,
-        ]
-        .concat(),
         _ => {
-            let header = sealed(format!("{{\"ensemble\":\"{identity}\",\"journal\":2}}"));
+            let header = sealed(format!("{{\"ensemble\":\"{identity}\",\"journal\":1}}"));
             let text = String::from_utf8_lossy(bytes);
             let lines = text.lines().map(|line| match line.ends_with('}') {
                 true => sealed(line.to_owned()) + "\n",

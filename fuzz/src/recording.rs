@@ -33,7 +33,7 @@ fn whole(mut bytes: &[u8]) -> Vec<u8> {
     let length = (HEADER.len() as u32).to_le_bytes();
     let header = [
         b"STOCHREC",
-        &2u32.to_le_bytes()[..],
+        &1u32.to_le_bytes()[..],
         &length,
         HEADER.as_bytes(),
     ]

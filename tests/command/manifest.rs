@@ -89,37 +89,6 @@ fn a_manifest_beyond_all_bounds_is_refused() {
     }
 }
 
-/// A folder of an older layout lacks a part of each run, and what its manifest says does not.
-#[test]
-fn an_older_folder_is_refused_and_made_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let [fresh, old, again] =
-        ["fresh", "an old one", "again"].map(|name| path(folder.path(), name));
-    let like = "simulate --quiet tests/fixtures/tower_soft.sa --runs 3 --substeps 4 --precision double --out";
-    stochc_with(like, &[&fresh]);
-    fs::create_dir(&old).unwrap();
-    let manifest = path(old.as_ref(), "manifest.json");
-    // As version 2 has written it; version 1 said the same.
-    let text = fs::read_to_string("tests/fixtures/manifest_2.json").unwrap();
-    assert!(text.contains("\"format\": 2"));
-    for format in [1, 2] {
-        let of = format!("\"format\": {format}");
-        fs::write(&manifest, text.replace("\"format\": 2", &of)).unwrap();
-        let way_out = format!("`stochc simulate --manifest '{manifest}' --out NEW`");
-        let resume = format!("{TOWER} --runs 3 --resume --out");
-        for line in ["show", "report --quiet", "replay --run 0", &resume] {
-            let said = stochc_with(line, &[&old]);
-            assert_eq!(said.status, 2, "{line}: {}", said.out);
-            assert!(said.err.contains("an older `stochc`"), "{}", said.err);
-            assert!(said.err.contains(&way_out), "{}", said.err);
-        }
-        let again = format!("{again} of {format}");
-        let said = stochc_with("simulate --quiet --manifest", &[&manifest, "--out", &again]);
-        assert_eq!(said.status, 0, "{}", said.err);
-        assert!(tables(&fresh) == tables(&again));
-    }
-}
-
 #[test]
 fn more_runs_are_added() {
     let folder = tempfile::tempdir().unwrap();

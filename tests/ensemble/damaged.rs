@@ -146,52 +146,30 @@ fn a_manifest_that_is_lost_is_left_alone() {
     );
 }
 
-/// As version 3 has written it: lines and files have no checksums.
-fn older(folder: &Path) -> String {
+/// The journal of a finished folder whose lines can be changed, each sealed again by [`sealed`].
+fn unsealed(folder: &Path) -> Vec<String> {
     complete(folder, &manifest(4), 1);
     fs::remove_file(folder.join("checksums.json")).unwrap();
-    let file = folder.join("manifest.json");
-    let text = fs::read_to_string(&file).unwrap();
-    put(&file, text.replace("\"format\": 4", "\"format\": 3"));
     let text = fs::read_to_string(folder.join("journal.jsonl")).unwrap();
-    let lines = text.lines().map(|line| {
-        let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
-        object.replace(",\"journal\":2", "") + "}\n"
-    });
-    let old: String = lines.collect();
-    put(&folder.join("journal.jsonl"), &old);
-    old
+    let line = |line: &str| line.rsplit_once(",\"crc\"").unwrap().0.to_owned() + "}";
+    text.lines().map(line).collect()
 }
 
-#[test]
-fn an_older_folder_is_read_and_goes_on() {
-    let folder = tempfile::tempdir().unwrap();
-    let old = older(folder.path());
-    let contents = Folder::read(folder.path()).unwrap();
-    assert_eq!((contents.finished.len(), contents.damage.len()), (8, 0));
-    let health = verify(folder.path()).unwrap();
-    assert!(
-        health
-            .iter()
-            .all(|file| file.health == Integrity::Unprotected)
-    );
-    complete(folder.path(), &manifest(5), 1);
-    let contents = Folder::read(folder.path()).unwrap();
-    assert_eq!((contents.finished.len(), contents.damage.len()), (10, 0));
-    let grown = fs::read_to_string(folder.path().join("journal.jsonl")).unwrap();
-    assert!(grown.starts_with(&old));
+fn sealed(lines: &[String]) -> String {
+    let lines = lines.iter().cloned();
+    lines.map(|line| stochc::files::checksum::sealed(line) + "\n").collect()
 }
 
 #[test]
 fn what_cannot_be_is_told_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
-    let old = older(folder.path());
+    let mut lines = unsealed(folder.path());
     let mut manifest = manifest(4);
     manifest.settings.max_ticks = Some(1_000);
     put(&folder.path().join("manifest.json"), manifest.to_json());
     let before = crate::world::manifest(4).identity();
-    let old = old.replace(&before, &manifest.identity());
-    let first = old.lines().nth(1).unwrap();
+    lines[0] = lines[0].replace(&before, &manifest.identity());
+    let first = lines[1].clone();
     for (what, with, reason) in [
         (
             "\"ticks\":",
@@ -209,12 +187,9 @@ fn what_cannot_be_is_told_and_left_out() {
         ("\"body\":", "\"body\":9999", "no such block"),
         ("\"role\":1", "\"role\":9", "no such role"),
     ] {
-        let changed = first.replacen(what, with, 1);
-        assert_ne!(changed, first, "{what}");
-        put(
-            &folder.path().join("journal.jsonl"),
-            old.replace(first, &changed),
-        );
+        lines[1] = first.replacen(what, with, 1);
+        assert_ne!(lines[1], first, "{what}");
+        put(&folder.path().join("journal.jsonl"), sealed(&lines));
         let contents = Folder::read(folder.path()).unwrap();
         assert_eq!(contents.finished.len(), 7, "{what}");
         assert!(contents.damage[0].contains(reason), "{:?}", contents.damage);

@@ -2,7 +2,7 @@
 use std::fs;
 
 use stochc::ensemble::recording::{Recording, TimedEvent};
-use stochc::files::checksum::{crc32, sealed};
+use stochc::files::checksum::sealed;
 use stochc::ir::table::PhaseId;
 use stochc::runtime::observe::ObservedEvent;
 
@@ -143,38 +143,6 @@ fn a_long_run_is_written_piece_by_piece() {
         recording.record().ticks + 1
     );
     assert_eq!(sections.last().map(|(name, _)| *name), Some("DONE"));
-}
-
-/// What an older version of the format would have of a recording without bonds among free blocks.
-fn as_version(version: u32, bytes: &[u8]) -> Vec<u8> {
-    let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
-    let seal = |part: Vec<u8>| match version {
-        1 => part,
-        _ => [&part[..], &crc32(&part).to_le_bytes()].concat(),
-    };
-    let header = &bytes[12..16 + number(12)];
-    let begin = [&bytes[..8], &version.to_le_bytes(), header].concat();
-    let sections = sections(bytes).into_iter().map(|(name, payload)| {
-        let length = (payload.len() as u32).to_le_bytes();
-        seal([name.as_bytes(), &length, payload].concat())
-    });
-    seal(begin).into_iter().chain(sections.flatten()).collect()
-}
-
-#[test]
-fn older_versions_are_read() {
-    let results = Results::of(DENSE, "--record 0");
-    let bytes = fs::read(results.recording_path(0)).unwrap();
-    assert_eq!(as_version(3, &bytes), bytes);
-    let newest = results.recording(0);
-    for version in [1, 2] {
-        fs::write(results.recording_path(0), as_version(version, &bytes)).unwrap();
-        let older = results.recording(0);
-        assert_eq!(older.events(), newest.events());
-        assert!(older.frames().eq(newest.frames()));
-        assert_eq!(older.record(), newest.record());
-        assert!(fs::metadata(results.page(0)).unwrap().len() > 10_000);
-    }
 }
 
 #[test]

@@ -14,17 +14,8 @@ use stochc_runtime::Settings;
 
 use super::build::this_build;
 
-/// Version of the layout of a results folder; another one is not read.
-///
-/// In 1 a run left nothing of the waits under way when it ended, of its releases and of its unplanned bonds; in 2 a
-/// manifest held texts alone, which had to be compiled again; in 3 there were no checksums, and it is still read.
-pub const FORMAT: u32 = 4;
-
-/// The oldest layout that is read.
-pub const OLDEST: u32 = 3;
-
-/// The layout of what decides a run: the same ensemble has the same identity in all layouts that are read.
-const IDENTITY: u32 = 3;
+/// Version of the layout of a results folder. No other version is read.
+pub const FORMAT: u32 = 1;
 
 /// Everything that an ensemble depends on; `manifest.json` in its folder.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +28,8 @@ pub struct Manifest {
     pub seed: u64,
     /// Runs of each program; may grow, so that it is no part of the identity.
     pub runs: u64,
-    /// The builds that made its runs ([`super::this_build`]), the first one first; empty: it is older than
-    /// such notes. No part of the identity.
+    /// The builds that made its runs ([`super::this_build`]), the first one first. No part of the
+    /// identity.
     pub builds: Vec<String>,
     /// The programs, in the order of the command line.
     pub programs: Vec<EnsembleProgram>,
@@ -169,7 +160,7 @@ impl Manifest {
     /// Paths, the number of runs and the number of threads are no part of it.
     pub fn identity(&self) -> String {
         let identity = Identity {
-            format: IDENTITY,
+            format: FORMAT,
             stochc: &self.stochc,
             settings: self.settings.resolved(),
             seed: self.seed,

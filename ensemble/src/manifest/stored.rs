@@ -10,13 +10,12 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
 use stochc_runtime::Settings;
 
-use super::{Compiled, EnsembleProgram, FORMAT, Manifest, OLDEST, Source, Varied};
+use super::{Compiled, EnsembleProgram, FORMAT, Manifest, Source, Varied};
 
 #[derive(Serialize, Deserialize)]
 struct StoredManifest {
     format: u32,
     stochc: String,
-    #[serde(default)]
     builds: Vec<String>,
     settings: Settings,
     seed: u64,
@@ -121,7 +120,7 @@ impl Manifest {
     /// In words, when it is no manifest, one of another format, or damaged.
     pub fn from_json(json: &str) -> Result<Manifest, String> {
         let format = Manifest::format(json)?;
-        if !(OLDEST..=FORMAT).contains(&format) {
+        if format != FORMAT {
             return Err(format!("its format is {format}, and this is {FORMAT}"));
         }
         let damaged = |error: &dyn std::fmt::Display| format!("it is damaged, {error}");
@@ -169,10 +168,7 @@ impl Manifest {
     }
 
     /// The format of the text of a `manifest.json`, which may be another one than [`FORMAT`].
-    ///
-    /// # Errors
-    /// In words, when it is no manifest.
-    pub fn format(json: &str) -> Result<u32, String> {
+    fn format(json: &str) -> Result<u32, String> {
         #[derive(Deserialize)]
         struct ManifestVersion {
             format: u32,

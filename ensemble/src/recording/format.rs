@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use stochc_files::budget::{RECORDING_HEADER, RECORDING_WHOLE, size};
 use stochc_files::checksum::crc32;
 
-/// Of the file format; in 1 there were no checksums, and in 2 no bonds between free blocks. Both are still read.
-pub const VERSION: u32 = 3;
+/// Version of the file format. No other version is read.
+pub const VERSION: u32 = 1;
 
 /// How the file begins.
 pub(super) const MARK: [u8; 8] = *b"STOCHREC";
@@ -116,8 +116,8 @@ impl<R: Read> ChecksummedSection<R> {
     }
 }
 
-/// Reads the beginning of a file; tells its version as well.
-pub(super) fn read_header(from: &mut impl Read) -> Result<(RecordingHeader, u32), RecordingError> {
+/// Reads the beginning of a file.
+pub(super) fn read_header(from: &mut impl Read) -> Result<RecordingHeader, RecordingError> {
     let short = || RecordingError::CutShort(None);
     let mut part = ChecksummedSection {
         from,
@@ -128,7 +128,7 @@ pub(super) fn read_header(from: &mut impl Read) -> Result<(RecordingHeader, u32)
         return Err(RecordingError::Foreign);
     }
     let version = part.number()?.ok_or_else(short)?;
-    if !(1..=VERSION).contains(&version) {
+    if version != VERSION {
         return Err(RecordingError::Version(version));
     }
     let length = part.number()?.ok_or_else(short)?;
@@ -140,11 +140,10 @@ pub(super) fn read_header(from: &mut impl Read) -> Result<(RecordingHeader, u32)
         return Err(short());
     }
     let header = serde_json::from_slice(json);
-    if version > 1 && !part.is_sound()?.ok_or_else(short)? {
+    if !part.is_sound()?.ok_or_else(short)? {
         return Err(RecordingError::Damaged("its header"));
     }
-    let header = header.map_err(|_| RecordingError::Damaged("its header"))?;
-    Ok((header, version))
+    header.map_err(|_| RecordingError::Damaged("its header"))
 }
 
 /// Writes a section.
@@ -156,11 +155,10 @@ pub(super) fn write_section(out: &mut impl Write, tag: [u8; 4], payload: &[u8]) 
 /// What a section is, and what it holds.
 pub(super) type Section = ([u8; 4], Vec<u8>);
 
-/// Reads the next section of a file of this version, of at most so many bytes; `None`: the file ends here, or in the
+/// Reads the next section of a file, of at most so many bytes; `None`: the file ends here, or in the
 /// midst of it.
 pub(super) fn read_section(
     from: &mut impl Read,
-    version: u32,
     most: u64,
 ) -> Result<Option<Section>, RecordingError> {
     let mut part = ChecksummedSection {
@@ -179,12 +177,10 @@ pub(super) fn read_section(
     if part.take(length.into())?.len() < length as usize {
         return Ok(None);
     }
-    if version > 1 {
-        match part.is_sound()? {
-            Some(true) => {}
-            Some(false) => return Err(RecordingError::Damaged("the checksum of a part differs")),
-            None => return Ok(None),
-        }
+    match part.is_sound()? {
+        Some(true) => {}
+        Some(false) => return Err(RecordingError::Damaged("the checksum of a part differs")),
+        None => return Ok(None),
     }
     let payload = 8..8 + length as usize;
     part.bytes.truncate(payload.end);

@@ -13,7 +13,6 @@ mod selection;
 mod write;
 
 pub use events::TimedEvent;
-pub(crate) use format::VERSION;
 pub use format::{RecordingError, RecordingHeader, is_file};
 pub use frame::RunFrame;
 pub use read::{Frame, Outline, Places, Recording, each_places};

@@ -20,7 +20,6 @@ use crate::{Finished, Manifest};
 #[derive(Clone, Debug)]
 pub struct Outline {
     header: RecordingHeader,
-    version: u32,
     record: RunRecord,
 }
 
@@ -55,11 +54,6 @@ impl Outline {
     /// When it is none, of another version, cut short or damaged.
     pub fn read(from: impl Read, tables: &Tables) -> Result<Outline, RecordingError> {
         walk(from, tables, &mut |_, _| Ok(()))
-    }
-
-    /// The version of its format.
-    pub fn version(&self) -> u32 {
-        self.version
     }
 
     /// What came of the run.
@@ -152,14 +146,13 @@ fn walk(
     tables: &Tables,
     each: &mut dyn FnMut(&RecordingHeader, Content) -> Result<(), RecordingError>,
 ) -> Result<Outline, RecordingError> {
-    let (header, version) = read_header(&mut from)?;
+    let header = read_header(&mut from)?;
     let seeds = Seeds::of(tables);
     let most = budget::record(tables.captures() as u64);
     // The last tick with places, and of anything.
     let (mut last, mut latest) = (None, 0);
     loop {
-        let Some((tag, payload)) = read_section(&mut from, version, most.max(RECORDING_PART))?
-        else {
+        let Some((tag, payload)) = read_section(&mut from, most.max(RECORDING_PART))? else {
             return Err(RecordingError::CutShort(last));
         };
         match tag {
@@ -198,14 +191,10 @@ fn walk(
                 if latest > record.ticks {
                     return Err(RecordingError::Damaged("something happens after its end"));
                 }
-                if version > 1 && from.read(&mut [0])? > 0 {
+                if from.read(&mut [0])? > 0 {
                     return Err(RecordingError::Damaged("something follows its end"));
                 }
-                return Ok(Outline {
-                    header,
-                    version,
-                    record,
-                });
+                return Ok(Outline { header, record });
             }
             _ => return Err(RecordingError::Damaged("a part of an unknown kind")),
         }

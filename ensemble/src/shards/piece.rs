@@ -233,7 +233,7 @@ impl Piece {
         for part in parts_of(&self.path, self.number).map_err(|it| in_folder(&self.path, it))? {
             let number = parts.len() as u32;
             let read = journal::read_lines(&part, &self.header, most, |line| {
-                let Ok(done) = journal::run(line.text, line.is_sealed, &validator) else {
+                let Ok(done) = journal::run(line.text, &validator) else {
                     return;
                 };
                 let place = pending_runs::number(done.program, done.record.run, programs);
@@ -283,7 +283,7 @@ pub(super) fn read(
             return;
         }
         let number = line.number;
-        match journal::run(line.text, true, &validator) {
+        match journal::run(line.text, &validator) {
             Err(reason) => wrong = Some(format!("is damaged: its line {number} {reason}")),
             Ok(done) => {
                 let expected = job(next, programs);

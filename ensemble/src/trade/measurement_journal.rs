@@ -80,7 +80,7 @@ impl MeasurementJournal {
         };
         // Whoever it was of has measured nothing.
         let whole = match has_entries(folder).map_err(JournalError::Io)? {
-            true => match read_lines(&path, &header, budget::record(most), &mut note)?.0 {
+            true => match read_lines(&path, &header, budget::record(most), &mut note)? {
                 // There is no first line, nor the beginning of one.
                 0 => return Err(JournalError::Foreign.into()),
                 whole => whole,

@@ -9,7 +9,7 @@ use crate::Manifest;
 use crate::statistics::{Distance, Relative};
 
 /// Version of the layout of `trade.json`; another one is not read.
-pub const FORMAT: u32 = 5;
+pub const FORMAT: u32 = 1;
 
 /// The trade of some programs; times in ticks, costs in seconds of processor time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

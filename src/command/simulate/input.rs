@@ -1,8 +1,7 @@
 //! Files or a manifest to programs that are ready to run.
 use std::path::Path;
 
-use stochc_compiler::LintLevels;
-use stochc_ensemble::{Manifest, OLDEST, check_manifest, survey, this_build};
+use stochc_ensemble::{Manifest, check_manifest, survey, this_build};
 use stochc_files::budget::MANIFEST;
 use stochc_files::read_file;
 use stochc_ir::visible;
@@ -10,7 +9,7 @@ use stochc_runtime::rates::Rates;
 use stochc_runtime::{Model, Setting, Settings, Substeps};
 
 use super::arguments::{MOST_UNTIL, RUNS};
-use super::{SimulateArguments, older_manifest};
+use super::SimulateArguments;
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::programs::programs;
@@ -20,7 +19,7 @@ use crate::operations::{rates, sweep};
 /// The manifest of what is asked for.
 pub fn prepare(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
     let mut manifest = match (&options.manifest, &options.out) {
-        (Some(path), _) => from_manifest(path, &options.levels.levels, host)?,
+        (Some(path), _) => from_manifest(path, host)?,
         (None, Some(out)) if options.files.is_empty() => from_folder(out)?,
         _ => from_files(options, host)?,
     };
@@ -106,17 +105,14 @@ fn from_folder(out: &Path) -> Result<Manifest, Failure> {
 }
 
 /// The programs that a manifest holds.
-fn from_manifest(path: &Path, levels: &LintLevels, host: &dyn Host) -> Result<Manifest, Failure> {
+fn from_manifest(path: &Path, host: &dyn Host) -> Result<Manifest, Failure> {
     let shown = path.display();
     let bytes = read_file(path, MANIFEST)
         .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
     check_manifest(path).map_err(Failure::usage)?;
     let text = String::from_utf8_lossy(&bytes);
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
-    let mut manifest = match Manifest::format(&text).map_err(refuse)? {
-        older @ 1..OLDEST => older_manifest::read(older, &text, path, levels, host)?,
-        _ => Manifest::from_json(&text).map_err(refuse)?,
-    };
+    let mut manifest = Manifest::from_json(&text).map_err(refuse)?;
     manifest.within_limits().map_err(refuse)?;
     warn_of_build(&manifest.builds, host);
     // Its runs are made by this one now.

@@ -3,7 +3,6 @@ mod accuracy;
 mod arguments;
 mod completion_curves;
 mod input;
-mod older_manifest;
 mod single;
 
 use std::path::Path;

@@ -1,7 +1,8 @@
 // The recording: docs/replay.md describes the format.
 
-/** Since version 2, every part has a checksum of 4 bytes behind it; since 3 there are bonds among free blocks. */
-const VERSION = 3;
+const VERSION = 1;
+/** Checksum behind every part [bytes]. */
+const SEAL = 4;
 /** Decoded places that are kept for going back [bytes]. */
 const CACHE = 96 << 20;
 
@@ -49,23 +50,22 @@ class Recording {
     }
     const number = at => new DataView(data.bytes(at, at + 4).buffer).getUint32(0, true);
     const version = number(8);
-    if (version < 1 || version > VERSION) {
+    if (version !== VERSION) {
       throw new Unreadable(
         `The recording in this page is of format version ${version}, and the page can show version ${VERSION}. ` +
           'Make the page again with the `stochc` that recorded the run.',
       );
     }
-    const seal = version > 1 ? 4 : 0;
     let at = 16 + number(12);
     recording.header = JSON.parse(new TextDecoder().decode(data.bytes(16, at)));
-    at += seal;
+    at += SEAL;
     recording.chunks = [];
     recording.events = [];
     while (!recording.record) {
       const tag = new TextDecoder().decode(data.bytes(at, at + 4));
       const from = at + 8;
       const to = (at = from + number(at + 4));
-      at += seal;
+      at += SEAL;
       if (at > data.length) throw new Unreadable(CUT_SHORT);
       const json = async () => JSON.parse(new TextDecoder().decode(await inflate(data.bytes(from, to))));
       if (tag === 'POSE') recording.chunks.push(chunkHead(data, from, to));
