@@ -6,12 +6,18 @@
 //! and p then always say the same, and do not change their kind with the first run that is stopped.
 use serde::Serialize;
 
-use super::distribution::{t_quantile, t_two_sided};
+use super::distribution::{normal_quantile_of, t_quantile, t_two_sided};
 use super::runs::{Runs, comparable};
 use super::{Summary, holm};
 
 /// Below this, a difference is called one: outside of the 95 % interval.
 pub const SIGNIFICANT: f64 = 0.05;
+
+/// A relative difference that is worth finding.
+pub const DETECTABLE: f64 = 0.05;
+
+/// The probability to find it.
+pub const POWER: f64 = 0.8;
 
 /// What two samples differ by.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -30,6 +36,9 @@ pub struct Difference {
     pub p_holm: f64,
     /// Which sample has the longer times.
     pub longer: Longer,
+    /// Runs of each program with which a difference of [`DETECTABLE`] of the mean would be
+    /// significant with a probability of [`POWER`]. `None` if the mean is 0.
+    pub runs_for_5_percent: Option<u64>,
 }
 
 /// How two samples were compared.
@@ -57,7 +66,7 @@ pub enum Longer {
     /// The second.
     Second,
     /// The interval includes both; or does not, but among so many differences that counts for little.
-    Undecided,
+    NotSignificant,
 }
 
 /// Compares two samples; `None`: too few runs, or no spread, to tell anything.
@@ -79,6 +88,8 @@ pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
     if error <= 0.0 {
         return None;
     }
+    let mean = (mean(a) + mean(b)) / 2.0;
+    let runs_for_5_percent = runs_to_detect(DETECTABLE * mean, test, error, [a.len(), b.len()]);
     let error = (both.unseen.into_iter()).fold(error, f64::hypot);
     let p = t_two_sided(difference / error, freedom);
     Some(Difference {
@@ -89,7 +100,35 @@ pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
         p,
         p_holm: p,
         longer: Longer::of(difference, p),
+        runs_for_5_percent,
     })
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Returns the runs of each program that find a `difference` with a probability of [`POWER`].
+///
+/// `error` is the standard error of the difference with as many runs as there are. `None` if the
+/// difference is not positive, or the number is beyond counting.
+///
+/// # Source
+/// W. C. Guenther, The American Statistician 35 (1981), 243-244.
+fn runs_to_detect(difference: f64, test: Test, error: f64, runs: [usize; 2]) -> Option<u64> {
+    let significance = normal_quantile_of(1.0 - SIGNIFICANT / 2.0);
+    let noise = (significance + normal_quantile_of(POWER)) * error / difference;
+    // Of samples of different sizes, the harmonic mean counts.
+    let [first, second] = runs.map(|runs| runs as f64);
+    let (runs, small) = match test {
+        Test::Paired { pairs } => (pairs as f64, significance.powi(2) / 2.0),
+        Test::Welch { .. } => (
+            2.0 * first * second / (first + second),
+            significance.powi(2) / 4.0,
+        ),
+    };
+    let needed = (noise.powi(2) * runs + small).ceil();
+    (difference > 0.0 && needed < 1e15).then_some(needed as u64)
 }
 
 /// Corrects differences that are told together for their number, and what is concluded from them.
@@ -107,7 +146,7 @@ impl Longer {
         match p < SIGNIFICANT {
             true if difference > 0.0 => Longer::First,
             true => Longer::Second,
-            false => Longer::Undecided,
+            false => Longer::NotSignificant,
         }
     }
 }
@@ -245,6 +284,25 @@ mod tests {
         }
     }
 
+    /// R 4.3: `power.t.test(delta = 5, sd = s, power = 0.8, type = "paired")$n` for the SD `s` of
+    /// the differences, and `type = "two.sample"` for that of each sample, rounded up.
+    #[test]
+    fn the_runs_for_a_difference_agree_with_power_t_test() {
+        for (sd, pairs, each) in [(10.0, 34, 64), (5.0, 10, 17), (100.0, 3142, 6281)] {
+            let n = 20_usize;
+            let paired = Test::Paired { pairs: n };
+            let error = sd / (n as f64).sqrt();
+            assert_eq!(runs_to_detect(5.0, paired, error, [n, n]), Some(pairs));
+            let welch = Test::Welch { freedom: 38.0 };
+            let error = sd * (2.0 / n as f64).sqrt();
+            assert_eq!(runs_to_detect(5.0, welch, error, [n, n]), Some(each));
+        }
+        assert_eq!(
+            runs_to_detect(0.0, Test::Paired { pairs: 3 }, 1.0, [3, 3]),
+            None
+        );
+    }
+
     #[test]
     fn one_that_never_completes_takes_longer() {
         let stuck = runs(1, [Observation::censored(1000.0); 20]);
@@ -262,7 +320,7 @@ mod tests {
         assert_eq!(one.longer, Longer::Second, "{one:?}");
         let mut many = vec![one.clone(); 10];
         correct(many.iter_mut());
-        assert_eq!(many[0].longer, Longer::Undecided);
+        assert_eq!(many[0].longer, Longer::NotSignificant);
         assert!((many[0].p_holm - 10.0 * one.p).abs() < 1e-12);
     }
 
@@ -282,14 +340,14 @@ mod tests {
             if (found.p - SIGNIFICANT).abs() > 1e-9 {
                 prop_assert_eq!(found.p < SIGNIFICANT, is_outside);
             }
-            prop_assert_eq!(found.longer != Longer::Undecided, found.p < SIGNIFICANT);
+            prop_assert_eq!(found.longer != Longer::NotSignificant, found.p < SIGNIFICANT);
             let back = compare(&second, &first).unwrap();
             prop_assert!((back.difference + found.difference).abs() < 1e-9 * (1.0 + found.difference.abs()));
             prop_assert!((back.p - found.p).abs() < 1e-9);
             prop_assert_eq!(back.longer, match found.longer {
                 Longer::First => Longer::Second,
                 Longer::Second => Longer::First,
-                Longer::Undecided => Longer::Undecided,
+                Longer::NotSignificant => Longer::NotSignificant,
             });
         }
     }
@@ -324,7 +382,7 @@ mod tests {
                 }
                 let [first, second] = both;
                 let found = compare(&runs(1, first), &runs(seed, second)).unwrap();
-                wrong += usize::from(found.longer != Longer::Undecided);
+                wrong += usize::from(found.longer != Longer::NotSignificant);
             }
             // 100 are expected, with a standard deviation of 10; skewed waits make it a little rarer.
             assert!((60..=140).contains(&wrong), "{wrong} at {limit}, {seed}");

@@ -22,7 +22,12 @@ pub(super) fn t_two_sided(t: f64, freedom: f64) -> f64 {
 
 /// As [`t_quantile`], for a normal estimate: 1.96.
 pub(super) fn normal_quantile() -> f64 {
-    Normal::standard().inverse_cdf(0.5 + LEVEL / 2.0)
+    normal_quantile_of(0.5 + LEVEL / 2.0)
+}
+
+/// Returns the quantile of the standard normal distribution at a probability.
+pub(super) fn normal_quantile_of(probability: f64) -> f64 {
+    Normal::standard().inverse_cdf(probability)
 }
 
 #[cfg(test)]

@@ -37,11 +37,11 @@ pub fn rank(reference: &[Runs], candidate: &[Runs]) -> Vec<Ranked> {
         |((i, j, truth), (_, _, found)): ((usize, usize, Longer), (usize, usize, Longer))| {
             let (first, second) = match truth {
                 Longer::First => (j, i),
-                Longer::Second | Longer::Undecided => (i, j),
+                Longer::Second | Longer::NotSignificant => (i, j),
             };
             let verdict = match (truth, found) {
-                (Longer::Undecided, _) => Verdict::Unordered,
-                (_, Longer::Undecided) => Verdict::Unclear,
+                (Longer::NotSignificant, _) => Verdict::Unordered,
+                (_, Longer::NotSignificant) => Verdict::Unclear,
                 (truth, found) if truth == found => Verdict::Kept,
                 _ => Verdict::Reversed,
             };
@@ -70,7 +70,7 @@ fn orders(programs: &[Runs]) -> impl Iterator<Item = (usize, usize, Longer)> {
     found.map(|contrast| {
         let longer = match contrast.verdict {
             Known::Known(difference) => difference.longer,
-            Known::Same | Known::Repeated | Known::Unknown => Longer::Undecided,
+            Known::Same | Known::Repeated | Known::Unknown => Longer::NotSignificant,
         };
         (contrast.first, contrast.second, longer)
     })

@@ -73,7 +73,7 @@ fn sentence(it: &Replanning) -> String {
         }
         Some(Longer::First) => "planning the rest anew pays",
         Some(Longer::Second) => "planning the rest anew costs time",
-        Some(Longer::Undecided) | None => "whether planning the rest anew pays is undecided",
+        Some(Longer::NotSignificant) | None => "the difference is not significant",
     };
     let left = match it.not_planned {
         0 => String::new(),

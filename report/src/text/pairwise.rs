@@ -15,7 +15,7 @@ pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: u
         }
         PairwiseResult::Unknown => {
             return format!(
-                "{first} and {second}: undecided; there are too few runs, or no spread, to tell."
+                "{first} and {second}: not significant; there are too few runs, or no spread."
             );
         }
         PairwiseResult::Known(found) => found,
@@ -23,10 +23,17 @@ pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: u
     let conclusion = match found.longer {
         Longer::First => format!("{first} takes longer"),
         Longer::Second => format!("{second} takes longer"),
-        Longer::Undecided => "undecided which takes longer".to_owned(),
+        Longer::NotSignificant => "not significant".to_owned(),
+    };
+    let needed = match (found.longer, found.runs_for_5_percent) {
+        (Longer::NotSignificant, Some(runs)) => format!(
+            " A difference of 5~% would need {}~runs of each (power 80~%).",
+            number(runs as f64)
+        ),
+        _ => String::new(),
     };
     format!(
-        "{first}~- {second}: {}~±~{}~{unit}, {}, {}: {conclusion}.",
+        "{first}~- {second}: {}~±~{}~{unit}, {}, {}: {conclusion}.{needed}",
         number(found.difference),
         number(found.half_width),
         p_values(found, pairs),
