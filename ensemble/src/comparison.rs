@@ -8,9 +8,11 @@ use super::times::{completion_time, phase_time};
 use super::{EnsembleProgram, Finished, Manifest};
 use crate::statistics::{Difference, KaplanMeier, Mean, Observation, Runs, Summary, TimeSample};
 
-/// An ensemble in figures; times are in ticks.
+/// An ensemble in figures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
+    /// The unit of the programs' times: ticks, unless [`Comparison::in_seconds`] has converted them.
+    pub time_unit: &'static str,
     /// One for each program, in the order of the manifest.
     pub programs: Vec<ProgramSummary>,
     /// One for each pair of programs, in the same order; of a sweep, only for different programs at
@@ -118,6 +120,47 @@ impl Comparison {
         finished.into_iter().for_each(|done| tally.add(done));
         tally.finish()
     }
+
+    /// Converts all times and differences to seconds.
+    pub fn in_seconds(mut self) -> Comparison {
+        let seconds = TimeUnit::Seconds.unit();
+        if self.time_unit == seconds {
+            return self;
+        }
+        // Differences are in ticks only if the programs have ticks of one length.
+        let tick = self.programs.first().map_or(1.0, |program| program.tick);
+        if self.unit != seconds {
+            let differences = self.pairs.iter_mut().flat_map(Pair::differences);
+            differences.for_each(|difference| difference.scale(tick));
+        }
+        for program in &mut self.programs {
+            let phases = program.phase_times.iter_mut();
+            let times = phases.filter_map(|phase| phase.time.as_mut());
+            let times = times.chain(&mut program.time);
+            times.for_each(|time| time.scale(program.tick));
+        }
+        self.time_unit = seconds;
+        self.unit = seconds;
+        self
+    }
+
+    /// Gives each program the name that `label` returns for its own.
+    pub fn relabel(&mut self, label: impl Fn(&str) -> String) {
+        let pairs = self.pairs.iter_mut();
+        let names = pairs.flat_map(|pair| [&mut pair.first, &mut pair.second]);
+        let programs = self.programs.iter_mut().map(|program| &mut program.name);
+        names.chain(programs).for_each(|name| *name = label(name));
+    }
+}
+
+impl Pair {
+    fn differences(&mut self) -> impl Iterator<Item = &mut Difference> {
+        let told = match &mut self.verdict {
+            PairwiseResult::Known(difference) => Some(difference),
+            _ => None,
+        };
+        self.difference.iter_mut().chain(told)
+    }
 }
 
 /// A comparison while runs are told, sorted by program and run: of each it keeps a few bytes for its times.
@@ -207,6 +250,7 @@ impl<'a> ComparisonTally<'a> {
             .collect();
         let name = |i: usize| manifest.programs[i].name.clone();
         Comparison {
+            time_unit: TimeUnit::Ticks.unit(),
             programs: columns,
             pairs: pairwise_tests(&sides)
                 .into_iter()
@@ -232,6 +276,20 @@ pub fn last_seen(observations: impl IntoIterator<Item = Observation>) -> f64 {
 }
 
 impl Time {
+    /// Converts all figures to another unit, of which one before has `factor`.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.mean *= factor;
+        let others = [
+            &mut self.half_width,
+            &mut self.horizon,
+            &mut self.min,
+            &mut self.max,
+            &mut self.sd,
+            &mut self.median,
+        ];
+        others.into_iter().flatten().for_each(|it| *it *= factor);
+    }
+
     /// Sums up times of which some may be cut short; `None`: there are none.
     pub fn of(observations: &[Observation]) -> Option<Time> {
         Time::beside(observations, 0.0)

@@ -100,7 +100,8 @@ pub use manifest::{
 };
 pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pairwise_tests};
 pub use parquet::{
-    ColumnShape, ColumnValues, TableShape, each_row_group, table_metadata, tables, tables_of,
+    ColumnShape, ColumnValues, FilledTable, TableShape, each_row_group, summary_table, sweep_table,
+    table_metadata, tables, tables_of,
 };
 pub use program_run::{unless, until};
 pub use progress::{ProgramProgress, ProgramTimes, Progress, RunWatch, Snapshot, Totals};

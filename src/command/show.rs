@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use stochc_ensemble::{Contents, Manifest, Records};
 use stochc_ir::counted;
+use stochc_report::text::Markup;
 
 use super::host::Terminal;
 use super::memory::MemoryOption;
 use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::results::{ensemble_results, read_contents};
+use crate::operations::results::{ProgramLabel, ensemble_results, read_contents};
 
 /// What `show` is given.
 #[derive(Debug, Args)]
@@ -18,8 +19,14 @@ pub struct ShowArguments {
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// Output format of the table
-    #[arg(long, value_name = "FORM", default_value = "text")]
-    format: ResultsFormat,
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    format: TableFormat,
+    /// Unit of the times in `csv`, `latex` and `markdown`
+    #[arg(long, value_name = "UNIT", default_value = "ticks")]
+    unit: TimeUnitOption,
+    /// Text for a program in the tables, such as `tower=Tower of five`; may be repeated
+    #[arg(long, value_name = "NAME=TEXT")]
+    label: Vec<ProgramLabel>,
     /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     bonds: bool,
@@ -31,26 +38,83 @@ pub struct ShowArguments {
 /// A form of the table of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ResultsFormat {
-    /// For people
+    /// Table for the terminal
     Text,
-    /// For programs
+    /// JSON
     Json,
+}
+
+/// Output format of the tables of a folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    /// Table for the terminal
+    Text,
+    /// JSON
+    Json,
+    /// Comma-separated values, a row for each program
+    Csv,
+    /// LaTeX table for the package `booktabs`
+    Latex,
+    /// Markdown table
+    Markdown,
+}
+
+impl From<ResultsFormat> for TableFormat {
+    fn from(format: ResultsFormat) -> TableFormat {
+        match format {
+            ResultsFormat::Text => TableFormat::Text,
+            ResultsFormat::Json => TableFormat::Json,
+        }
+    }
+}
+
+/// Unit of times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TimeUnitOption {
+    /// Ticks of the scene
+    #[default]
+    Ticks,
+    /// Seconds of the scene
+    S,
 }
 
 /// What to show of an ensemble.
 #[derive(Clone, Copy, Debug)]
 pub struct ResultsView<'a> {
     /// In which form.
-    pub form: ResultsFormat,
+    pub form: TableFormat,
+    /// In which unit.
+    pub unit: TimeUnitOption,
+    /// With which names of programs.
+    pub labels: &'a [ProgramLabel],
     /// The captures as well.
     pub bonds: bool,
     /// Where its runs are kept; `None`: nowhere.
     pub folder: Option<&'a Path>,
 }
 
+impl ShowArguments {
+    /// Refuses options that the format does not use.
+    fn are_consistent(&self) -> Result<(), Failure> {
+        let is_published = !matches!(self.format, TableFormat::Text | TableFormat::Json);
+        if self.unit == TimeUnitOption::S && !is_published {
+            return Err(Failure::usage(
+                "`--unit s` is for `--format csv`, `latex` and `markdown`; text has both units, JSON the length of a tick",
+            ));
+        }
+        if self.bonds && is_published {
+            return Err(Failure::usage(
+                "`--bonds` is for `--format text` and `json`; `bonds.parquet` has every capture as a table",
+            ));
+        }
+        Ok(())
+    }
+}
+
 /// Shows what a folder holds. Corrupted files and missing runs have an exit status of their own.
 pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     options.memory.apply()?;
+    options.are_consistent()?;
     let Contents {
         manifest,
         finished,
@@ -66,6 +130,8 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     }
     let shown = ResultsView {
         form: options.format,
+        unit: options.unit,
+        labels: &options.label,
         bonds: options.bonds,
         folder: Some(&options.folder),
     };
@@ -82,12 +148,19 @@ pub fn show(
     finished: &Records,
     shown: &ResultsView<'_>,
 ) -> Result<Exit, Failure> {
-    let told = ensemble_results(manifest, finished, shown.bonds)?;
+    let told = ensemble_results(manifest, finished, shown.bonds)?.relabelled(shown.labels)?;
+    let told = match shown.unit {
+        TimeUnitOption::Ticks => told,
+        TimeUnitOption::S => told.in_seconds(),
+    };
     let failure = told.failure(shown.folder);
     let exit = Exit::of_runs(told.are_all_successful());
     print(&match shown.form {
-        ResultsFormat::Text => told.text(output_width()),
-        ResultsFormat::Json => told.json(),
+        TableFormat::Text => told.text(output_width()),
+        TableFormat::Json => told.json(),
+        TableFormat::Csv => told.csv(),
+        TableFormat::Latex => told.markup(Markup::Latex),
+        TableFormat::Markdown => told.markup(Markup::Markdown),
     })?;
     failure.iter().for_each(|failure| warn(failure));
     Ok(exit)

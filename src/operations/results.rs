@@ -1,20 +1,22 @@
 //! Reading the folder of an ensemble, and what its runs tell.
 use std::path::Path;
+use std::str::FromStr;
 
 use serde_json::json;
 use stochc_ensemble::sweep::{Sweep, SweepTally};
 use stochc_ensemble::text::visible;
 use stochc_ensemble::{
-    Comparison, ComparisonTally, Contents, Finished, Folder, MANIFEST, Manifest, Records, WaitsTally,
-    captures,
+    Comparison, ComparisonTally, Contents, Finished, Folder, MANIFEST, Manifest, Records,
+    WaitsTally, captures, summary_table,
 };
 use stochc_files::shell::file as shell_file;
 use stochc_ir::record::Outcome;
 use stochc_ir::table::PhaseId;
 use stochc_report::tables::{
-    KNOWN_BIAS, captures_to_text, comparison_to_text, lower_bounds, pairs_to_text, sweep_to_text,
+    KNOWN_BIAS, captures_to_text, comparison_to_text, lower_bounds, pairs_to_text,
+    published_comparison, published_sweep, sweep_to_text,
 };
-use stochc_report::text::paragraph;
+use stochc_report::text::{Markup, paragraph};
 use stochc_runtime::Model;
 
 use crate::exit::Failure;
@@ -58,6 +60,43 @@ pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) 
     text +=
         &format!("`stochc verify {folder}` says what is sound; with `--repair`, it saves that\n");
     host.warn(&text);
+}
+
+/// The name of a program, and the text that tables and figures have for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramLabel {
+    /// The program's name in the ensemble, without the values of a sweep.
+    pub name: String,
+    /// The text in its place.
+    pub text: String,
+}
+
+impl FromStr for ProgramLabel {
+    type Err = String;
+
+    fn from_str(label: &str) -> Result<ProgramLabel, String> {
+        let (name, text) = label
+            .split_once('=')
+            .ok_or("give NAME=TEXT, such as `tower=Tower of five`")?;
+        Ok(ProgramLabel {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        })
+    }
+}
+
+/// Whether a name is that of the program, or of a point of its sweep.
+fn is_of(name: &str, program: &str) -> bool {
+    let values = name.strip_prefix(program);
+    values.is_some_and(|values| values.is_empty() || values.starts_with(" ["))
+}
+
+/// Returns the label of a program or of a point of its sweep; without one, its name.
+fn labelled(labels: &[ProgramLabel], name: &str) -> String {
+    let label = labels.iter().find(|label| is_of(name, &label.name));
+    label.map_or(name.to_owned(), |label| {
+        format!("{}{}", label.text, &name[label.name.len()..])
+    })
 }
 
 /// What the runs of an ensemble tell.
@@ -135,6 +174,49 @@ pub fn ensemble_results<'a>(
 }
 
 impl EnsembleResults<'_> {
+    /// Converts all times to seconds.
+    pub fn in_seconds(self) -> Self {
+        EnsembleResults {
+            comparison: self.comparison.in_seconds(),
+            sweep: self.sweep.map(Sweep::in_seconds),
+            ..self
+        }
+    }
+
+    /// Gives programs other names, and the points of a sweep with them.
+    ///
+    /// # Errors
+    /// If there is no program of a name.
+    pub fn relabelled(mut self, labels: &[ProgramLabel]) -> Result<Self, Failure> {
+        for ProgramLabel { name, .. } in labels {
+            let mut programs = self.manifest.programs.iter();
+            if !programs.any(|program| is_of(&program.name, name)) {
+                let reason = format!("--label: the folder has no program `{name}`");
+                return Err(Failure::usage(reason));
+            }
+        }
+        let label = |name: &str| labelled(labels, name);
+        self.comparison.relabel(label);
+        self.sweep.iter_mut().for_each(|sweep| sweep.relabel(label));
+        Ok(self)
+    }
+
+    /// Returns a row for each program, or for each point of a sweep, as comma-separated values.
+    pub fn csv(&self) -> String {
+        match &self.sweep {
+            Some(sweep) => sweep.to_csv(),
+            None => summary_table(self.manifest, &self.comparison).csv(),
+        }
+    }
+
+    /// Returns the tables for a paper or a web page.
+    pub fn markup(&self, markup: Markup) -> String {
+        match &self.sweep {
+            Some(sweep) => published_sweep(sweep, &self.comparison, markup),
+            None => published_comparison(&self.comparison, markup),
+        }
+    }
+
     /// As tables of so many columns.
     pub fn text(self, width: usize) -> String {
         let comparison = &self.comparison;
@@ -148,8 +230,9 @@ impl EnsembleResults<'_> {
         for bound in lower_bounds(self.manifest) {
             text += &paragraph(&bound, width);
         }
-        for (program, waits) in self.manifest.programs.iter().zip(self.waits) {
-            let name = visible(&program.name);
+        let names = comparison.programs.iter().map(|it| visible(&it.name));
+        let programs = self.manifest.programs.iter().zip(names);
+        for ((program, name), waits) in programs.zip(self.waits) {
             if program.tables().aggregate.is_some() {
                 let none = "an aggregate, has no captures: its blocks bond where they meet.";
                 text += &format!("\n{}", paragraph(&format!("{name}, {none}"), width));
@@ -168,9 +251,9 @@ impl EnsembleResults<'_> {
         let value = match self.waits.is_empty() {
             true => comparison,
             false => {
-                let bonds = self.manifest.programs.iter().zip(self.waits);
-                let bonds = bonds.map(|(program, waits)| {
-                    json!({ "program": program.name, "captures": captures(program, waits) })
+                let programs = self.manifest.programs.iter().zip(&self.comparison.programs);
+                let bonds = programs.zip(self.waits).map(|((program, told), waits)| {
+                    json!({ "program": told.name, "captures": captures(program, waits) })
                 });
                 let bonds: Vec<_> = bonds.collect();
                 json!({ "comparison": comparison, "captures": bonds })

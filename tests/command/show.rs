@@ -131,6 +131,89 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
 }
 
 #[test]
+fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --model rate --runs 6 examples/line.sa tests/fixtures/tower.sa --out";
+    assert_eq!(stochc_with(simulate, &[&out]).status, 0);
+    let found = stochc_with("show --format json", &[&out]).json();
+    let program = &found["programs"][0];
+    let [mean, tick] = [&program["time"]["mean"], &program["tick"]].map(|it| it.as_f64().unwrap());
+    let cell = |unit: &str, name: &str| {
+        let said = stochc_with("show --format csv --unit", &[unit, &out]);
+        assert_eq!((said.status, said.err.as_str()), (0, ""));
+        let mut rows = csv::Reader::from_reader(said.out.as_bytes());
+        let at = rows.headers().unwrap().iter().position(|it| it == name);
+        let rows: Vec<_> = rows.records().map(Result::unwrap).collect();
+        assert_eq!(rows.len(), 2);
+        rows[0][at.unwrap()].to_owned()
+    };
+    assert_eq!(cell("ticks", "program"), "line");
+    assert_eq!(cell("ticks", "mean").parse(), Ok(mean));
+    assert_eq!(cell("s", "mean").parse(), Ok(mean * tick));
+    assert_eq!(cell("s", "completed"), "6");
+    let label = ["--unit", "s", "--label", "line=A line & more", &out];
+    let markdown = stochc_with("show --format markdown", &label).out;
+    assert!(markdown.starts_with("|  | A line & more | tower |\n|---|--:|--:|\n"), "{markdown}");
+    let seconds = stochc::ensemble::text::number(mean * tick);
+    assert!(markdown.contains(&format!("| mean \\[s\\] | {seconds} ± ")), "{markdown}");
+    assert!(markdown.contains("A line & more - tower: "), "{markdown}");
+    let latex = stochc_with("show --format latex", &label).out;
+    assert!(latex.contains("A line \\& more & tower \\\\\n\\midrule"), "{latex}");
+    assert!(latex.contains(&format!("mean [s] & {seconds} $\\pm$ ")), "{latex}");
+    for (more, reason) in [
+        (&["--label", "lines=A"][..], "has no program `lines`"),
+        (&["--label", "line"], "NAME=TEXT"),
+        (&["--unit", "s"], "`--unit s` is for"),
+        (&["--format", "csv", "--bonds"], "`--bonds` is for"),
+    ] {
+        let said = stochc_with("show", &[&[out.as_str()], more].concat());
+        assert_eq!((said.status, said.out.as_str()), (2, ""));
+        assert!(said.err.contains(reason), "{}", said.err);
+    }
+}
+
+#[test]
+fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let sweep = "simulate --quiet --model rate --runs 3 examples/line.sa --sweep free=200,400 --out";
+    assert_eq!(stochc_with(sweep, &[&out]).status, 0);
+    let csv = stochc_with("show --format csv --label line=Line", &[&out]).out;
+    assert!(csv.starts_with("program,free,runs,completed,timed_out,censored,"), "{csv}");
+    assert!(csv.contains("\r\nLine,200,3,3,0,0,0,"), "{csv}");
+    let told = stochc_with("show --format markdown --unit s --label line=Line", &[&out]).out;
+    assert!(told.contains("| mean time \\[s\\] |"), "{told}");
+    assert!(told.contains("| Line \\[free=200\\] | 3 of 3 |"), "{told}");
+}
+
+/// Six runs of similar programs: the difference is noise, and the sentence says how many runs would do.
+#[test]
+fn a_difference_that_is_not_significant_is_told_with_the_runs_that_it_needs() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, other] = ["one", "other"].map(|name| {
+        let file = path(folder.path(), &format!("{name}.sa"));
+        let text = fs::read_to_string("tests/fixtures/tower.sa").unwrap();
+        fs::write(&file, text.replace("assembly tower", &format!("assembly {name}"))).unwrap();
+        file
+    });
+    let text = fs::read_to_string(&other).unwrap();
+    fs::write(&other, text.replace("phase top {", "")
+        .replace("M.up -> A\n    }", "M.up -> A")).unwrap();
+    let simulate = "simulate --quiet --model rate --runs 6";
+    let said = stochc_with(simulate, &[&one, &other]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let words = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains(": not significant. A difference of 5 % would need "), "{words}");
+    let found = stochc_with(simulate, &[&one, &other, "--format", "json"]).json();
+    let difference = &found["pairs"][0]["difference"];
+    assert_eq!(difference["longer"], "not_significant");
+    let needed = difference["runs_for_5_percent"].as_u64().unwrap();
+    assert!(words.contains(&format!("{} runs of each", stochc::ensemble::text::number(needed as f64))), "{words}");
+    assert!(needed > 6);
+}
+
+#[test]
 fn a_corrupted_folder_ends_with_2_and_its_sound_runs_are_shown() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");

@@ -6,13 +6,16 @@
 mod about;
 mod bonds;
 mod column;
+mod csv;
 mod phases;
 mod releases;
 mod row;
 mod runs;
+mod summary;
 mod unplanned;
 
 pub use column::{ColumnShape, ColumnValues, TableShape};
+pub use summary::{FilledTable, summary_table, sweep_table};
 
 use std::io::{self, Write};
 

@@ -131,6 +131,15 @@ fn runs_to_detect(difference: f64, test: Test, error: f64, runs: [usize; 2]) -> 
     (difference > 0.0 && needed < 1e15).then_some(needed as u64)
 }
 
+impl Difference {
+    /// Converts it to another unit, of which one before has `factor`.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.difference *= factor;
+        self.half_width *= factor;
+        self.horizon.iter_mut().for_each(|it| *it *= factor);
+    }
+}
+
 /// Corrects differences that are told together for their number, and what is concluded from them.
 pub fn correct<'a>(differences: impl Iterator<Item = &'a mut Difference>) {
     let differences: Vec<&mut Difference> = differences.collect();

@@ -5,8 +5,8 @@ use stochc_ir::record::{BondRecord, Origin, RunRecord};
 use crate::statistics::{Status, TimeSample, share_interval};
 use crate::text::Tick;
 use crate::{
-    EnsembleProgram, Finished, JournalError, Manifest, Records, Time, Varied, completion_time,
-    last_seen,
+    EnsembleProgram, Finished, JournalError, Manifest, Records, Time, TimeUnit, Varied,
+    completion_time, last_seen,
 };
 
 /// The unit of times where all scenes have ticks of one length.
@@ -184,6 +184,27 @@ impl Sweep {
         };
         finished.each(|done| tally.add(done))?;
         Ok(Some(tally.finish()))
+    }
+
+    /// Converts all times to seconds.
+    pub fn in_seconds(mut self) -> Sweep {
+        if self.unit == TICKS {
+            for point in &mut self.points {
+                point.time.iter_mut().for_each(|it| it.scale(point.tick));
+                let per_capture = point.time_per_capture.iter_mut();
+                per_capture.for_each(|it| *it *= point.tick);
+            }
+            self.unit = TimeUnit::Seconds.unit();
+        }
+        self
+    }
+
+    /// Gives each point and its program the name that `label` returns for its own.
+    pub fn relabel(&mut self, label: impl Fn(&str) -> String) {
+        for point in &mut self.points {
+            point.name = label(&point.name);
+            point.program = label(&point.program);
+        }
     }
 
     /// The clock of a point, where times are in ticks; `None`: they are in seconds.

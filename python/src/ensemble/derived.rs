@@ -1,8 +1,8 @@
 //! Tables that sum runs up.
 use stochc::ensemble::statistics::{KaplanMeier, TimeSample};
 use stochc::ensemble::{
-    ColumnShape, ColumnValues, Comparison, Manifest, ProgramSummary, Records, TableShape, Time,
-    Varied, completion_time,
+    ColumnShape, ColumnValues, Comparison, FilledTable, Manifest, Records, TableShape,
+    completion_time, summary_table,
 };
 use stochc::exit::Failure;
 
@@ -40,76 +40,10 @@ fn table(name: &str, row: &str, columns: Vec<DerivedColumn<'_>>) -> Result<Pytho
 
 /// The figures of each program, and the numbers of the scene that a sweep has chosen for it.
 pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<PythonTable, String> {
-    let programs = &comparison.programs;
-    let count = |of: fn(&ProgramSummary) -> u64| {
-        let values = programs.iter().map(|it| i64::try_from(of(it)).ok());
-        ColumnValues::Int64(values.collect())
-    };
-    let time = |of: fn(&Time) -> Option<f64>| {
-        let values = programs.iter().map(|it| it.time.as_ref().and_then(of));
-        ColumnValues::Float64(values.collect())
-    };
-    let axes: Vec<String> = manifest.axes().iter().map(Varied::column).collect();
-    let mut columns = vec![DerivedColumn(
-        "program",
-        "",
-        "name of the program in the ensemble; of a sweep with its values",
-        ColumnValues::Text(programs.iter().map(|it| Some(it.name.as_str())).collect()),
-    )];
-    for (axis, name) in manifest.axes().iter().zip(&axes) {
-        let here = manifest.programs.iter().map(|it| it.on_axis(axis));
-        let values = ColumnValues::Float64(here.collect());
-        columns.push(DerivedColumn(
-            name,
-            &axis.unit,
-            "a number of the scene, which the sweep varies",
-            values,
-        ));
-    }
-    columns.extend([
-        DerivedColumn("runs", "", "runs asked for", count(|it| it.runs)),
-        DerivedColumn("finished", "", "runs finished", count(|it| it.finished)),
-        DerivedColumn("completed", "", "runs that completed the structure", count(|it| it.completed)),
-        DerivedColumn(
-            "timed_out",
-            "",
-            "runs that the timeout of a phase ended: they never complete",
-            count(|it| it.timed_out),
-        ),
-        DerivedColumn(
-            "censored",
-            "",
-            "runs that reached the limit of ticks: their times are longer",
-            count(|it| it.censored),
-        ),
-        DerivedColumn("failed", "", "runs whose physics broke down", count(|it| it.failed)),
-        DerivedColumn("captures", "", "captures that the program makes", count(|it| it.captures)),
-        DerivedColumn(
-            "blocks_used",
-            "",
-            "mean number of different blocks that a completed run captured",
-            ColumnValues::Float64(programs.iter().map(|it| it.blocks_used).collect()),
-        ),
-        DerivedColumn(
-            "tick",
-            "s",
-            "length of a tick",
-            ColumnValues::Float64(programs.iter().map(|it| Some(it.tick)).collect()),
-        ),
-        DerivedColumn(
-            "mean",
-            "ticks",
-            "mean time to completion; where times are censored, of min(time, horizon): a lower bound",
-            time(|it| Some(it.mean)),
-        ),
-        DerivedColumn("half_width", "ticks", "half of the 95 % interval of the mean", time(|it| it.half_width)),
-        DerivedColumn("horizon", "ticks", "up to here the mean counts, where times are censored", time(|it| it.horizon)),
-        DerivedColumn("median", "ticks", "median time to completion", time(|it| it.median)),
-        DerivedColumn("sd", "ticks", "standard deviation", time(|it| it.sd)),
-        DerivedColumn("min", "ticks", "the shortest time that was completed", time(|it| it.min)),
-        DerivedColumn("max", "ticks", "the longest time", time(|it| it.max)),
-    ]);
-    table("summary", "a program of the ensemble", columns)
+    let FilledTable { shape, values } = summary_table(manifest, comparison);
+    let mut table = PythonTable::new(shape, &[]);
+    table.add(values)?;
+    Ok(table)
 }
 
 /// Shares of runs that are not complete, at each time at which one completed.

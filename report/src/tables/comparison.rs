@@ -77,20 +77,23 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
 
 /// A sentence for each pair of programs that are compared.
 pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
+    let sentences = pair_sentences(comparison);
+    sentences.map(|it| paragraph(&it, width)).collect()
+}
+
+/// Returns a sentence for each pair of programs; a `~` is a space that does not break.
+pub(super) fn pair_sentences(comparison: &Comparison) -> impl Iterator<Item = String> {
     // The p of a difference is corrected for those that could be tested.
     let tested = comparison
         .pairs
         .iter()
         .filter(|pair| pair.difference.is_some())
         .count();
-    let told = |pair: &Pair| {
+    let told = move |pair: &Pair| {
         let names = [&*pair.first, &*pair.second];
-        paragraph(
-            &sentence(names, &pair.verdict, comparison.unit, tested),
-            width,
-        )
+        sentence(names, &pair.verdict, comparison.unit, tested)
     };
-    comparison.pairs.iter().map(told).collect()
+    comparison.pairs.iter().map(told)
 }
 
 /// What tables say of runs that a timeout has ended.

@@ -10,8 +10,19 @@ const NONE: &str = "-";
 
 /// The table, and what its figures mean; `width` is that of the terminal, in characters.
 pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
-    // A time of a point in the unit of the sweep, and in seconds beside ticks.
-    let time = |point: &SweepPoint, value: f64| match sweep.tick(point) {
+    let mut text = sweep_rows(sweep, true).text(width, false);
+    text.push('\n');
+    for note in notes(sweep) {
+        text += &paragraph(&note, width);
+    }
+    text
+}
+
+/// Returns the table: times in the unit of the sweep and, where that is ticks and `beside` is set,
+/// in seconds as well.
+pub(super) fn sweep_rows(sweep: &Sweep, beside: bool) -> TextTable {
+    let tick = |point: &SweepPoint| sweep.tick(point).filter(|_| beside);
+    let time = |point: &SweepPoint, value: f64| match tick(point) {
         Some(tick) => ticks(value) + &tick.beside(value),
         None => number(value),
     };
@@ -24,7 +35,7 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
         column("completed", &|point| {
             format!("{} of {}", point.completed, point.finished())
         }),
-        column("mean time", &|point| match sweep.tick(point) {
+        column("mean time", &|point| match tick(point) {
             None => maybe(point.time.as_ref().map(|it| {
                 let half = it.half_width.map(|half| format!(" ± {}", number(half)));
                 let bound = if it.incomplete > 0 { "≥ " } else { "" };
@@ -45,7 +56,7 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
         let failed = column("failed", &|point| point.failed.to_string());
         columns.insert(1, failed);
     }
-    let table = TextTable {
+    TextTable {
         labels: sweep
             .points
             .iter()
@@ -53,13 +64,7 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
             .collect(),
         columns,
         ..TextTable::default()
-    };
-    let mut text = table.text(width, false);
-    text.push('\n');
-    for note in notes(sweep) {
-        text += &paragraph(&note, width);
     }
-    text
 }
 
 fn notes(sweep: &Sweep) -> Vec<String> {

@@ -14,7 +14,7 @@ pub use arguments::SimulateArguments;
 use super::estimate::{SHOWN, print_estimates};
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
-use super::show::{ResultsFormat, ResultsView, show};
+use super::show::{ResultsFormat, ResultsView, TimeUnitOption, show};
 use super::terminal::{output_width, print};
 use super::watch::Watching;
 use crate::exit::{Exit, Failure};
@@ -175,7 +175,9 @@ fn ensemble(
         unrecorded,
     } = made;
     let shown = ResultsView {
-        form: options.format,
+        form: options.format.into(),
+        unit: TimeUnitOption::Ticks,
+        labels: &[],
         bonds: options.bonds,
         folder: options.out.as_deref(),
     };
