@@ -58,8 +58,8 @@ def simulate(options, program, steps, runs, number):
     command = [options.stochc, "simulate", program, "--runs", str(runs), "--seed", str(seed), "--substeps", steps,
                "--threads", "1", "--quiet", "--format", "json"]
     time = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["programs"][0]["time"]
-    if time["censored"]:
-        raise SystemExit(f"{program} at {steps}, seed {seed}: {time['censored']} runs were stopped before they completed")
+    if time["incomplete"]:
+        raise SystemExit(f"{program} at {steps}, seed {seed}: {time['incomplete']} runs were stopped before they completed")
     begins = not options.samples.exists()
     with options.samples.open("a") as rows:
         row = csv.writer(rows, lineterminator="\n")

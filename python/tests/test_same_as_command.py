@@ -103,7 +103,7 @@ def test_recordings_replays_and_exports_are_the_same(tower: str, command: Comman
     alone = command(
         "simulate", tower, "--run", "1", "--max-ticks", "400", "--format", "json", "--quiet", status=3
     )
-    assert [ours.run(1).record] == json.loads(alone.stdout)
+    assert {"format": 1, "runs": [ours.run(1).record]} == json.loads(alone.stdout)
 
 
 def test_reports_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
@@ -169,11 +169,12 @@ def test_proofs_are_the_same(command: Command, tower: str) -> None:
 
 def test_estimates_and_plans_are_the_same(tower: str, command: Command) -> None:
     told = command("estimate", tower, "--runs", "50", "--format", "json", "--quiet")
-    assert list(stochc.estimate(tower, runs=50).programs) == json.loads(told.stdout)
+    estimates = list(stochc.estimate(tower, runs=50).programs)
+    assert {"format": 1, "estimates": estimates} == json.loads(told.stdout)
     target = "examples/open_platform.sa"
     told = command("plan", target, "--budget", "5", "--format", "json", "--quiet")
     planned = stochc.plan(target, budget=5)
-    assert {"program": planned.text, "plan": planned.plan} == json.loads(told.stdout)
+    assert {"format": 1, "program": planned.text, "plan": planned.plan} == json.loads(told.stdout)
     assert planned.compile().captures > 0
 
 
@@ -186,12 +187,12 @@ def test_what_is_missing_is_planned_as_by_the_command(command: Command, tmp_path
     )
     told = command("plan", begun, "--complete", "--budget", "5", "--format", "json", "--quiet")
     completed = stochc.plan(begun, complete=True, budget=5)
-    assert {"program": completed.text, "plan": completed.plan} == json.loads(told.stdout)
+    assert {"format": 1, "program": completed.text, "plan": completed.plan} == json.loads(told.stdout)
     stopped = tmp_path / "stopped"
     stochc.simulate("examples/five_tower.sa", runs=1, max_ticks=2000, out=stopped)
     told = command("plan", stopped, "--run", "0", "--budget", "5", "--format", "json", "--quiet")
     rest = stochc.plan(stopped, run=0, budget=5)
-    assert {"program": rest.text, "plan": rest.plan} == json.loads(told.stdout)
+    assert {"format": 1, "program": rest.text, "plan": rest.plan} == json.loads(told.stdout)
     for wrong in ({"complete": True, "run": 0}, {"dead": ["A"]}, {"run": 0, "keep_scaffolds": True}):
         with pytest.raises(stochc.UsageError):
             stochc.plan(begun, **wrong)
@@ -203,6 +204,6 @@ def test_scaffolds_are_kept_or_taken_down_as_by_the_command(command: Command) ->
     for options, keep in [((), False), (("--keep-scaffolds",), True)]:
         told = command("plan", *asked, "--format", "json", "--quiet", *options)
         planned = stochc.plan(asked[0], seed_plate="12 x 2", offset="1, 0", budget=300, keep_scaffolds=keep)
-        assert {"program": planned.text, "plan": planned.plan} == json.loads(told.stdout)
+        assert {"format": 1, "program": planned.text, "plan": planned.plan} == json.loads(told.stdout)
         programs.add(planned.text)
     assert len(programs) == 2

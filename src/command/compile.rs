@@ -20,6 +20,7 @@ use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
 use crate::operations::chosen_run::index;
+use crate::operations::json::FORMAT;
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 
 /// What `compile` is given.
@@ -183,7 +184,7 @@ fn emit(
     let symbols = &checked.symbols;
     if stage == EmittedStage::Ast {
         return match form {
-            EmittedFormat::Json => document(&to_json(&checked.tree, symbols), out),
+            EmittedFormat::Json => document("items", to_json(&checked.tree, symbols), out),
             _ => write!(out, "{}", stochc_grammar::print(&checked.tree, symbols)),
         };
     }
@@ -195,7 +196,7 @@ fn emit(
             let programs = programs.iter();
             programs.filter_map(|(program, graph)| json(program, graph.as_ref(), stage, symbols))
         };
-        return document(&Json::object([("programs", Json::list(programs))]), out);
+        return document("programs", Json::list(programs), out);
     }
     let texts = programs
         .iter()
@@ -206,8 +207,10 @@ fn emit(
     Ok(())
 }
 
-fn document(document: &Json<'_>, out: &mut dyn Write) -> io::Result<()> {
-    serde_json::to_writer_pretty(&mut *out, document)?;
+/// Writes a document that may be larger than memory.
+fn document(key: &'static str, content: Json<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let document = Json::object([("format", FORMAT.into()), (key, content)]);
+    serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
 }
 

@@ -1,5 +1,6 @@
 //! `stochc estimate`.
 use clap::Args;
+use serde_json::json;
 use stochc_ensemble::MOST_RUNS;
 use stochc_report::estimate::CompletionEstimate;
 use stochc_report::tables::estimates_to_text;
@@ -13,6 +14,7 @@ use super::run_options::{MeasuringOptions, RatesOption};
 use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::estimate::{Estimating, estimates};
+use crate::operations::json::document;
 use crate::operations::programs::programs;
 
 /// What `estimate` is given.
@@ -80,8 +82,7 @@ pub(super) fn print_estimates(
     match format {
         ResultsFormat::Text => print(&estimates_to_text(estimates, captures, output_width()))?,
         ResultsFormat::Json => {
-            let text = serde_json::to_string_pretty(estimates).expect("estimates are plain data");
-            print(&(text + "\n"))?;
+            print(&document(json!({ "estimates": estimates })))?;
         }
     }
     let is_known = |estimate: &CompletionEstimate| estimate.total.is_some();

@@ -15,6 +15,7 @@ use super::show::ResultsFormat;
 use super::run_options::RatesOption;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
+use crate::operations::json::document;
 use crate::operations::plan::{
     Budget, LooseParts, NotPlanned, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, is_right_at,
     plan, read,
@@ -211,8 +212,8 @@ fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Re
     }
     match (options.format, &options.out) {
         (ResultsFormat::Json, _) => {
-            let document = json!({ "program": text, "scene": planned.scene, "plan": plan });
-            print(&format!("{document:#}\n"))?;
+            let content = json!({ "program": text, "scene": planned.scene, "plan": plan });
+            print(&document(content))?;
         }
         (ResultsFormat::Text, None) => print(text)?,
         (ResultsFormat::Text, Some(_)) => {}

@@ -10,6 +10,7 @@ use stochc_files::shell::file as shell_file;
 use super::show::ResultsFormat;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
+use crate::operations::json::document;
 
 /// What `status` is given.
 #[derive(Debug, Args)]
@@ -30,18 +31,21 @@ pub fn run(options: &StatusArguments) -> Result<Exit, Failure> {
     let status = status(&options.folder).map_err(Failure::usage)?;
     let folder = options.folder.to_string_lossy();
     print(&match (options.format, options.missing) {
-        (ResultsFormat::Json, true) => format!("{}\n", json!(status.missing().collect::<Vec<_>>())),
-        (ResultsFormat::Json, false) => format!("{:#}\n", document(&status)),
+        (ResultsFormat::Json, true) => {
+            let missing: Vec<_> = status.missing().collect();
+            document(json!({ "missing": missing }))
+        }
+        (ResultsFormat::Json, false) => document(content(&status)),
         (ResultsFormat::Text, true) => (status.missing()).map(|it| format!("{it}\n")).collect(),
         (ResultsFormat::Text, false) => text(&status, &folder),
     })?;
     Ok(Exit::Success)
 }
 
-fn document(status: &ShardStatus) -> Value {
-    let mut document = json!(status);
-    document["missing"] = json!(status.missing().collect::<Vec<_>>());
-    document
+fn content(status: &ShardStatus) -> Value {
+    let mut content = json!(status);
+    content["missing"] = json!(status.missing().collect::<Vec<_>>());
+    content
 }
 
 fn text(status: &ShardStatus, folder: &str) -> String {

@@ -9,6 +9,7 @@ pub mod export;
 pub mod fit;
 pub mod forecast;
 mod in_memory;
+pub mod json;
 pub mod kept_text;
 pub mod memory;
 pub mod plan;

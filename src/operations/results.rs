@@ -19,6 +19,7 @@ use stochc_report::tables::{
 use stochc_report::text::{Markup, paragraph};
 use stochc_runtime::Model;
 
+use super::json::document;
 use crate::exit::Failure;
 use crate::host::Host;
 
@@ -245,21 +246,17 @@ impl EnsembleResults<'_> {
         text
     }
 
-    /// As a document, which ends its last line.
+    /// As a document.
     pub fn json(self) -> String {
-        let comparison = json!(self.comparison);
-        let value = match self.waits.is_empty() {
-            true => comparison,
-            false => {
-                let programs = self.manifest.programs.iter().zip(&self.comparison.programs);
-                let bonds = programs.zip(self.waits).map(|((program, told), waits)| {
-                    json!({ "program": told.name, "captures": captures(program, waits) })
-                });
-                let bonds: Vec<_> = bonds.collect();
-                json!({ "comparison": comparison, "captures": bonds })
-            }
-        };
-        format!("{value:#}\n")
+        let mut content = json!(self.comparison);
+        if !self.waits.is_empty() {
+            let programs = self.manifest.programs.iter().zip(&self.comparison.programs);
+            let bonds = programs.zip(self.waits).map(|((program, told), waits)| {
+                json!({ "program": told.name, "captures": captures(program, waits) })
+            });
+            content["captures"] = bonds.collect();
+        }
+        document(content)
     }
 
     /// Why the first run failed that did, and what shows more of it: the runs are in `folder`, or nowhere. `None`: no run failed.

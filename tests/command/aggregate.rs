@@ -136,7 +136,7 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
         let run = run.to_string();
         let limited = ["--max-ticks", "3", "--run", &run, "--format", "json", FILE];
         let said = stochc_with("simulate --model shuffle", &limited);
-        let record = &said.json()[1];
+        let record = &said.json()["runs"][1];
         let reached = record["phase_ticks"].as_array().unwrap().len() as u64;
         if record["outcome"]["kind"] == "timed_out" {
             assert_eq!(

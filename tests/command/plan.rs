@@ -444,7 +444,7 @@ fn a_run_that_was_stopped_is_finished() {
 fn planning_the_rest_anew_is_compared_with_runs_as_they_are() {
     let compare = "simulate examples/five_tower.sa --model rate --runs 6 --seed 2 --quiet --replan";
     let said = stochc(&format!("{compare} 800 --format json")).json();
-    let it = &said[0];
+    let it = &said["replans"][0];
     assert_eq!(it["runs"], 6);
     assert!(it["plans"].as_u64().unwrap() > 0, "{said}");
     assert_eq!(it["plain"]["completed"], 6);
@@ -455,8 +455,9 @@ fn planning_the_rest_anew_is_compared_with_runs_as_they_are() {
     assert_eq!(cut_short.status, 3, "{}", cut_short.out);
     // Nobody waits so long: both are the same.
     let said = stochc(&format!("{compare} 500000 --format json")).json();
-    assert_eq!(said[0]["plans"], 0);
-    assert_eq!(said[0]["plain"], said[0]["replanned"]);
+    let it = &said["replans"][0];
+    assert_eq!(it["plans"], 0);
+    assert_eq!(it["plain"], it["replanned"]);
     let told = stochc(&format!("{compare} 500000"));
     assert!(
         told.out.contains("nothing was planned anew"),

@@ -117,7 +117,7 @@ fn estimates_say_when_and_why() {
     );
     assert_eq!(said.status, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
-    for estimate in value.as_array().unwrap() {
+    for estimate in value["estimates"].as_array().unwrap() {
         let total = &estimate["total"];
         let figure = |name: &str| total[name].as_f64().unwrap();
         assert!(figure("p10") < figure("median") && figure("median") < figure("p90"));
@@ -175,7 +175,7 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
     let mean = |said: &Said| {
         assert_eq!(said.status, 0, "{}", said.err);
         let value: Value = serde_json::from_str(&said.out).unwrap();
-        let estimate = value[0].clone();
+        let estimate = value["estimates"][0].clone();
         (estimate["total"]["mean"].as_f64().unwrap(), estimate)
     };
     let folder = tempfile::tempdir().unwrap();
@@ -216,7 +216,7 @@ fn what_comes_to_a_timeout_is_slower_than_all_others() {
         let command = format!("estimate --quiet --format json {more}");
         let said = stochc_with(command.trim(), &[&file]);
         assert_eq!(said.status, 0, "{}", said.err);
-        said.json()[0].clone()
+        said.json()["estimates"][0].clone()
     };
     let [graph, runs] = ["", "--runs 1000"].map(estimated);
     let command = "simulate --quiet --model rate --runs 1000 --format json";
@@ -256,7 +256,7 @@ fn scenes_that_nobody_has_measured_are_guessed_and_say_so() {
     let said = stochc_with("estimate --quiet --format json", &[&file]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     let value: Value = serde_json::from_str(&said.out).unwrap();
-    assert_eq!(value[0]["method"]["is_first_guess"], true);
+    assert_eq!(value["estimates"][0]["method"]["is_first_guess"], true);
     let text = stochc_with("estimate --quiet examples/line.sa", &[&file]);
     for what in ["by a first guess of rates", "by a factor of", "3 % off"] {
         assert!(text.out.contains(what), "{what}: {}", text.out);
@@ -332,7 +332,7 @@ fn an_estimate_by_runs_is_as_sure_as_an_ensemble() {
     let line = "--runs 5 --seed 3 --quiet --format json";
     let runs = stochc(&format!("simulate examples/line.sa --model rate {line}")).json();
     let estimate = stochc(&format!("estimate examples/line.sa {line}")).json();
-    let (time, total) = (&runs["programs"][0]["time"], &estimate[0]["total"]);
+    let (time, total) = (&runs["programs"][0]["time"], &estimate["estimates"][0]["total"]);
     for figure in ["mean", "half_width"] {
         let [known, found] = [time, total].map(|of| of[figure].as_f64().unwrap());
         assert!(

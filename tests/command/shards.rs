@@ -86,7 +86,7 @@ fn a_shell_loop_makes_what_is_missing() {
     assert_eq!(status["missing"], json!([0, 1, 2, 4]));
     assert_eq!(status["pieces"][3], json!({ "state": "whole" }));
     let said = stochc_with("status --missing --format json", &[&out]);
-    assert_eq!(said.json(), json!([0, 1, 2, 4]));
+    assert_eq!(said.json()["missing"], json!([0, 1, 2, 4]));
     for piece in ["0", "1", "2", "4"] {
         assert_eq!(stochc_with("shard --quiet", &[&out, piece]).status, 0);
     }

@@ -248,7 +248,7 @@ fn a_replay_without_a_number_shows_the_median_run() {
     let (run, _) = run.split_once(" has the median time").expect(&said.err);
     assert!(said.out.ends_with(&format!("replay-tower-{run}.html\n")), "{}", said.out);
     let single = "simulate --model shuffle --format json tests/fixtures/tower.sa --run";
-    let ticks = stochc_with(single, &[run]).json()["ticks"].as_f64().unwrap();
+    let ticks = stochc_with(single, &[run]).json()["runs"][0]["ticks"].as_f64().unwrap();
     assert_eq!(ticks, median);
     // Another program has to be named, and has runs of its own.
     let failing = "simulate --quiet --model shuffle --runs 2 tests/fixtures/tower.sa tests/fixtures/late.sa --out";

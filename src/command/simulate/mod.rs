@@ -7,6 +7,7 @@ mod single;
 
 use std::path::Path;
 
+use serde_json::json;
 use stochc_ir::visible;
 
 pub use arguments::SimulateArguments;
@@ -20,6 +21,7 @@ use super::watch::Watching;
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::estimate::{Estimating, estimates};
+use crate::operations::json::document;
 use crate::operations::precision::make_until;
 use crate::operations::replan::{Replan, replan};
 use crate::operations::runs::try_out_all;
@@ -104,8 +106,7 @@ fn replanned(
     match options.format {
         ResultsFormat::Text => print(&replanning_to_text(&results, output_width()))?,
         ResultsFormat::Json => {
-            let text = serde_json::to_string_pretty(&results).expect("results are plain data");
-            print(&(text + "\n"))?;
+            print(&document(json!({ "replans": results })))?;
         }
     }
     Ok(Exit::of_runs(

@@ -2,6 +2,7 @@
 use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
+use serde_json::json;
 use stochc_ensemble::text::{Tick, seconds, visible};
 use stochc_ensemble::{EnsembleProgram, Manifest, record_json, until};
 use stochc_ir::counted;
@@ -12,6 +13,7 @@ use super::super::show::ResultsFormat;
 use super::super::terminal::print;
 use super::SimulateArguments;
 use crate::exit::{Exit, Failure};
+use crate::operations::json::document;
 
 /// Does one run of each program.
 pub fn run(
@@ -37,10 +39,7 @@ pub fn run(
         }
     }
     if options.format == ResultsFormat::Json {
-        match serde_json::to_string_pretty(&records) {
-            Ok(text) => print(&format!("{text}\n"))?,
-            Err(error) => return Err(Failure::usage(error.to_string())),
-        }
+        print(&document(json!({ "runs": records })))?;
     }
     Ok(exit)
 }

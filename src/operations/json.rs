@@ -1,0 +1,26 @@
+//! The JSON documents that commands print; `docs/json.md` describes them.
+use serde::Serialize;
+
+/// Version of all of these documents.
+pub const FORMAT: u32 = 1;
+
+/// A document: the version, and the keys of its content.
+#[derive(Serialize)]
+struct Document<T> {
+    format: u32,
+    #[serde(flatten)]
+    content: T,
+}
+
+/// Returns the text of a document, which ends in a line break. The content is an object.
+///
+/// # Panics
+/// If the content is no object.
+pub fn document(content: impl Serialize) -> String {
+    let document = Document {
+        format: FORMAT,
+        content,
+    };
+    let text = serde_json::to_string_pretty(&document);
+    text.expect("the content is an object of plain data") + "\n"
+}
