@@ -392,28 +392,42 @@ impl Folder {
     /// # Errors
     /// Those of the file system.
     pub(super) fn write_tables(&self, finished: &Records) -> Result<(), FolderError> {
-        let io = FolderError::of(&self.path);
         // Tables that are being written are not those that are known.
         write_checksums(&self.path, &[])?;
-        let mut sums = Vec::new();
-        let begin = |name: &str| {
-            let draft = Draft::new(&self.path.join(name), Replaces::Ordinary)?;
-            Ok(Summed::new(draft))
-        };
-        let tables = parquet::write(&self.manifest, finished, begin, &io)?;
-        for (name, table) in tables {
-            let (draft, sum) = table.finish();
-            draft
-                .keep()
-                .map_err(FolderError::of(self.path.join(&name)))?;
-            sums.push((name, sum));
-        }
+        let mut sums = tables(&self.path, &self.manifest, finished, Replaces::Ordinary)?;
         for (name, content) in (self.further.0)(&self.manifest, finished)? {
             replace(&self.path, &name, &content)?;
             sums.push((name, Sum::of(&content)));
         }
         write_checksums(&self.path, &sums)
     }
+}
+
+/// Writes the Parquet tables of runs into a folder, in the place of older tables, and makes the folder.
+///
+/// # Errors
+/// Those of the file system, and if a file that is no table is in the way.
+pub fn write_tables(path: &Path, manifest: &Manifest, finished: &Records) -> Result<(), FolderError> {
+    atomic::make_folder(path).map_err(FolderError::of(path))?;
+    let ours = Replaces::Ours(|file| atomic::ends_with(file, b"stochc.table"));
+    tables(path, manifest, finished, ours).map(drop)
+}
+
+/// Writes the tables, and returns their checksums.
+fn tables(
+    path: &Path,
+    manifest: &Manifest,
+    finished: &Records,
+    replaces: Replaces,
+) -> Result<Vec<(String, Sum)>, FolderError> {
+    let begin = |name: &str| Ok(Summed::new(Draft::new(&path.join(name), replaces)?));
+    let tables = parquet::write(manifest, finished, begin, FolderError::of(path))?;
+    let keep = |(name, table): (String, Summed<Draft>)| {
+        let (draft, sum) = table.finish();
+        draft.keep().map_err(FolderError::of(path.join(&name)))?;
+        Ok((name, sum))
+    };
+    tables.into_iter().map(keep).collect()
 }
 
 /// Writes the manifest of a folder, which has no tables of it yet.

@@ -90,7 +90,7 @@ pub use file_names::{CHECKPOINTS, MANIFEST};
 pub use finished::Finished;
 pub use folder::{
     Contents, Folder, FolderState, Further, FurtherFiles, Resume, check_manifest, is_remnant,
-    survey,
+    survey, write_tables,
 };
 pub use folder_error::FolderError;
 pub use forecast::{CpuForecast, forecast_cpu_time};

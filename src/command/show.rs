@@ -2,7 +2,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use stochc_ensemble::{Contents, Manifest, Records};
+use stochc_ensemble::{Contents, Manifest, Records, write_tables};
 use stochc_ir::counted;
 use stochc_report::text::Markup;
 
@@ -27,6 +27,9 @@ pub struct ShowArguments {
     /// Text for a program in the tables, such as `tower=Tower of five`; may be repeated
     #[arg(long, value_name = "NAME=TEXT")]
     label: Vec<ProgramLabel>,
+    /// Also write the Parquet tables of the finished runs into this folder
+    #[arg(long, value_name = "FOLDER")]
+    tables: Option<PathBuf>,
     /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     bonds: bool,
@@ -136,6 +139,9 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
         folder: Some(&options.folder),
     };
     let exit = show(&manifest, &finished, &shown)?;
+    if let Some(folder) = &options.tables {
+        write_tables(folder, &manifest, &finished).map_err(Failure::usage)?;
+    }
     if !damage.is_empty() {
         return Ok(Exit::Usage);
     }

@@ -1,5 +1,6 @@
 //! Ctrl-C in the middle.
 use std::fs;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -81,6 +82,11 @@ fn what_is_finished_is_kept() {
     assert_eq!(results.status, 3);
     assert_eq!(results.err, "1 of 2 runs is still to do\n");
     assert_eq!(results.out, said.out);
+    // The table of the run that is there.
+    let tables = path(folder.path(), "tables");
+    let written = stochc_with("show", &[&out, "--tables", &tables]);
+    assert_eq!(written.status, 3, "{}", written.err);
+    assert!(Path::new(&tables).join("runs.parquet").is_file());
     let refused = stochc_with("", &simulate);
     assert_eq!(refused.status, 2);
     assert!(refused.err.contains("1 of the 2 runs"), "{}", refused.err);

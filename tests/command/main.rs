@@ -17,6 +17,7 @@ mod hardware;
 mod hostile;
 #[cfg(unix)]
 mod interrupted;
+mod json;
 #[cfg(unix)]
 mod kinds;
 #[path = "../report/layout.rs"]
@@ -27,6 +28,8 @@ mod manifest;
 mod manual;
 #[cfg(target_os = "linux")]
 mod memory;
+#[path = "../pages/mod.rs"]
+mod pages;
 mod physical;
 mod plan;
 mod plan_scene;

@@ -1,0 +1,306 @@
+//! Every JSON document has a schema, and `docs/json.md` is written from it.
+use std::collections::BTreeSet;
+use std::fs;
+
+use serde_json::{Map, Value, json};
+
+use crate::pages::assert_page;
+use crate::stochc::{Said, path, stochc, stochc_with};
+
+const SCHEMA: &str = include_str!("../../docs/json.schema.json");
+
+/// Keywords of JSON Schema that say nothing about a value.
+const ANNOTATIONS: [&str; 4] = ["title", "description", "$schema", "$defs"];
+
+/// The schemas of all documents. A validator of the keywords that they use.
+struct Schemas(Value);
+
+impl Schemas {
+    fn new() -> Schemas {
+        Schemas(serde_json::from_str(SCHEMA).unwrap())
+    }
+
+    fn definition(&self, name: &str) -> &Value {
+        let definition = &self.0["$defs"][name];
+        assert!(definition.is_object(), "no definition of `{name}`");
+        definition
+    }
+
+    fn resolve<'a>(&'a self, schema: &'a Value) -> &'a Value {
+        match schema["$ref"].as_str() {
+            Some(name) => self.definition(name.trim_start_matches("#/$defs/")),
+            None => schema,
+        }
+    }
+
+    /// Returns what is wrong with a value, each with its path.
+    fn errors(&self, schema: &Value, value: &Value, at: &str) -> Vec<String> {
+        let schema = self.resolve(schema);
+        let keywords = schema.as_object().unwrap();
+        let keywords = keywords.iter().filter(|(it, _)| !ANNOTATIONS.contains(&&***it));
+        let errors = keywords.flat_map(|(keyword, rule)| match &**keyword {
+            "type" => wrong(at, value, "type", has_type(rule, value)),
+            "const" => wrong(at, value, "constant", value == rule),
+            "enum" => wrong(at, value, "word", rule.as_array().unwrap().contains(value)),
+            "minimum" => {
+                let number = value.as_f64();
+                let fits = number.is_none_or(|it| it >= rule.as_f64().unwrap());
+                wrong(at, value, "minimum", fits)
+            }
+            "anyOf" => {
+                let rules = rule.as_array().unwrap();
+                let fits = rules.iter().any(|it| self.errors(it, value, at).is_empty());
+                wrong(at, value, "alternative", fits)
+            }
+            "items" => self.of_items(rule, value, at),
+            "prefixItems" => {
+                let pairs = rule.as_array().unwrap().iter().zip(value.as_array().unwrap());
+                pairs.flat_map(|(rule, it)| self.errors(rule, it, at)).collect()
+            }
+            "properties" => self.of_properties(rule, value, at),
+            "required" => missing(rule, value, at),
+            "additionalProperties" => unknown(&schema["properties"], value, at),
+            other => panic!("no rule for `{other}`"),
+        });
+        errors.collect()
+    }
+
+    fn of_items(&self, rule: &Value, value: &Value, at: &str) -> Vec<String> {
+        let items = value.as_array().into_iter().flatten().enumerate();
+        let errors = items.flat_map(|(i, it)| self.errors(rule, it, &format!("{at}[{i}]")));
+        errors.collect()
+    }
+
+    fn of_properties(&self, rule: &Value, value: &Value, at: &str) -> Vec<String> {
+        let rules = rule.as_object().unwrap().iter();
+        let known = rules.filter_map(|(key, rule)| Some((key, rule, value.get(key)?)));
+        let errors = known.flat_map(|(key, rule, it)| self.errors(rule, it, &format!("{at}.{key}")));
+        errors.collect()
+    }
+}
+
+fn wrong(at: &str, value: &Value, what: &str, fits: bool) -> Vec<String> {
+    let error = (!fits).then(|| format!("{at}: {value} has the wrong {what}"));
+    error.into_iter().collect()
+}
+
+fn missing(rule: &Value, value: &Value, at: &str) -> Vec<String> {
+    let Some(fields) = value.as_object() else {
+        return Vec::new();
+    };
+    let required = rule.as_array().unwrap().iter().map(|it| it.as_str().unwrap());
+    let missing = required.filter(|key| !fields.contains_key(*key));
+    missing.map(|key| format!("{at}: `{key}` is missing")).collect()
+}
+
+fn unknown(properties: &Value, value: &Value, at: &str) -> Vec<String> {
+    let fields = value.as_object().into_iter().flat_map(Map::keys);
+    let unknown = fields.filter(|key| properties.get(key).is_none());
+    unknown.map(|key| format!("{at}: `{key}` is not documented")).collect()
+}
+
+fn has_type(rule: &Value, value: &Value) -> bool {
+    let is = |kind: &str| match kind {
+        "null" => value.is_null(),
+        "boolean" => value.is_boolean(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "number" => value.is_number(),
+        "string" => value.is_string(),
+        "array" => value.is_array(),
+        "object" => value.is_object(),
+        other => panic!("no type `{other}`"),
+    };
+    match rule {
+        Value::Array(kinds) => kinds.iter().any(|kind| is(kind.as_str().unwrap())),
+        kind => is(kind.as_str().unwrap()),
+    }
+}
+
+#[track_caller]
+fn assert_valid(name: &str, text: &str) {
+    let value: Value = serde_json::from_str(text).unwrap_or_else(|_| panic!("{name}: {text}"));
+    let schemas = Schemas::new();
+    let errors = schemas.errors(schemas.definition(name), &value, name);
+    assert!(errors.is_empty(), "{}", errors.join("\n"));
+}
+
+#[track_caller]
+fn assert_output(name: &str, said: &Said) {
+    assert!([0, 1, 3].contains(&said.status), "{name}: {}", said.err);
+    assert_valid(name, &said.out);
+}
+
+const LATE: &str = "tests/fixtures/late.sa";
+
+#[test]
+fn results_have_schemas() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, cut] = ["out", "cut"].map(|name| path(folder.path(), name));
+    let files = ["examples/five_tower_reconfigured.sa", LATE];
+    let simulate = "simulate --quiet --model shuffle --runs 4 --format json --bonds --out";
+    let said = stochc_with(simulate, &[&[out.as_str()], &files[..]].concat());
+    assert_output("show", &said);
+    assert_output("show", &stochc_with("show --format json", &[&out]));
+    let alone = "simulate --model rigid --substeps 1 --max-ticks 400 --format json --quiet --run 0";
+    assert_output("runs", &stochc_with(alone, &files));
+    let shards = "simulate --quiet --model shuffle --runs 4 --shards 2 --out";
+    assert_eq!(stochc_with(shards, &[&cut, LATE]).status, 0);
+    assert_output("status", &stochc_with("status --format json", &[&cut]));
+    assert_output("missing", &stochc_with("status --missing --format json", &[&cut]));
+    let swept = path(folder.path(), "swept");
+    let sweep = "simulate --quiet --model shuffle --runs 3 --sweep tick=10,40ms --out";
+    stochc_with(sweep, &[&swept, LATE]);
+    let text = fs::read_to_string(path(swept.as_ref(), "sweep.json")).unwrap();
+    assert_valid("sweep", &text);
+}
+
+#[test]
+fn estimates_plans_and_trades_have_schemas() {
+    let line = "examples/line.sa";
+    assert_output("estimate", &stochc_with("estimate --format json --quiet", &[line]));
+    let runs = "estimate --runs 5 --format json --quiet";
+    assert_output("estimate", &stochc_with(runs, &[line]));
+    let plan = "plan examples/planned/chair.sa --budget 3 --format json --quiet";
+    assert_output("plan", &stochc(plan));
+    let replan = "simulate --model rate --runs 3 --replan 800 --format json --quiet";
+    assert_output("replans", &stochc_with(replan, &["examples/five_tower.sa"]));
+    let trade = "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --format json";
+    assert_output("trade", &stochc(trade));
+}
+
+#[test]
+fn stages_of_the_compiler_have_schemas() {
+    for stage in ["structure", "graph", "table"] {
+        let compile = format!("compile --format json --emit {stage} examples/line.sa");
+        assert_output("compile", &stochc(&compile));
+    }
+    let tree = stochc("compile --format json --emit ast examples/line.sa");
+    assert_output("tree", &tree);
+}
+
+/// The validator finds what a document must not have.
+#[test]
+fn a_document_that_differs_from_its_schema_is_refused() {
+    let schemas = Schemas::new();
+    let errors = |value: &Value| schemas.errors(schemas.definition("status"), value, "");
+    let sound = json!({
+        "format": 1, "shards": 2, "runs": 8, "missing": [0],
+        "pieces": [{ "state": "missing" }, { "state": "whole" }],
+    });
+    assert_eq!(errors(&sound), [""; 0]);
+    for (key, value, reason) in [
+        ("format", json!(2), "constant"),
+        ("runs", json!(-1), "minimum"),
+        ("shards", json!("2"), "type"),
+        ("missing", json!([0.5]), "missing[0]"),
+        ("more", json!(1), "`more` is not documented"),
+        ("pieces", json!([{ "state": "lost" }]), "word"),
+        ("pieces", json!([{ "runs": 1 }]), "`state` is missing"),
+    ] {
+        let mut spoilt = sound.clone();
+        spoilt[key] = value;
+        let errors = errors(&spoilt);
+        assert!(errors.len() == 1 && errors[0].contains(reason), "{errors:?}");
+    }
+}
+
+/// `docs/json.md` has every document and every key.
+///
+/// Written again with `STOCHC_WRITE_DOCS=1 cargo test --test command json::every`.
+#[test]
+fn every_key_is_documented() {
+    let schemas = Schemas::new();
+    let documents = schemas.0["anyOf"].as_array().unwrap().iter();
+    let documents = documents.map(|it| it["$ref"].as_str().unwrap().trim_start_matches("#/$defs/"));
+    let documents: Vec<&str> = documents.collect();
+    let mut page = HEAD.to_owned();
+    for name in &documents {
+        page += &section(&schemas, "##", schemas.definition(name));
+    }
+    page += "\n## Parts\n\nDocuments consist of these parts.\n";
+    let parts = schemas.0["$defs"].as_object().unwrap();
+    let shown: BTreeSet<&str> = documents.into_iter().collect();
+    for (_, part) in parts.iter().filter(|(name, _)| !shown.contains(&***name)) {
+        page += &section(&schemas, "###", part);
+    }
+    assert_page("docs/json.md", &page);
+}
+
+const HEAD: &str = "\
+# JSON
+
+Commands print JSON with `--format json`. Each document is an object with a version, `format`. It is 1.
+Machine-readable results go to standard output; notes, warnings and errors go to standard error.
+
+[json.schema.json](json.schema.json) is a [JSON Schema](https://json-schema.org) of all documents below.
+A key that is not optional is always there; its value may be null.
+
+Other files have pages of their own: [executable programs](executable.md), [tables](results.md#tables), [recordings](replay.md#the-format-of-a-recording).
+`manifest.json`, `checksums.json`, `shards.json` and the journals are for `stochc` itself. They may change between versions.
+";
+
+fn section(schemas: &Schemas, level: &str, schema: &Value) -> String {
+    let [title, description] = ["title", "description"].map(|key| schema[key].as_str().unwrap());
+    let mut text = format!("\n{level} {title}\n\n{description}\n");
+    if let Some(words) = schema.get("enum") {
+        text += &format!("\nOne of {}.\n", kind(schemas, &json!({ "enum": words })));
+    }
+    let Some(properties) = schema["properties"].as_object() else {
+        return text;
+    };
+    let required = schema["required"].as_array().unwrap();
+    text += "\n| key | type | meaning |\n|---|---|---|\n";
+    for (key, rule) in properties {
+        let optional = match required.contains(&json!(key)) {
+            true => "",
+            false => ", optional",
+        };
+        let meaning = rule["description"].as_str().unwrap();
+        text += &format!("| `{key}` | {}{optional} | {meaning} |\n", kind(schemas, rule));
+    }
+    if schema.get("additionalProperties").is_none() {
+        text += "\nFurther keys may be there.\n";
+    }
+    text
+}
+
+/// Returns the type of a value, in words.
+fn kind(schemas: &Schemas, rule: &Value) -> String {
+    if rule.get("$ref").is_some() {
+        let title = schemas.resolve(rule)["title"].as_str().unwrap();
+        return format!("[{title}](#{})", title.replace(' ', "-"));
+    }
+    if let Some(words) = rule["enum"].as_array() {
+        let words = words.iter().map(|word| format!("`{}`", word.as_str().unwrap()));
+        return words.collect::<Vec<_>>().join(", ");
+    }
+    if let Some(kinds) = rule["anyOf"].as_array() {
+        let kinds = kinds.iter().map(|it| kind(schemas, it));
+        return kinds.collect::<Vec<_>>().join(" or ");
+    }
+    if let Some(constant) = rule.get("const") {
+        return format!("`{constant}`");
+    }
+    let one = |name: &str| match name {
+        "array" => match rule.get("items") {
+            Some(items) => format!("list of {}", kind(schemas, items)),
+            None => "pair".to_owned(),
+        },
+        "object" => match rule["properties"].as_object() {
+            Some(fields) => {
+                let fields = fields.iter();
+                let fields = fields.map(|(key, it)| format!("`{key}` ({})", kind(schemas, it)));
+                format!("object of {}", fields.collect::<Vec<_>>().join(", "))
+            }
+            None => "object".to_owned(),
+        },
+        other => other.to_owned(),
+    };
+    match &rule["type"] {
+        Value::Array(kinds) => {
+            let kinds = kinds.iter().map(|it| one(it.as_str().unwrap()));
+            kinds.collect::<Vec<_>>().join(" or ")
+        }
+        kind => one(kind.as_str().unwrap()),
+    }
+}
