@@ -213,6 +213,7 @@ pub fn report(
         let figures = Figures {
             medium: width.unwrap_or_default(),
             formats: formats.collect::<Result<_, _>>()?,
+            ..Figures::default()
         };
         pages::write(&folders, out.as_deref(), &figures, host)
     })

@@ -8,6 +8,7 @@ pub mod ensemble_report;
 pub mod estimate;
 pub mod export;
 pub mod figures;
+pub mod presentation;
 pub mod replanning;
 pub mod replay;
 mod svg;

@@ -48,6 +48,7 @@ impl FigureOptions {
         Figures {
             medium: self.figures.unwrap_or_default(),
             formats,
+            ..Figures::default()
         }
     }
 }

@@ -21,6 +21,7 @@ pub mod merge;
 mod new_file;
 pub(crate) mod no_memory;
 pub mod plan;
+mod presentation;
 mod progress;
 pub mod replay;
 pub mod report;

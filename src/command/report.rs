@@ -2,10 +2,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use stochc_report::figures::Figures;
 
 use super::figures::FigureOptions;
 use super::host::Terminal;
 use super::memory::MemoryOption;
+use super::presentation::PresentationOptions;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
 use crate::operations::report::write;
@@ -23,6 +25,8 @@ pub struct ReportArguments {
     /// What the figures beside the page are like.
     #[command(flatten)]
     figures: FigureOptions,
+    #[command(flatten)]
+    presentation: PresentationOptions,
     /// How much memory it may take.
     #[command(flatten)]
     memory: MemoryOption,
@@ -34,10 +38,14 @@ pub struct ReportArguments {
 /// Writes a page on what folders hold, and its figures beside it.
 pub fn run(options: &ReportArguments) -> Result<Exit, Failure> {
     options.memory.apply()?;
+    let figures = Figures {
+        presentation: options.presentation.presentation(),
+        ..options.figures.figures()
+    };
     let page = write(
         &options.folders,
         options.out.as_deref(),
-        &options.figures.figures(),
+        &figures,
         &Terminal::new(options.quiet),
     )?;
     if !options.quiet {

@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use stochc_ensemble::{Contents, Manifest, Records, write_tables};
 use stochc_ir::counted;
+use stochc_report::presentation::Presentation;
 use stochc_report::text::Markup;
 
 use super::host::Terminal;
 use super::memory::MemoryOption;
+use super::presentation::PresentationOptions;
 use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::results::{ProgramLabel, ensemble_results, read_contents};
+use crate::operations::results::{ensemble_results, read_contents};
 
 /// What `show` is given.
 #[derive(Debug, Args)]
@@ -21,12 +23,8 @@ pub struct ShowArguments {
     /// Output format of the table
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     format: TableFormat,
-    /// Unit of the times in `csv`, `latex` and `markdown`
-    #[arg(long, value_name = "UNIT", default_value = "ticks")]
-    unit: TimeUnitOption,
-    /// Text for a program in the tables, such as `tower=Tower of five`; may be repeated
-    #[arg(long, value_name = "NAME=TEXT")]
-    label: Vec<ProgramLabel>,
+    #[command(flatten)]
+    presentation: PresentationOptions,
     /// Also write the Parquet tables of the finished runs into this folder
     #[arg(long, value_name = "FOLDER")]
     tables: Option<PathBuf>,
@@ -71,25 +69,13 @@ impl From<ResultsFormat> for TableFormat {
     }
 }
 
-/// Unit of times.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum TimeUnitOption {
-    /// Ticks of the scene
-    #[default]
-    Ticks,
-    /// Seconds of the scene
-    S,
-}
-
 /// What to show of an ensemble.
 #[derive(Clone, Copy, Debug)]
 pub struct ResultsView<'a> {
     /// In which form.
     pub form: TableFormat,
-    /// In which unit.
-    pub unit: TimeUnitOption,
-    /// With which names of programs.
-    pub labels: &'a [ProgramLabel],
+    /// In which unit, with which names of programs.
+    pub how: &'a Presentation,
     /// The captures as well.
     pub bonds: bool,
     /// Where its runs are kept; `None`: nowhere.
@@ -100,7 +86,7 @@ impl ShowArguments {
     /// Refuses options that the format does not use.
     fn are_consistent(&self) -> Result<(), Failure> {
         let is_published = !matches!(self.format, TableFormat::Text | TableFormat::Json);
-        if self.unit == TimeUnitOption::S && !is_published {
+        if self.presentation.presentation().in_seconds && !is_published {
             return Err(Failure::usage(
                 "`--unit s` is for `--format csv`, `latex` and `markdown`; text has both units, JSON the length of a tick",
             ));
@@ -131,10 +117,10 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
             if missing == 1 { "is" } else { "are" }
         ));
     }
+    let how = options.presentation.presentation();
     let shown = ResultsView {
         form: options.format,
-        unit: options.unit,
-        labels: &options.label,
+        how: &how,
         bonds: options.bonds,
         folder: Some(&options.folder),
     };
@@ -154,11 +140,7 @@ pub fn show(
     finished: &Records,
     shown: &ResultsView<'_>,
 ) -> Result<Exit, Failure> {
-    let told = ensemble_results(manifest, finished, shown.bonds)?.relabelled(shown.labels)?;
-    let told = match shown.unit {
-        TimeUnitOption::Ticks => told,
-        TimeUnitOption::S => told.in_seconds(),
-    };
+    let told = ensemble_results(manifest, finished, shown.bonds)?.shown(shown.how)?;
     let failure = told.failure(shown.folder);
     let exit = Exit::of_runs(told.are_all_successful());
     print(&match shown.form {

@@ -34,6 +34,11 @@ pub fn write(
         (None, [(folder, _)]) => folder.join(PAGE),
         (None, _) => PathBuf::from(PAGE),
     };
+    let programs = (folders.iter()).flat_map(|(_, input)| &input.manifest.programs);
+    if let Some(label) = figures.presentation.unused(programs) {
+        let reason = format!("--label: there is no program `{}`", label.name);
+        return Err(Failure::usage(reason));
+    }
     let beside = claim(&page).map_err(Failure::usage)?;
     let inputs: Vec<Input> = folders.iter().map(|(_, input)| input.clone()).collect();
     let name = beside

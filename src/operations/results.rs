@@ -1,6 +1,5 @@
 //! Reading the folder of an ensemble, and what its runs tell.
 use std::path::Path;
-use std::str::FromStr;
 
 use serde_json::json;
 use stochc_ensemble::sweep::{Sweep, SweepTally};
@@ -12,6 +11,7 @@ use stochc_ensemble::{
 use stochc_files::shell::file as shell_file;
 use stochc_ir::record::Outcome;
 use stochc_ir::table::PhaseId;
+use stochc_report::presentation::Presentation;
 use stochc_report::tables::{
     KNOWN_BIAS, captures_to_text, comparison_to_text, lower_bounds, pairs_to_text,
     published_comparison, published_sweep, sweep_to_text,
@@ -61,43 +61,6 @@ pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) 
     text +=
         &format!("`stochc verify {folder}` says what is sound; with `--repair`, it saves that\n");
     host.warn(&text);
-}
-
-/// The name of a program, and the text that tables and figures have for it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ProgramLabel {
-    /// The program's name in the ensemble, without the values of a sweep.
-    pub name: String,
-    /// The text in its place.
-    pub text: String,
-}
-
-impl FromStr for ProgramLabel {
-    type Err = String;
-
-    fn from_str(label: &str) -> Result<ProgramLabel, String> {
-        let (name, text) = label
-            .split_once('=')
-            .ok_or("give NAME=TEXT, such as `tower=Tower of five`")?;
-        Ok(ProgramLabel {
-            name: name.to_owned(),
-            text: text.to_owned(),
-        })
-    }
-}
-
-/// Whether a name is that of the program, or of a point of its sweep.
-fn is_of(name: &str, program: &str) -> bool {
-    let values = name.strip_prefix(program);
-    values.is_some_and(|values| values.is_empty() || values.starts_with(" ["))
-}
-
-/// Returns the label of a program or of a point of its sweep; without one, its name.
-fn labelled(labels: &[ProgramLabel], name: &str) -> String {
-    let label = labels.iter().find(|label| is_of(name, &label.name));
-    label.map_or(name.to_owned(), |label| {
-        format!("{}{}", label.text, &name[label.name.len()..])
-    })
 }
 
 /// What the runs of an ensemble tell.
@@ -175,31 +138,28 @@ pub fn ensemble_results<'a>(
 }
 
 impl EnsembleResults<'_> {
-    /// Converts all times to seconds.
-    pub fn in_seconds(self) -> Self {
-        EnsembleResults {
-            comparison: self.comparison.in_seconds(),
-            sweep: self.sweep.map(Sweep::in_seconds),
-            ..self
-        }
-    }
-
-    /// Gives programs other names, and the points of a sweep with them.
+    /// Gives programs their labels, and converts times to seconds if asked for.
     ///
     /// # Errors
-    /// If there is no program of a name.
-    pub fn relabelled(mut self, labels: &[ProgramLabel]) -> Result<Self, Failure> {
-        for ProgramLabel { name, .. } in labels {
-            let mut programs = self.manifest.programs.iter();
-            if !programs.any(|program| is_of(&program.name, name)) {
-                let reason = format!("--label: the folder has no program `{name}`");
-                return Err(Failure::usage(reason));
-            }
+    /// If there is no program of a label.
+    pub fn shown(mut self, how: &Presentation) -> Result<Self, Failure> {
+        if let Some(label) = how.unused(self.manifest.programs.iter()) {
+            return Err(Failure::usage(format!(
+                "--label: there is no program `{}`",
+                label.name
+            )));
         }
-        let label = |name: &str| labelled(labels, name);
+        let label = |name: &str| how.label(name);
         self.comparison.relabel(label);
         self.sweep.iter_mut().for_each(|sweep| sweep.relabel(label));
-        Ok(self)
+        Ok(match how.in_seconds {
+            true => EnsembleResults {
+                comparison: self.comparison.in_seconds(),
+                sweep: self.sweep.map(Sweep::in_seconds),
+                ..self
+            },
+            false => self,
+        })
     }
 
     /// Returns a row for each program, or for each point of a sweep, as comma-separated values.

@@ -162,7 +162,7 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
     assert!(latex.contains("A line \\& more & tower \\\\\n\\midrule"), "{latex}");
     assert!(latex.contains(&format!("mean [s] & {seconds} $\\pm$ ")), "{latex}");
     for (more, reason) in [
-        (&["--label", "lines=A"][..], "has no program `lines`"),
+        (&["--label", "lines=A"][..], "there is no program `lines`"),
         (&["--label", "line"], "NAME=TEXT"),
         (&["--unit", "s"], "`--unit s` is for"),
         (&["--format", "csv", "--bonds"], "`--bonds` is for"),

@@ -366,6 +366,29 @@ fn a_program_that_no_run_completes_has_no_mean_in_short() {
 }
 
 #[test]
+fn figures_are_in_seconds_with_labels_of_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --substeps 1 --runs 3 examples/five_tower_reconfigured.sa --out";
+    assert_eq!(stochc_with(simulate, &[&out]).status, 0);
+    let label = "five_tower_reconfigured=Five towers";
+    let said = stochc_with("report --quiet --unit s", &["--label", label, &out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let figures = path(out.as_ref(), "report-figures");
+    let mut shown = 0;
+    for name in ["completion", "phases-1", "waits-1", "entries-1"] {
+        let text = fs::read_to_string(path(figures.as_ref(), &format!("{name}.svg"))).unwrap();
+        assert!(!text.contains("ticks"), "{name}");
+        assert!(text.contains("[s]"), "{name}");
+        shown += usize::from(text.contains("Five towers"));
+    }
+    assert!(shown >= 3, "{shown}");
+    let said = stochc_with("report --label other=One", &[&out]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("there is no program `other`"), "{}", said.err);
+}
+
+#[test]
 fn a_sweep_of_several_programs_is_told_to_have_them() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");

@@ -25,6 +25,7 @@ fn figures_for(medium: Medium, formats: &[FigureFormat]) -> Figures {
     Figures {
         medium,
         formats: formats.to_vec(),
+        ..Figures::default()
     }
 }
 

@@ -3,13 +3,16 @@ use std::io;
 
 use stochc_ensemble::statistics::{Observation, Status, TimeSample};
 use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
-use stochc_ensemble::text::Tick;
+use stochc_ensemble::text::{Tick, number};
 use stochc_ensemble::{
     EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_status,
     completion_time, phase_time, sort_by_time,
 };
 use stochc_ir::record::{BondRecord, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
+
+use crate::presentation::Presentation;
+use crate::svg::PlotAxis;
 
 use super::critical_path::{CriticalPathSegment, critical_path, moments};
 use super::decisive_events::DecisiveEvents;
@@ -42,6 +45,8 @@ pub struct Input {
 pub(crate) struct ReportedProgram<'a> {
     /// What it is called in tables; unique within the report.
     pub label: String,
+    /// Whether figures have times in seconds; otherwise in ticks.
+    in_seconds: bool,
     /// The number of its folder.
     pub folder: usize,
     /// Its number in the folder's manifest.
@@ -98,16 +103,17 @@ impl FinishedRun {
 /// The programs of all folders, in their order, and the sweeps that the folders were made by; each run is shown to `each`.
 pub(crate) fn subjects<'a>(
     inputs: &'a [Input],
+    shown: &Presentation,
     each: &mut dyn FnMut(&ReportedProgram, &FinishedRun) -> io::Result<()>,
 ) -> Result<(Vec<ReportedProgram<'a>>, Vec<Sweep>), ReportError> {
     let programs = inputs.iter().flat_map(|input| &input.manifest.programs);
-    let clock = TimeUnit::of(programs);
+    let clock = shown.unit(programs);
     let (mut subjects, mut sweeps) = (Vec::new(), Vec::new());
     for (folder, input) in inputs.iter().enumerate() {
         let first = subjects.len();
         let programs = input.manifest.programs.iter().enumerate();
         subjects.extend(
-            programs.map(|(number, _)| ReportedProgram::new(inputs, (folder, number), clock)),
+            programs.map(|(number, _)| ReportedProgram::new(inputs, (folder, number), clock, shown)),
         );
         let mut sweep = SweepTally::new(&input.manifest);
         input.finished.try_each(|done| {
@@ -123,9 +129,19 @@ pub(crate) fn subjects<'a>(
         for subject in &mut subjects[first..] {
             subject.choose(&input.finished)?;
         }
-        sweeps.extend(sweep.map(SweepTally::finish));
+        sweeps.extend(sweep.map(|sweep| shown_sweep(sweep.finish(), shown)));
     }
     Ok((subjects, sweeps))
+}
+
+/// Returns a sweep in the unit and with the names that are shown.
+fn shown_sweep(sweep: Sweep, shown: &Presentation) -> Sweep {
+    let mut sweep = match shown.in_seconds {
+        true => sweep.in_seconds(),
+        false => sweep,
+    };
+    sweep.relabel(|name| shown.label(name));
+    sweep
 }
 
 /// The last part of a folder's path, if no other folder of the report has the same.
@@ -151,6 +167,7 @@ impl<'a> ReportedProgram<'a> {
         inputs: &'a [Input],
         (folder, number): (usize, usize),
         clock: TimeUnit,
+        shown: &Presentation,
     ) -> ReportedProgram<'a> {
         let manifest = &inputs[folder].manifest;
         let program = &manifest.programs[number];
@@ -162,9 +179,10 @@ impl<'a> ReportedProgram<'a> {
         let events = Events::of(program);
         ReportedProgram {
             label: match is_shared {
-                true => format!("{} ({})", program.name, short_path(inputs, folder)),
-                false => program.name.clone(),
+                true => format!("{} ({})", shown.label(&program.name), short_path(inputs, folder)),
+                false => shown.label(&program.name),
             },
+            in_seconds: shown.in_seconds,
             folder,
             number,
             manifest,
@@ -277,6 +295,36 @@ impl<'a> ReportedProgram<'a> {
     /// The clock of its scene.
     pub fn tick(&self) -> Tick {
         Tick(self.program.scene.tick)
+    }
+
+    /// Returns the axis of figures of this program alone, for times in [`ReportedProgram::on_axis`].
+    pub fn time_axis(&self, what: &str) -> PlotAxis {
+        match self.in_seconds {
+            true => PlotAxis::new(what, TimeUnit::Seconds.unit()),
+            false => PlotAxis::new(what, &self.tick().unit()),
+        }
+    }
+
+    /// Returns the place of a time \[ticks\] on the axis of figures.
+    pub fn on_axis(&self, ticks: f64) -> f64 {
+        match self.in_seconds {
+            true => ticks * self.program.scene.tick,
+            false => ticks,
+        }
+    }
+
+    /// Returns a time \[ticks\] as figures have it, with its unit.
+    pub fn described(&self, ticks: f64) -> String {
+        format!("{} {}", number(self.on_axis(ticks)), self.figure_unit())
+    }
+
+    /// Returns the unit of times in figures.
+    pub fn figure_unit(&self) -> &'static str {
+        let unit = match self.in_seconds {
+            true => TimeUnit::Seconds,
+            false => TimeUnit::Ticks,
+        };
+        unit.unit()
     }
 
     /// Times to completion, in ticks; a failed run has none.

@@ -9,8 +9,6 @@ mod page;
 
 use std::io::Write;
 
-use stochc_ensemble::TimeUnit;
-
 use crate::analysis::maps::Maps;
 use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::{self, pairwise, reported_program, sweep, waits};
@@ -60,10 +58,11 @@ pub fn report(
     chains: &mut dyn Write,
 ) -> Result<Report, ReportError> {
     chains.write_all(data::chains_header().as_bytes())?;
-    let (mut subjects, mut sweeps) = reported_program::subjects(inputs, &mut |subject, run| {
+    let shown = &surroundings.figures.presentation;
+    let (mut subjects, mut sweeps) = reported_program::subjects(inputs, shown, &mut |subject, run| {
         chains.write_all(data::chains(subject, run).as_bytes())
     })?;
-    let clock = TimeUnit::of(subjects.iter().map(|subject| subject.program));
+    let clock = shown.unit(subjects.iter().map(|subject| subject.program));
     let waits: Vec<_> = subjects.iter_mut().map(waits::waits).collect();
     let pairwise_tests = pairwise::pairwise_tests(&subjects, clock);
     sweeps.extend(sweep::found(&subjects, clock));

@@ -22,21 +22,23 @@ pub(crate) fn entries(
     /// Captures that are named.
     const NAMED: usize = 6;
     let means: Vec<(&ReportedCapture, f64, f64)> = (waits.iter())
-        .filter_map(|wait| Some((wait, wait.entries()?, wait.docking()?)))
+        .filter_map(|wait| Some((wait, wait.entries()?, subject.on_axis(wait.docking()?))))
         .collect();
     let bonds = &subject.dots.kept;
     // A world without physics has neither, and nothing to show.
     let (most_entries, most_docking) = subject.dots.most;
+    let most_docking = subject.on_axis(most_docking);
     if means.is_empty() || most_docking <= 0.0 {
         return None;
     }
     // A few that docked at once would take most of the room; they are drawn at the lower end.
-    let docking: Vec<f64> = bonds.iter().map(|bond| bond.1).collect();
+    let docking = bonds.iter().map(|bond| subject.on_axis(bond.1));
+    let docking: Vec<f64> = docking.collect();
     let least = quantile(&docking, 0.02)
         .unwrap_or(1.0)
         .min(most_docking / 2.0);
     let least = means.iter().map(|mean| mean.2).fold(least, f64::min);
-    let ends = (least.max(0.9), 1.15 * most_docking);
+    let ends = (least.max(subject.on_axis(0.9)), 1.15 * most_docking);
     let mut ranked = means.clone();
     let wait = |wait: &ReportedCapture| wait.time().map_or(0.0, |time| time.mean);
     ranked.sort_by(|a, b| wait(b.0).total_cmp(&wait(a.0)));
@@ -45,6 +47,7 @@ pub(crate) fn entries(
         .map(|(wait, ..)| wait.phase.0 as usize)
         .collect();
     phases.dedup();
+    let unit = subject.figure_unit();
     let mut out = Drawing::new(
         medium,
         &format!("entries-{program}"),
@@ -52,12 +55,9 @@ pub(crate) fn entries(
             "{}: entries into the field against docking time",
             subject.label
         ),
-        &description(&ranked),
+        &description(subject, &ranked),
     );
-    let of = PlotAxis::new(
-        "from the captured block's last entry to its docking",
-        &subject.tick().unit(),
-    );
+    let of = subject.time_axis("from the captured block's last entry to its docking");
     let left = Drawing::left_of(&Scale::logarithmic(ends, (0.0, 1.0)), number);
     let right = medium.width() - 18.0;
     let top = out.head(&of.on(&Scale::logarithmic(ends, (0.0, 1.0))));
@@ -76,14 +76,14 @@ pub(crate) fn entries(
         let apart = (i * 7 % 11) as f64 - 5.0;
         out.disc(
             "rest faint",
-            (x.at(entries) + 0.7 * apart, y.at(docking)),
+            (x.at(entries) + 0.7 * apart, y.at(subject.on_axis(docking))),
             1.6,
             "",
         );
     }
     for (wait, entries, docking) in &means {
         let tooltip = format!(
-            "{}: {} entries, {} ticks to dock",
+            "{}: {} entries, {} {unit} to dock",
             wait.text,
             number(*entries),
             number(*docking)
@@ -145,10 +145,11 @@ fn around(at: (f64, f64), half: (f64, f64)) -> Vec<(f64, f64)> {
     places
 }
 
-fn description(ranked: &[(&ReportedCapture, f64, f64)]) -> String {
+fn description(subject: &ReportedProgram, ranked: &[(&ReportedCapture, f64, f64)]) -> String {
+    let unit = subject.figure_unit();
     let each = ranked.iter().map(|(wait, entries, docking)| {
         format!(
-            "{}: {} entries, {} ticks to dock",
+            "{}: {} entries, {} {unit} to dock",
             wait.text,
             number(*entries),
             number(*docking)

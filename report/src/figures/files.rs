@@ -3,6 +3,7 @@ use std::io;
 use std::str::FromStr;
 
 use super::{Drawing, Medium};
+use crate::presentation::Presentation;
 
 /// A form of a figure in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,6 +34,8 @@ pub struct Figures {
     pub medium: Medium,
     /// The forms in which each is written, one at least.
     pub formats: Vec<FigureFormat>,
+    /// How they show programs and times.
+    pub presentation: Presentation,
 }
 
 impl Default for Figures {
@@ -40,6 +43,7 @@ impl Default for Figures {
         Figures {
             medium: Medium::default(),
             formats: vec![FigureFormat::default()],
+            presentation: Presentation::default(),
         }
     }
 }

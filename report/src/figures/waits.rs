@@ -5,7 +5,7 @@ use super::EDGE;
 use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest, width, wrapped};
-use crate::svg::{Drawing, LINE, Medium, PlotAxis, Scale, Style};
+use crate::svg::{Drawing, LINE, Medium, Scale, Style};
 
 /// Rows of the figure; of more captures, those that decided most are shown.
 pub(crate) const SHOWN: usize = 60;
@@ -41,7 +41,7 @@ pub(crate) fn waits(
         medium,
         &format!("waits-{program}"),
         &format!("{}: how long each capture was waited for", subject.label),
-        &description(&shown),
+        &description(subject, &shown),
     );
     let decisive = shown.iter().any(|wait| wait.share.is_some());
     let most = shown
@@ -66,8 +66,9 @@ pub(crate) fn waits(
     );
     let top = 18.0 + LINE * shows.len().max(if decisive { shares.len() } else { 1 }) as f64;
     let height = top + rows;
-    let x = Scale::linear((0.0, last), (left, right));
-    let axis = PlotAxis::new("wait", &subject.tick().unit());
+    let x = Scale::linear((0.0, subject.on_axis(last)), (left, right));
+    let at = |ticks: f64| x.at(subject.on_axis(ticks));
+    let axis = subject.time_axis("wait");
     let mut foot = out.across(&x, (left, right), height, top, &axis);
     let bar = Scale::linear((0.0, most.max(0.01)), (bars, bars_end));
     let mut heading = |x: f64, lines: &[String]| {
@@ -102,22 +103,22 @@ pub(crate) fn waits(
         let class = if hot { "hot" } else { "s0" };
         if let Some((low, high)) = wait.spread() {
             let style = Style::line(1.0).faint(0.65);
-            out.stroke(class, (x.at(low), middle), (x.at(high), middle), style);
+            out.stroke(class, (at(low), middle), (at(high), middle), style);
         }
         match wait.time() {
             Some(time) => {
                 let half = time.half_width.unwrap_or(0.0);
-                let (low, high) = (x.at(time.mean - half), x.at(time.mean + half));
+                let (low, high) = (at(time.mean - half), at(time.mean + half));
                 out.stroke(class, (low, middle), (high, middle), Style::line(4.0));
                 let bound = if time.incomplete > 0 { "at least " } else { "" };
                 let tooltip = format!(
-                    "{}: {bound}{} ± {} ticks, {} captures",
+                    "{}: {bound}{} ± {}, {} captures",
                     wait.text,
-                    number(time.mean),
-                    number(half),
+                    number(subject.on_axis(time.mean)),
+                    subject.described(half),
                     time.completed
                 );
-                out.disc(class, (x.at(time.mean), middle), 4.5, &tooltip);
+                out.disc(class, (at(time.mean), middle), 4.5, &tooltip);
                 if time.incomplete > 0 {
                     out.text("ink", (high + 6.0, middle + 4.0), "≥");
                 }
@@ -164,7 +165,7 @@ fn shown(waits: &[ReportedCapture]) -> Vec<&ReportedCapture> {
     ranked.into_iter().map(|(_, wait)| wait).collect()
 }
 
-fn description(shown: &[&ReportedCapture]) -> String {
+fn description(subject: &ReportedProgram, shown: &[&ReportedCapture]) -> String {
     let mean = |wait: &&&ReportedCapture| wait.time().map_or(0.0, |time| time.mean);
     let longest = shown.iter().max_by(|a, b| mean(a).total_cmp(&mean(b)));
     let share = |wait: &&&ReportedCapture| wait.share.unwrap_or(0.0);
@@ -172,9 +173,9 @@ fn description(shown: &[&ReportedCapture]) -> String {
     let mut text = format!("A row for each of {} captures.", shown.len());
     if let Some(wait) = longest {
         text += &format!(
-            " The longest mean wait is that of {}, {} ticks.",
+            " The longest mean wait is that of {}, {}.",
             wait.text,
-            number(mean(&wait))
+            subject.described(mean(&wait))
         );
     }
     if let Some(wait) = most.filter(|wait| wait.share.is_some()) {

@@ -15,7 +15,7 @@ pub use arguments::SimulateArguments;
 use super::estimate::{SHOWN, print_estimates};
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
-use super::show::{ResultsFormat, ResultsView, TimeUnitOption, show};
+use super::show::{ResultsFormat, ResultsView, show};
 use super::terminal::{output_width, print};
 use super::watch::Watching;
 use crate::exit::{Exit, Failure};
@@ -30,6 +30,7 @@ use stochc_ensemble::Manifest;
 use stochc_ensemble::Resume;
 use stochc_ensemble::shards::{Prepared, prepare};
 use stochc_files::shell::file as shell_file;
+use stochc_report::presentation::Presentation;
 use stochc_report::tables::replanning_to_text;
 
 /// Runs programs many times, or one of their runs alone.
@@ -177,8 +178,7 @@ fn ensemble(
     } = made;
     let shown = ResultsView {
         form: options.format.into(),
-        unit: TimeUnitOption::Ticks,
-        labels: &[],
+        how: &Presentation::default(),
         bonds: options.bonds,
         folder: options.out.as_deref(),
     };

@@ -1,5 +1,6 @@
 //! One program: its phases, captures, where its blocks came from, and single runs.
 use stochc_ensemble::Time;
+use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::text::{escaped, number, percent};
 use stochc_files::shell;
 
@@ -16,6 +17,13 @@ use crate::ensemble_report::narrative::{
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
 use crate::svg::{Colours, Drawing, PlotAxis};
+
+/// Converts times of a program \[ticks\] to those of its figures.
+fn on_axis(subject: &ReportedProgram, mut times: Vec<Observation>) -> Vec<Observation> {
+    let placed = times.iter_mut();
+    placed.for_each(|it| it.time = subject.on_axis(it.time));
+    times
+}
 
 pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
@@ -93,11 +101,11 @@ fn sizes(
         .map(|(number, phase)| SurvivalCurve {
             under_way: 0,
             name: format!("{} blocks", phase.name),
-            times: subject.size_times(number),
+            times: on_axis(subject, subject.size_times(number)),
         })
         .collect();
     let title = format!("{}: runs without a group of each size yet", subject.label);
-    let axis = PlotAxis::new("time", &subject.tick().unit());
+    let axis = subject.time_axis("time");
     let without = PlotAxis::new("runs without a group of so many blocks yet", "%");
     let file = format!("sizes-{n}");
     let figure = |medium| {
@@ -112,11 +120,12 @@ fn sizes(
     };
     let caption = "From the beginning of each run to the first group of so many blocks.";
     show(parts, out, drawings, figure, caption, &["sizes.csv"]);
-    let rows = curves.iter().map(|curve| {
-        let time = Time::of(&curve.times);
+    let rows = curves.iter().enumerate().map(|(number, curve)| {
+        let observed = subject.size_times(number);
+        let time = Time::of(&observed);
         let mut row = vec![HtmlCell::Marked(name(&curve.name))];
         let count = |completed: bool| {
-            let times = curve.times.iter();
+            let times = observed.iter();
             let count = times
                 .filter(|time| time.is_completed() == completed)
                 .count();
@@ -165,13 +174,13 @@ pub(super) fn phases(
     let curves: Vec<SurvivalCurve> = (phases.iter().enumerate())
         .map(|(number, phase)| SurvivalCurve {
             name: phase.name.clone(),
-            times: times(number),
+            times: on_axis(subject, times(number)),
             under_way: 0,
         })
         .collect();
     if phases.len() > 1 {
         let title = format!("{}: phases that are not complete yet", subject.label);
-        let axis = PlotAxis::new("time since the phase began", &subject.tick().unit());
+        let axis = subject.time_axis("time since the phase began");
         let incomplete = picture::incomplete();
         let file = format!("phases-{n}");
         let figure = |medium| {

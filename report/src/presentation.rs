@@ -1,0 +1,72 @@
+//! How programs and times are shown.
+use std::str::FromStr;
+
+use stochc_ensemble::{EnsembleProgram, TimeUnit};
+
+/// The name of a program, and the text that tables and figures have for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramLabel {
+    /// The program's name in the ensemble, without the values of a sweep.
+    pub name: String,
+    /// The text in its place.
+    pub text: String,
+}
+
+/// The unit of times and the names of programs in tables and figures.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Presentation {
+    /// Whether all times are in seconds. Otherwise they are in ticks if all programs have ticks of
+    /// one length.
+    pub in_seconds: bool,
+    /// Other names of programs.
+    pub labels: Vec<ProgramLabel>,
+}
+
+impl FromStr for ProgramLabel {
+    type Err = String;
+
+    fn from_str(label: &str) -> Result<ProgramLabel, String> {
+        let (name, text) = label
+            .split_once('=')
+            .ok_or("give NAME=TEXT, such as `tower=Tower of five`")?;
+        Ok(ProgramLabel {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        })
+    }
+}
+
+impl ProgramLabel {
+    /// Whether a name is that of the program, or of a point of its sweep.
+    pub fn is_of(&self, name: &str) -> bool {
+        let values = name.strip_prefix(&*self.name);
+        values.is_some_and(|values| values.is_empty() || values.starts_with(" ["))
+    }
+}
+
+impl Presentation {
+    /// Returns the text for a program or a point of its sweep: its name, if it has no label.
+    pub fn label(&self, name: &str) -> String {
+        let label = self.labels.iter().find(|label| label.is_of(name));
+        label.map_or(name.to_owned(), |label| {
+            format!("{}{}", label.text, &name[label.name.len()..])
+        })
+    }
+
+    /// Returns the first label that is of none of these programs.
+    pub fn unused<'a>(
+        &self,
+        programs: impl Iterator<Item = &'a EnsembleProgram> + Clone,
+    ) -> Option<&ProgramLabel> {
+        let is_used = |label: &ProgramLabel| programs.clone().any(|it| label.is_of(&it.name));
+        self.labels.iter().find(|label| !is_used(label))
+    }
+
+    /// Returns the unit in which programs are compared.
+    pub fn unit<'a>(&self, programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
+        match self.in_seconds {
+            true => TimeUnit::Seconds,
+            false => TimeUnit::of(programs),
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! How programs and times are shown in tables and figures.
+use clap::{Args, ValueEnum};
+use stochc_report::presentation::{Presentation, ProgramLabel};
+
+/// The unit of times and the names of programs.
+#[derive(Debug, Args)]
+pub struct PresentationOptions {
+    /// Unit of the times in tables for documents and in figures
+    #[arg(long, value_name = "UNIT", default_value = "ticks")]
+    unit: UnitOption,
+    /// Text for a program, such as `tower=Tower of five`; may be repeated
+    #[arg(long, value_name = "NAME=TEXT")]
+    label: Vec<ProgramLabel>,
+}
+
+/// Unit of times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum UnitOption {
+    /// Ticks of the scene; seconds if programs have ticks of several lengths
+    Ticks,
+    /// Seconds of the scene
+    S,
+}
+
+impl PresentationOptions {
+    /// Returns them as values.
+    pub fn presentation(&self) -> Presentation {
+        Presentation {
+            in_seconds: self.unit == UnitOption::S,
+            labels: self.label.clone(),
+        }
+    }
+}
