@@ -276,7 +276,7 @@ pub fn last_seen(observations: impl IntoIterator<Item = Observation>) -> f64 {
 }
 
 impl Time {
-    /// Converts all figures to another unit, of which one before has `factor`.
+    /// Multiplies all figures but `cv` by a factor, to convert their unit.
     pub(crate) fn scale(&mut self, factor: f64) {
         self.mean *= factor;
         let others = [

@@ -406,7 +406,7 @@ impl Folder {
 /// Writes the Parquet tables of runs into a folder, in the place of older tables, and makes the folder.
 ///
 /// # Errors
-/// Those of the file system, and if a file that is no table is in the way.
+/// If the file system refuses, or a file that is not a table of ours is in the way.
 pub fn write_tables(path: &Path, manifest: &Manifest, finished: &Records) -> Result<(), FolderError> {
     atomic::make_folder(path).map_err(FolderError::of(path))?;
     let ours = Replaces::Ours(|file| atomic::ends_with(file, b"stochc.table"));

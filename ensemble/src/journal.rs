@@ -167,7 +167,7 @@ pub(super) struct JournalLine<'a> {
     pub text: &'a [u8],
 }
 
-/// Reads the whole lines of a journal behind its first, and returns where the last one ends.
+/// Reads the whole lines of a journal after its first, and returns the end of the last one.
 ///
 /// # Errors
 /// [`JournalError::Foreign`] where it does not begin with `expected`.

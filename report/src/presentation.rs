@@ -62,7 +62,7 @@ impl Presentation {
         self.labels.iter().find(|label| !is_used(label))
     }
 
-    /// Returns the unit in which programs are compared.
+    /// Returns the unit of comparisons between programs.
     pub fn unit<'a>(&self, programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
         match self.in_seconds {
             true => TimeUnit::Seconds,

@@ -74,7 +74,7 @@ impl From<ResultsFormat> for TableFormat {
 pub struct ResultsView<'a> {
     /// In which form.
     pub form: TableFormat,
-    /// In which unit, with which names of programs.
+    /// Unit of times and names of programs.
     pub how: &'a Presentation,
     /// The captures as well.
     pub bonds: bool,

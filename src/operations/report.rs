@@ -36,7 +36,7 @@ pub fn write(
     };
     let programs = (folders.iter()).flat_map(|(_, input)| &input.manifest.programs);
     if let Some(label) = figures.presentation.unused(programs) {
-        let reason = format!("--label: there is no program `{}`", label.name);
+        let reason = format!("--label: `{}` is not the name of a program", label.name);
         return Err(Failure::usage(reason));
     }
     let beside = claim(&page).map_err(Failure::usage)?;

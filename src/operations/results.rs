@@ -32,7 +32,7 @@ pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failu
     Ok((contents.manifest, contents.finished))
 }
 
-/// Reads a results folder with what is wrong with it, and warns of that.
+/// Reads a results folder, and warns of corrupted files.
 ///
 /// # Errors
 /// If it holds no results.
@@ -141,11 +141,11 @@ impl EnsembleResults<'_> {
     /// Gives programs their labels, and converts times to seconds if asked for.
     ///
     /// # Errors
-    /// If there is no program of a label.
+    /// If a label is not that of a program.
     pub fn shown(mut self, how: &Presentation) -> Result<Self, Failure> {
         if let Some(label) = how.unused(self.manifest.programs.iter()) {
             return Err(Failure::usage(format!(
-                "--label: there is no program `{}`",
+                "--label: `{}` is not the name of a program",
                 label.name
             )));
         }

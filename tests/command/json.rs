@@ -33,7 +33,7 @@ impl Schemas {
         }
     }
 
-    /// Returns what is wrong with a value, each with its path.
+    /// Returns the errors of a value, each with its path.
     fn errors(&self, schema: &Value, value: &Value, at: &str) -> Vec<String> {
         let schema = self.resolve(schema);
         let keywords = schema.as_object().unwrap();

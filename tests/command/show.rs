@@ -162,7 +162,7 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
     assert!(latex.contains("A line \\& more & tower \\\\\n\\midrule"), "{latex}");
     assert!(latex.contains(&format!("mean [s] & {seconds} $\\pm$ ")), "{latex}");
     for (more, reason) in [
-        (&["--label", "lines=A"][..], "there is no program `lines`"),
+        (&["--label", "lines=A"][..], "`lines` is not the name of a program"),
         (&["--label", "line"], "NAME=TEXT"),
         (&["--unit", "s"], "`--unit s` is for"),
         (&["--format", "csv", "--bonds"], "`--bonds` is for"),
@@ -233,7 +233,7 @@ fn a_corrupted_folder_ends_with_2_and_its_sound_runs_are_shown() {
     }
 }
 
-/// Of five runs, the third by time is the median.
+/// The third of five runs by time is the median.
 #[test]
 fn a_replay_without_a_number_shows_the_median_run() {
     let folder = tempfile::tempdir().unwrap();

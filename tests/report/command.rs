@@ -385,7 +385,7 @@ fn figures_are_in_seconds_with_labels_of_programs() {
     assert!(shown >= 3, "{shown}");
     let said = stochc_with("report --label other=One", &[&out]);
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("there is no program `other`"), "{}", said.err);
+    assert!(said.err.contains("`other` is not the name of a program"), "{}", said.err);
 }
 
 #[test]

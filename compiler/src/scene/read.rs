@@ -291,7 +291,7 @@ impl<'a> SceneReader<'a, '_> {
         if !words.is_empty() {
             let title = format!("scene `{}` lacks {}", self.word_of(scene), quoted(&words));
             let help = format!(
-                "add what is missing, for instance:\n    {}\nor start from a built-in scene: `scene {} from hemisphere {{ ... }}`",
+                "add the missing clauses, for instance:\n    {}\nor start from a built-in scene: `scene {} from hemisphere {{ ... }}`",
                 examples.join("\n    "),
                 self.word_of(scene),
             );

@@ -9,7 +9,7 @@ const UNKNOWN: &str = "it is not known";
 /// A table with its values, column by column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilledTable<'a> {
-    /// What the table is.
+    /// Description of the table.
     pub shape: TableShape,
     /// One for each column.
     pub values: Vec<ColumnValues<'a>>,
@@ -106,7 +106,7 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
         ColumnDefinition::new(
             "mean",
             unit,
-            "mean time to completion; of min(time, horizon) where runs are incomplete: a lower bound",
+            "mean time to completion; of min(time, horizon) if runs are incomplete: a lower bound",
             real(|row: &R<'a>| row.time(|it| Some(it.mean))),
         )
         .null(UNKNOWN),
@@ -120,7 +120,7 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
         ColumnDefinition::new(
             "horizon",
             unit,
-            "up to here the mean counts, where runs are incomplete",
+            "up to here the mean counts, if runs are incomplete",
             real(|row: &R<'a>| row.time(|it| it.horizon)),
         )
         .null("all runs completed"),

@@ -36,8 +36,8 @@ pub struct Difference {
     pub p_holm: f64,
     /// Which sample has the longer times.
     pub longer: Longer,
-    /// Runs of each program with which a difference of [`DETECTABLE`] of the mean would be
-    /// significant with a probability of [`POWER`]. `None` if the mean is 0.
+    /// Number of runs of each program that finds a difference of [`DETECTABLE`] of the mean with a
+    /// probability of [`POWER`]. `None` if the mean is 0.
     pub runs_for_5_percent: Option<u64>,
 }
 
@@ -132,7 +132,7 @@ fn runs_to_detect(difference: f64, test: Test, error: f64, runs: [usize; 2]) -> 
 }
 
 impl Difference {
-    /// Converts it to another unit, of which one before has `factor`.
+    /// Multiplies all times by a factor, to convert their unit.
     pub(crate) fn scale(&mut self, factor: f64) {
         self.difference *= factor;
         self.half_width *= factor;
