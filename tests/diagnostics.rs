@@ -347,7 +347,10 @@ fn missing_clauses_are_one_diagnostic_with_a_template_that_can_be_pasted() {
             "",
             "scene `s` lacks `tick`, `block`, `free` and `enclosure`",
         ),
-        ("tick 1 s free 5 uniform", "scene `s` lacks `block` and `enclosure`"),
+        (
+            "tick 1 s free 5 uniform",
+            "scene `s` lacks `block` and `enclosure`",
+        ),
     ] {
         let found = program(clauses);
         assert_eq!(found.len(), 1, "{found:?}");

@@ -407,7 +407,11 @@ impl Folder {
 ///
 /// # Errors
 /// If the file system refuses, or a file that is not a table of ours is in the way.
-pub fn write_tables(path: &Path, manifest: &Manifest, finished: &Records) -> Result<(), FolderError> {
+pub fn write_tables(
+    path: &Path,
+    manifest: &Manifest,
+    finished: &Records,
+) -> Result<(), FolderError> {
     atomic::make_folder(path).map_err(FolderError::of(path))?;
     let ours = Replaces::Ours(|file| atomic::ends_with(file, b"stochc.table"));
     tables(path, manifest, finished, ours).map(drop)

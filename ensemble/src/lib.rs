@@ -95,9 +95,7 @@ pub use folder::{
 pub use folder_error::FolderError;
 pub use forecast::{CpuForecast, forecast_cpu_time};
 pub use journal_error::JournalError;
-pub use manifest::{
-    Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, Source, Varied,
-};
+pub use manifest::{Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, Source, Varied};
 pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pairwise_tests};
 pub use parquet::{
     ColumnShape, ColumnValues, FilledTable, TableShape, each_row_group, summary_table, sweep_table,

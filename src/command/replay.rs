@@ -33,7 +33,9 @@ pub fn run(options: &ReplayArguments) -> Result<Exit, Failure> {
     let chosen = choose(&options.choice, &host)?;
     let other = match options.against {
         Some(run) if run == chosen.run => {
-            return Err(Failure::usage(format!("`--against {run}` needs another run than {run}")));
+            return Err(Failure::usage(format!(
+                "`--against {run}` needs another run than {run}"
+            )));
         }
         Some(run) => {
             let choice = RunSelection {

@@ -75,7 +75,9 @@ pub fn median_run(
     let median = stochc_ensemble::median_run(finished, program).map_err(Failure::usage)?;
     median.ok_or_else(|| {
         let name = names[program];
-        Failure::usage(format!("no run of `{name}` has a time: choose a run by its number"))
+        Failure::usage(format!(
+            "no run of `{name}` has a time: choose a run by its number"
+        ))
     })
 }
 

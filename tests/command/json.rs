@@ -37,7 +37,9 @@ impl Schemas {
     fn errors(&self, schema: &Value, value: &Value, at: &str) -> Vec<String> {
         let schema = self.resolve(schema);
         let keywords = schema.as_object().unwrap();
-        let keywords = keywords.iter().filter(|(it, _)| !ANNOTATIONS.contains(&&***it));
+        let keywords = keywords
+            .iter()
+            .filter(|(it, _)| !ANNOTATIONS.contains(&&***it));
         let errors = keywords.flat_map(|(keyword, rule)| match &**keyword {
             "type" => wrong(at, value, "type", has_type(rule, value)),
             "const" => wrong(at, value, "constant", value == rule),
@@ -54,8 +56,14 @@ impl Schemas {
             }
             "items" => self.of_items(rule, value, at),
             "prefixItems" => {
-                let pairs = rule.as_array().unwrap().iter().zip(value.as_array().unwrap());
-                pairs.flat_map(|(rule, it)| self.errors(rule, it, at)).collect()
+                let pairs = rule
+                    .as_array()
+                    .unwrap()
+                    .iter()
+                    .zip(value.as_array().unwrap());
+                pairs
+                    .flat_map(|(rule, it)| self.errors(rule, it, at))
+                    .collect()
             }
             "properties" => self.of_properties(rule, value, at),
             "required" => missing(rule, value, at),
@@ -74,7 +82,8 @@ impl Schemas {
     fn of_properties(&self, rule: &Value, value: &Value, at: &str) -> Vec<String> {
         let rules = rule.as_object().unwrap().iter();
         let known = rules.filter_map(|(key, rule)| Some((key, rule, value.get(key)?)));
-        let errors = known.flat_map(|(key, rule, it)| self.errors(rule, it, &format!("{at}.{key}")));
+        let errors =
+            known.flat_map(|(key, rule, it)| self.errors(rule, it, &format!("{at}.{key}")));
         errors.collect()
     }
 }
@@ -88,15 +97,23 @@ fn missing(rule: &Value, value: &Value, at: &str) -> Vec<String> {
     let Some(fields) = value.as_object() else {
         return Vec::new();
     };
-    let required = rule.as_array().unwrap().iter().map(|it| it.as_str().unwrap());
+    let required = rule
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|it| it.as_str().unwrap());
     let missing = required.filter(|key| !fields.contains_key(*key));
-    missing.map(|key| format!("{at}: `{key}` is missing")).collect()
+    missing
+        .map(|key| format!("{at}: `{key}` is missing"))
+        .collect()
 }
 
 fn unknown(properties: &Value, value: &Value, at: &str) -> Vec<String> {
     let fields = value.as_object().into_iter().flat_map(Map::keys);
     let unknown = fields.filter(|key| properties.get(key).is_none());
-    unknown.map(|key| format!("{at}: `{key}` is not documented")).collect()
+    unknown
+        .map(|key| format!("{at}: `{key}` is not documented"))
+        .collect()
 }
 
 fn has_type(rule: &Value, value: &Value) -> bool {
@@ -146,7 +163,10 @@ fn results_have_schemas() {
     let shards = "simulate --quiet --model shuffle --runs 4 --shards 2 --out";
     assert_eq!(stochc_with(shards, &[&cut, LATE]).status, 0);
     assert_output("status", &stochc_with("status --format json", &[&cut]));
-    assert_output("missing", &stochc_with("status --missing --format json", &[&cut]));
+    assert_output(
+        "missing",
+        &stochc_with("status --missing --format json", &[&cut]),
+    );
     let swept = path(folder.path(), "swept");
     let sweep = "simulate --quiet --model shuffle --runs 3 --sweep tick=10,40ms --out";
     stochc_with(sweep, &[&swept, LATE]);
@@ -157,14 +177,18 @@ fn results_have_schemas() {
 #[test]
 fn estimates_plans_and_trades_have_schemas() {
     let line = "examples/line.sa";
-    assert_output("estimate", &stochc_with("estimate --format json --quiet", &[line]));
+    assert_output(
+        "estimate",
+        &stochc_with("estimate --format json --quiet", &[line]),
+    );
     let runs = "estimate --runs 5 --format json --quiet";
     assert_output("estimate", &stochc_with(runs, &[line]));
     let plan = "plan examples/planned/chair.sa --budget 3 --format json --quiet";
     assert_output("plan", &stochc(plan));
     let replan = "simulate --model rate --runs 3 --replan 800 --format json --quiet";
     assert_output("replans", &stochc_with(replan, &["examples/five_tower.sa"]));
-    let trade = "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --format json";
+    let trade =
+        "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --format json";
     assert_output("trade", &stochc(trade));
 }
 
@@ -200,7 +224,10 @@ fn a_document_that_differs_from_its_schema_is_refused() {
         let mut spoilt = sound.clone();
         spoilt[key] = value;
         let errors = errors(&spoilt);
-        assert!(errors.len() == 1 && errors[0].contains(reason), "{errors:?}");
+        assert!(
+            errors.len() == 1 && errors[0].contains(reason),
+            "{errors:?}"
+        );
     }
 }
 
@@ -256,7 +283,10 @@ fn section(schemas: &Schemas, level: &str, schema: &Value) -> String {
             false => ", optional",
         };
         let meaning = rule["description"].as_str().unwrap();
-        text += &format!("| `{key}` | {}{optional} | {meaning} |\n", kind(schemas, rule));
+        text += &format!(
+            "| `{key}` | {}{optional} | {meaning} |\n",
+            kind(schemas, rule)
+        );
     }
     if schema.get("additionalProperties").is_none() {
         text += "\nFurther keys may be there.\n";
@@ -271,7 +301,9 @@ fn kind(schemas: &Schemas, rule: &Value) -> String {
         return format!("[{title}](#{})", title.replace(' ', "-"));
     }
     if let Some(words) = rule["enum"].as_array() {
-        let words = words.iter().map(|word| format!("`{}`", word.as_str().unwrap()));
+        let words = words
+            .iter()
+            .map(|word| format!("`{}`", word.as_str().unwrap()));
         return words.collect::<Vec<_>>().join(", ");
     }
     if let Some(kinds) = rule["anyOf"].as_array() {

@@ -27,7 +27,11 @@ fn a_physical_run_depends_on_nothing_but_its_inputs() {
     // The same run, alone.
     let alone = "simulate tests/fixtures/dense.sa --seed 5 --run 2";
     let said = stochc_with(alone, &["--format", "json"]);
-    assert!(contains(&said.json()["runs"][0], &last["record"]), "{}", said.out);
+    assert!(
+        contains(&said.json()["runs"][0], &last["record"]),
+        "{}",
+        said.out
+    );
     let told = stochc(alone).out;
     assert!(
         told.starts_with("dense, run 2\n  phase grow, from tick 0 (0 s)\n"),

@@ -138,8 +138,11 @@ fn estimates_say_when_and_why() {
         assert!(sum <= 1.0 + 1e-9 && sum > 0.98, "{sum}");
     }
     // In a chain everybody is waited for.
-    assert_eq!(value[0]["shares"].as_array().unwrap().len(), 13);
-    let method = |number: usize| &value[number]["method"];
+    assert_eq!(
+        value["estimates"][0]["shares"].as_array().unwrap().len(),
+        13
+    );
+    let method = |number: usize| &value["estimates"][number]["method"];
     assert_eq!(
         (&method(0)["kind"], &method(0)["interaction"]),
         (&"graph".into(), &"apart".into())
@@ -332,7 +335,10 @@ fn an_estimate_by_runs_is_as_sure_as_an_ensemble() {
     let line = "--runs 5 --seed 3 --quiet --format json";
     let runs = stochc(&format!("simulate examples/line.sa --model rate {line}")).json();
     let estimate = stochc(&format!("estimate examples/line.sa {line}")).json();
-    let (time, total) = (&runs["programs"][0]["time"], &estimate["estimates"][0]["total"]);
+    let (time, total) = (
+        &runs["programs"][0]["time"],
+        &estimate["estimates"][0]["total"],
+    );
     for figure in ["mean", "half_width"] {
         let [known, found] = [time, total].map(|of| of[figure].as_f64().unwrap());
         assert!(

@@ -113,7 +113,7 @@ fn a_run_in_json_has_names_beside_indices() {
         ["grow", "T[2]", "T[3]"]
     );
     let said = stochc("simulate --model shuffle --run 0 --format json tests/fixtures/attached.sa");
-    for record in said.json().as_array().unwrap() {
+    for record in said.json()["runs"].as_array().unwrap() {
         assert_eq!(record["bonds"][0]["phase_name"], "seed");
         let release = &record["releases"][0];
         assert_eq!(

@@ -48,7 +48,7 @@ fn a_number_is_swept_in_one_folder() {
             .starts_with("program,free,runs,completed,")
     );
     assert!(
-        lines.next().unwrap().starts_with("tower,50,3,3,0,0,1,"),
+        lines.next().unwrap().starts_with("tower,50,3,3,0,0,0,1,"),
         "{csv}"
     );
     for name in ["sweep.svg", "sweep-completed.svg"] {
@@ -212,11 +212,11 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
     let (early, late) = (&data["points"][0], &data["points"][1]);
     assert_eq!(data["unit"], "s", "the ticks are not those of one clock");
     assert_eq!(
-        (&early["completed"], &early["stopped"]),
+        (&early["completed"], &early["timed_out"]),
         (&3.into(), &0.into())
     );
     assert_eq!(
-        (&late["completed"], &late["stopped"]),
+        (&late["completed"], &late["timed_out"]),
         (&0.into(), &3.into())
     );
     assert_eq!(

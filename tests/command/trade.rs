@@ -454,13 +454,8 @@ fn a_trade_of_something_else_is_refused() {
             r#"{"format": 99, "stochc": "0", "candidates": []}"#,
             "format is 99",
         ),
-        // As it was called before.
         (
-            r#"{"format": 3, "stochc": "0", "rungs": []}"#,
-            "format is 3",
-        ),
-        (
-            r#"{"format": 5, "stochc": "0", "candidates": []}"#,
+            r#"{"format": 1, "stochc": "0", "candidates": []}"#,
             "measure again",
         ),
     ] {

@@ -206,7 +206,7 @@ fn a_checkpoint_of_something_else_is_not_used() {
         ),
         ("of another ensemble", "\"ensemble\":\"", "\"ensemble\":\"0"),
         ("of another run", "\"run\":2", "\"run\":1"),
-        ("in another format", "\"checkpoint\":2", "\"checkpoint\":9"),
+        ("in another format", "\"checkpoint\":1", "\"checkpoint\":9"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         stopped(folder.path(), &manifest);

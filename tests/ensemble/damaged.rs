@@ -157,7 +157,9 @@ fn unsealed(folder: &Path) -> Vec<String> {
 
 fn sealed(lines: &[String]) -> String {
     let lines = lines.iter().cloned();
-    lines.map(|line| stochc::files::checksum::sealed(line) + "\n").collect()
+    lines
+        .map(|line| stochc::files::checksum::sealed(line) + "\n")
+        .collect()
 }
 
 #[test]

@@ -128,8 +128,7 @@ fn the_table_of_phases_says_when_each_began_and_ended() {
         let mut began = 0;
         for (i, ticks) in record.phase_ticks.iter().enumerate() {
             let ended = began + ticks;
-            let more =
-                json!({ "outcome": "completed", "began": began, "ended": ended, "ticks": ticks, "seconds": seconds(*ticks) });
+            let more = json!({ "outcome": "completed", "began": began, "ended": ended, "ticks": ticks, "seconds": seconds(*ticks) });
             expected.push(row(done, PhaseId(i as u32), more));
             began = ended;
         }

@@ -369,7 +369,8 @@ fn a_program_that_no_run_completes_has_no_mean_in_short() {
 fn figures_are_in_seconds_with_labels_of_programs() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let simulate = "simulate --quiet --substeps 1 --runs 3 examples/five_tower_reconfigured.sa --out";
+    let simulate =
+        "simulate --quiet --substeps 1 --runs 3 examples/five_tower_reconfigured.sa --out";
     assert_eq!(stochc_with(simulate, &[&out]).status, 0);
     let label = "five_tower_reconfigured=Five towers";
     let said = stochc_with("report --quiet --unit s", &["--label", label, &out]);
@@ -385,7 +386,11 @@ fn figures_are_in_seconds_with_labels_of_programs() {
     assert!(shown >= 3, "{shown}");
     let said = stochc_with("report --label other=One", &[&out]);
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("`other` is not the name of a program"), "{}", said.err);
+    assert!(
+        said.err.contains("`other` is not the name of a program"),
+        "{}",
+        said.err
+    );
 }
 
 #[test]

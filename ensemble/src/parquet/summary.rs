@@ -1,5 +1,7 @@
 //! Tables that sum runs up. They are defined like those of Parquet, and have no files there.
-use super::column::{ColumnDefinition, ColumnValues, TableDefinition, TableShape, integer, real, text};
+use super::column::{
+    ColumnDefinition, ColumnValues, TableDefinition, TableShape, integer, real, text,
+};
 use crate::sweep::{Sweep, SweepPoint};
 use crate::{Comparison, EnsembleProgram, Manifest, ProgramSummary, Time};
 
@@ -58,7 +60,12 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
         .null("the program is no point of the sweep")
     }));
     columns.extend([
-        ColumnDefinition::new("runs", "", "runs asked for", integer(|row: &R<'a>| row.summary.runs)),
+        ColumnDefinition::new(
+            "runs",
+            "",
+            "runs asked for",
+            integer(|row: &R<'a>| row.summary.runs),
+        ),
         ColumnDefinition::new(
             "finished",
             "",
@@ -102,7 +109,13 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
             real(|row: &R<'a>| row.summary.blocks_used),
         )
         .null("no run completed"),
-        ColumnDefinition::new("tick", "s", "length of a tick", real(|row: &R<'a>| row.summary.tick)),
+        ColumnDefinition::new(
+            "tick",
+            "s",
+            "length of a tick",
+            real(|row: &R<'a>| row.summary.tick),
+        ),
+        ColumnDefinition::new("unit", "", "unit of the times", text(move |_: &R<'a>| unit)),
         ColumnDefinition::new(
             "mean",
             unit,
@@ -131,8 +144,13 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
             real(|row: &R<'a>| row.time(|it| it.median)),
         )
         .null(UNKNOWN),
-        ColumnDefinition::new("sd", unit, "standard deviation", real(|row: &R<'a>| row.time(|it| it.sd)))
-            .null(UNKNOWN),
+        ColumnDefinition::new(
+            "sd",
+            unit,
+            "standard deviation",
+            real(|row: &R<'a>| row.time(|it| it.sd)),
+        )
+        .null(UNKNOWN),
         ColumnDefinition::new(
             "min",
             unit,
@@ -140,8 +158,13 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
             real(|row: &R<'a>| row.time(|it| it.min)),
         )
         .null(UNKNOWN),
-        ColumnDefinition::new("max", unit, "the longest time", real(|row: &R<'a>| row.time(|it| it.max)))
-            .null(UNKNOWN),
+        ColumnDefinition::new(
+            "max",
+            unit,
+            "the longest time",
+            real(|row: &R<'a>| row.time(|it| it.max)),
+        )
+        .null(UNKNOWN),
     ]);
     let table = TableDefinition {
         name: "summary",
@@ -187,16 +210,33 @@ pub fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
     )];
     columns.extend(sweep.axes.iter().enumerate().map(|(place, axis)| {
         let value = move |row: &R<'a>| row.values.get(place).map(|value| value.value);
-        ColumnDefinition::new(axis.label(), axis.unit.clone(), "a number of the scene", real(value))
-            .null(UNKNOWN)
+        ColumnDefinition::new(
+            axis.label(),
+            axis.unit.clone(),
+            "a number of the scene",
+            real(value),
+        )
+        .null(UNKNOWN)
     }));
     columns.extend([
-        ColumnDefinition::new("runs", "", "runs asked for", integer(|row: &R<'a>| row.runs)),
+        ColumnDefinition::new(
+            "runs",
+            "",
+            "runs asked for",
+            integer(|row: &R<'a>| row.runs),
+        ),
         count("completed", "runs that completed", |it| it.completed),
         count("timed_out", "runs that a timeout ended", |it| it.timed_out),
-        count("censored", "runs that reached the limit of ticks", |it| it.censored),
+        count("censored", "runs that reached the limit of ticks", |it| {
+            it.censored
+        }),
         count("failed", "runs whose physics broke down", |it| it.failed),
-        number("share", "", "share of the finished runs that completed, 0 to 1", |it| it.share),
+        number(
+            "share",
+            "",
+            "share of the finished runs that completed, 0 to 1",
+            |it| it.share,
+        ),
         number("share_low", "", "lower end of its 95 % interval", |it| {
             it.share_interval.map(|interval| interval.0)
         }),
@@ -204,13 +244,36 @@ pub fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
             it.share_interval.map(|interval| interval.1)
         }),
         ColumnDefinition::new("unit", "", "unit of the times", text(move |_: &R<'a>| unit)),
-        number("mean", unit, "mean time to completion", |it| time(it, |it| Some(it.mean))),
-        number("half_width", unit, "half of its 95 % interval", |it| time(it, |it| it.half_width)),
-        number("horizon", unit, "up to here the mean counts", |it| time(it, |it| it.horizon)),
-        number("median", unit, "median time to completion", |it| time(it, |it| it.median)),
-        ColumnDefinition::new("captures", "", "captures made", integer(|row: &R<'a>| row.captures)),
-        number("released", "", "share of the captured blocks that had been released", |it| it.released),
-        number("time_per_capture", unit, "time of all runs over the captures", |it| it.time_per_capture),
+        number("mean", unit, "mean time to completion", |it| {
+            time(it, |it| Some(it.mean))
+        }),
+        number("half_width", unit, "half of its 95 % interval", |it| {
+            time(it, |it| it.half_width)
+        }),
+        number("horizon", unit, "up to here the mean counts", |it| {
+            time(it, |it| it.horizon)
+        }),
+        number("median", unit, "median time to completion", |it| {
+            time(it, |it| it.median)
+        }),
+        ColumnDefinition::new(
+            "captures",
+            "",
+            "captures made",
+            integer(|row: &R<'a>| row.captures),
+        ),
+        number(
+            "released",
+            "",
+            "share of the captured blocks that had been released",
+            |it| it.released,
+        ),
+        number(
+            "time_per_capture",
+            unit,
+            "time of all runs over the captures",
+            |it| it.time_per_capture,
+        ),
     ]);
     let table = TableDefinition {
         name: "sweep",

@@ -113,7 +113,8 @@ pub(crate) fn subjects<'a>(
         let first = subjects.len();
         let programs = input.manifest.programs.iter().enumerate();
         subjects.extend(
-            programs.map(|(number, _)| ReportedProgram::new(inputs, (folder, number), clock, shown)),
+            programs
+                .map(|(number, _)| ReportedProgram::new(inputs, (folder, number), clock, shown)),
         );
         let mut sweep = SweepTally::new(&input.manifest);
         input.finished.try_each(|done| {
@@ -179,7 +180,11 @@ impl<'a> ReportedProgram<'a> {
         let events = Events::of(program);
         ReportedProgram {
             label: match is_shared {
-                true => format!("{} ({})", shown.label(&program.name), short_path(inputs, folder)),
+                true => format!(
+                    "{} ({})",
+                    shown.label(&program.name),
+                    short_path(inputs, folder)
+                ),
                 false => shown.label(&program.name),
             },
             in_seconds: shown.in_seconds,

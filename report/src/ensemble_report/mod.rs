@@ -59,9 +59,10 @@ pub fn report(
 ) -> Result<Report, ReportError> {
     chains.write_all(data::chains_header().as_bytes())?;
     let shown = &surroundings.figures.presentation;
-    let (mut subjects, mut sweeps) = reported_program::subjects(inputs, shown, &mut |subject, run| {
-        chains.write_all(data::chains(subject, run).as_bytes())
-    })?;
+    let (mut subjects, mut sweeps) =
+        reported_program::subjects(inputs, shown, &mut |subject, run| {
+            chains.write_all(data::chains(subject, run).as_bytes())
+        })?;
     let clock = shown.unit(subjects.iter().map(|subject| subject.program));
     let waits: Vec<_> = subjects.iter_mut().map(waits::waits).collect();
     let pairwise_tests = pairwise::pairwise_tests(&subjects, clock);

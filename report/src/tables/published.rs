@@ -25,7 +25,9 @@ pub fn published_comparison(comparison: &Comparison, markup: Markup) -> String {
             column.cells.push(cell(program));
         }
     };
-    add("completed".to_owned(), &|it| format!("{}/{}", it.completed, it.finished));
+    add("completed".to_owned(), &|it| {
+        format!("{}/{}", it.completed, it.finished)
+    });
     add(format!("mean [{unit}]"), &|it| mean(it.time.as_ref()));
     let figures: [(&str, fn(&Time) -> Option<f64>); 4] = [
         ("median", |it| it.median),
@@ -34,9 +36,13 @@ pub fn published_comparison(comparison: &Comparison, markup: Markup) -> String {
         ("SD", |it| it.sd),
     ];
     for (label, of) in figures {
-        add(format!("{label} [{unit}]"), &|it| figure(it.time.as_ref().and_then(of)));
+        add(format!("{label} [{unit}]"), &|it| {
+            figure(it.time.as_ref().and_then(of))
+        });
     }
-    add("CV".to_owned(), &|it| figure(it.time.as_ref().and_then(|it| it.cv)));
+    add("CV".to_owned(), &|it| {
+        figure(it.time.as_ref().and_then(|it| it.cv))
+    });
     let phases = comparison.programs.iter().map(|it| it.phase_times.len());
     for phase in 0..phases.max().unwrap_or(0) {
         add(format!("phase {} [{unit}]", phase + 1), &|it| {

@@ -123,7 +123,13 @@ mod tests {
         let latex = Markup::Latex.table(&table);
         let rows = " & a\\_b|c \\\\\n\\midrule\nmean [s] & $\\geq$ 1 $\\pm$ 2 \\% \\\\\n";
         assert!(latex.contains(rows), "{latex}");
-        assert!(latex.starts_with("\\begin{tabular}{lr}\n\\toprule\n"), "{latex}");
-        assert_eq!(Markup::Latex.paragraph("p~=~0.05 in a_b."), "\np = 0.05 in a\\_b.\n");
+        assert!(
+            latex.starts_with("\\begin{tabular}{lr}\n\\toprule\n"),
+            "{latex}"
+        );
+        assert_eq!(
+            Markup::Latex.paragraph("p~=~0.05 in a_b."),
+            "\np = 0.05 in a\\_b.\n"
+        );
     }
 }

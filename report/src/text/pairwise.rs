@@ -15,7 +15,7 @@ pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: u
         }
         PairwiseResult::Unknown => {
             return format!(
-                "{first} and {second}: not significant; there are too few runs, or no spread."
+                "{first} and {second}: not compared; there are too few runs, or no spread."
             );
         }
         PairwiseResult::Known(found) => found,

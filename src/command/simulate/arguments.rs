@@ -13,8 +13,8 @@ use super::super::figures::FigureOptions;
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::memory::MemoryOption;
-use super::super::show::ResultsFormat;
 use super::super::run_options::{SeedOption, WorkOptions};
+use super::super::show::ResultsFormat;
 use crate::operations::time;
 
 /// Runs of each program, unless the user says otherwise.

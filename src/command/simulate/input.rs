@@ -8,8 +8,8 @@ use stochc_ir::visible;
 use stochc_runtime::rates::Rates;
 use stochc_runtime::{Model, Setting, Settings, Substeps};
 
-use super::arguments::{MOST_UNTIL, RUNS};
 use super::SimulateArguments;
+use super::arguments::{MOST_UNTIL, RUNS};
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::programs::programs;
