@@ -194,17 +194,17 @@ fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let sweep =
-        "simulate --quiet --model rate --runs 3 examples/line.sa --sweep free=200,400 --out";
+        "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa --sweep free=200,400 --out";
     assert_eq!(stochc_with(sweep, &[&out]).status, 0);
-    let csv = stochc_with("show --format csv --label line=Line", &[&out]).out;
+    let csv = stochc_with("show --format csv --label tower=Tower", &[&out]).out;
     assert!(
         csv.starts_with("program,free,runs,completed,timed_out,censored,"),
         "{csv}"
     );
-    assert!(csv.contains("\r\nLine,200,3,3,0,0,0,"), "{csv}");
-    let told = stochc_with("show --format markdown --unit s --label line=Line", &[&out]).out;
+    assert!(csv.contains("\r\nTower,200,3,3,0,0,0,"), "{csv}");
+    let told = stochc_with("show --format markdown --unit s --label tower=Tower", &[&out]).out;
     assert!(told.contains("| mean time \\[s\\] |"), "{told}");
-    assert!(told.contains("| Line \\[free=200\\] | 3 of 3 |"), "{told}");
+    assert!(told.contains("| Tower \\[free=200\\] | 3 of 3 |"), "{told}");
 }
 
 /// Two runs of similar programs: the difference is noise, and the sentence says how many runs would do.
