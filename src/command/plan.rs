@@ -198,9 +198,9 @@ fn begin(path: &Path, options: &PlanArguments) -> Result<NewFile, Failure> {
 /// Prints an error about the target as JSON if that format was asked for.
 fn report(not_planned: NotPlanned, options: &PlanArguments) -> Result<Planned, Failure> {
     if let (ResultsFormat::Json, Some(error)) = (options.format, &not_planned.refused) {
-        let mut document = json!(error);
-        document["message"] = json!(error.to_string());
-        print(&format!("{:#}\n", json!({ "error": document })))?;
+        let mut content = json!(error);
+        content["message"] = json!(error.to_string());
+        print(&document(json!({ "error": content })))?;
     }
     Err(not_planned.into())
 }
