@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use stochc_ensemble::fit::{Fit, Prior};
 use stochc_files::atomic::Replaces;
-use stochc_report::figures::{Figures, fit as fit_figure};
+use stochc_report::figures::fit as fit_figure;
 use stochc_report::tables::fit_to_text;
 use stochc_runtime::{Settings, Substeps};
 
@@ -17,7 +17,10 @@ use super::run_options::MeasuringOptions;
 use super::show::ResultsFormat;
 use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::fit::{FitSetup, fit, matched, measured_times, of_scenes};
+use crate::operations::fit::{
+    FitSetup, Unused, fit, fitted_scenes, forecast, matched, measured_times, of_scenes,
+};
+use crate::operations::forecast::forecast_to_text;
 use crate::operations::programs::programs;
 use crate::operations::trade::claim_empty;
 
@@ -29,7 +32,7 @@ pub struct FitArguments {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
     /// Measured times (CSV): `program,ticks` with a row for each run, or `program,n,mean_ticks,sd_ticks`; `seconds` in
-    /// place of ticks
+    /// place of ticks. A third column `stopped` marks runs that were stopped at this time with `true`
     #[arg(long, value_name = "FILE.csv")]
     data: PathBuf,
     /// A number of the scene to find, and the range that it may be in: `bond.pull=2..12 N`, `free=50..500 log`
@@ -38,6 +41,12 @@ pub struct FitArguments {
     /// Predict the times of this program, and do not use them
     #[arg(long, value_name = "PROGRAM")]
     hold_out: Vec<String>,
+    /// Predict the times of this program, which was not measured
+    #[arg(long, value_name = "PROGRAM")]
+    predict: Vec<String>,
+    /// Predict the mean and standard deviation of this number of runs
+    #[arg(long, value_name = "RUNS", default_value_t = 30, requires = "predict", value_parser = clap::value_parser!(u32).range(2..))]
+    n: u32,
     /// Simulate at so many points in each round, 8 to 200 [default: three for each coefficient of the polynomials]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=200))]
     points: Option<u16>,
@@ -53,9 +62,12 @@ pub struct FitArguments {
     /// Stop a run after this many ticks; its time then counts for nothing, and is told of
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
-    /// Folder for `fit.json` and the figure `fit.svg`; it must be new or empty
+    /// Folder for `fit.json`, the figure `fit.svg` and the fitted scenes, `fitted.sa`; it must be new or empty
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Print the expected CPU time and end
+    #[arg(long)]
+    dry_run: bool,
     /// What its figure is like.
     #[command(flatten)]
     figures: FigureOptions,
@@ -70,17 +82,23 @@ pub struct FitArguments {
 
 /// Finds numbers of scenes that measured times speak for.
 pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
-    let (unit, observed) = measured_times(&options.data)?;
     let host = Terminal::new(options.measuring.work.quiet);
+    let times = measured_times(&options.data, &host)?;
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
-    let measured = matched(programs, observed, &options.hold_out)?;
+    let unused = Unused {
+        held_out: &options.hold_out,
+        predicted: &options.predict,
+        n: options.n as usize,
+    };
+    let measured = matched(programs, times.programs, unused)?;
     let priors = of_scenes(options.vary.clone(), &measured)?;
     let setup = FitSetup {
         priors: &priors,
         points: options.points.map(usize::from),
         rounds: options.rounds.into(),
         runs: options.runs,
+        unit: times.unit,
         settings: Settings {
             max_ticks: Some(options.max_ticks),
             ..Settings::default().with_steps(options.substeps)
@@ -89,17 +107,27 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
         threads: options.measuring.work.threads,
         levels,
     };
+    if options.dry_run {
+        let forecast = forecast(&setup, &measured, &host)?;
+        print(&forecast_to_text(&forecast, setup.threads))?;
+        return Ok(Exit::Success);
+    }
     if let Some(out) = &options.out {
         claim_empty(out, |_| false).map_err(Failure::usage)?;
     }
     stop_on_interrupt()?;
-    let fit = fit(&setup, &measured, unit, &host)?;
+    if !options.measuring.work.quiet {
+        let forecast = forecast(&setup, &measured, &host)?;
+        warn(&forecast_to_text(&forecast, setup.threads));
+    }
+    let fit = fit(&setup, &measured, &host)?;
     match options.measuring.format {
         ResultsFormat::Text => print(&fit_to_text(&fit, &priors, output_width()))?,
         ResultsFormat::Json => print(&json(&fit))?,
     }
     if let Some(out) = &options.out {
-        keep(out, &fit, &priors, &options.figures.figures())?;
+        let scenes = fitted_scenes(&setup, &measured, &fit, &host)?;
+        keep(out, &fit, &scenes, &figures(&fit, &priors, options)?)?;
     }
     Ok(Exit::Success)
 }
@@ -109,10 +137,21 @@ fn json(fit: &Fit) -> String {
     text + "\n"
 }
 
-fn keep(out: &Path, fit: &Fit, priors: &[Prior], figures: &Figures) -> Result<(), Failure> {
+/// The figure of a fit in all formats that are wanted: names and contents.
+fn figures(
+    fit: &Fit,
+    priors: &[Prior],
+    options: &FitArguments,
+) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let figures = options.figures.figures();
     let drawn = figures.files(&fit_figure(figures.medium, fit, priors));
-    let mut files = drawn.map_err(Failure::usage)?;
+    drawn.map_err(Failure::usage)
+}
+
+fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> Result<(), Failure> {
+    let mut files = figures.to_vec();
     files.push(("fit.json".to_owned(), json(fit).into_bytes()));
+    files.push(("fitted.sa".to_owned(), scenes.as_bytes().to_vec()));
     for (name, content) in files {
         let path = out.join(name);
         stochc_files::atomic::replace(&path, &content, Replaces::Nothing)

@@ -3,21 +3,42 @@ use std::path::Path;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::fit::{
-    Design, Emulator, Fit, FittedProgram, Observed, Posterior, Prior, Simulated, Unit,
+    Design, Emulator, Fit, FittedProgram, MeasuredTimes, Measurement, Observed, Posterior, Prior,
+    Simulated, Unit,
 };
-use stochc_ensemble::statistics::Observation;
-use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
+use stochc_ensemble::text::number;
+use stochc_ensemble::{CpuForecast, EnsembleProgram, Manifest, completion_time};
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
+use stochc_ir::scene::Scene;
+use stochc_ir::scene::describe::terms;
 use stochc_runtime::Settings;
 
+use super::forecast::cpu_time;
 use super::in_memory::all_runs;
 use super::sweep::{at_point, share_tables};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// A program, and what was measured of it; whether that is used.
-pub type Known = (EnsembleProgram, (Observed, bool));
+/// A program of a fit.
+#[derive(Clone, Debug)]
+pub struct FitProgram {
+    /// The program, in the scene of its text.
+    pub program: EnsembleProgram,
+    /// Its measured times, or the number of runs to predict.
+    pub measurement: Measurement,
+}
+
+/// Programs whose times a fit does not use.
+#[derive(Clone, Copy, Debug)]
+pub struct Unused<'a> {
+    /// Programs with times that are held out.
+    pub held_out: &'a [String],
+    /// Programs without times.
+    pub predicted: &'a [String],
+    /// Number of runs of each predicted measurement.
+    pub n: usize,
+}
 
 /// How a fit is made.
 #[derive(Clone, Debug)]
@@ -30,6 +51,8 @@ pub struct FitSetup<'a> {
     pub rounds: u64,
     /// Of each program at each point.
     pub runs: u64,
+    /// The unit of the times.
+    pub unit: Unit,
     /// Of every run; `max_ticks` is where one is stopped.
     pub settings: Settings,
     /// Of all chance.
@@ -44,14 +67,14 @@ pub struct FitSetup<'a> {
 ///
 /// # Errors
 /// If one is given twice, is none of a scene, may have no value there that an end of its range is, or only a few.
-pub fn of_scenes(mut priors: Vec<Prior>, measured: &[Known]) -> Result<Vec<Prior>, Failure> {
+pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<Prior>, Failure> {
     for (i, prior) in priors.iter().enumerate() {
         if priors[..i].iter().any(|other| other.of == prior.of) {
             let twice = format!("--vary: `{}` is given twice", prior.of);
             return Err(Failure::usage(twice));
         }
     }
-    for (program, _) in measured {
+    for FitProgram { program, .. } in measured {
         let of_scene = |prior: Prior| prior.of_scene(&program.scene);
         let known: Result<_, String> = priors.into_iter().map(of_scene).collect();
         priors = known.map_err(|told| Failure::usage(format!("--vary: {told}")))?;
@@ -59,110 +82,207 @@ pub fn of_scenes(mut priors: Vec<Prior>, measured: &[Known]) -> Result<Vec<Prior
     Ok(priors)
 }
 
-/// The times of a file (CSV), program by program.
+/// The times of a file (CSV), program by program. Warns if they look like those of stopped runs.
 ///
 /// # Errors
 /// If it cannot be read, or is no such file.
-pub fn measured_times(path: &Path) -> Result<(Unit, Vec<Observed>), Failure> {
+pub fn measured_times(path: &Path, host: &dyn Host) -> Result<MeasuredTimes, Failure> {
     let shown = path.display();
     let bytes = read_file(path, TIMES)
         .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
-    Observed::read(&bytes).map_err(|error| Failure::usage(format!("`{shown}`: {error}")))
+    let times = MeasuredTimes::read(&bytes)
+        .map_err(|error| Failure::usage(format!("`{shown}`: {error}")))?;
+    for pile_up in &times.pile_ups {
+        host.warn(&format!("warning: `{shown}`: {pile_up}\n"));
+    }
+    Ok(times)
 }
 
-/// Holds names against names: everything that was measured has a program, and the other way round.
+/// Finds the times of each program.
 ///
 /// # Errors
-/// If one has no other, or none is left to fit to.
+/// If a program has no times and is not to be predicted, times have no program, or none is left to fit to.
 pub fn matched(
     programs: Vec<EnsembleProgram>,
-    mut observed: Vec<Observed>,
-    held_out: &[String],
-) -> Result<Vec<Known>, Failure> {
-    let mut known: Vec<Known> = Vec::new();
+    mut observed: Vec<(String, Observed)>,
+    unused: Unused<'_>,
+) -> Result<Vec<FitProgram>, Failure> {
+    let mut known: Vec<FitProgram> = Vec::new();
     for program in programs {
-        if known.iter().any(|(it, _)| it.name == program.name) {
+        let name = &program.name;
+        if known.iter().any(|it| it.program.name == *name) {
             return Err(Failure::usage(format!(
-                "two programs are called `{}`, and the data cannot tell which they are of; leave one of their files out, or rename one",
-                program.name
+                "two programs are called `{name}`, and times have a name only; leave one of their files out, or rename one"
             )));
         }
-        let place = observed.iter().position(|it| it.program == program.name);
-        let Some(place) = place else {
-            let name = &program.name;
-            return Err(Failure::usage(format!(
-                "the data say nothing of `{name}`; give its times, or leave it out of the files"
-            )));
-        };
         if program.sources.is_empty() {
             return Err(Failure::usage(format!(
-                "`{}` is compiled already; name the file of its text instead",
-                program.name
+                "`{name}` is compiled already; name the file of its text instead"
             )));
         }
-        let of = observed.remove(place);
-        let is_fitted = !held_out.contains(&of.program);
-        known.push((program, (of, is_fitted)));
+        let place = observed.iter().position(|(of, _)| of == name);
+        let measurement = measurement(name, place.map(|place| observed.remove(place).1), unused)?;
+        known.push(FitProgram {
+            program,
+            measurement,
+        });
     }
-    if let Some(left) = observed.first() {
+    if let Some((left, _)) = observed.first() {
         return Err(Failure::usage(format!(
-            "the data have times of `{}`, and no file declares it",
-            left.program
+            "the data have times of `{left}`, and no file declares it"
         )));
     }
-    if let Some(name) = held_out
-        .iter()
-        .find(|&name| known.iter().all(|(it, _)| it.name != *name))
-    {
-        return Err(Failure::usage(format!(
-            "--hold-out: no file declares `{name}`"
-        )));
+    for (option, names) in [
+        ("--hold-out", unused.held_out),
+        ("--predict", unused.predicted),
+    ] {
+        let is_known = |name: &String| known.iter().any(|it| it.program.name == *name);
+        if let Some(name) = names.iter().find(|name| !is_known(name)) {
+            return Err(Failure::usage(format!(
+                "{option}: no file declares `{name}`"
+            )));
+        }
     }
-    match known.iter().any(|(_, (_, is_fitted))| *is_fitted) {
+    match known.iter().any(|it| it.measurement.is_fitted) {
         true => Ok(known),
         false => Err(Failure::usage("--hold-out: no program is left to fit to")),
     }
 }
 
+fn measurement(
+    name: &String,
+    observed: Option<Observed>,
+    unused: Unused<'_>,
+) -> Result<Measurement, Failure> {
+    let is_predicted = unused.predicted.contains(name);
+    let n = match &observed {
+        Some(_) if is_predicted => {
+            return Err(Failure::usage(format!(
+                "--predict: the data have times of `{name}`; write `--hold-out {name}`"
+            )));
+        }
+        Some(observed) => observed.n,
+        None if is_predicted => unused.n,
+        None => {
+            return Err(Failure::usage(format!(
+                "the data have no times of `{name}`; give its times, leave it out of the files, or write `--predict {name}`"
+            )));
+        }
+    };
+    Ok(Measurement {
+        program: name.clone(),
+        n,
+        is_fitted: observed.is_some() && !unused.held_out.contains(name),
+        observed,
+    })
+}
+
+/// A number of runs at points of a design.
+struct Points<'a> {
+    design: &'a Design,
+    seed: u64,
+}
+
+impl FitSetup<'_> {
+    /// Points of each round.
+    ///
+    /// # Errors
+    /// If they are too few.
+    fn points(&self) -> Result<usize, Failure> {
+        let numbers = self.priors.len();
+        let least = Emulator::terms(numbers) + 2;
+        let points = self.points.unwrap_or(3 * Emulator::terms(numbers));
+        match points < least {
+            true => Err(Failure::usage(format!(
+                "--points: {numbers} numbers need {least} points at least"
+            ))),
+            false => Ok(points),
+        }
+    }
+
+    fn seed_of_round(&self, round: u64) -> u64 {
+        self.seed.wrapping_add(1_000_000 * round)
+    }
+
+    /// The points of a round, at values that the numbers may have.
+    fn design(&self, ends: &[(f64, f64)], round: u64) -> Result<Design, Failure> {
+        let mut design = Design::latin_hypercube(ends, self.points()?, self.seed_of_round(round));
+        for point in &mut design.points {
+            let pairs = point.iter_mut().zip(self.priors);
+            pairs.for_each(|(share, prior)| *share = prior.possible(*share));
+        }
+        Ok(design)
+    }
+
+    /// Length of the unit of time \[ticks\].
+    fn ticks(&self, scene: &Scene) -> f64 {
+        match self.unit {
+            Unit::Ticks => 1.0,
+            Unit::Seconds => 1.0 / scene.tick,
+        }
+    }
+
+    /// The runs of a round.
+    fn manifest(
+        &self,
+        measured: &[FitProgram],
+        points: &Points<'_>,
+        host: &dyn Host,
+    ) -> Result<Manifest, Failure> {
+        let entries = at_points(self, measured, points.design, host)?;
+        let settings = self.settings.clone();
+        Ok(Manifest::new(settings, points.seed, self.runs, entries))
+    }
+}
+
+/// Forecasts the CPU time of a fit. All rounds take about as long as the first.
+///
+/// # Errors
+/// See [`fit`].
+pub fn forecast(
+    setup: &FitSetup,
+    measured: &[FitProgram],
+    host: &dyn Host,
+) -> Result<CpuForecast, Failure> {
+    let design = setup.design(&vec![(0.0, 1.0); setup.priors.len()], 0)?;
+    let points = Points {
+        design: &design,
+        seed: setup.seed,
+    };
+    let of_round = cpu_time(&setup.manifest(measured, &points, host)?, host)?;
+    Ok(CpuForecast {
+        runs: of_round.runs * setup.rounds,
+        time: of_round.time * setup.rounds as u32,
+        ..of_round
+    })
+}
+
 /// Simulates at the points of each round, and draws conclusions.
 ///
 /// # Errors
-/// If there are too few points, the runs do not complete at most of them, or somebody stops it.
-pub fn fit(
-    setup: &FitSetup,
-    measured: &[Known],
-    unit: Unit,
-    host: &dyn Host,
-) -> Result<Fit, Failure> {
+/// If there are too few points, the runs do not complete at most of them, or the host stops it.
+pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result<Fit, Failure> {
     let priors = setup.priors;
-    let numbers = priors.len();
-    let least = Emulator::terms(numbers) + 2;
-    let points = setup.points.unwrap_or(3 * Emulator::terms(numbers));
-    if points < least {
-        return Err(Failure::usage(format!(
-            "--points: {numbers} numbers need {least} points at least"
-        )));
-    }
-    let mut ends = vec![(0.0, 1.0); numbers];
+    check_limit(setup, measured)?;
+    let mut ends = vec![(0.0, 1.0); priors.len()];
     let mut all: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
     let (mut posterior, mut stopped) = (None, 0);
     for round in 0..setup.rounds {
-        let seed = setup.seed.wrapping_add(1_000_000 * round);
-        let mut design = Design::latin_hypercube(&ends, points, seed);
-        for point in &mut design.points {
-            let pairs = point.iter_mut().zip(priors);
-            pairs.for_each(|(share, prior)| *share = prior.possible(*share));
-        }
-        let (new, lost) = simulated(setup, measured, unit, (&design, seed), host)?;
+        let points = Points {
+            design: &setup.design(&ends, round)?,
+            seed: setup.seed_of_round(round),
+        };
+        let (new, lost) = simulated(setup, measured, &points, host)?;
         stopped += lost;
         for (all, new) in all.iter_mut().zip(new) {
             all.extend(new);
         }
-        let emulators: Option<Vec<Emulator>> = (all.iter())
-            .map(|points| {
+        let emulators: Option<Vec<Emulator>> = (all.iter().zip(measured))
+            .map(|(points, program)| {
                 // Further away, a polynomial would bend for what does not matter any more.
                 let near = points.iter().filter(|point| point.is_within(&ends));
-                Emulator::of(&near.cloned().collect::<Vec<_>>())
+                let near: Vec<Simulated> = near.cloned().collect();
+                Emulator::of(&near, program.measurement.horizon())
             })
             .collect();
         let Some(emulators) = emulators else {
@@ -173,13 +293,12 @@ pub fn fit(
         };
         let known = emulators.iter().zip(measured);
         let known: Vec<FittedProgram> = known
-            .map(|(emulator, (_, (observed, is_fitted)))| FittedProgram {
-                observed,
-                is_fitted: *is_fitted,
+            .map(|(emulator, program)| FittedProgram {
+                measurement: &program.measurement,
                 emulator,
             })
             .collect();
-        let found = Posterior::of(&ends, &known, seed);
+        let found = Posterior::of(&ends, &known, points.seed);
         let surroundings = found.surroundings().into_iter().zip(priors);
         ends = surroundings
             .map(|(ends, prior)| prior.surroundings(ends))
@@ -190,65 +309,135 @@ pub fn fit(
     let (posterior, predictions): (Posterior, Vec<_>) =
         posterior.expect("there is one round at least");
     let marginals = priors.iter().enumerate();
+    let points = setup.points()? * setup.rounds as usize;
     Ok(Fit {
-        unit,
+        unit: setup.unit,
         numbers: marginals
             .map(|(i, prior)| posterior.marginal(i, prior))
             .collect(),
         correlations: posterior.correlations(),
         predictions,
-        points: points * setup.rounds as usize,
-        runs: points * setup.rounds as usize * measured.len() * setup.runs as usize,
+        points,
+        runs: points * measured.len() * setup.runs as usize,
         stopped,
         draws: posterior.values(priors),
     })
 }
 
-/// The times of every program at every point of a design, and how many runs were stopped.
+/// Checks that runs are simulated as long as they were observed.
+fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure> {
+    let limit = setup.settings.max_ticks.unwrap_or(u64::MAX);
+    for FitProgram {
+        program,
+        measurement,
+    } in measured
+    {
+        let horizon = measurement.horizon().unwrap_or(0.0) * setup.ticks(&program.scene);
+        if horizon > limit as f64 {
+            return Err(Failure::usage(format!(
+                "--max-ticks: runs of `{}` were observed for {horizon:.0} ticks; simulate them as long",
+                program.name
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The times of every program at every point of a design, and the number of runs that lack a time that the fit needs.
 fn simulated(
     setup: &FitSetup,
-    measured: &[Known],
-    unit: Unit,
-    (design, seed): (&Design, u64),
+    measured: &[FitProgram],
+    points: &Points<'_>,
     host: &dyn Host,
 ) -> Result<(Vec<Vec<Simulated>>, usize), Failure> {
-    let entries = at_points(setup, measured, design, host)?;
-    let manifest = Manifest::new(setup.settings.clone(), seed, setup.runs, entries);
-    let points = design.points.len();
+    let manifest = setup.manifest(measured, points, host)?;
     let results = all_runs(&manifest, setup.threads, "nothing was fitted", host)?;
     let mut found: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
     let mut stopped = 0;
     let mut observed = vec![Vec::new(); manifest.programs.len()];
     let read = results.finished.each(|done| {
-        let time = completion_time(&done.record).and_then(Observation::completed_time);
-        observed[done.program].extend(time);
+        observed[done.program].extend(completion_time(&done.record));
     });
     read.map_err(Failure::usage)?;
+    let count = points.design.points.len();
     for (entry, program) in manifest.programs.iter().enumerate() {
-        let scale = match unit {
-            Unit::Ticks => 1.0,
-            Unit::Seconds => program.scene.tick,
+        let unit = setup.ticks(&program.scene);
+        let completed = observed[entry].iter().filter_map(|it| it.completed_time());
+        let times: Vec<f64> = completed.map(|ticks| ticks / unit).collect();
+        let incomplete = observed[entry].len() - times.len();
+        // Up to a horizon, an incomplete run says as much as another.
+        let lost = match measured[entry / count].measurement.horizon() {
+            Some(_) => 0,
+            None => setup.runs as usize - times.len(),
         };
-        let times: Vec<f64> = observed[entry].iter().map(|time| time * scale).collect();
-        stopped += setup.runs as usize - times.len();
+        stopped += lost;
         // A point where many runs are stopped has times of the fast ones.
-        if times.len() * 10 >= setup.runs as usize * 9 {
-            let at = design.points[entry % points].clone();
-            found[entry / points].push(Simulated { at, times });
+        if lost * 10 <= setup.runs as usize {
+            found[entry / count].push(Simulated {
+                at: points.design.points[entry % count].clone(),
+                times,
+                incomplete,
+            });
         }
     }
     Ok((found, stopped))
 }
 
+/// The scenes of all programs with the medians of a fit, as the text of a program that others can import.
+///
+/// # Errors
+/// If a scene cannot have these numbers.
+pub fn fitted_scenes(
+    setup: &FitSetup,
+    measured: &[FitProgram],
+    fit: &Fit,
+    host: &dyn Host,
+) -> Result<String, Failure> {
+    let mut text = "// Written by `stochc fit`: medians, and 95 % intervals.\n".to_owned();
+    for it in &fit.numbers {
+        let [median, low, high] = [it.median, it.interval.0, it.interval.1].map(number);
+        let line = format!("// {}: {median} ({low} .. {high}) {}", it.of, it.unit);
+        text += &format!("{}\n", line.trim_end());
+    }
+    let mut scenes: Vec<Scene> = Vec::new();
+    for FitProgram { program, .. } in measured {
+        let mut entry = program.clone();
+        let medians = setup.priors.iter().zip(&fit.numbers);
+        let varied: Result<_, String> = medians
+            .map(|(prior, it)| prior.varied_to(it.median, &program.scene))
+            .collect();
+        entry.varied = varied.map_err(Failure::usage)?;
+        at_point(&mut entry, setup.levels, host)?;
+        if !scenes.contains(&entry.scene) {
+            scenes.push(entry.scene);
+        }
+    }
+    for (i, scene) in scenes.iter().enumerate() {
+        let is_taken = scenes[..i].iter().any(|other| other.name == scene.name);
+        let suffix = if is_taken {
+            format!("_{}", i + 1)
+        } else {
+            String::new()
+        };
+        text += &format!("scene {}_fitted{suffix} {{\n", scene.name);
+        for term in terms(scene) {
+            text += &format!("{}\n", term.text);
+        }
+        text += "}\n";
+    }
+    let laid_out = stochc_grammar::format(&text);
+    Ok(laid_out.expect("clauses are written as they are read"))
+}
+
 /// Each program at each point, the points of the first program first.
 fn at_points(
     setup: &FitSetup,
-    measured: &[Known],
+    measured: &[FitProgram],
     design: &Design,
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
     let mut entries = Vec::new();
-    for (program, _) in measured {
+    for FitProgram { program, .. } in measured {
         for point in &design.points {
             let mut entry = program.clone();
             let pairs = setup.priors.iter().zip(point);

@@ -78,11 +78,11 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
     );
     let two = &fit["predictions"][1];
     assert_eq!(
-        (&two["observed"]["program"], &two["is_fitted"]),
+        (&two["program"], &two["is_fitted"]),
         (&"two".into(), &false.into())
     );
     let mean = two["observed"]["mean"].as_f64().unwrap();
-    let [low, high] = [0, 1].map(|i| two["mean_interval"][i].as_f64().unwrap());
+    let [low, high] = ["low", "high"].map(|end| two["mean"][end].as_f64().unwrap());
     assert!(low < mean && mean < high, "{low} .. {high}, {mean}");
     let picture = fs::read_to_string(path(folder.path(), "out/fit.svg")).unwrap();
     layout::check("fit", &picture, Medium::Screen);
@@ -109,7 +109,7 @@ fn what_does_not_fit_together_is_told() {
             "program,ticks\none,10\none,20\n",
             "free=8..60",
             "",
-            "the data say nothing of `two`",
+            "the data have no times of `two`",
         ),
         (
             &*format!("{good}three,1\nthree,2\n"),
@@ -122,7 +122,7 @@ fn what_does_not_fit_together_is_told() {
             "program,ticks\none,ten\n",
             "free=8..60",
             "",
-            "line 2: `ten` is no number above 0, and up to 1e15",
+            "line 2: `ten` is not a number above 0 and up to 1e15",
         ),
         (good, "frei=8..60", "", "no number `frei`"),
         (good, "free=60..8", "", "is no range"),
@@ -133,6 +133,30 @@ fn what_does_not_fit_together_is_told() {
             "free=8..60",
             "--hold-out none",
             "no file declares `none`",
+        ),
+        (
+            good,
+            "free=8..60",
+            "--predict none",
+            "--predict: no file declares `none`",
+        ),
+        (
+            good,
+            "free=8..60",
+            "--predict two",
+            "write `--hold-out two`",
+        ),
+        (
+            "program,ticks,stopped\none,10,no\none,20,no\ntwo,20,no\ntwo,30,never\n",
+            "free=8..60",
+            "",
+            "`never` in `stopped` is neither `true` nor `false`",
+        ),
+        (
+            "program,ticks,stopped\none,10,no\none,900,yes\ntwo,20,no\ntwo,900,yes\n",
+            "free=8..60",
+            "--max-ticks 800",
+            "runs of `one` were observed for 900 ticks",
         ),
         (
             good,
@@ -211,4 +235,105 @@ fn a_scene_that_cannot_be_at_a_point_is_told_of() {
     );
     assert_eq!(said.status, 1, "{}", said.err);
     assert!(said.err.contains("which has room for 60"), "{}", said.err);
+}
+
+/// Times of two programs with 20 blocks, of runs that were stopped at 350 ticks: in a third of one, and in most of the other.
+const STOPPED: &str = "examples/fit/stopped.csv";
+
+fn fitted(said: &str) -> (f64, f64) {
+    let fit: Value = serde_json::from_str(said).unwrap();
+    let number = &fit["numbers"][0];
+    let [low, high] = [0, 1].map(|i| number["interval"][i].as_f64().unwrap());
+    (low, high)
+}
+
+#[test]
+fn a_number_is_found_again_although_runs_were_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (path(folder.path(), "small.sa"), path(folder.path(), "out"));
+    fs::write(&file, programs(8)).unwrap();
+    let vary = ["--vary", "free=8..60 log"];
+    let options = [&*file, "--data", STOPPED, "--out", &out, vary[0], vary[1]];
+    let said = stochc_with("fit --quiet --points 12 --format json", &options);
+    assert_eq!((said.status, &*said.err), (0, ""), "{}", said.out);
+    let (low, high) = fitted(&said.out);
+    assert!(
+        low < 20.0 && 20.0 < high && high - low < 25.0,
+        "{low} .. {high}"
+    );
+    let fit: Value = serde_json::from_str(&said.out).unwrap();
+    let two = &fit["predictions"][1];
+    assert_eq!(two["observed"]["horizon"], 350.0);
+    let share = two["observed"]["incomplete"].as_f64().unwrap();
+    let [low, high] = ["low", "high"].map(|end| two["incomplete"][end].as_f64().unwrap());
+    assert!(low < share && share < high, "{low} .. {high}, {share}");
+
+    // Without the column, they are taken for completed runs, and the truth is lost.
+    let table = fs::read_to_string(STOPPED).unwrap();
+    let rows = table.lines().map(|line| match line.rsplit_once(',') {
+        Some((rest, _)) if !line.starts_with('#') => format!("{rest}\n"),
+        _ => format!("{line}\n"),
+    });
+    let clipped = path(folder.path(), "clipped.csv");
+    fs::write(&clipped, rows.collect::<String>()).unwrap();
+    let options = [&*file, "--data", &clipped, vary[0], vary[1]];
+    let said = stochc_with("fit --quiet --points 12 --format json", &options);
+    assert_eq!(said.status, 0, "{}", said.err);
+    for warned in [
+        " times of `one` are 350; if these runs were stopped",
+        "of `two` are 350",
+    ] {
+        assert!(said.err.contains(warned), "{}", said.err);
+    }
+    let (low, _) = fitted(&said.out);
+    assert!(low > 20.0, "{low}");
+}
+
+#[test]
+fn a_program_without_times_is_predicted_and_the_fitted_scene_is_a_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, data, out) = (
+        path(folder.path(), "small.sa"),
+        path(folder.path(), "times.csv"),
+        path(folder.path(), "out"),
+    );
+    fs::write(&file, programs(8)).unwrap();
+    fs::write(&data, "program,n,mean_ticks,sd_ticks\none,200,337,217\n").unwrap();
+    let vary = ["--vary", "free=8..60 log"];
+    let options = [&*file, "--data", &data, "--out", &out, vary[0], vary[1]];
+    let all = "fit --points 10 --predict two --n 50";
+    let said = stochc_with(&format!("{all} --dry-run"), &options[..3]);
+    assert_eq!(said.status, 2, "{}", said.err);
+    let dry = stochc_with(&format!("{all} --dry-run"), &options);
+    assert_eq!((dry.status, &*dry.err), (0, ""), "{}", dry.out);
+    assert!(dry.out.starts_with("640 runs, about "), "{}", dry.out);
+    assert!(dry.out.contains(" of CPU time"), "{}", dry.out);
+    assert!(!fs::exists(&out).unwrap());
+
+    let said = stochc_with(all, &options);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.err.contains("640 runs, about "), "{}", said.err);
+    assert!(said.out.contains("not measured"), "{}", said.out);
+    let fit = fs::read_to_string(path(folder.path(), "out/fit.json")).unwrap();
+    let fit: Value = serde_json::from_str(&fit).unwrap();
+    let two = &fit["predictions"][1];
+    assert_eq!((&two["n"], &two["observed"]), (&50.into(), &Value::Null));
+    // The truth, of 200 runs.
+    let [low, high] = ["low", "high"].map(|end| two["mean"][end].as_f64().unwrap());
+    assert!(low < 580.0 && 580.0 < high, "{low} .. {high}");
+    let picture = fs::read_to_string(path(folder.path(), "out/fit.svg")).unwrap();
+    layout::check("fit", &picture, Medium::Screen);
+
+    let scene = fs::read_to_string(path(folder.path(), "out/fitted.sa")).unwrap();
+    let median = fit["numbers"][0]["median"].as_f64().unwrap();
+    assert!(
+        scene.contains(&format!("    free {median} uniform\n")),
+        "{scene}"
+    );
+    assert!(scene.contains("scene small_fitted {"), "{scene}");
+    let user = path(folder.path(), "out/user.sa");
+    let program = "import \"fitted.sa\"\nassembly a in small_fitted { seed plate 1 x 1 { M at (0, 0) }  phase p { M.up -> A } }\n";
+    fs::write(&user, program).unwrap();
+    let said = stochc_with("simulate --runs 1 --quiet", &[&user]);
+    assert_eq!(said.status, 0, "{}", said.err);
 }

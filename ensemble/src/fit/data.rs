@@ -1,24 +1,16 @@
 //! Measured times, from a table of comma-separated values.
 use std::collections::{BTreeMap, HashSet};
+use std::fmt;
+
+use csv::StringRecord;
 use stochc_files::csv::original;
 
-use crate::statistics::Summary;
+use super::observed::Observed;
+use crate::statistics::Observation;
+use crate::text::number;
 
 /// A number of a table, at most: of larger ones squares, and their sums, are not known to their digits.
 const MOST: f64 = 1e15;
-
-/// What is known of a program's time to completion.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Observed {
-    /// The program's name.
-    pub program: String,
-    /// How many runs were measured, 2 at least.
-    pub n: usize,
-    /// Their mean, in the unit of the table.
-    pub mean: f64,
-    /// Their standard deviation, in the same unit.
-    pub sd: f64,
-}
 
 /// What times are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -35,8 +27,8 @@ pub enum Unit {
 pub enum DataError {
     /// It has other columns.
     #[error(
-        "its columns are {0}; give `program,ticks` or `program,seconds` with a row for each run, or \
-         `program,n,mean_ticks,sd_ticks` (or `_seconds`) with a row for each program"
+        "its columns are {0}; give `program,ticks` or `program,seconds`, and `stopped` if runs were stopped, with a row for \
+         each run, or `program,n,mean_ticks,sd_ticks` (or `_seconds`) with a row for each program"
     )]
     Columns(String),
     /// A row that is not understood.
@@ -55,85 +47,171 @@ pub enum DataError {
     Empty,
 }
 
-impl Observed {
-    /// Reads a table: a row for each run (`program,ticks`), or one for each program (`program,n,mean_ticks,sd_ticks`); the same
-    /// with `seconds`. The programs come in the order of the table.
+/// Times of programs, from a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredTimes {
+    /// The unit of all times.
+    pub unit: Unit,
+    /// Each program with its measured times, in the order of the table.
+    pub programs: Vec<(String, Observed)>,
+    /// Times that look like those of stopped runs.
+    pub pile_ups: Vec<PileUp>,
+}
+
+/// Many completed runs of a program that took exactly the same time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PileUp {
+    /// The program.
+    pub program: String,
+    /// The time, in the unit of the table.
+    pub time: f64,
+    /// Number of runs with this time.
+    pub count: usize,
+    /// Number of runs of the program.
+    pub n: usize,
+}
+
+impl fmt::Display for PileUp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} of {} times of `{}` are {}; if these runs were stopped, add a column `stopped` with `true` for them",
+            self.count,
+            self.n,
+            self.program,
+            number(self.time)
+        )
+    }
+}
+
+/// The rows of a table.
+#[derive(Clone, Copy, PartialEq)]
+enum Rows {
+    Runs { with_stopped: bool },
+    Programs,
+}
+
+impl MeasuredTimes {
+    /// Reads a table with a row for each run or for each program. `docs/fit.md` lists the columns.
     ///
     /// # Errors
     /// See [`DataError`].
-    pub fn read(bytes: &[u8]) -> Result<(Unit, Vec<Observed>), DataError> {
+    pub fn read(bytes: &[u8]) -> Result<MeasuredTimes, DataError> {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
             .from_reader(bytes);
         let header = reader.headers().map_err(|error| row(&error))?.clone();
-        let columns: Vec<&str> = header.iter().collect();
-        let (unit, is_summed_up) = match columns[..] {
-            ["program", "ticks"] => (Unit::Ticks, false),
-            ["program", "seconds"] => (Unit::Seconds, false),
-            ["program", "n", "mean_ticks", "sd_ticks"] => (Unit::Ticks, true),
-            ["program", "n", "mean_seconds", "sd_seconds"] => (Unit::Seconds, true),
-            _ => return Err(DataError::Columns(format!("`{}`", columns.join(",")))),
-        };
+        let (unit, rows) = columns(&header)?;
         let mut order: Vec<String> = Vec::new();
         let mut known: HashSet<String> = HashSet::new();
-        let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-        let mut observed = Vec::new();
+        let mut runs: BTreeMap<String, Vec<Observation>> = BTreeMap::new();
+        let mut programs = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|error| row(&error))?;
             let line = record.position().map_or(0, csv::Position::line);
             let wrong = |reason: String| DataError::Row { line, reason };
-            let number = |i: usize| {
-                let text = record.get(i).unwrap_or_default();
-                let value: Option<f64> = text.parse().ok();
-                value
-                    .filter(|value| *value > 0.0 && *value <= MOST)
-                    .ok_or_else(|| wrong(format!("`{text}` is no number above 0, and up to 1e15")))
-            };
             let program = original(record.get(0).unwrap_or_default()).to_owned();
             let is_new = known.insert(program.clone());
-            if is_summed_up {
-                if !is_new {
+            match rows {
+                Rows::Programs if !is_new => {
                     return Err(wrong(format!("`{program}` has a row already")));
                 }
-                let n = number(1)?;
-                if n.fract() != 0.0 || n < 2.0 {
-                    return Err(wrong(format!("`{n}` is no number of runs from 2")));
+                Rows::Programs => programs.push((program, summary(&record).map_err(wrong)?)),
+                Rows::Runs { with_stopped } => {
+                    if is_new {
+                        order.push(program.clone());
+                    }
+                    let run = run(&record, with_stopped).map_err(wrong)?;
+                    runs.entry(program).or_default().push(run);
                 }
-                observed.push(Observed {
-                    program: program.clone(),
-                    n: n as usize,
-                    mean: number(2)?,
-                    sd: number(3)?,
-                });
-            } else {
-                times.entry(program.clone()).or_default().push(number(1)?);
-            }
-            if is_new {
-                order.push(program);
             }
         }
-        if order.is_empty() {
+        if known.is_empty() {
             return Err(DataError::Empty);
         }
-        if is_summed_up {
-            return Ok((unit, observed));
-        }
-        let sum_up = |program: String| {
-            let summary = Summary::of(&times[&program]);
-            match summary.and_then(|it| Some((it.n, it.mean, it.sd.filter(|sd| *sd > 0.0)?))) {
-                Some((n, mean, sd)) => Ok(Observed {
-                    program,
-                    n,
-                    mean,
-                    sd,
-                }),
-                None => Err(DataError::TooFew(program)),
+        let mut pile_ups = Vec::new();
+        for program in order {
+            let runs = &runs[&program];
+            pile_ups.extend(pile_up(&program, runs));
+            match Observed::from_runs(runs) {
+                Some(observed) => programs.push((program, observed)),
+                None => return Err(DataError::TooFew(program)),
             }
-        };
-        let observed: Result<Vec<Observed>, DataError> = order.into_iter().map(sum_up).collect();
-        Ok((unit, observed?))
+        }
+        Ok(MeasuredTimes {
+            unit,
+            programs,
+            pile_ups,
+        })
     }
+}
+
+fn columns(header: &StringRecord) -> Result<(Unit, Rows), DataError> {
+    let columns: Vec<&str> = header.iter().collect();
+    let runs = |with_stopped| Rows::Runs { with_stopped };
+    Ok(match columns[..] {
+        ["program", "ticks"] => (Unit::Ticks, runs(false)),
+        ["program", "seconds"] => (Unit::Seconds, runs(false)),
+        ["program", "ticks", "stopped"] => (Unit::Ticks, runs(true)),
+        ["program", "seconds", "stopped"] => (Unit::Seconds, runs(true)),
+        ["program", "n", "mean_ticks", "sd_ticks"] => (Unit::Ticks, Rows::Programs),
+        ["program", "n", "mean_seconds", "sd_seconds"] => (Unit::Seconds, Rows::Programs),
+        _ => return Err(DataError::Columns(format!("`{}`", columns.join(",")))),
+    })
+}
+
+fn positive(record: &StringRecord, column: usize) -> Result<f64, String> {
+    let text = record.get(column).unwrap_or_default();
+    let value: Option<f64> = text.parse().ok();
+    value
+        .filter(|value| *value > 0.0 && *value <= MOST)
+        .ok_or_else(|| format!("`{text}` is not a number above 0 and up to 1e15"))
+}
+
+fn summary(record: &StringRecord) -> Result<Observed, String> {
+    let n = positive(record, 1)?;
+    if n.fract() != 0.0 || n < 2.0 {
+        return Err(format!("`{n}` is not a number of runs from 2"));
+    }
+    let (mean, sd) = (positive(record, 2)?, positive(record, 3)?);
+    Ok(Observed::from_summary(n as usize, mean, sd))
+}
+
+fn run(record: &StringRecord, with_stopped: bool) -> Result<Observation, String> {
+    let time = positive(record, 1)?;
+    let word = match with_stopped {
+        true => record.get(2).unwrap_or_default(),
+        false => "false",
+    };
+    match word.to_ascii_lowercase().as_str() {
+        "true" | "yes" | "1" => Ok(Observation::censored(time)),
+        "false" | "no" | "0" => Ok(Observation::completed(time)),
+        _ => Err(format!(
+            "`{word}` in `stopped` is neither `true` nor `false`"
+        )),
+    }
+}
+
+/// A time that is much more frequent than others: at least five runs, a twentieth of all, and four times as many as
+/// other times have.
+fn pile_up(program: &str, runs: &[Observation]) -> Option<PileUp> {
+    let completed = runs.iter().filter_map(|run| run.completed_time());
+    let mut times: Vec<f64> = completed.collect();
+    times.sort_by(f64::total_cmp);
+    let mut counts: Vec<(usize, f64)> = (times.chunk_by(|a, b| a == b))
+        .map(|same| (same.len(), same[0]))
+        .collect();
+    counts.sort_by(|a, b| a.0.cmp(&b.0));
+    let usual = counts.get(counts.len() / 2)?.0;
+    let (count, time) = *counts.last()?;
+    let is_pile_up = count >= 5 && 20 * count >= runs.len() && count >= 4 * usual;
+    is_pile_up.then(|| PileUp {
+        program: program.to_owned(),
+        time,
+        count,
+        n: runs.len(),
+    })
 }
 
 fn row(error: &csv::Error) -> DataError {
@@ -152,25 +230,60 @@ mod tests {
 
     #[test]
     fn runs_are_summed_up_and_sums_are_taken() {
-        let (unit, found) = Observed::read(b"program,ticks\na,10\nb,5\na,14\nb,7\n").unwrap();
-        assert_eq!(unit, Unit::Ticks);
-        assert_eq!(
-            (found[0].program.as_str(), found[0].n, found[0].mean),
-            ("a", 2, 12.0)
-        );
-        assert!((found[0].sd - 8f64.sqrt()).abs() < 1e-12);
+        let found = MeasuredTimes::read(b"program,ticks\nb,10\na,5\nb,14\na,7\n").unwrap();
+        assert_eq!(found.unit, Unit::Ticks);
+        let (program, first) = &found.programs[0];
+        assert_eq!((program.as_str(), first.n, first.mean), ("b", 2, 12.0));
+        assert!((first.sd - 8f64.sqrt()).abs() < 1e-12);
         let text = b"# the paper\nprogram, n, mean_seconds, sd_seconds\nline, 50, 158, 21\n";
-        let (unit, found) = Observed::read(text).unwrap();
-        assert_eq!((unit, found[0].n, found[0].sd), (Unit::Seconds, 50, 21.0));
+        let found = MeasuredTimes::read(text).unwrap();
+        let (_, first) = &found.programs[0];
+        assert_eq!((found.unit, first.n, first.sd), (Unit::Seconds, 50, 21.0));
+    }
+
+    #[test]
+    fn stopped_runs_are_marked_in_a_column_of_their_own() {
+        let text = b"program,seconds,stopped\na,10,false\na,14,no\na,20,TRUE\na,20,1\n";
+        let found = MeasuredTimes::read(text).unwrap();
+        assert_eq!(found.unit, Unit::Seconds);
+        let (_, first) = &found.programs[0];
+        assert_eq!((first.n, first.stopped, first.mean), (4, 2, 16.0));
+        let told = MeasuredTimes::read(b"program,ticks,stopped\na,10,maybe\n").unwrap_err();
+        let expected = "line 2: `maybe` in `stopped` is neither `true` nor `false`";
+        assert_eq!(told.to_string(), expected);
+    }
+
+    #[test]
+    fn times_that_pile_up_are_found_unless_their_runs_were_stopped() {
+        let table = |last: &str| {
+            let rows = (0..40).map(|i| format!("a,{},false\n", 100 + 3 * i));
+            let table = "program,ticks,stopped\n".to_owned() + &rows.collect::<String>();
+            MeasuredTimes::read((table + &last.repeat(20)).as_bytes()).unwrap()
+        };
+        let found = table("a,350,false\n");
+        let [found] = &found.pile_ups[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!((found.time, found.count, found.n), (350.0, 20, 60));
+        assert_eq!(table("a,350,true\n").pile_ups, []);
+        // Rounded times are equal as well, everywhere.
+        let rows = (0..60).map(|i| format!("a,{}\n", 10 * (1 + i % 6)));
+        let rounded = "program,ticks\n".to_owned() + &rows.collect::<String>();
+        let found = MeasuredTimes::read(rounded.as_bytes()).unwrap();
+        assert_eq!(found.pile_ups, []);
     }
 
     #[test]
     fn what_is_not_understood_is_told_with_its_line() {
-        let told = |text: &str| Observed::read(text.as_bytes()).unwrap_err().to_string();
+        let told = |text: &str| {
+            MeasuredTimes::read(text.as_bytes())
+                .unwrap_err()
+                .to_string()
+        };
         assert!(told("a,b\n1,2\n").contains("`a,b`"));
         assert_eq!(
             told("program,ticks\na,x\n"),
-            "line 2: `x` is no number above 0, and up to 1e15"
+            "line 2: `x` is not a number above 0 and up to 1e15"
         );
         assert_eq!(
             told("program,ticks\na,1\na\n"),
@@ -179,7 +292,9 @@ mod tests {
         assert_eq!(told("program,ticks\n"), "it holds no times");
         assert!(told("program,ticks\na,1\n").contains("fewer than two runs"));
         assert!(told("program,n,mean_ticks,sd_ticks\na,1,2,3\n").contains("number of runs"));
-        assert!(told("program,ticks\na,1e155\na,2\n").starts_with("line 2: `1e155` is no number"));
+        assert!(
+            told("program,ticks\na,1e155\na,2\n").starts_with("line 2: `1e155` is not a number")
+        );
         assert!(told("program,n,mean_ticks,sd_ticks\na,9,2,3\na,9,2,3\n").contains("already"));
     }
 }

@@ -1,13 +1,17 @@
-//! Mean and spread of a program's times as functions of the numbers of its scene.
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+//! Statistics of a program's times as functions of the numbers of its scene.
+use nalgebra::{DMatrix, DVector};
+
+use super::statistics::TimeStatistics;
 
 /// The times of a program at a point of the design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulated {
     /// The point: a share of the prior for every number.
     pub at: Vec<f64>,
-    /// Times to completion, in the unit of the data; 3 at least.
+    /// Times to completion, in the unit of the data.
     pub times: Vec<f64>,
+    /// Runs that did not complete.
+    pub incomplete: usize,
 }
 
 impl Simulated {
@@ -23,39 +27,38 @@ pub(super) fn is_within(at: &[f64], ends: &[(f64, f64)]) -> bool {
     sides.all(|(at, (low, high))| (*low..=*high).contains(at))
 }
 
-/// The logarithms of mean and standard deviation of a sample, and how well they are known.
-struct Logarithms {
-    of: Vector2<f64>,
-    /// Covariance of the two, by the jackknife, times the size of the sample.
-    unit_covariance: Matrix2<f64>,
-    n: f64,
-}
-
-/// What an [`Emulator`] says of a point: logarithms of the mean and of the standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The statistics that an [`Emulator`] expects at a point.
+#[derive(Clone, Debug, PartialEq)]
 pub struct EmulatorPrediction {
-    /// The two.
-    pub of: [f64; 2],
+    /// See [`TimeStatistics`].
+    pub of: Vec<f64>,
     /// Variances of their errors.
-    pub variance: [f64; 2],
+    pub variance: Vec<f64>,
 }
 
-/// Quadratic polynomials in the numbers, by least squares, for the logarithms of mean and standard deviation.
+/// Quadratic polynomials in the numbers, by least squares, for each statistic.
 #[derive(Clone, Debug)]
 pub struct Emulator {
     /// Middle and half the width of the points, in each direction.
     scale: Vec<(f64, f64)>,
-    coefficients: [DVector<f64>; 2],
+    /// One for each statistic.
+    polynomials: Vec<Polynomial>,
     /// (XᵀX)⁻¹ of the least squares.
     inverse: DMatrix<f64>,
     /// The leverage of the points on average.
     mean_leverage: f64,
+    /// Covariance of the statistics in a sample of one run. That of n runs is an n-th of it.
+    unit_covariance: DMatrix<f64>,
+}
+
+/// A quadratic polynomial, fitted to one statistic.
+#[derive(Clone, Debug)]
+struct Polynomial {
+    coefficients: DVector<f64>,
     /// Variance of the residuals.
-    residual: [f64; 2],
-    /// What of it the polynomials miss, and no number of runs would mend.
-    lack_of_fit: [f64; 2],
-    /// Covariance of the two logarithms in a sample of one run; that of n runs is an n-th of it.
-    unit_covariance: Matrix2<f64>,
+    residual: f64,
+    /// The part of it that does not come from the scatter of the runs.
+    lack_of_fit: f64,
 }
 
 impl Emulator {
@@ -64,12 +67,12 @@ impl Emulator {
         1 + 2 * numbers + numbers * numbers.saturating_sub(1) / 2
     }
 
-    /// Fits polynomials to simulated points; `None`: there are too few points (two more than [`Emulator::terms`] are needed), or they
-    /// lie in a line.
-    pub fn of(points: &[Simulated]) -> Option<Emulator> {
+    /// Fits polynomials to the statistics of simulated points, of times cut at a `horizon` if there is one. `None`: there are
+    /// too few points (two more than [`Emulator::terms`] are needed), or they lie in a line.
+    pub fn of(points: &[Simulated], horizon: Option<f64>) -> Option<Emulator> {
         let numbers = points.first()?.at.len();
-        let known: Vec<(&Simulated, Logarithms)> = (points.iter())
-            .filter_map(|point| Some((point, Logarithms::of(&point.times)?)))
+        let known: Vec<(&Simulated, TimeStatistics)> = (points.iter())
+            .filter_map(|point| Some((point, TimeStatistics::of(point, horizon)?)))
             .collect();
         let terms = Emulator::terms(numbers);
         if known.len() < terms + 2 {
@@ -89,28 +92,17 @@ impl Emulator {
         let rows: Vec<f64> = rows.flatten().collect();
         let matrix = DMatrix::from_row_slice(known.len(), terms, &rows);
         let inverse = (matrix.transpose() * &matrix).cholesky()?.inverse();
-        let freedom = (known.len() - terms) as f64;
-        let fit = |which: usize| {
-            let values =
-                DVector::from_iterator(known.len(), known.iter().map(|(_, it)| it.of[which]));
-            let coefficients = &inverse * matrix.transpose() * &values;
-            let residual = (&values - &matrix * &coefficients).norm_squared() / freedom;
-            let noise = known
-                .iter()
-                .map(|(_, it)| it.unit_covariance[(which, which)] / it.n);
-            let noise = noise.sum::<f64>() / known.len() as f64;
-            (coefficients, residual, (residual - noise).max(0.0))
-        };
-        let [mean, spread] = [0, 1].map(fit);
-        let covariances = known.iter().map(|(_, it)| it.unit_covariance);
+        let statistics: Vec<TimeStatistics> = known.into_iter().map(|(_, it)| it).collect();
+        let count = statistics.first()?.of.len();
+        let fit = |which: usize| Polynomial::fit(&statistics, which, &matrix, &inverse);
+        let covariances = statistics.iter().map(|it| &it.unit_covariance);
+        let sum = covariances.fold(DMatrix::zeros(count, count), |sum, it| sum + it);
         Some(Emulator {
             scale,
-            mean_leverage: terms as f64 / known.len() as f64,
-            residual: [mean.1, spread.1],
-            lack_of_fit: [mean.2, spread.2],
-            coefficients: [mean.0, spread.0],
+            mean_leverage: terms as f64 / statistics.len() as f64,
+            polynomials: (0..count).map(fit).collect(),
             inverse,
-            unit_covariance: covariances.sum::<Matrix2<f64>>() / known.len() as f64,
+            unit_covariance: sum / statistics.len() as f64,
         })
     }
 
@@ -119,8 +111,8 @@ impl Emulator {
         let features = self.features(at);
         let leverage = features.dot(&(&self.inverse * &features));
         EmulatorPrediction {
-            of: self.logarithms(&features),
-            variance: self.variance(leverage),
+            of: self.values(&features).collect(),
+            variance: self.variances(leverage).collect(),
         }
     }
 
@@ -130,36 +122,62 @@ impl Emulator {
     }
 
     /// The values of the polynomials, of these terms.
-    fn logarithms(&self, features: &DVector<f64>) -> [f64; 2] {
-        [0, 1].map(|which| self.coefficients[which].dot(features))
+    fn values(&self, features: &DVector<f64>) -> impl Iterator<Item = f64> {
+        (self.polynomials.iter()).map(|it| it.coefficients.dot(features))
     }
 
     /// Variances of the errors where the polynomials have this leverage.
-    fn variance(&self, leverage: f64) -> [f64; 2] {
-        [0, 1].map(|which| self.residual[which] * leverage + self.lack_of_fit[which])
+    fn variances(&self, leverage: f64) -> impl Iterator<Item = f64> {
+        (self.polynomials.iter()).map(move |it| it.residual * leverage + it.lack_of_fit)
     }
 
-    /// The logarithm of the likelihood of a mean and a standard deviation of n runs at a point, up to a constant.
+    /// Returns the logarithm of the likelihood of statistics of `n` runs at a point, up to a constant.
     ///
     /// The variance of the polynomials is that of a design's point on average. With that of each place, data that nothing explains
     /// would be likeliest where least is known.
-    pub(crate) fn log_likelihood(&self, at: &[f64], n: usize, mean: f64, sd: f64) -> f64 {
-        let features = self.features(at);
-        let covariance = self.unit_covariance / n as f64
-            + Matrix2::from_diagonal(&Vector2::from(self.variance(self.mean_leverage)));
-        let off = Vector2::new(mean.ln(), sd.ln()) - Vector2::from(self.logarithms(&features));
-        match covariance.try_inverse() {
-            Some(inverse) => {
-                let squares = (off.transpose() * inverse * off)[(0, 0)];
-                -0.5 * (squares + covariance.determinant().ln())
-            }
-            None => f64::NEG_INFINITY,
+    pub(crate) fn log_likelihood(&self, measured: Vec<f64>, n: f64) -> impl Fn(&[f64]) -> f64 {
+        let errors: Vec<f64> = self.variances(self.mean_leverage).collect();
+        let errors = DMatrix::from_diagonal(&DVector::from_vec(errors));
+        let inverse = (&self.unit_covariance / n + errors).try_inverse();
+        let measured = DVector::from_vec(measured);
+        move |at| {
+            let Some(inverse) = &inverse else {
+                return f64::NEG_INFINITY;
+            };
+            let features = self.features(at);
+            let expected = self.values(&features);
+            let off = &measured - DVector::from_iterator(measured.len(), expected);
+            -0.5 * off.dot(&(inverse * &off))
         }
     }
 
-    /// Variance of the logarithm of the mean of n runs, by chance alone.
-    pub(crate) fn sampling_variance(&self, n: usize) -> [f64; 2] {
-        [0, 1].map(|which| self.unit_covariance[(which, which)] / n as f64)
+    /// Variances of the statistics of `n` runs, by chance alone.
+    pub(crate) fn sampling_variances(&self, n: f64) -> Vec<f64> {
+        let diagonal = self.unit_covariance.diagonal();
+        diagonal.iter().map(|variance| variance / n).collect()
+    }
+}
+
+impl Polynomial {
+    /// Fits one of the statistics of all points, whose terms are the rows of the matrix; `inverse` is (XᵀX)⁻¹ of it.
+    fn fit(
+        statistics: &[TimeStatistics],
+        which: usize,
+        matrix: &DMatrix<f64>,
+        inverse: &DMatrix<f64>,
+    ) -> Polynomial {
+        let points = statistics.len();
+        let values = DVector::from_iterator(points, statistics.iter().map(|it| it.of[which]));
+        let coefficients = inverse * matrix.transpose() * &values;
+        let freedom = (points - matrix.ncols()) as f64;
+        let residual = (&values - matrix * &coefficients).norm_squared() / freedom;
+        let noise = (statistics.iter()).map(|it| it.unit_covariance[(which, which)] / it.n);
+        let noise = noise.sum::<f64>() / points as f64;
+        Polynomial {
+            coefficients,
+            residual,
+            lack_of_fit: (residual - noise).max(0.0),
+        }
     }
 }
 
@@ -174,41 +192,6 @@ fn features(at: &[f64], scale: &[(f64, f64)]) -> Vec<f64> {
         features.extend(x[i..].iter().map(|other| x[i] * other));
     }
     features
-}
-
-impl Logarithms {
-    /// `None`: there are fewer than three times, or no spread.
-    fn of(times: &[f64]) -> Option<Logarithms> {
-        let n = times.len() as f64;
-        let (sum, squares) = (
-            times.iter().sum::<f64>(),
-            times.iter().map(|t| t * t).sum::<f64>(),
-        );
-        let logarithms = |n: f64, sum: f64, squares: f64| {
-            let mean = sum / n;
-            let variance = (squares - n * mean * mean) / (n - 1.0);
-            let of = Vector2::new(mean.ln(), 0.5 * variance.ln());
-            (variance > 1e-12 * mean * mean && of.iter().all(|it| it.is_finite())).then_some(of)
-        };
-        if times.len() < 3 {
-            return None;
-        }
-        let of = logarithms(n, sum, squares)?;
-        let without: Option<Vec<Vector2<f64>>> = (times.iter())
-            .map(|time| logarithms(n - 1.0, sum - time, squares - time * time))
-            .collect();
-        let without = without?;
-        let middle = without.iter().sum::<Vector2<f64>>() / n;
-        let spread = without
-            .iter()
-            .map(|it| (it - middle) * (it - middle).transpose());
-        Some(Logarithms {
-            of,
-            // (n - 1) / n times the sum is the covariance of the sample's figures.
-            unit_covariance: spread.sum::<Matrix2<f64>>() * (n - 1.0),
-            n,
-        })
-    }
 }
 
 #[cfg(test)]
@@ -233,6 +216,7 @@ mod tests {
             .map(|(turn, at)| Simulated {
                 times: times(mean(&at), 24, turn),
                 at,
+                incomplete: 0,
             })
             .collect()
     }
@@ -241,7 +225,7 @@ mod tests {
     fn a_quadratic_is_found_again() {
         let law =
             |at: &[f64]| (5.0 + 0.8 * at[0] - 0.3 * at[1] * at[0] + 0.2 * at[1] * at[1]).exp();
-        let emulator = Emulator::of(&points(law)).unwrap();
+        let emulator = Emulator::of(&points(law), None).unwrap();
         for at in [[0.5, 0.5], [0.1, 0.9], [0.0, 0.0]] {
             let found = emulator.estimate(&at).of[0];
             assert!((found - law(&at).ln()).abs() < 0.01, "{at:?}: {found}");
@@ -250,16 +234,17 @@ mod tests {
         let spread = emulator.estimate(&[0.5, 0.5]);
         assert!((spread.of[1] - spread.of[0] - 0.5f64.ln()).abs() < 0.05);
         // The variance of the logarithm of a mean is CV² / n.
-        let [of_mean, _] = emulator.sampling_variance(100);
+        let of_mean = emulator.sampling_variances(100.0)[0];
         assert!((of_mean * 100.0 / 0.25 - 1.0).abs() < 0.15, "{of_mean}");
     }
 
     #[test]
     fn the_truth_is_likelier_than_what_is_beside_it() {
         let law = |at: &[f64]| (5.0 + 0.8 * at[0]).exp();
-        let emulator = Emulator::of(&points(law)).unwrap();
+        let emulator = Emulator::of(&points(law), None).unwrap();
         let mean = law(&[0.5, 0.0]);
-        let likelihood = |x| emulator.log_likelihood(&[x, 0.5], 100, mean, mean / 2.0);
+        let likelihood = emulator.log_likelihood(vec![mean.ln(), (mean / 2.0).ln()], 100.0);
+        let likelihood = |x| likelihood(&[x, 0.5]);
         assert!(likelihood(0.5) > likelihood(0.3) + 1.0);
         assert!(likelihood(0.5) > likelihood(0.7) + 1.0);
     }
@@ -269,7 +254,10 @@ mod tests {
         let rough = |at: &[f64]| (5.0 + 0.5 * (12.0 * at[0]).sin()).exp();
         let smooth = |at: &[f64]| (5.0 + 0.5 * at[0]).exp();
         let error = |emulator: &Emulator| emulator.estimate(&[0.5, 0.5]).variance[0].sqrt();
-        let [rough, smooth] = [Emulator::of(&points(rough)), Emulator::of(&points(smooth))];
+        let [rough, smooth] = [
+            Emulator::of(&points(rough), None),
+            Emulator::of(&points(smooth), None),
+        ];
         assert!(error(&rough.unwrap()) > 0.2);
         assert!(error(&smooth.unwrap()) < 0.1);
     }
@@ -277,8 +265,8 @@ mod tests {
     #[test]
     fn too_few_points_say_nothing() {
         let all = points(|_| 100.0);
-        assert!(Emulator::of(&all[..7]).is_none());
-        assert!(Emulator::of(&all[..8]).is_some());
-        assert!(Emulator::of(&[]).is_none());
+        assert!(Emulator::of(&all[..7], None).is_none());
+        assert!(Emulator::of(&all[..8], None).is_some());
+        assert!(Emulator::of(&[], None).is_none());
     }
 }

@@ -135,8 +135,15 @@ impl Prior {
     /// # Errors
     /// In words, when the scene has no such number, or may not have this value of it.
     pub fn varied(&self, share: f64, scene: &Scene) -> Result<Varied, String> {
+        self.varied_to(self.value(share), scene)
+    }
+
+    /// A value in `unit`, for a scene.
+    ///
+    /// # Errors
+    /// See [`Prior::varied`].
+    pub fn varied_to(&self, said: f64, scene: &Scene) -> Result<Varied, String> {
         let number = number(scene, &self.of)?;
-        let said = self.value(share);
         let said = match number.is_whole() {
             true => said.round(),
             // As many digits as single precision has: more would make no other run.

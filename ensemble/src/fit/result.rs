@@ -1,8 +1,9 @@
 //! What came of a fit.
 use serde::Serialize;
 
-use super::data::{Observed, Unit};
+use super::data::Unit;
 use super::emulator::Emulator;
+use super::observed::Observed;
 use super::posterior::{Marginal, Posterior};
 use super::prior::Prior;
 use crate::statistics::quantile;
@@ -16,76 +17,157 @@ pub struct Fit {
     pub numbers: Vec<Marginal>,
     /// Correlations of the numbers in the posterior.
     pub correlations: Vec<Vec<f64>>,
-    /// One for each program that was measured.
+    /// One for each program.
     pub predictions: Vec<Prediction>,
     /// Points simulated, of all rounds.
     pub points: usize,
     /// Runs made at them.
     pub runs: usize,
-    /// Runs that were stopped before they completed, which no figure counts.
+    /// Runs that did not complete, where the fit needs their times.
     pub stopped: usize,
     /// Draws from the posterior, in the units of the priors.
     pub draws: Vec<Vec<f64>>,
 }
 
+/// The times of a program in a fit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Measurement {
+    /// The program's name.
+    pub program: String,
+    /// Number of runs, measured or to be predicted.
+    pub n: usize,
+    /// The measured times. `None`: the program is only predicted.
+    pub observed: Option<Observed>,
+    /// Whether the fit uses it. `false`: it was held out, or there is nothing to use.
+    pub is_fitted: bool,
+}
+
+impl Measurement {
+    /// End of the times that count, in the unit of the table. `None`: all times count.
+    pub fn horizon(&self) -> Option<f64> {
+        self.observed.as_ref()?.horizon
+    }
+
+    /// Number of runs that tell as much if none is stopped early.
+    fn effective_n(&self) -> f64 {
+        let observed = self.observed.as_ref();
+        observed.map_or(self.n as f64, |it| it.effective_n)
+    }
+}
+
+/// A figure as the posterior predicts it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// Half of the probability is below.
+    pub median: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end of it.
+    pub high: f64,
+}
+
+impl Interval {
+    /// Whether a value is within the interval.
+    pub fn has(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+
+    fn of(values: &[f64]) -> Interval {
+        let at = |share| quantile(values, share).unwrap_or(f64::NAN);
+        Interval {
+            median: at(0.5),
+            low: at(0.025),
+            high: at(0.975),
+        }
+    }
+
+    fn map(self, to: impl Fn(f64) -> f64) -> Interval {
+        Interval {
+            median: to(self.median),
+            low: to(self.low),
+            high: to(self.high),
+        }
+    }
+}
+
 /// The times of a program as the posterior predicts them for a new measurement of the same size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
-    /// What was measured.
-    pub observed: Observed,
-    /// Whether the fit has used it; `false`: it was held out.
-    pub is_fitted: bool,
-    /// Median of the predicted mean.
-    pub mean: f64,
-    /// 95 % interval of the predicted mean.
-    pub mean_interval: (f64, f64),
-    /// Median of the predicted standard deviation.
-    pub sd: f64,
-    /// 95 % interval of the predicted standard deviation.
-    pub sd_interval: (f64, f64),
+    /// The measured times, or the number of runs to predict.
+    #[serde(flatten)]
+    pub of: Measurement,
+    /// Their mean, each time cut at the horizon.
+    pub mean: Interval,
+    /// Their standard deviation. `None`: there is a horizon.
+    pub sd: Option<Interval>,
+    /// The share of runs that are incomplete at the horizon. `None`: there is none.
+    pub incomplete: Option<Interval>,
 }
 
 impl Prediction {
     /// Whether the measured mean is within its interval.
     pub fn has_mean(&self) -> bool {
-        (self.mean_interval.0..=self.mean_interval.1).contains(&self.observed.mean)
+        let observed = self.of.observed.as_ref();
+        observed.is_none_or(|observed| self.mean.has(observed.mean))
     }
 
     /// Whether the measured standard deviation is within its interval.
     pub fn has_sd(&self) -> bool {
-        (self.sd_interval.0..=self.sd_interval.1).contains(&self.observed.sd)
+        let pair = self.of.observed.as_ref().zip(self.sd);
+        pair.is_none_or(|(observed, sd)| sd.has(observed.sd))
+    }
+
+    /// Whether the measured share of incomplete runs is within its interval.
+    pub fn has_incomplete(&self) -> bool {
+        let pair = self.of.observed.as_ref().zip(self.incomplete);
+        pair.is_none_or(|(observed, incomplete)| incomplete.has(observed.incomplete))
     }
 }
 
-/// A program that was measured, with its emulator.
+/// A program of a fit, with its emulator.
 pub struct FittedProgram<'a> {
-    /// What was measured.
-    pub observed: &'a Observed,
-    /// Whether the fit uses it.
-    pub is_fitted: bool,
+    /// The measured times, or the number of runs to predict.
+    pub measurement: &'a Measurement,
     /// What simulations say of it.
     pub emulator: &'a Emulator,
+}
+
+impl Observed {
+    /// Returns the statistics that an emulator interpolates.
+    fn statistics(&self) -> Vec<f64> {
+        match self.horizon {
+            None => vec![self.mean.ln(), self.sd.ln()],
+            Some(horizon) => {
+                let square = self.second_moment() / (horizon * horizon);
+                vec![self.mean / horizon, square, self.incomplete]
+            }
+        }
+    }
 }
 
 impl Posterior {
     /// The posterior of numbers by the programs that are fitted, within the box that their emulators are of: beyond it these know
     /// so little that anything might be there.
     pub fn of(ends: &[(f64, f64)], programs: &[FittedProgram], seed: u64) -> Posterior {
-        let fitted = || programs.iter().filter(|program| program.is_fitted);
-        let likelihood = |at: &[f64]| {
-            let of = |program: &FittedProgram| {
-                let Observed { n, mean, sd, .. } = *program.observed;
-                program.emulator.log_likelihood(at, n, mean, sd)
-            };
-            fitted().map(of).sum()
-        };
+        let fitted = programs.iter().filter(|it| it.measurement.is_fitted);
+        let likelihoods: Vec<_> = fitted
+            .filter_map(|it| {
+                let observed = it.measurement.observed.as_ref()?;
+                let (statistics, n) = (observed.statistics(), observed.effective_n);
+                Some(it.emulator.log_likelihood(statistics, n))
+            })
+            .collect();
+        let likelihood = |at: &[f64]| likelihoods.iter().map(|of| of(at)).sum();
         Posterior::sample(ends, likelihood, seed)
     }
 
     /// What it predicts for a measurement like the one of a program.
     pub fn predict(&self, program: &FittedProgram) -> Prediction {
-        let chance = program.emulator.sampling_variance(program.observed.n);
-        let spread = |which: usize| {
+        let measurement = program.measurement;
+        let chance = program
+            .emulator
+            .sampling_variances(measurement.effective_n());
+        let interval = |which: usize| {
             let draws = self.draws.iter().enumerate();
             let values: Vec<f64> = draws
                 .map(|(i, draw)| {
@@ -96,17 +178,25 @@ impl Posterior {
                     estimate.of[which] + sd * normal_at(share)
                 })
                 .collect();
-            let at = |share| quantile(&values, share).unwrap_or(f64::NAN).exp();
-            (at(0.5), (at(0.025), at(0.975)))
+            Interval::of(&values)
         };
-        let ((mean, mean_interval), (sd, sd_interval)) = (spread(0), spread(1));
+        let (mean, sd, incomplete) = match measurement.horizon() {
+            None => (
+                interval(0).map(f64::exp),
+                Some(interval(1).map(f64::exp)),
+                None,
+            ),
+            Some(horizon) => {
+                let part = |it: f64| it.clamp(0.0, 1.0);
+                let mean = interval(0).map(|it| horizon * part(it));
+                (mean, None, Some(interval(2).map(part)))
+            }
+        };
         Prediction {
-            observed: program.observed.clone(),
-            is_fitted: program.is_fitted,
+            of: measurement.clone(),
             mean,
-            mean_interval,
             sd,
-            sd_interval,
+            incomplete,
         }
     }
 
@@ -152,7 +242,7 @@ mod tests {
 
     use super::super::{Design, Simulated};
     use super::*;
-    use crate::statistics::Summary;
+    use crate::statistics::Observation;
 
     /// Sums of four waits, with the mean that a law of two numbers has.
     fn times(random: &mut ChaCha8Rng, at: &[f64], n: usize) -> Vec<f64> {
@@ -161,14 +251,26 @@ mod tests {
         (0..n).map(|_| (0..4).map(|_| wait(random)).sum()).collect()
     }
 
-    /// Two rounds of a fit of the first number of the law to what was measured there.
-    fn fitted(random: &mut ChaCha8Rng, truth: &[f64], seed: u64) -> (Marginal, Prediction) {
-        let measured = Summary::of(&times(random, truth, 100)).unwrap();
-        let observed = Observed {
+    /// Two rounds of a fit of the first number of the law to times measured at it, which may have been stopped.
+    fn fitted(
+        random: &mut ChaCha8Rng,
+        truth: &[f64],
+        limit: impl Fn(usize) -> f64,
+        seed: u64,
+    ) -> (Marginal, Prediction) {
+        let times_of_truth = times(random, truth, 100);
+        let runs = times_of_truth.iter().enumerate();
+        let runs: Vec<Observation> = runs
+            .map(|(i, &time)| match time > limit(i) {
+                true => Observation::censored(limit(i)),
+                false => Observation::completed(time),
+            })
+            .collect();
+        let measurement = Measurement {
             program: "sums".to_owned(),
-            n: measured.n,
-            mean: measured.mean,
-            sd: measured.sd.unwrap(),
+            n: runs.len(),
+            observed: Observed::from_runs(&runs),
+            is_fitted: true,
         };
         let mut ends = vec![(0.0, 1.0); 2];
         let mut points: Vec<Simulated> = Vec::new();
@@ -178,13 +280,13 @@ mod tests {
             points.extend(design.points.into_iter().map(|at| Simulated {
                 times: times(random, &at, 12),
                 at,
+                incomplete: 0,
             }));
             let near = points.iter().filter(|point| point.is_within(&ends));
             let near: Vec<Simulated> = near.cloned().collect();
-            let emulator = Emulator::of(&near).unwrap();
+            let emulator = Emulator::of(&near, measurement.horizon()).unwrap();
             let measured = FittedProgram {
-                observed: &observed,
-                is_fitted: true,
+                measurement: &measurement,
                 emulator: &emulator,
             };
             let posterior = Posterior::of(&ends, std::slice::from_ref(&measured), seed);
@@ -195,22 +297,47 @@ mod tests {
         found.unwrap()
     }
 
-    /// An interval of 95 % holds the truth about so often.
-    #[test]
-    fn intervals_hold_what_they_promise() {
+    /// Checks that intervals of 95 % hold the truth about so often if run `i` of a measurement is stopped at `limit(i)`.
+    /// The mean time is 221 in the middle of the range. Returns the mean width of the intervals.
+    fn check_coverage(limit: impl Fn(usize) -> f64) -> f64 {
         const TRIALS: u64 = 60;
         let (mut held, mut widths) = (0, 0.0);
         for trial in 0..TRIALS {
             let mut random = ChaCha8Rng::seed_from_u64(trial);
             let truth = [0.2 + 0.6 * random.random::<f64>(), 0.5];
-            let (low, high) = fitted(&mut random, &truth, trial).0.interval;
+            let (low, high) = fitted(&mut random, &truth, &limit, trial).0.interval;
             held += u64::from((low..=high).contains(&truth[0]));
             widths += high - low;
         }
-        println!("{held} of {TRIALS}, mean width {}", widths / TRIALS as f64);
+        let width = widths / TRIALS as f64;
+        println!("{held} of {TRIALS}, mean width {width}");
         // Binomial: 52 or fewer of 60 have a probability of 1 %.
         assert!(held >= 52, "{held} of {TRIALS}");
-        assert!(widths / (TRIALS as f64) < 0.5, "the data say something");
+        width
+    }
+
+    #[test]
+    fn intervals_hold_what_they_promise() {
+        let width = check_coverage(|_| f64::INFINITY);
+        assert!(width < 0.5, "the data say something");
+    }
+
+    /// About half of the runs are stopped, or three quarters, or a few at any time, or half of them early.
+    #[test]
+    fn intervals_hold_what_they_promise_if_runs_are_stopped() {
+        let early = |i: usize| match i % 10 {
+            0 => 20.0 * (1 + i / 10) as f64,
+            _ => f64::INFINITY,
+        };
+        let halves = |i: usize| if i % 2 == 0 { 140.0 } else { 280.0 };
+        let widths = [
+            check_coverage(|_| 220.0),
+            check_coverage(|_| 150.0),
+            check_coverage(early),
+            check_coverage(halves),
+        ];
+        // Without data, it would be 0.95.
+        assert!(widths.iter().all(|width| *width < 0.65), "{widths:?}");
     }
 
     /// What nothing in the range explains is missed, and most often found at the end that is nearest.
@@ -220,7 +347,8 @@ mod tests {
         for trial in 0..20 {
             let beyond = [2.5, -1.5][trial as usize % 2];
             let mut random = ChaCha8Rng::seed_from_u64(100 + trial);
-            let (found, predicted) = fitted(&mut random, &[beyond, 0.5], trial);
+            let truth = [beyond, 0.5];
+            let (found, predicted) = fitted(&mut random, &truth, |_| f64::INFINITY, trial);
             assert!(!predicted.has_mean(), "{trial}: {predicted:?}");
             let end = f64::from(beyond > 0.0);
             at_end += u32::from(found.is_at_edge && (found.median - end).abs() < 0.1);

@@ -1,5 +1,5 @@
 //! What a fit knows of each number, and what it predicts.
-use stochc_ensemble::fit::{Fit, Prediction, Prior, Unit};
+use stochc_ensemble::fit::{Fit, Interval, Prediction, Prior, Unit};
 use stochc_ensemble::text::number;
 
 use super::EDGE;
@@ -72,13 +72,14 @@ fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) ->
 /// Measured means beside those that are predicted; gives the foot of the next line of text.
 fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
     let ends = fit.predictions.iter().flat_map(|it| {
-        let (low, high) = it.mean_interval;
-        [low, high, it.observed.mean]
+        let measured = it.of.observed.as_ref().map_or(0.0, |it| it.mean);
+        [it.mean.high, measured]
     });
     let most = ends.fold(0.0, f64::max);
-    let name = |it: &Prediction| match it.is_fitted {
-        true => it.observed.program.clone(),
-        false => format!("{} (held out)", it.observed.program),
+    let name = |it: &Prediction| match (&it.of.observed, it.of.is_fitted) {
+        (_, true) => it.of.program.clone(),
+        (Some(_), false) => format!("{} (held out)", it.of.program),
+        (None, false) => format!("{} (not measured)", it.of.program),
     };
     let names: Vec<String> = fit.predictions.iter().map(name).collect();
     let all = out.size().0;
@@ -94,16 +95,14 @@ fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
     let foot = out.across(&scale, (left, right), bottom, top, &of);
     for (i, (it, name)) in fit.predictions.iter().zip(&names).enumerate() {
         let y = top + ROW * (i as f64 + 0.5);
-        let (low, high) = it.mean_interval;
-        let class = if it.is_fitted { "s0" } else { "s1" };
+        let Interval { low, high, .. } = it.mean;
+        let class = if it.of.is_fitted { "s0" } else { "s1" };
         let style = Style::line(5.0).faint(0.5);
         out.stroke(class, (scale.at(low), y), (scale.at(high), y), style);
-        let tooltip = format!(
-            "{}: measured {}",
-            it.observed.program,
-            number(it.observed.mean)
-        );
-        out.disc("ink", (scale.at(it.observed.mean), y), 4.0, &tooltip);
+        if let Some(observed) = &it.of.observed {
+            let tooltip = format!("{}: measured {}", it.of.program, number(observed.mean));
+            out.disc("ink", (scale.at(observed.mean), y), 4.0, &tooltip);
+        }
         out.text("ink", (EDGE, y + 4.0), &fitted(name, column));
     }
     foot

@@ -1,6 +1,6 @@
 //! A fit as text.
-use stochc_ensemble::fit::{Fit, Marginal, Prediction, Prior, Unit};
-use stochc_ensemble::text::{number, percent};
+use stochc_ensemble::fit::{Fit, Interval, Marginal, Observed, Prediction, Prior, Unit};
+use stochc_ensemble::text::{number, percent, percent_number};
 
 use crate::text::{TextColumn, TextTable, paragraph};
 
@@ -58,34 +58,82 @@ fn predictions(fit: &Fit) -> TextTable {
     let column = |header: &str, cell: &dyn Fn(&Prediction) -> String| {
         TextColumn::figures(header, fit.predictions.iter().map(cell).collect())
     };
-    let interval = |(low, high): (f64, f64)| format!("{} .. {}", number(low), number(high));
-    let remark = |it: &Prediction| {
-        let used = if it.is_fitted { "" } else { "held out" };
-        let missed = match (it.has_mean(), it.has_sd()) {
-            (true, true) => "",
-            (false, true) => "mean missed",
-            (true, false) => "SD missed",
-            (false, false) => "both missed",
-        };
-        let parts = [used, missed].into_iter().filter(|part| !part.is_empty());
-        parts.collect::<Vec<_>>().join(", ")
+    let measured = |of: fn(&Observed) -> String| {
+        move |it: &Prediction| it.of.observed.as_ref().map_or_else(absent, of)
     };
+    let interval = |it: Interval| format!("{} .. {}", number(it.low), number(it.high));
+    let shares = |it: Interval| {
+        format!(
+            "{} .. {} %",
+            percent_number(it.low),
+            percent_number(it.high)
+        )
+    };
+    let mut columns = vec![
+        column("n", &|it| it.of.n.to_string()),
+        column("mean", &measured(|it| number(it.mean))),
+        column("predicted", &|it| interval(it.mean)),
+    ];
+    if fit.predictions.iter().any(|it| it.sd.is_some()) {
+        let sd = |it: &Observed| match it.horizon {
+            None => number(it.sd),
+            Some(_) => absent(),
+        };
+        columns.push(column("SD", &measured(sd)));
+        columns.push(column("predicted", &|it| {
+            it.sd.map_or_else(absent, interval)
+        }));
+    }
+    if has_horizon(fit) {
+        let incomplete = |it: &Observed| match it.horizon {
+            None => absent(),
+            Some(_) => format!("{} %", percent_number(it.incomplete)),
+        };
+        columns.push(column("incomplete", &measured(incomplete)));
+        let predicted = |it: &Prediction| it.incomplete.map_or_else(absent, shares);
+        columns.push(column("predicted", &predicted));
+    }
     let remarks = fit.predictions.iter().map(remark).collect();
+    columns.push(TextColumn::words("", remarks));
     TextTable {
         label: "program".to_owned(),
         labels: (fit.predictions.iter())
-            .map(|it| it.observed.program.clone())
+            .map(|it| it.of.program.clone())
             .collect(),
-        columns: vec![
-            column("n", &|it| it.observed.n.to_string()),
-            column("mean", &|it| number(it.observed.mean)),
-            column("predicted", &|it| interval(it.mean_interval)),
-            column("SD", &|it| number(it.observed.sd)),
-            column("predicted", &|it| interval(it.sd_interval)),
-            TextColumn::words("", remarks),
-        ],
+        columns,
         ..TextTable::default()
     }
+}
+
+/// The cell of a figure that a program does not have.
+fn absent() -> String {
+    "-".to_owned()
+}
+
+fn has_horizon(fit: &Fit) -> bool {
+    (fit.predictions.iter()).any(|it| it.incomplete.is_some())
+}
+
+fn remark(it: &Prediction) -> String {
+    let used = match (&it.of.observed, it.of.is_fitted) {
+        (None, _) => Some("not measured"),
+        (Some(_), false) => Some("held out"),
+        (Some(_), true) => None,
+    };
+    let until = it.of.horizon().map(|end| format!("up to {}", number(end)));
+    let missed = [
+        (it.has_mean(), "mean missed"),
+        (it.has_sd(), "SD missed"),
+        (it.has_incomplete(), "share missed"),
+    ];
+    let missed = missed.into_iter().filter(|(is_within, _)| !is_within);
+    let missed = missed.map(|(_, word)| word.to_owned());
+    let parts = used.map(str::to_owned).into_iter();
+    parts
+        .chain(until)
+        .chain(missed)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 fn notes(fit: &Fit) -> Vec<String> {
@@ -98,6 +146,13 @@ fn notes(fit: &Fit) -> Vec<String> {
          standard deviation of another measurement of n runs would be, with 95~% probability. {} points, {} runs.",
         fit.points, fit.runs
     )];
+    if has_horizon(fit) {
+        notes.push(
+            "Some runs were stopped. Each time is cut where the remark says, also in the mean; incomplete: the share of runs \
+             that take longer."
+                .to_owned(),
+        );
+    }
     if fit.stopped > 0 {
         let share = percent(fit.stopped as f64 / fit.runs as f64);
         notes.push(format!(

@@ -1,0 +1,200 @@
+//! What measured times say of a program, also where runs were stopped.
+use crate::statistics::{KaplanMeier, Observation, Summary};
+
+/// The part of the runs that has to be followed up to a horizon.
+const FOLLOWED: f64 = 0.5;
+
+/// What was measured of a program's time to completion.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Observed {
+    /// Number of runs, 2 at least.
+    pub n: usize,
+    /// Runs that were stopped before they completed (right-censored).
+    pub stopped: usize,
+    /// End of the times that count, in the unit of the table. `None`: all times count.
+    pub horizon: Option<f64>,
+    /// Their mean, each time cut at the horizon.
+    pub mean: f64,
+    /// Their standard deviation, likewise.
+    pub sd: f64,
+    /// The share of runs that are incomplete at the horizon; 0 without one.
+    pub incomplete: f64,
+    /// Number of runs that tell as much if none is stopped before the horizon.
+    pub effective_n: f64,
+}
+
+impl Observed {
+    /// Returns what is known of a program from its mean and standard deviation.
+    pub fn from_summary(n: usize, mean: f64, sd: f64) -> Observed {
+        Observed {
+            n,
+            stopped: 0,
+            horizon: None,
+            mean,
+            sd,
+            incomplete: 0.0,
+            effective_n: n as f64,
+        }
+    }
+
+    /// Sums up runs, some of which may have been stopped. `None`: there are fewer than two, or all took the same time.
+    ///
+    /// # Source
+    /// The restricted mean and its variance: E. L. Kaplan, P. Meier, J. Am. Stat. Assoc. 53 (1958) 457.
+    pub fn from_runs(runs: &[Observation]) -> Option<Observed> {
+        let stopped = runs.iter().filter(|run| !run.is_completed()).count();
+        if stopped == 0 {
+            let times: Vec<f64> = runs.iter().map(|run| run.time).collect();
+            let summary = Summary::of(&times)?;
+            let sd = summary.sd.filter(|sd| *sd > 0.0)?;
+            return Some(Observed::from_summary(summary.n, summary.mean, sd));
+        }
+        if runs.len() < 2 {
+            return None;
+        }
+        let horizon = horizon(runs);
+        let end = horizon.unwrap_or(f64::INFINITY);
+        let cut: Vec<Observation> = (runs.iter())
+            .map(|run| match run.time > end {
+                true => Observation::censored(end),
+                false => *run,
+            })
+            .collect();
+        let curve = KaplanMeier::of(&cut)?;
+        let n = runs.len() as f64;
+        let mean = curve.restricted_mean(end).mean;
+        let variance = (second_moment(&curve) - mean * mean).max(0.0);
+        // Without a horizon it is that of a sample, as for runs that are all complete.
+        let correction = if horizon.is_some() {
+            1.0
+        } else {
+            n / (n - 1.0)
+        };
+        if horizon.is_none() && variance <= 0.0 {
+            return None;
+        }
+        Some(Observed {
+            n: runs.len(),
+            stopped,
+            horizon,
+            mean,
+            sd: (variance * correction).sqrt(),
+            incomplete: horizon.map_or(0.0, |end| curve.incomplete(end)),
+            effective_n: effective_n(&curve, &cut, mean, variance),
+        })
+    }
+
+    /// Returns the mean square of the times, each cut at the horizon.
+    pub(super) fn second_moment(&self) -> f64 {
+        self.mean * self.mean + self.sd * self.sd
+    }
+}
+
+/// The last time up to which enough of the runs were followed, among those at which one was stopped.
+///
+/// `None`: enough of them were followed to their end. Where all runs have the same limit, it is that.
+fn horizon(runs: &[Observation]) -> Option<f64> {
+    let curve = KaplanMeier::of(runs)?;
+    let mut stops: Vec<f64> = (runs.iter().filter(|run| !run.is_completed()))
+        .map(|run| run.time)
+        .collect();
+    stops.sort_by(f64::total_cmp);
+    // Of the runs that take longer than `time`, the part that was still followed then.
+    let is_followed = |followed: usize, incomplete: f64| {
+        followed as f64 >= FOLLOWED * incomplete * runs.len() as f64
+    };
+    let last = *stops.last()?;
+    let later = runs.iter().filter(|run| run.time > last).count();
+    if later > 0 && is_followed(later, curve.incomplete(last)) {
+        return None;
+    }
+    let is_horizon = |time: &&f64| {
+        let followed = runs.iter().filter(|run| run.time >= **time).count();
+        is_followed(followed, curve.incomplete(time.next_down()))
+    };
+    stops.iter().rev().find(is_horizon).copied()
+}
+
+/// The mean square of times: twice the area under S(t) times t.
+fn second_moment(curve: &KaplanMeier) -> f64 {
+    let (mut sum, mut began, mut incomplete) = (0.0, 0.0, 1.0);
+    for point in curve.curve() {
+        sum += incomplete * (point.time * point.time - began * began);
+        (began, incomplete) = (point.time, point.incomplete);
+    }
+    let end = curve.last();
+    sum + incomplete * (end * end - began * began)
+}
+
+/// Number of runs of which the restricted mean would have the same variance if none were stopped before the horizon.
+fn effective_n(curve: &KaplanMeier, runs: &[Observation], mean: f64, variance: f64) -> f64 {
+    let end = curve.last();
+    let contributions = curve.contributions(runs, end);
+    let squares: f64 = contributions.iter().map(|it| (it - mean).powi(2)).sum();
+    let n = runs.len() as f64;
+    match squares > 0.0 && variance > 0.0 {
+        true => (n * n * variance / squares).min(n),
+        // None has completed: what counts is how long they were followed.
+        false => runs.iter().map(|run| run.time / end).sum(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn runs(completed: &[f64], stopped: &[f64]) -> Vec<Observation> {
+        let completed = completed.iter().map(|time| Observation::completed(*time));
+        let stopped = stopped.iter().map(|time| Observation::censored(*time));
+        completed.chain(stopped).collect()
+    }
+
+    #[test]
+    fn with_one_limit_times_are_cut_at_it() {
+        let found = Observed::from_runs(&runs(&[10.0, 20.0, 40.0], &[50.0; 3])).unwrap();
+        let mean = (10.0 + 20.0 + 40.0 + 150.0) / 6.0;
+        let square = (100.0 + 400.0 + 1600.0 + 7500.0) / 6.0;
+        assert_eq!((found.n, found.stopped, found.horizon), (6, 3, Some(50.0)));
+        assert!((found.mean - mean).abs() < 1e-9, "{found:?}");
+        assert!((found.second_moment() - square).abs() < 1e-9, "{found:?}");
+        assert!((found.incomplete - 0.5).abs() < 1e-12, "{found:?}");
+        assert!((found.effective_n - 6.0).abs() < 1e-9, "{found:?}");
+        let none = Observed::from_runs(&runs(&[], &[50.0, 50.0])).unwrap();
+        assert_eq!((none.mean, none.sd, none.incomplete), (50.0, 0.0, 1.0));
+        assert_eq!(none.effective_n, 2.0);
+    }
+
+    #[test]
+    fn a_few_early_stops_cost_a_few_runs_and_no_horizon() {
+        let times: Vec<f64> = (1..=40).map(f64::from).collect();
+        let found = Observed::from_runs(&runs(&times, &[3.0, 5.0])).unwrap();
+        assert_eq!((found.stopped, found.horizon), (2, None));
+        assert!((40.0..41.9).contains(&found.effective_n), "{found:?}");
+        // What is left at an early stop is shared among those that take longer.
+        assert!(found.mean > 20.5 && found.mean < 21.5, "{found:?}");
+        let complete = Observed::from_runs(&runs(&times, &[])).unwrap();
+        assert_eq!((complete.mean, complete.effective_n), (20.5, 40.0));
+    }
+
+    #[test]
+    fn the_horizon_is_where_half_of_the_runs_are_still_followed() {
+        // Ten of a hundred sessions had no limit.
+        let longer = [60.0, 70.0, 80.0, 90.0, 95.0];
+        let times: Vec<f64> = (1..=45).map(f64::from).chain(longer).collect();
+        let found = Observed::from_runs(&runs(&times, &[50.0; 50])).unwrap();
+        assert_eq!(found.horizon, Some(50.0), "{found:?}");
+        assert!((found.incomplete - 0.55).abs() < 1e-12, "{found:?}");
+        let straggler = Observed::from_runs(&runs(
+            &times[..45],
+            &[[50.0; 50].as_slice(), &[900.0]].concat(),
+        ));
+        assert_eq!(straggler.unwrap().horizon, Some(50.0));
+    }
+
+    #[test]
+    fn what_says_nothing_of_a_spread_is_refused() {
+        for runs in [runs(&[1.0], &[]), runs(&[2.0, 2.0], &[]), runs(&[], &[1.0])] {
+            assert_eq!(Observed::from_runs(&runs), None);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! The figures by which simulated times are compared with measured ones.
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+
+use super::emulator::Simulated;
+
+/// Statistics of a sample of times, and how well they are known.
+///
+/// If all runs are followed to their end, they are the logarithms of mean and standard deviation. If runs are stopped at a
+/// horizon, they are three means over all runs: of the time as a part of the horizon, of its square, and of being incomplete
+/// then. A mean has no bias, whatever the number of runs, also where nearly all of them are stopped.
+pub struct TimeStatistics {
+    /// Two of them, or three.
+    pub of: DVector<f64>,
+    /// Their covariance times the number of runs.
+    pub unit_covariance: DMatrix<f64>,
+    /// Number of runs.
+    pub n: f64,
+}
+
+/// The variance below which no share is known. It keeps covariances invertible where all runs are stopped.
+const LEAST_VARIANCE: f64 = 1e-8;
+
+impl TimeStatistics {
+    /// `None`: there are fewer than three times, or no spread.
+    pub fn of(simulated: &Simulated, horizon: Option<f64>) -> Option<TimeStatistics> {
+        match horizon {
+            None => TimeStatistics::logarithms(&simulated.times),
+            Some(horizon) => TimeStatistics::means(simulated, horizon),
+        }
+    }
+
+    /// Logarithms of mean and standard deviation. Their covariance is that of the jackknife.
+    fn logarithms(times: &[f64]) -> Option<TimeStatistics> {
+        let n = times.len() as f64;
+        let (sum, squares) = (
+            times.iter().sum::<f64>(),
+            times.iter().map(|t| t * t).sum::<f64>(),
+        );
+        let logarithms = |n: f64, sum: f64, squares: f64| {
+            let mean = sum / n;
+            let variance = (squares - n * mean * mean) / (n - 1.0);
+            let of = Vector2::new(mean.ln(), 0.5 * variance.ln());
+            (variance > 1e-12 * mean * mean && of.iter().all(|it| it.is_finite())).then_some(of)
+        };
+        if times.len() < 3 {
+            return None;
+        }
+        let of = logarithms(n, sum, squares)?;
+        let without: Option<Vec<Vector2<f64>>> = (times.iter())
+            .map(|time| logarithms(n - 1.0, sum - time, squares - time * time))
+            .collect();
+        let without = without?;
+        let middle = without.iter().sum::<Vector2<f64>>() / n;
+        let spread = without
+            .iter()
+            .map(|it| (it - middle) * (it - middle).transpose());
+        // (n - 1) / n times the sum is the covariance of the sample's figures.
+        let unit_covariance = spread.sum::<Matrix2<f64>>() * (n - 1.0);
+        Some(TimeStatistics {
+            of: DVector::from_column_slice(of.as_slice()),
+            unit_covariance: DMatrix::from_column_slice(2, 2, unit_covariance.as_slice()),
+            n,
+        })
+    }
+
+    /// Means of what each run says up to the horizon.
+    fn means(simulated: &Simulated, horizon: f64) -> Option<TimeStatistics> {
+        let all = simulated.times.len() + simulated.incomplete;
+        if all < 3 {
+            return None;
+        }
+        let never = std::iter::repeat_n(f64::INFINITY, simulated.incomplete);
+        let figures: Vec<DVector<f64>> = (simulated.times.iter().copied().chain(never))
+            .map(|time| {
+                let part = (time / horizon).min(1.0);
+                DVector::from_vec(vec![part, part * part, f64::from(time > horizon)])
+            })
+            .collect();
+        let n = all as f64;
+        let zero = DVector::zeros(3);
+        let mean = figures.iter().fold(zero, |sum, it| sum + it) / n;
+        let least = DMatrix::from_diagonal_element(3, 3, LEAST_VARIANCE);
+        let scatter = figures.iter().fold(DMatrix::zeros(3, 3), |sum, it| {
+            sum + (it - &mean) * (it - &mean).transpose()
+        });
+        Some(TimeStatistics {
+            of: mean,
+            unit_covariance: scatter / (n - 1.0) + least,
+            n,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_beyond_the_horizon_count_as_incomplete_at_it() {
+        let simulated = Simulated {
+            at: vec![0.5],
+            times: vec![10.0, 30.0, 90.0],
+            incomplete: 1,
+        };
+        let found = TimeStatistics::of(&simulated, Some(40.0)).unwrap();
+        let expected = [
+            (0.25 + 0.75 + 2.0) / 4.0,
+            (0.0625 + 0.5625 + 2.0) / 4.0,
+            0.5,
+        ];
+        for (found, expected) in found.of.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        // Of four runs, of which two are incomplete.
+        let of_share = found.unit_covariance[(2, 2)];
+        assert!((of_share - 1.0 / 3.0).abs() < 1e-6 && found.n == 4.0);
+        let none = Simulated {
+            times: vec![],
+            incomplete: 4,
+            ..simulated
+        };
+        let none = TimeStatistics::of(&none, Some(40.0)).unwrap();
+        assert_eq!(none.of.as_slice(), [1.0, 1.0, 1.0]);
+        assert!(none.unit_covariance.try_inverse().is_some());
+    }
+}
