@@ -336,8 +336,8 @@ mod tests {
             check_coverage(early),
             check_coverage(halves),
         ];
-        // Without data, it would be 0.95.
-        assert!(widths.iter().all(|width| *width < 0.65), "{widths:?}");
+        // The data still say something: without data, the width is 0.95.
+        assert!(widths.iter().all(|width| *width < 0.75 * 0.95), "{widths:?}");
     }
 
     /// What nothing in the range explains is missed, and most often found at the end that is nearest.
