@@ -40,7 +40,6 @@ pub mod operations;
 pub mod planning;
 pub mod progress;
 mod reader;
-pub mod viewer;
 
 pub use facade::{
     CompileError, check, check_text, check_texts, check_with, check_within, compile, simulate,

@@ -77,7 +77,6 @@ mod time_left;
 mod times;
 pub mod trade;
 pub mod verify;
-mod views;
 
 pub use build::{other_build, this_build};
 pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, captures};
@@ -102,10 +101,9 @@ pub use parquet::{
     table_metadata, tables, tables_of,
 };
 pub use program_run::{unless, until};
-pub use progress::{ProgramProgress, ProgramTimes, Progress, RunWatch, Snapshot, Totals};
+pub use progress::{ProgramProgress, Progress, RunWatch, Snapshot, Totals};
 pub use record_json::record_json;
 pub use records::Records;
 pub use run::{Destination, EnsembleError, Results, check_stored, run};
 pub use time_left::time_left;
 pub use times::{completion_status, completion_time, median_run, phase_time, sort_by_time};
-pub use views::ViewedRun;

@@ -8,14 +8,10 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering}
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::Save;
-use stochc_runtime::view::RunView;
 
 use super::checkpoint::RunCheckpoints;
 use super::executor::is_panic;
 use super::pending_runs::PendingRun;
-use super::statistics::TimeSample;
-use super::times::completion_time;
-use super::views::{ViewedRun, Views};
 use super::{Checkpoints, Finished, JournalError, Manifest, Records};
 
 /// In place of a program: the worker has nothing to do.
@@ -26,26 +22,13 @@ pub struct Progress {
     total: u64,
     workers: Vec<Worker>,
     totals: Mutex<Totals>,
-    /// The times of finished runs, by program; `None`: they are not kept.
-    times: Option<Mutex<Vec<TimeSample>>>,
-    views: Views,
 }
 
 /// Where one worker is.
 struct Worker {
     program: AtomicUsize,
-    run: AtomicU64,
     phase: AtomicU32,
     tick: AtomicU64,
-}
-
-/// How long the runs of a program have taken so far \[ticks\].
-#[derive(Clone, Debug, Default)]
-pub struct ProgramTimes {
-    /// Times to completion of finished runs, those that were stopped censored.
-    pub finished: TimeSample,
-    /// What has passed in each run under way.
-    pub under_way: Vec<u64>,
 }
 
 /// What has been finished.
@@ -92,10 +75,6 @@ pub struct Snapshot {
 /// A run's line to the outside, which it calls once a tick.
 pub struct RunWatch<'a> {
     worker: &'a Worker,
-    /// The number of the worker.
-    number: usize,
-    job: PendingRun,
-    views: &'a Views,
     /// Set by somebody else, and where runs cannot be kept any more.
     stops: [&'a AtomicBool; 2],
     /// `None`: its state is not kept.
@@ -155,14 +134,6 @@ impl stochc_runtime::Watch for &RunWatch<'_> {
             checkpoints.keep(save);
         }
     }
-
-    fn wants_view(&mut self) -> bool {
-        self.views.is_asked(self.number)
-    }
-
-    fn view(&mut self, make: &dyn Fn() -> RunView) {
-        self.views.give((self.job.program, self.job.run), make);
-    }
 }
 
 impl Progress {
@@ -190,7 +161,6 @@ impl Progress {
         };
         let idle = || Worker {
             program: AtomicUsize::new(IDLE),
-            run: AtomicU64::new(0),
             phase: AtomicU32::new(0),
             tick: AtomicU64::new(0),
         };
@@ -198,17 +168,7 @@ impl Progress {
             total: jobs.end - jobs.start,
             workers: std::iter::repeat_with(idle).take(threads.get()).collect(),
             totals: Mutex::new(totals),
-            times: None,
-            views: Views::new(),
         }
-    }
-
-    /// Keeps the times of finished runs as well, for [`Progress::times`].
-    #[must_use]
-    pub fn with_times(mut self) -> Progress {
-        let programs = self.totals.get_mut().map_or(0, |it| it.programs.len());
-        self.times = Some(Mutex::new(vec![TimeSample::default(); programs]));
-        self
     }
 
     /// How many threads there are.
@@ -222,19 +182,7 @@ impl Progress {
     /// Where they cannot be read again.
     pub(crate) fn keep(&self, kept: &Records) -> Result<(), JournalError> {
         let mut totals = self.totals.lock().expect("nobody panics while counting");
-        kept.each(|done| {
-            totals.count(done);
-            self.keep_time(done);
-        })
-    }
-
-    fn keep_time(&self, finished: &Finished) {
-        if let Some(times) = &self.times
-            && let Some(time) = completion_time(&finished.record)
-        {
-            let mut times = times.lock().expect("nobody panics while counting");
-            times[finished.program].push(time);
-        }
+        kept.each(|done| totals.count(done))
     }
 
     /// Puts a thread on a run, which stops when either of `stops` is set.
@@ -249,13 +197,9 @@ impl Progress {
         let slot = &self.workers[worker];
         slot.tick.store(0, Ordering::Relaxed);
         slot.phase.store(0, Ordering::Relaxed);
-        slot.run.store(run, Ordering::Relaxed);
         slot.program.store(program, Ordering::Relaxed);
         RunWatch {
             worker: slot,
-            number: worker,
-            job,
-            views: &self.views,
             stops,
             checkpoints: checkpoints.map(|all| all.of_run(program, run)),
         }
@@ -269,49 +213,7 @@ impl Progress {
             let mut totals = self.totals.lock().expect("nobody panics while counting");
             totals.count(finished);
             totals.ticks_here = (totals.ticks_here).saturating_add(finished.record.ticks);
-            drop(totals);
-            self.keep_time(finished);
         }
-    }
-
-    /// How long the runs of each program have taken so far; nothing without [`Progress::with_times`].
-    pub fn times(&self) -> Vec<ProgramTimes> {
-        let Some(times) = &self.times else {
-            return Vec::new();
-        };
-        let finished = (times.lock().expect("nobody panics while counting")).clone();
-        let mut all: Vec<_> = (finished.into_iter())
-            .map(|finished| ProgramTimes {
-                finished,
-                under_way: Vec::new(),
-            })
-            .collect();
-        for slot in &self.workers {
-            if let Some(times) = all.get_mut(slot.program.load(Ordering::Relaxed)) {
-                times.under_way.push(slot.tick.load(Ordering::Relaxed));
-            }
-        }
-        all
-    }
-
-    /// Asks the run with the smallest number that is under way how it stands, of programs that can be `shown`, for
-    /// [`Progress::take_view`].
-    pub fn ask_view(&self, shown: impl Fn(usize) -> bool) {
-        let first = (self.workers.iter().enumerate())
-            .filter_map(|(worker, slot)| {
-                let program = slot.program.load(Ordering::Relaxed);
-                let is_asked = program != IDLE && shown(program);
-                is_asked.then(|| (slot.run.load(Ordering::Relaxed), program, worker))
-            })
-            .min();
-        if let Some((.., worker)) = first {
-            self.views.ask(worker);
-        }
-    }
-
-    /// What a run has answered since the last time.
-    pub fn take_view(&self) -> Option<ViewedRun> {
-        self.views.take()
     }
 
     /// What can be told now.

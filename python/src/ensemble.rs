@@ -122,7 +122,7 @@ pub fn simulate(
             has_warned_of_build: false,
             goes_on: false,
             figures: &Figures::default(),
-            viewer: None,
+            watch: false,
         };
         let made = make(&manifest, &how, host)?;
         if !made.results.complete {

@@ -1,7 +1,7 @@
 //! What ensembles found, in the forms that people and other programs read.
 //!
-//! [`tables`] are text for a terminal, [`figures`] pictures, [`ensemble_report`] a page on finished ensembles, [`replay`] one that
-//! shows a run again, [`watch`] one that shows an ensemble while it runs, and [`export`] files for other programs. All are functions of manifests, records and recordings, and write
+//! [`tables`] are text for a terminal, [`figures`] pictures, [`ensemble_report`] a page on ensembles, [`replay`] one that
+//! shows a run again, and [`export`] files for other programs. All are functions of manifests, records and recordings, and write
 //! nothing by themselves.
 mod analysis;
 pub mod ensemble_report;
@@ -15,4 +15,3 @@ mod svg;
 pub mod tables;
 mod template;
 pub mod text;
-pub mod watch;

@@ -24,10 +24,10 @@ pub(crate) fn fill<W: Write>(
     out.write_all(rest.as_bytes())
 }
 
-/// Nothing from elsewhere but what is in `more`, and no script but this one, whatever slips into the page.
-pub(crate) fn policy(script: &str, more: &str) -> String {
+/// Returns a policy that allows nothing from elsewhere, and only this script.
+pub(crate) fn policy(script: &str) -> String {
     let hash = BASE64.encode(Sha256::digest(script.as_bytes()));
     format!(
-        "default-src 'none'; script-src 'sha256-{hash}'; style-src 'unsafe-inline'; {more}base-uri 'none'; form-action 'none'"
+        "default-src 'none'; script-src 'sha256-{hash}'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
     )
 }

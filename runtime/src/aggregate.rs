@@ -4,7 +4,7 @@ use stochc_ir::table::{PhaseId, Tables};
 
 use crate::observe::{ObservedEvent, StepObserver};
 use crate::run_error::RunError;
-use crate::watch::{Watch, resume, show, tell};
+use crate::watch::{Watch, resume, tell};
 use crate::world::World;
 
 /// How far the groups of a run have grown.
@@ -70,7 +70,6 @@ pub(crate) fn gather<W: World>(
             break Outcome::TimedOut { phase, by };
         }
         tell(watch, (tick, phase), &[&growth, world, &step_observer])?;
-        show(watch, (tick, phase), Vec::new, world);
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
             let reason = fault.to_string();

@@ -31,7 +31,6 @@ mod run;
 mod run_error;
 mod settings;
 mod step_error;
-pub mod view;
 mod watch;
 pub mod world;
 

@@ -8,7 +8,7 @@ use crate::control::Controller;
 use crate::observe::{EventObservation, Observer, StepObserver};
 use crate::run_error::RunError;
 use crate::settings::{Model, Settings};
-use crate::watch::{Watch, resume, show, tell};
+use crate::watch::{Watch, resume, tell};
 use crate::world::rapier::RapierWorld;
 use crate::world::rate::RateWorld;
 use crate::world::rigid::RigidWorld;
@@ -164,7 +164,6 @@ fn follow<W: World>(
             break Outcome::TimedOut { phase, by };
         }
         tell(watch, (tick, phase), &[&controller, world, &step_observer])?;
-        show(watch, (tick, phase), || controller.held(), world);
         // The next step makes one of these ticks.
         if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
             world.skip(last);

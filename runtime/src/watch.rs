@@ -6,8 +6,6 @@ use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::PhaseId;
 
 use crate::run_error::RunError;
-use crate::view::{HeldBlock, RunView};
-use crate::world::World;
 
 /// Writes the state of a run.
 pub type Save<'a> = dyn FnMut(&mut StateWriter<'_>) -> Result<(), StateError> + 'a;
@@ -32,14 +30,6 @@ pub trait Watch {
 
     /// Keeps what `save` writes.
     fn keep(&mut self, _save: &mut Save<'_>) {}
-
-    /// Asked after each [`Watch::tick`] whether the run is to be seen as it stands.
-    fn wants_view(&mut self) -> bool {
-        false
-    }
-
-    /// Sees what `make` makes, which takes time in proportion to the blocks.
-    fn view(&mut self, _make: &dyn Fn() -> RunView) {}
 }
 
 impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
@@ -79,22 +69,5 @@ pub(crate) fn tell(
     match flow {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(RunError::Cancelled),
-    }
-}
-
-/// Shows how a run stands at a tick, if somebody wants to see it.
-pub(crate) fn show(
-    watch: &mut (impl Watch + ?Sized),
-    (tick, phase): (u64, PhaseId),
-    held: impl Fn() -> Vec<HeldBlock>,
-    world: &impl World,
-) {
-    if watch.wants_view() {
-        watch.view(&|| RunView {
-            tick,
-            phase,
-            held: held(),
-            arena: world.view(),
-        });
     }
 }

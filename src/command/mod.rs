@@ -34,4 +34,3 @@ pub mod submit;
 pub(crate) mod terminal;
 pub mod trade;
 pub mod verify;
-mod watch;

@@ -19,10 +19,10 @@ use super::recordings::Recordings;
 use super::results::warn_of_damage;
 use super::runs::{made_again, made_by, warn_of_build, warn_of_checkpoints};
 use super::sweep;
+use super::watch::watched;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
-use crate::viewer::{Viewer, attended};
 
 /// How the runs of a manifest are made, and where they are kept.
 #[derive(Clone, Copy, Debug)]
@@ -47,8 +47,8 @@ pub struct EnsembleOptions<'a> {
     pub goes_on: bool,
     /// What the figures of a sweep are like.
     pub figures: &'a Figures,
-    /// Who looks at it meanwhile.
-    pub viewer: Option<&'a dyn Viewer>,
+    /// Whether the report of the folder is rewritten meanwhile.
+    pub watch: bool,
 }
 
 /// The runs, and why some of them are not recorded that should be.
@@ -188,9 +188,10 @@ pub fn make(
 ) -> Result<MadeEnsemble, Failure> {
     let stop = host.stop();
     // Before there is a folder that nothing comes of.
-    let kept = match how.viewer {
-        Some(_) => Kept::Curves,
-        None => Kept::Figures,
+    let kept = if how.watch {
+        Kept::Curves
+    } else {
+        Kept::Figures
     };
     let at_once = threads(manifest, kept, (how.threads, how.memory), host)?;
     let mut checkpoints = None;
@@ -229,10 +230,6 @@ pub fn make(
         }
     };
     let progress = Progress::new(manifest, at_once);
-    let progress = match how.viewer {
-        Some(_) => progress.with_times(),
-        None => progress,
-    };
     let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
     let unrecorded = made_by(manifest);
     let simulate =
@@ -246,12 +243,11 @@ pub fn make(
     let is_all_there = destination.kept() == manifest.total();
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
     let work = || run_all(destination, &progress, stop, simulate);
-    let results = match is_all_there {
+    let results = match how.out.filter(|_| how.watch) {
         // There is nothing to wait for.
-        true => work(),
-        false => attended((how.viewer, host), manifest, &progress, || {
-            during(host, state, work)
-        }),
+        _ if is_all_there => work(),
+        None => during(host, state, work),
+        Some(out) => watched(out, how.figures, host, || during(host, state, work))?,
     };
     let results = results.map_err(Failure::usage)?;
     warn_of_checkpoints(checkpoints.as_deref(), host);

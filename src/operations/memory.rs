@@ -16,7 +16,7 @@ const OF_A_RUN: u64 = 50;
 const OF_A_PHASE: u64 = 4;
 /// Bytes of a run while a curve is drawn: its time, in four lists, and a step of the curve, without and with its interval.
 const OF_A_POINT: u64 = 160;
-/// Bytes for the page that shows the curves, and those who read it.
+/// Bytes of the report that is rewritten meanwhile.
 const OF_A_PAGE: u64 = 32 << 20;
 /// Bytes that a piece keeps of each run.
 const OF_A_PLACE: u64 = 24;

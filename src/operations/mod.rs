@@ -26,5 +26,6 @@ pub mod shard;
 pub mod summary;
 pub mod sweep;
 pub mod trade;
+mod watch;
 
 pub use stochc_ensemble::text::duration as time;

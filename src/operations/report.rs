@@ -1,8 +1,9 @@
 //! The report on folders of results, and what belongs beside it.
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use stochc_ensemble::{Manifest, recording};
+use stochc_ensemble::{Folder, Manifest, recording};
 use stochc_files::address::address;
 use stochc_files::atomic::{self, Draft, Replaces, begins_with};
 use stochc_files::{budget, disk, open, read_file};
@@ -29,7 +30,34 @@ pub fn write(
     host: &dyn Host,
 ) -> Result<PathBuf, Failure> {
     let folders = read(folders, host)?;
-    let page = match (out, &folders[..]) {
+    write_page(&folders, out, figures, None)
+}
+
+/// Writes the report of one folder into it, without notes. A browser reloads it after the time `reload`.
+///
+/// # Errors
+/// If the folder cannot be read, or its `report.html` is not a report.
+pub(super) fn write_of_one(
+    folder: &Path,
+    figures: &Figures,
+    reload: Option<Duration>,
+) -> Result<PathBuf, Failure> {
+    let contents = Folder::read(folder).map_err(Failure::usage)?;
+    let input = Input {
+        path: folder.to_string_lossy().into_owned(),
+        manifest: contents.manifest,
+        finished: contents.finished,
+    };
+    write_page(&[(folder.to_owned(), input)], None, figures, reload)
+}
+
+fn write_page(
+    folders: &[(PathBuf, Input)],
+    out: Option<&Path>,
+    figures: &Figures,
+    reload: Option<Duration>,
+) -> Result<PathBuf, Failure> {
+    let page = match (out, folders) {
         (Some(out), _) => out.to_owned(),
         (None, [(folder, _)]) => folder.join(PAGE),
         (None, _) => PathBuf::from(PAGE),
@@ -49,6 +77,7 @@ pub fn write(
     let surroundings = ReportLocation {
         folder: &name,
         figures,
+        reload,
         replay: &|folder, program, run| {
             let (path, input) = &folders[folder];
             let names = replay_names(&input.manifest, program, run);

@@ -20,5 +20,3 @@ mod recorded;
 mod skipped;
 mod telling;
 mod unreadable;
-mod viewed;
-mod watched;

@@ -7,14 +7,12 @@
 mod chunk;
 mod events;
 mod format;
-mod frame;
 mod read;
 mod selection;
 mod write;
 
 pub use events::TimedEvent;
 pub use format::{RecordingError, RecordingHeader, is_file};
-pub use frame::RunFrame;
 pub use read::{Frame, Outline, Places, Recording, each_places};
 pub use selection::Selection;
 pub use write::Recorder;

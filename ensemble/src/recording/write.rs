@@ -7,8 +7,8 @@ use stochc_ir::record::RunRecord;
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::Tables;
 use stochc_runtime::observe::{ObservedEvent, Observer};
-use stochc_runtime::view::pose;
 use stochc_runtime::world::Arena;
+use stochc_runtime::world::view::pose;
 
 use super::chunk::{NUMBERS, PoseChunk, unpacked};
 use super::events::Seeds;

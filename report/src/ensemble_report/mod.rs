@@ -8,6 +8,7 @@ pub(crate) mod narrative;
 mod page;
 
 use std::io::Write;
+use std::time::Duration;
 
 use crate::analysis::maps::Maps;
 use crate::analysis::reported_program::ReportedProgram;
@@ -41,6 +42,8 @@ pub struct ReportLocation<'a> {
     pub folder: &'a str,
     /// The figures in it.
     pub figures: &'a Figures,
+    /// Time after which a browser reloads the page. `None` if it does not.
+    pub reload: Option<Duration>,
     /// The address of the replay of a run as seen from the page, from the numbers of its folder, of
     /// its program in there, and its own; `None`: there is none.
     pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,

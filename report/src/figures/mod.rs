@@ -21,7 +21,6 @@ pub(crate) use waits::{SHOWN, waits};
 
 pub use crate::svg::{Drawing, Medium};
 pub use completion::completion;
-pub(crate) use completion::completion_so_far;
 pub use files::{FigureFormat, Figures};
 pub use fit::fit;
 pub use structure::structure;

@@ -12,8 +12,6 @@ pub(crate) struct SurvivalCurve {
     pub name: String,
     /// In the unit of the axis.
     pub times: Vec<Observation>,
-    /// How many of them, censored, are of runs that still go on.
-    pub under_way: usize,
 }
 
 /// What the vertical axis of most shows.
@@ -159,16 +157,12 @@ fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier) -> String {
         Some(median) => format!("half complete at {}", number(median)),
         None => "fewer than half complete".to_owned(),
     };
-    let stopped = match stopped - curve.under_way {
+    let stopped = match stopped {
         0 => String::new(),
         n => format!(", {n} stopped before (|)"),
     };
-    let under_way = match curve.under_way {
-        0 => String::new(),
-        n => format!(", {n} under way (|)"),
-    };
     format!(
-        "{}: {half}; {} runs{stopped}{under_way}",
+        "{}: {half}; {} runs{stopped}",
         fitted(&curve.name, 260.0),
         curve.times.len()
     )

@@ -3,7 +3,7 @@
 //! `page/` holds its parts. The recording goes into it as it is, and is unpacked piece by piece
 //! while the page plays.
 mod about;
-pub(crate) mod colours;
+mod colours;
 mod program_text;
 mod text;
 mod tour;
@@ -26,8 +26,8 @@ pub const MARK: &str = "<meta name=\"generator\" content=\"stochc replay\">";
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 
-/// What draws an arena, in an order in which each part knows those before it.
-const ARENA: &[&str] = &[
+/// Parts of the script. Each uses only those before it.
+const SCRIPT: &[&str] = &[
     include_str!("page/failure.js"),
     include_str!("page/maths.js"),
     include_str!("page/recording.js"),
@@ -46,10 +46,6 @@ const ARENA: &[&str] = &[
     include_str!("page/target.js"),
     include_str!("page/scene.js"),
     include_str!("page/overview.js"),
-];
-
-/// The other parts of the script, which come after these.
-const SCRIPT: &[&str] = &[
     include_str!("page/graph.js"),
     include_str!("page/program.js"),
     include_str!("page/panel.js"),
@@ -75,8 +71,8 @@ pub fn write(
     mut against: Option<impl Read>,
     mut out: impl Write,
 ) -> io::Result<()> {
-    let script = script(SCRIPT);
-    let policy = policy(&script, "");
+    let script = script();
+    let policy = policy(&script);
     let about = text::json(about);
     let title = escaped(title);
     fill(PAGE, &mut out, |name, out| match name {
@@ -94,10 +90,8 @@ pub fn write(
     out.flush()
 }
 
-/// A script that draws arenas, and does more.
-pub(crate) fn script(more: &[&str]) -> String {
-    let (palette, arena) = (colours::script(), ARENA.concat());
-    format!("\"use strict\";\n{palette}{arena}{}", more.concat())
+fn script() -> String {
+    format!("\"use strict\";\n{}{}", colours::script(), SCRIPT.concat())
 }
 
 /// Copies in base64, in pieces of whole groups of three bytes.

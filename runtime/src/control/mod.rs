@@ -13,8 +13,6 @@
 mod network;
 mod recorder;
 
-use std::collections::BTreeMap;
-
 use network::Network;
 use recorder::RunRecorder;
 use stochc_ir::Cell;
@@ -24,7 +22,6 @@ use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation, Structure, StructureBlock};
 
 use crate::observe::{Log, ObservedEvent};
-use crate::view::HeldBlock;
 use crate::world::World;
 
 /// Runs event tables in a world.
@@ -179,25 +176,6 @@ impl<'t> Controller<'t> {
             }
             self.next_phase(world);
         }
-    }
-
-    /// The free blocks that are part of the structure now, by role.
-    pub(crate) fn held(&self) -> Vec<HeldBlock> {
-        // Of the captures of a block the last one stays.
-        let last: BTreeMap<u32, &BondRecord> = (self.recorder.bonds.iter())
-            .map(|bond| (bond.body, bond))
-            .collect();
-        let held = self.structure().filter_map(|(role, body, _)| {
-            let Body::Free(body) = body else { return None };
-            let BondRecord { cell, phase, .. } = **last.get(&body)?;
-            Some(HeldBlock {
-                body,
-                role,
-                cell,
-                phase,
-            })
-        });
-        held.collect()
     }
 
     fn next_phase(&mut self, world: &mut impl World) {

@@ -44,10 +44,6 @@ macro_rules! delegate {
         }
 
         impl World for $world {
-            fn view(&self) -> Option<$crate::world::view::ArenaView> {
-                Some($crate::world::view::ArenaView::of(self))
-            }
-
             delegate!(@read $by
                 tick() -> u64,
                 entries(site: BlockFace) -> u32,

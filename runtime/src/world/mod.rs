@@ -24,12 +24,11 @@ pub mod shuffle;
 mod step_limit;
 mod stepper;
 mod unit_cube;
-pub(crate) mod view;
+pub mod view;
 
 pub use blocks::BodyState;
 pub use error::SceneError;
 pub use stochc_protocol::{BlockFace, Body, Docking};
-use view::ArenaView;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -102,11 +101,6 @@ pub trait World: State {
     /// Blocks of the largest group of free blocks that are bonded to each other; 1: none are.
     fn largest_group(&self) -> u32 {
         1
-    }
-
-    /// What there is to be seen now; `None`: nothing has a place.
-    fn view(&self) -> Option<ArenaView> {
-        None
     }
 
     /// Lets time pass up to tick `last` at most while nothing can dock, where the model knows when that is; the step after it may

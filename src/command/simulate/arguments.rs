@@ -140,10 +140,9 @@ pub struct SimulateArguments {
     /// Compare the runs with others in which the rest is planned anew wherever nothing docks for so many ticks
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["manifest", "sweep", "accuracy", "trade", "out", "record", "run", "bonds"])]
     pub replan: Option<u64>,
-    /// Show the ensemble while it runs on a page of this machine, whose link is printed: the curve so far, and a run in the
-    /// arena; nobody else can open it. The system chooses the port; `--quiet` keeps the link
-    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "0", conflicts_with_all = ["run", "shards", "replan"])]
-    pub watch: Option<u16>,
+    /// Rewrite `report.html` in `--out` every few seconds while the runs are simulated; open it in a browser
+    #[arg(long, requires = "out", conflicts_with_all = ["run", "shards", "replan"])]
+    pub watch: bool,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     pub format: ResultsFormat,

@@ -17,7 +17,6 @@ use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
 use super::show::{ResultsFormat, ResultsView, show};
 use super::terminal::{output_width, print};
-use super::watch::Watching;
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::estimate::{Estimating, estimates};
@@ -25,7 +24,6 @@ use crate::operations::json::document;
 use crate::operations::precision::make_until;
 use crate::operations::replan::{Replan, replan};
 use crate::operations::runs::try_out_all;
-use crate::viewer::Viewer;
 use stochc_ensemble::Manifest;
 use stochc_ensemble::Resume;
 use stochc_ensemble::shards::{Prepared, prepare};
@@ -38,7 +36,6 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
     let stop = stop_on_interrupt()?;
     options.memory.apply()?;
-    is_no_port(options)?;
     let mut manifest = input::prepare(options, &host)?;
     let is_sweep = manifest.programs.iter().any(|it| !it.varied.is_empty());
     if options.figures.are_given() && !is_sweep {
@@ -77,17 +74,6 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
         (Some(number), _) => single::run(options, &manifest, number, stop),
         (None, Some((shards, out))) => cut(options, &manifest, shards, out),
         (None, None) => ensemble(options, manifest, &host),
-    }
-}
-
-/// Whether no program that is not there is a port that `--watch` is meant for.
-fn is_no_port(options: &SimulateArguments) -> Result<(), Failure> {
-    let is_port = |file: &&String| file.parse::<u16>().is_ok() && !Path::new(file).exists();
-    match options.files.iter().find(is_port) {
-        Some(port) if options.watch.is_some() => Err(Failure::usage(format!(
-            "there is no file `{port}`; a port is said as `--watch={port}`"
-        ))),
-        _ => Ok(()),
     }
 }
 
@@ -146,7 +132,6 @@ fn ensemble(
     manifest: Manifest,
     host: &Terminal,
 ) -> Result<Exit, Failure> {
-    let watching = options.watch.map(Watching::at).transpose()?;
     let how = EnsembleOptions {
         out: options.out.as_deref(),
         resume: match (options.resume, options.mixed_builds) {
@@ -162,7 +147,7 @@ fn ensemble(
         has_warned_of_build: options.manifest.is_some(),
         goes_on: false,
         figures: &options.figures.figures(),
-        viewer: watching.as_ref().map(|it| it as &dyn Viewer),
+        watch: options.watch,
     };
     let (manifest, made) = match options.until {
         Some(within) => make_until(manifest, within, &how, host)?,

@@ -19,7 +19,6 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         .map(|(_, subject)| SurvivalCurve {
             name: subject.label.clone(),
             times: subject.times_by(parts.clock),
-            under_way: 0,
         })
         .collect();
     let axis = match tick(parts) {

@@ -95,10 +95,14 @@ fn head(parts: &Parts, out: &mut Html) {
         1..=3 => names.join(", "),
         n => format!("{n} programs"),
     };
+    let reload = parts.surroundings.reload.map_or(String::new(), |time| {
+        let seconds = time.as_secs_f64().ceil();
+        format!("<meta http-equiv=\"refresh\" content=\"{seconds}\"/>\n")
+    });
     // Nothing is loaded from anywhere, and nothing in a name could run if it came through.
     out.raw(&format!(
         "{MARK}\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n{reload}\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
          style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\"/>\n\
          <title>Report: {}</title>\n<style>\n{}{}\n</style>\n</head>\n<body>\n<main>\n",

@@ -99,7 +99,6 @@ fn sizes(
     let phases = subject.program.phases();
     let curves: Vec<SurvivalCurve> = (phases.iter().enumerate())
         .map(|(number, phase)| SurvivalCurve {
-            under_way: 0,
             name: format!("{} blocks", phase.name),
             times: on_axis(subject, subject.size_times(number)),
         })
@@ -175,7 +174,6 @@ pub(super) fn phases(
         .map(|(number, phase)| SurvivalCurve {
             name: phase.name.clone(),
             times: on_axis(subject, times(number)),
-            under_way: 0,
         })
         .collect();
     if phases.len() > 1 {

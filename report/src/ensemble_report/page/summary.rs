@@ -66,8 +66,9 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         ));
     }
     out.list("ul", &items);
+    let is_running = parts.surroundings.reload.is_some();
     for input in parts.inputs {
-        for warning in warnings(input) {
+        for warning in warnings(input, is_running) {
             out.raw(&format!("<p class=\"warn\">{warning}</p>\n"));
         }
     }

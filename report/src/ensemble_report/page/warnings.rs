@@ -8,17 +8,22 @@ use crate::analysis::reported_program::Input;
 use crate::ensemble_report::html::{code, name};
 use crate::tables::{KNOWN_BIAS, lower_bounds};
 
-/// What a reader has to know before believing anything, in HTML.
-pub(super) fn warnings(input: &Input) -> Vec<String> {
+/// Returns warnings about a folder, in HTML. `is_running` if its runs are being simulated.
+pub(super) fn warnings(input: &Input, is_running: bool) -> Vec<String> {
     let mut found = Vec::new();
     let manifest = &input.manifest;
     let done = input.finished.len() as u64;
     let path = name(&input.path);
-    if done < manifest.total() {
+    let total = manifest.total();
+    if done < total && is_running {
         found.push(format!(
-            "{path} is <strong>not finished</strong>: {done} of {} runs are there. Those under way \
+            "{path} is <strong>still running</strong>: {done} of {total} runs are finished. Short runs \
+             finish first, so times are too short until all runs are finished."
+        ));
+    } else if done < total {
+        found.push(format!(
+            "{path} is <strong>not finished</strong>: {done} of {total} runs are there. Those under way \
              longest are missing, so that times are too short. To go on: {}",
-            manifest.total(),
             code(&format!(
                 "stochc simulate --manifest {} --out {} --resume",
                 shell::file(&inside(&input.path, MANIFEST)),

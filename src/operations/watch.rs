@@ -1,0 +1,53 @@
+//! `--watch`: a report that is rewritten while the runs of its folder are simulated.
+use std::path::Path;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+
+use stochc_ensemble::clock::now;
+use stochc_report::figures::Figures;
+
+use super::report::write_of_one;
+use crate::exit::Failure;
+use crate::host::Host;
+
+/// Shortest time between two reports. A browser reloads the page as often.
+const SHORTEST_PAUSE: Duration = Duration::from_secs(5);
+/// Writing takes at most one part in this many of the time.
+const SHARE: u32 = 20;
+
+/// Does some work that adds runs to a folder. Rewrites its report meanwhile, and a last time afterwards.
+///
+/// # Errors
+/// If the report cannot be written before the work begins.
+pub(super) fn watched<R>(
+    folder: &Path,
+    figures: &Figures,
+    host: &dyn Host,
+    work: impl FnOnce() -> R,
+) -> Result<R, Failure> {
+    let page = write_of_one(folder, figures, Some(SHORTEST_PAUSE))?;
+    host.warn(&format!("report of the runs so far: {}\n", page.display()));
+    let done = std::thread::scope(|scope| {
+        // Dropped at the end of the work, also by a panic.
+        let (_working, ended) = channel();
+        let rewrite = move || rewrite(folder, figures, &ended);
+        // Without a thread, only the last report is written.
+        let _ = std::thread::Builder::new().spawn_scoped(scope, rewrite);
+        work()
+    });
+    if let Err(failure) = write_of_one(folder, figures, None) {
+        host.report_failure(&failure.message);
+    }
+    Ok(done)
+}
+
+/// Rewrites the report until the channel closes. The pause grows with the time that writing takes.
+fn rewrite(folder: &Path, figures: &Figures, ended: &Receiver<()>) {
+    let mut pause = SHORTEST_PAUSE;
+    while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(pause) {
+        let begun = now();
+        // The last report says why it cannot be written.
+        let _ = write_of_one(folder, figures, Some(pause));
+        pause = SHORTEST_PAUSE.max(begun.elapsed() * SHARE);
+    }
+}
