@@ -121,16 +121,18 @@ pub(super) fn read(
     let most = most_line(manifest);
     let validator = RecordValidator::new(manifest);
     let header = JournalHeader::of(identity);
-    stored.whole = read_lines(path, &header, most, |line| match run(line.text, &validator) {
-        Ok(finished) => {
-            places.push(finished.at(0, line.at));
-            shortest.offer(finished);
-        }
-        Err(reason) => {
-            let number = line.number;
-            damage.push(format!(
-                "line {number} of `journal.jsonl` {reason}, and is left out"
-            ));
+    stored.whole = read_lines(path, &header, most, |line| {
+        match run(line.text, &validator) {
+            Ok(finished) => {
+                places.push(finished.at(0, line.at));
+                shortest.offer(finished);
+            }
+            Err(reason) => {
+                let number = line.number;
+                damage.push(format!(
+                    "line {number} of `journal.jsonl` {reason}, and is left out"
+                ));
+            }
         }
     })?;
     let files = match places.is_empty() {

@@ -154,7 +154,9 @@ fn estimates_say_when_and_why() {
     // A sum has no chance in it where every capture waits for one other at most.
     for (number, is_exact) in [(0, true), (1, false)] {
         assert_eq!(method(number)["is_exact"], is_exact);
-        let half_width = value["estimates"][number]["total"]["half_width"].as_f64().unwrap();
+        let half_width = value["estimates"][number]["total"]["half_width"]
+            .as_f64()
+            .unwrap();
         assert_eq!(half_width == 0.0, is_exact);
     }
     let (status, told) = crate::plan::wrong("estimate --max-ticks 10 examples/line.sa", &[]);

@@ -193,8 +193,7 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
 fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let sweep =
-        "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa --sweep free=200,400 --out";
+    let sweep = "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa --sweep free=200,400 --out";
     assert_eq!(stochc_with(sweep, &[&out]).status, 0);
     let csv = stochc_with("show --format csv --label tower=Tower", &[&out]).out;
     assert!(
@@ -202,7 +201,11 @@ fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
         "{csv}"
     );
     assert!(csv.contains("\r\nTower,200,3,3,0,0,0,"), "{csv}");
-    let told = stochc_with("show --format markdown --unit s --label tower=Tower", &[&out]).out;
+    let told = stochc_with(
+        "show --format markdown --unit s --label tower=Tower",
+        &[&out],
+    )
+    .out;
     assert!(told.contains("| mean time \\[s\\] |"), "{told}");
     assert!(told.contains("| Tower \\[free=200\\] | 3 of 3 |"), "{told}");
 }

@@ -337,7 +337,10 @@ mod tests {
             check_coverage(halves),
         ];
         // The data still say something: without data, the width is 0.95.
-        assert!(widths.iter().all(|width| *width < 0.75 * 0.95), "{widths:?}");
+        assert!(
+            widths.iter().all(|width| *width < 0.75 * 0.95),
+            "{widths:?}"
+        );
     }
 
     /// What nothing in the range explains is missed, and most often found at the end that is nearest.
