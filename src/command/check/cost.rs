@@ -140,7 +140,7 @@ fn by_phase(program: &Program, cost: &Cost) -> TextTable {
             let times = times.chain(is_many.then_some(Some(total)));
             let ticks = times.map(|times| times.as_ref().and_then(of));
             let cell = |ticks: Option<f64>| ticks.map_or("-".into(), |it| format!("{it:.0}"));
-            TextColumn::figures(&format!("{at_least}{header}"), ticks.map(cell).collect())
+            TextColumn::figures(format!("{at_least}{header}"), ticks.map(cell).collect())
         }));
     }
     TextTable {
