@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use clap::{ArgGroup, Args};
 use stochc_ensemble::trade::{Extent, FINEST, Setup};
-use stochc_ensemble::{MOST_RUNS, Manifest};
+use stochc_ensemble::text::words;
+use stochc_ensemble::{EnsembleProgram, MOST_RUNS, Manifest};
+use stochc_ir::counted;
 use stochc_report::tables::trade_to_text;
 use stochc_runtime::Settings;
 
@@ -17,10 +19,11 @@ use super::run_options::MeasuringOptions;
 use super::show::ResultsFormat;
 use super::terminal::{output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
+use crate::operations::forecast::forecast_to_text;
 use crate::operations::programs::programs;
 use crate::operations::runs::threads;
 use crate::operations::time;
-use crate::operations::trade::{keep, measured, memory};
+use crate::operations::trade::{forecast, keep, measured, memory};
 
 /// What `trade` is given.
 #[derive(Debug, Args)]
@@ -52,6 +55,9 @@ pub struct TradeArguments {
     /// Continue a trade in `--out` that was stopped or killed: its runs are not made again
     #[arg(long, requires = "out")]
     resume: bool,
+    /// Print the expected CPU time, and measure nothing
+    #[arg(long)]
+    dry_run: bool,
     #[command(flatten)]
     measuring: MeasuringOptions,
     /// What becomes of warnings
@@ -63,6 +69,26 @@ pub struct TradeArguments {
 
 /// Time for everything, where nobody says how long.
 const BUDGET: Duration = Duration::from_secs(600);
+
+/// Returns the CPU time that a trade will take, as a line of text.
+fn expected(
+    programs: &[EnsembleProgram],
+    setup: &Setup<'_>,
+    threads: Option<u16>,
+    host: &Terminal,
+) -> Result<String, Failure> {
+    Ok(match setup.extent {
+        Extent::Runs(runs) => {
+            forecast_to_text(&forecast(programs, setup, runs, host)?, threads)
+        }
+        Extent::Budget(time) => format!(
+            "at most {}, the time limit, on {}: {} of CPU time\n",
+            words(time),
+            counted(setup.threads, "thread"),
+            words(time * setup.threads as u32)
+        ),
+    })
+}
 
 /// Measures what accuracy costs.
 pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
@@ -78,22 +104,27 @@ pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
     let manifest = Manifest::new(Settings::default(), seed, 1, programs);
     manifest.within_limits().map_err(Failure::usage)?;
     let programs = manifest.programs;
-    let out = options.out.as_deref();
-    let memory = memory(out, options.resume, &programs, seed)?;
     let stop = stop_on_interrupt()?;
     let extent = match (options.runs, options.budget) {
         (Some(runs), _) => Extent::Runs(runs),
         (None, budget) => Extent::Budget(budget.unwrap_or(BUDGET)),
     };
-    let setup = Setup {
+    let mut setup = Setup {
         extent,
         seed,
         threads: threads(work.threads).get(),
         finest: options.finest,
         max_ticks: options.max_ticks,
-        memory: memory.as_ref(),
+        memory: None,
         stop,
     };
+    if options.dry_run {
+        print(&expected(&programs, &setup, work.threads, &host)?)?;
+        return Ok(Exit::Success);
+    }
+    let out = options.out.as_deref();
+    let memory = memory(out, options.resume, &programs, seed)?;
+    setup.memory = memory.as_ref();
     let trade = measured(&programs, &setup, &host)?;
     // What is kept is kept before anything is said: nobody may be there to listen.
     if let (Some(out), Some(memory)) = (&options.out, memory) {

@@ -1,19 +1,24 @@
 //! Measuring what accuracy costs, and keeping that.
 use std::path::Path;
+use std::time::Duration;
 
 use stochc_compiler::cost::estimate;
 use stochc_ensemble::trade::{
     EstimatedSamples, MEASUREMENT_JOURNAL, MeasurementJournal, MeasurementProgress, Setup, Trade,
-    has_entries, measure,
+    candidates, has_entries, measure,
 };
-use stochc_ensemble::{EnsembleProgram, FolderError, JournalError, is_remnant};
+use stochc_ensemble::{
+    CpuForecast, EnsembleProgram, FolderError, JournalError, Manifest, is_remnant,
+};
 use stochc_files::atomic::{self, Replaces};
 use stochc_report::figures::{Figures, trade as trade_figure};
+use stochc_runtime::Settings;
 use stochc_runtime::world::SceneError;
 
 use super::estimate::planned;
 use super::rates::{at_hand, supported};
-use crate::exit::Failure;
+use super::forecast::cpu_time;
+use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_trade;
 
@@ -34,6 +39,42 @@ pub fn measured(
     trade.map_err(|(program, error)| {
         Failure::invalid_program(format!("{}: {error}", programs[program].name))
     })
+}
+
+/// Forecasts the CPU time of a trade with so many runs of each program at each setting.
+///
+/// Settings that cannot run a program are left out.
+///
+/// # Errors
+/// If it is stopped.
+pub fn forecast(
+    programs: &[EnsembleProgram],
+    setup: &Setup<'_>,
+    runs: u64,
+    host: &dyn Host,
+) -> Result<CpuForecast, Failure> {
+    let mut all = CpuForecast {
+        runs: 0,
+        time: Duration::ZERO,
+        is_lower_bound: false,
+    };
+    for settings in candidates(setup.finest) {
+        let settings = Settings {
+            max_ticks: setup.max_ticks,
+            ..settings
+        };
+        let manifest = Manifest::new(settings, setup.seed, runs, programs.to_vec());
+        match cpu_time(&manifest, host) {
+            Ok(forecast) => {
+                all.runs += forecast.runs;
+                all.time = all.time.saturating_add(forecast.time);
+                all.is_lower_bound |= forecast.is_lower_bound;
+            }
+            Err(failure) if failure.exit == Exit::Interrupted => return Err(failure),
+            Err(_) => {}
+        }
+    }
+    Ok(all)
 }
 
 /// What is known of programs without runs, by the rates that come with `stochc`; reading and compiling costs the other settings

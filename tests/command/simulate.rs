@@ -24,6 +24,28 @@ fn programs_are_compared() {
     assert!(said.out.contains("tower (2)"), "{}", said.out);
 }
 
+/// The forecast comes from trial runs: twice as many runs take about twice the time, and nothing is written.
+#[test]
+fn a_dry_run_forecasts_the_cpu_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = crate::stochc::path(folder.path(), "out");
+    let seconds = |line: &str, more: &[&str]| {
+        let said = stochc_with(line, more);
+        assert_eq!(said.status, 0, "{}", said.err);
+        assert!(said.out.contains(" of CPU time"), "{}", said.out);
+        said.out
+    };
+    let simulate = "simulate --dry-run --quiet --substeps 1 examples/line.sa --out";
+    let told = seconds(simulate, &[&out, "--runs", "40", "--sweep", "free=200,300"]);
+    assert!(told.starts_with("80 runs, about "), "{told}");
+    assert!(!std::path::Path::new(&out).exists());
+    let trade = "trade --dry-run --quiet --runs 2 --finest 2 --max-ticks 100 tests/fixtures/dense.sa";
+    let told = seconds(trade, &[]);
+    assert!(told.contains(" runs, about "), "{told}");
+    let told = seconds("trade --dry-run --quiet --budget 5m --threads 2 tests/fixtures/dense.sa", &[]);
+    assert_eq!(told, "at most 5 min, the time limit, on 2 threads: 10 min of CPU time\n");
+}
+
 #[test]
 fn figures_come_as_json_too() {
     let figures = stochc_with(TOWER, &["--runs", "4", "--format", "json"]).json();

@@ -16,7 +16,7 @@ mod sample;
 mod selection;
 
 pub use assessment::Conditions;
-pub use candidates::{FINEST, base};
+pub use candidates::{FINEST, base, candidates};
 pub use convergence::{CLOSE, Convergence, Doubling};
 pub use estimate::EstimatedSamples;
 pub use measure::{MeasurementProgress, Setup, measure};

@@ -143,6 +143,9 @@ pub struct SimulateArguments {
     /// Rewrite `report.html` in `--out` every few seconds while the runs are simulated; open it in a browser
     #[arg(long, requires = "out", conflicts_with_all = ["run", "shards", "replan"])]
     pub watch: bool,
+    /// Print the expected CPU time of the runs, and make none of them
+    #[arg(long, conflicts_with_all = ["run", "replan", "watch", "accuracy", "bonds"])]
+    pub dry_run: bool,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     pub format: ResultsFormat,

@@ -20,6 +20,7 @@ use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::estimate::{Estimating, estimates};
+use crate::operations::forecast::{cpu_time, forecast_to_text};
 use crate::operations::json::document;
 use crate::operations::precision::make_until;
 use crate::operations::replan::{Replan, replan};
@@ -67,6 +68,11 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     let is_checked =
         options.manifest.is_none() && !options.files.is_empty() && options.accuracy.is_none();
     judge_scenes(&manifest, is_checked, &options.levels.levels, &host)?;
+    if options.dry_run {
+        let forecast = cpu_time(&manifest, &host)?;
+        print(&forecast_to_text(&forecast, options.work.threads))?;
+        return Ok(Exit::Success);
+    }
     if let Some(after) = options.replan {
         return replanned(options, manifest, after, &host);
     }
