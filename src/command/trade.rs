@@ -3,8 +3,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{ArgGroup, Args};
-use stochc_ensemble::trade::{Extent, FINEST, Setup};
 use stochc_ensemble::text::words;
+use stochc_ensemble::trade::{Extent, FINEST, Setup};
 use stochc_ensemble::{EnsembleProgram, MOST_RUNS, Manifest};
 use stochc_ir::counted;
 use stochc_report::tables::trade_to_text;
@@ -78,9 +78,7 @@ fn expected(
     host: &Terminal,
 ) -> Result<String, Failure> {
     Ok(match setup.extent {
-        Extent::Runs(runs) => {
-            forecast_to_text(&forecast(programs, setup, runs, host)?, threads)
-        }
+        Extent::Runs(runs) => forecast_to_text(&forecast(programs, setup, runs, host)?, threads),
         Extent::Budget(time) => format!(
             "at most {}, the time limit, on {}: {} of CPU time\n",
             words(time),

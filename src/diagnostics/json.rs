@@ -1,7 +1,7 @@
 //! Findings as JSON.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{Diagnostic, Fix};
-use stochc_compiler::{Checked, SourceLocation, Sources};
+use stochc_compiler::{Checked, Program, SourceLocation, Sources};
 
 use super::position;
 
@@ -15,12 +15,16 @@ pub struct CheckDocument {
 }
 
 impl CheckDocument {
-    /// Adds the diagnostics and the programs of a file.
-    pub fn add(&mut self, file: &str, checked: &Checked) {
+    /// Adds the diagnostics and the programs of a file. Each program may have a `cost`.
+    pub fn add(&mut self, file: &str, checked: &Checked, cost: impl Fn(&Program) -> Option<Value>) {
         self.diagnostics.extend(values(checked));
-        let programs = 0..checked.programs.len();
-        self.programs
-            .extend(programs.map(|number| program(file, checked, number)));
+        for (number, checked_program) in checked.programs.iter().enumerate() {
+            let mut told = program(file, checked, number);
+            if let Some(cost) = cost(checked_program) {
+                told["cost"] = cost;
+            }
+            self.programs.push(told);
+        }
     }
 
     /// Returns `{ format, diagnostics, programs }`, with `scenes` if they were asked for.

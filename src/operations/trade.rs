@@ -16,8 +16,8 @@ use stochc_runtime::Settings;
 use stochc_runtime::world::SceneError;
 
 use super::estimate::planned;
-use super::rates::{at_hand, supported};
 use super::forecast::cpu_time;
+use super::rates::{at_hand, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_trade;

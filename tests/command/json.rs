@@ -193,6 +193,19 @@ fn estimates_plans_and_trades_have_schemas() {
 }
 
 #[test]
+fn checks_have_schemas() {
+    let files = "examples/five_tower.sa examples/experiment_2.sa tests/fixtures/wrong.sa";
+    assert_output("check", &stochc(&format!("check --format json {files}")));
+    let said = stochc("check --format json --cost=2 --scene examples/five_tower.sa");
+    assert_output("check", &said);
+    let cost = &said.json()["programs"][0]["cost"];
+    assert_eq!(cost["captures"].as_array().unwrap().len(), 2);
+    assert!(cost["total"]["median"].is_number(), "{cost}");
+    // Costs are in the document, and nowhere else.
+    assert!(!said.err.contains("depth"), "{}", said.err);
+}
+
+#[test]
 fn stages_of_the_compiler_have_schemas() {
     for stage in ["structure", "graph", "table"] {
         let compile = format!("compile --format json --emit {stage} examples/line.sa");

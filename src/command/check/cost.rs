@@ -1,4 +1,5 @@
 //! What `check --cost` says of a program.
+use serde_json::{Value, json};
 use stochc_compiler::cost::{CaptureCost, Cost, PhaseCost, estimate};
 use stochc_compiler::{MAX_ESTIMATED, Program, Symbols};
 use stochc_ensemble::text::percent;
@@ -20,6 +21,40 @@ pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &
     let is_guess = rates.is_some_and(Rates::is_guess);
     estimate(program, rates).map_or(String::new(), |cost| {
         table(program, symbols, (&cost, is_guess), most)
+    })
+}
+
+/// Returns what `--cost` prints as JSON. Null for an aggregate.
+pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rates]) -> Value {
+    let rates = (program.scene.as_ref()).and_then(|scene| Rates::known_or_guessed(rates, scene));
+    let rates = rates.as_deref();
+    let cost = match program.plan.events.is_empty() {
+        true => None,
+        false => estimate(program, rates),
+    };
+    let Some(cost) = cost else {
+        return Value::Null;
+    };
+    let plan = &program.plan;
+    let phases = plan.phases.iter().zip(&cost.phases);
+    let phases = phases.filter(|(phase, _)| !phase.planted).map(|(phase, cost)| {
+        json!({ "name": phase.name, "depth": cost.depth, "width": cost.width, "times": cost.times })
+    });
+    let captures = cost.captures.iter().take(most).map(|it| {
+        json!({
+            "event": plan.describe(it.event, symbols),
+            "phase": plan.phase_name(it.event),
+            "share": it.share,
+            "wait": it.wait,
+        })
+    });
+    json!({
+        "lower_bound": cost.lower_bound,
+        "total": cost.total,
+        "phases": phases.collect::<Vec<_>>(),
+        "captures": captures.collect::<Vec<_>>(),
+        "is_first_guess": rates.is_some_and(Rates::is_guess),
+        "reason": cost.total.is_none().then(|| no_times(program, &cost)),
     })
 }
 

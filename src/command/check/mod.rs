@@ -14,7 +14,7 @@ use stochc_ir::emit::chain_text;
 use stochc_ir::visible;
 use stochc_runtime::rates::Rates;
 
-use self::cost::{costs, summed_up};
+use self::cost::{cost_json, costs, summed_up};
 use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
@@ -134,7 +134,10 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         match options.format {
             // A machine reads the findings, a person the summary.
             Format::Short => print(&shown())?,
-            Format::Json => document.add(file, &checked),
+            Format::Json => document.add(file, &checked, |program| {
+                let most = options.cost.filter(|_| !checked.has_errors())?;
+                Some(cost_json(program, &checked.symbols, most, &rates))
+            }),
             Format::Sarif => log.add(file, &checked),
             Format::Graphical => {
                 warn_drawn(&shown());
@@ -145,7 +148,8 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             }
         }
         exit = exit.or_worse(verdict(&checked));
-        if options.cost.is_some() && options.format != Format::Graphical && !checked.has_errors() {
+        let has_text = matches!(options.format, Format::Short | Format::Sarif);
+        if options.cost.is_some() && has_text && !checked.has_errors() {
             warn(&summary(&name, &checked, options.cost, &rates));
         }
         let of_programs = checked
