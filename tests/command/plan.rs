@@ -603,7 +603,7 @@ fn a_forged_record_is_left_out() {
         line["record"]["bonds"][index][key] = value.clone();
         let forged = stochc::files::checksum::sealed(line.to_string());
         fs::write(&journal, format!("{header}\n{forged}\n")).unwrap();
-        for command in ["plan --run 0 --budget 5", "results", "replay --run 0"] {
+        for command in ["plan --run 0 --budget 5", "show", "replay --run 0"] {
             let said = stochc_with(command, &[&results]);
             let told = "says what cannot be";
             assert!(
