@@ -193,6 +193,7 @@ fn of_ensemble(runs: u64) -> usize {
             finished: contents.finished,
         }];
         let surroundings = ReportLocation {
+            reload: None,
             folder: "figures",
             figures: &Figures::default(),
             replay: &|_, _, _| None,
@@ -219,9 +220,7 @@ fn no_short_text_takes_more_than_300_mib() {
             "{scene} assembly a in w {{ seed plate 6000 x 1 {{ for i in 0..5999 {{ S[i] at (i, 0) }} }} \
              phase p {{ for i in 0..699 {{ S[i].up -> T[i] }} for i in 700..1399 {{ S[i].up -> T[i] after T[0..690] }} }} }}"
         ),
-        format!(
-            "assembly a {{ seed plate 700 x 700 {{ for i in 0..699 {{ for j in 0..699 {{ S[i, j] at (i, j) }} }} }} }}"
-        ),
+        "assembly a { seed plate 700 x 700 { for i in 0..699 { for j in 0..699 { S[i, j] at (i, j) } } } }".to_owned(),
         format!(
             "{scene} assembly a in w {{ {seed} for i in 1..240000 {{ phase p[i] {{ M.up -> T[i] }} }} }}"
         ),

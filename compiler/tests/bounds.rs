@@ -45,14 +45,14 @@ fn written_out(count: usize) -> String {
     for i in 0..count {
         let x = 4 * i;
         let [middle, east] = [x + 1, x + 2];
-        let _ = write!(
+        let _ = writeln!(
             seeds,
-            "W{i} at ({x}, 1) E{i} at ({east}, 1) S{i} at ({middle}, 0) N{i} at ({middle}, 2) M{i} at ({middle}, 1)\n"
+            "W{i} at ({x}, 1) E{i} at ({east}, 1) S{i} at ({middle}, 0) N{i} at ({middle}, 2) M{i} at ({middle}, 1)"
         );
-        let _ = write!(
+        let _ = writeln!(
             phase,
             "W{i}.up -> W1_{i}.up -> W2_{i}\nE{i}.up -> E1_{i}\nS{i}.up -> S1_{i}\nN{i}.up -> N1_{i}\n\
-             W2_{i}.east -> LID{i}\nM{i}.up -> CORE{i}\n"
+             W2_{i}.east -> LID{i}\nM{i}.up -> CORE{i}"
         );
     }
     let plate = 4 * count;

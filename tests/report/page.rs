@@ -242,6 +242,7 @@ fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
 fn sentences_link_to_their_ticks() {
     let input = five(0.2);
     let surroundings = ReportLocation {
+        reload: None,
         folder: "report-figures",
         figures: &Figures::default(),
         replay: &|_, _, run| Some(format!("replay-{run}.html")),

@@ -186,6 +186,7 @@ pub fn report_of(inputs: &[Input]) -> Report {
 /// The same with other figures.
 pub fn drawn(inputs: &[Input], figures: &Figures) -> Report {
     let surroundings = ReportLocation {
+        reload: None,
         folder: "report-figures",
         figures,
         replay: &|_, _, _| None,

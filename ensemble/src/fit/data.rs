@@ -202,7 +202,7 @@ fn pile_up(program: &str, runs: &[Observation]) -> Option<PileUp> {
     let mut counts: Vec<(usize, f64)> = (times.chunk_by(|a, b| a == b))
         .map(|same| (same.len(), same[0]))
         .collect();
-    counts.sort_by(|a, b| a.0.cmp(&b.0));
+    counts.sort_by_key(|count| count.0);
     let usual = counts.get(counts.len() / 2)?.0;
     let (count, time) = *counts.last()?;
     let is_pile_up = count >= 5 && 20 * count >= runs.len() && count >= 4 * usual;

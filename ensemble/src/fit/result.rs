@@ -329,7 +329,7 @@ mod tests {
             0 => 20.0 * (1 + i / 10) as f64,
             _ => f64::INFINITY,
         };
-        let halves = |i: usize| if i % 2 == 0 { 140.0 } else { 280.0 };
+        let halves = |i: usize| if i.is_multiple_of(2) { 140.0 } else { 280.0 };
         let widths = [
             check_coverage(|_| 220.0),
             check_coverage(|_| 150.0),

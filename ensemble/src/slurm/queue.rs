@@ -177,7 +177,7 @@ slurm_load_jobs error: Invalid job id specified
         let last = "12|0|stochc-a|FAILED|NonZeroExitCode\n13|N/A|stochc-a-merge|RUNNING|None";
         let last = Queue::read(last, "stochc-a");
         assert_eq!(last.summary(), "the merge job runs");
-        assert_eq!(last.active_arrays(), []);
+        assert!(last.active_arrays().is_empty());
         assert_eq!(last.numbers(), BTreeSet::from([12, 13]));
         assert_eq!(Queue::read("", "stochc-a"), Queue::default());
     }

@@ -29,17 +29,16 @@ pub fn published_comparison(comparison: &Comparison, markup: Markup) -> String {
         format!("{}/{}", it.completed, it.finished)
     });
     add(format!("mean [{unit}]"), &|it| mean(it.time.as_ref()));
-    let figures: [(&str, fn(&Time) -> Option<f64>); 4] = [
-        ("median", |it| it.median),
-        ("min", |it| it.min),
-        ("max", |it| it.max),
-        ("SD", |it| it.sd),
-    ];
-    for (label, of) in figures {
+    type Figure = fn(&Time) -> Option<f64>;
+    let mut add_figure = |label: &str, of: Figure| {
         add(format!("{label} [{unit}]"), &|it| {
             figure(it.time.as_ref().and_then(of))
         });
-    }
+    };
+    add_figure("median", |it| it.median);
+    add_figure("min", |it| it.min);
+    add_figure("max", |it| it.max);
+    add_figure("SD", |it| it.sd);
     add("CV".to_owned(), &|it| {
         figure(it.time.as_ref().and_then(|it| it.cv))
     });

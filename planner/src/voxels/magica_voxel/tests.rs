@@ -117,7 +117,7 @@ fn rotations_and_translations_are_applied() {
     let lying = bar(&[], &[("_r", "40"), ("_t", "7 -2 100")]);
     assert_eq!(lying.cells(), cells(&[[0, 0, 1], [0, 1, 1], [0, 2, 1]]));
     // A corner that is not its own mirror image, turned about the vertical: rows -y, x, z.
-    let turn = (1 << 0) | (0 << 2) | (1 << 4);
+    let turn = 0b01_0001;
     let corner = [[0, 0, 0, 1], [1, 0, 0, 1], [1, 1, 0, 1], [1, 1, 1, 1]];
     let file = Builder::default().model([2, 2, 2], &corner);
     let file = file.transform(0, 1, &[], &[&[("_r", &turn.to_string())]]);
