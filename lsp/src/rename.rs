@@ -138,14 +138,17 @@ fn stays_the_same(
     };
     let new = check_cancellable(&root.name, &mut reader, Limits::EDITOR, cancellation)?;
     let names = Names::of(&new, cancellation)?;
-    if !same_structure(&analysis.names, &names) || codes(old) != codes(&new) {
-        let why = format!("`{new_name}` already means something where it would stand");
-        return Err(RequestFailure::request_failed(why));
-    }
-    if scenes(old) != scenes(&new) {
+    let is_same_structure = same_structure(&analysis.names, &names);
+    let (before, after) = (scenes(old), scenes(&new));
+    // Another scene brings other warnings, so this comes before the comparison of codes.
+    if is_same_structure && before.len() == after.len() && before != after {
         let why = format!(
             "with a scene called `{new_name}`, assemblies that name none would run in another"
         );
+        return Err(RequestFailure::request_failed(why));
+    }
+    if !is_same_structure || before != after || codes(old) != codes(&new) {
+        let why = format!("`{new_name}` already means something where it would stand");
         return Err(RequestFailure::request_failed(why));
     }
     Ok(())

@@ -12,8 +12,10 @@ fn programs(free: u32) -> String {
     format!(
         "scene small from hemisphere {{ free {free} uniform  enclosure hemisphere {{ radius 1m  wall 25 N/m }} }}
 assembly one in small {{ seed plate 3 x 3 {{ M at (1, 1) }}
+allow soft-contact \"the arena is small\"
 phase grow {{ M.up -> A }} }}
 assembly two in small {{ seed plate 3 x 3 {{ M at (1, 1) }}
+allow soft-contact \"the arena is small\"
 phase grow {{ M.up -> A  A.up -> B }} }}
 "
     )

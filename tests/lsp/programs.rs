@@ -160,7 +160,7 @@ fn the_words_of_a_scene_are_known() {
             .collect()
     };
     assert_eq!(offered("attract"), ["attract", "reject", "suction"]);
-    assert_eq!(offered("gap"), ["centres", "gap"]);
+    assert_eq!(offered("gap"), ["centres", "gap", "corners"]);
     assert_eq!(offered("anchor"), ["align", "anchor"]);
     let clauses = offered("f\n");
     assert!(clauses.starts_with(&["tick".to_owned()]), "{clauses:?}");
@@ -480,8 +480,8 @@ fn what_nobody_uses_is_marked_as_unnecessary() {
     assert_eq!(
         found,
         [
-            ("unused-seed".to_owned(), unnecessary()),
             ("occupied-cell".to_owned(), Value::Null),
+            ("unused-seed".to_owned(), unnecessary()),
         ]
     );
     let mut client = Client::new(&["utf-16"]);

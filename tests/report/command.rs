@@ -179,7 +179,7 @@ fn what_is_no_results_folder_is_refused() {
     let said = stochc_with("report", &[&out]);
     assert_eq!(said.status, 2);
     assert!(
-        said.err.contains("its format is 99, and this is 4"),
+        said.err.contains("its format is 99, and this is 1"),
         "{}",
         said.err
     );
