@@ -442,6 +442,14 @@ fn every_fixture_and_page_is_only_bettered() {
 fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) {
     let mut change = TextChange::new(FileId(0), text);
     assert!(change.add(fix), "{fix:?}");
+    // Each open block needs its own brace: one alone closes the inner block.
+    if diagnostic.code == Code::UnclosedBrace {
+        let open = before.diagnostics.iter();
+        let open = open.filter(|it| it.code == diagnostic.code && *it != diagnostic);
+        open.filter_map(|it| it.fix.as_ref()).for_each(|fix| {
+            change.add(fix);
+        });
+    }
     let new = change.text();
     let after = checked(&new);
     let (old, left) = (reported(&before.diagnostics), reported(&after.diagnostics));
