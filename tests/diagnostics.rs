@@ -791,6 +791,10 @@ fn assert_changes_hold(program: &str) {
 
 /// Every code has a page, and the help of its wrong program is tried: by its fix, or as `FOLLOWED` says.
 #[test]
+#[allow(
+    clippy::disallowed_methods,
+    reason = "it reads the programs of tests/findings"
+)]
 fn a_help_that_is_a_change_holds() {
     for &code in Code::ALL {
         let Some(program) = fence(code.page(), "Wrong:") else {

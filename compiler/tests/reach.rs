@@ -1342,6 +1342,8 @@ fn what_is_handed_over_stays_where_it_is() {
     let codes = |hand_over: &str| {
         let text = format!(
             "assembly beam in hemisphere_soft {{
+                allow soft-contact \"its walls are soft\"
+                allow coarse-step \"it is not simulated\"
                 seed plate 3 x 1 {{ A at (0, 0)   B at (2, 0) }}
                 phase grow {{
                     A.up ->> T[1..2].east -> X
