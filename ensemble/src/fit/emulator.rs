@@ -30,7 +30,7 @@ pub(super) fn is_within(at: &[f64], ends: &[(f64, f64)]) -> bool {
 /// The statistics that an [`Emulator`] expects at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmulatorPrediction {
-    /// See [`TimeStatistics`].
+    /// Restricted mean, mean square and share of incomplete runs, as `TimeStatistics` defines them.
     pub of: Vec<f64>,
     /// Variances of their errors.
     pub variance: Vec<f64>,

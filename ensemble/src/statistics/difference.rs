@@ -36,8 +36,8 @@ pub struct Difference {
     pub p_holm: f64,
     /// Which sample has the longer times.
     pub longer: Longer,
-    /// Number of runs of each program that finds a difference of [`DETECTABLE`] of the mean with a
-    /// probability of [`POWER`]. `None` if the mean is 0.
+    /// Number of runs of each program that finds a difference of 5 % of the mean with a
+    /// probability of 80 %. `None` if the mean is 0.
     pub runs_for_5_percent: Option<u64>,
 }
 
