@@ -229,7 +229,7 @@ def plan(
     return Plan(texts[0][1], json.loads(found), explained, assembly, dict(texts))
 
 
-def _alone(name: str, **others: object) -> None:
+def _alone(name: str, /, **others: object) -> None:
     """That some arguments are not given beside another one."""
     given = [other for other, value in others.items() if value is not None]
     if given:
