@@ -49,7 +49,7 @@ fn check_two_runs(browser: &mut impl Page) {
     let same = stochc("replay --run 0 --against 0", &[&folder]);
     assert_eq!(same.status, 2);
     assert!(
-        same.err.contains("`--against` needs another run"),
+        same.err.contains("`--against 0` needs another run than 0"),
         "{}",
         same.err
     );
