@@ -24,7 +24,7 @@ fn programs_are_compared() {
     assert!(said.out.contains("tower (2)"), "{}", said.out);
 }
 
-/// The forecast comes from trial runs: twice as many runs take about twice the time, and nothing is written.
+/// A dry run prints the number of runs and their expected CPU time, and writes nothing.
 #[test]
 fn a_dry_run_forecasts_the_cpu_time() {
     let folder = tempfile::tempdir().unwrap();
