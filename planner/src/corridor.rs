@@ -29,13 +29,6 @@ pub struct Corridors {
 const COSTS: [u32; 4] = [1, 2, 6, 4];
 
 impl Corridors {
-    /// The sites that one waits for.
-    pub fn before(&self, site: u32) -> impl Iterator<Item = u32> {
-        let lists = self.waiting.iter().zip(0..);
-        let has_it = lists.filter(move |(waiting, _)| waiting.binary_search(&site).is_ok());
-        has_it.map(|(_, other)| other)
-    }
-
     /// The cheapest way for each site, the last one first.
     ///
     /// # Errors

@@ -110,9 +110,6 @@ pub fn explanation(plan: &BuildPlan) -> String {
             estimate.mean
         );
     }
-    if plan.is_best {
-        out += "all schedules with these ways in were looked at: none is better by the waits it was chosen by\n";
-    }
     let _ = writeln!(out, "{} schedules tried", plan.rounds);
     out
 }

@@ -29,8 +29,6 @@ mod grid;
 mod hardware;
 mod limits;
 mod makespan;
-#[cfg(test)]
-mod optimality_gap;
 mod plan;
 mod precedence;
 mod rate_law;

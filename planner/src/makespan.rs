@@ -142,20 +142,9 @@ impl Samples {
         }
     }
 
-    /// How many runs.
-    pub fn runs(&self) -> usize {
-        self.runs
-    }
-
     /// The waits of a site in all runs, of mean 1.
-    pub fn waits(&self, site: u32) -> &[f32] {
+    fn waits(&self, site: u32) -> &[f32] {
         &self.waits[site as usize * self.runs..][..self.runs]
-    }
-
-    /// Adds the times of one more site, which waits for those at these places.
-    pub fn extend(&self, site: u32, mean: f32, before: &[u32], times: &mut Vec<f32>) {
-        times.resize(times.len() + self.runs, 0.0);
-        self.wait(site, mean, before, times);
     }
 
     /// Turns the last times, when a site may begin to wait at the earliest, into when its block comes.
@@ -171,11 +160,6 @@ impl Samples {
         for (here, &wait) in here.iter_mut().zip(self.waits(site)) {
             *here += mean * wait;
         }
-    }
-
-    /// What matters of the times of some sites in all runs.
-    pub fn value(&self, times: &[f32], objective: Objective) -> f64 {
-        self.summed_up(times).of(objective)
     }
 
     fn summed_up(&self, times: &[f32]) -> PlanEstimate {

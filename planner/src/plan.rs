@@ -32,8 +32,6 @@ pub struct BuildPlan {
     pub widest: usize,
     /// Schedules that were tried.
     pub rounds: u64,
-    /// Whether all schedules in one phase, with the ways in that were found, have been looked at, and none is better.
-    pub is_best: bool,
     /// The plan that needs no thought which it is; `None`: one that was looked for.
     pub baseline: Option<Baseline>,
     /// What plans that need no thought would take; none where nobody has looked.
@@ -175,7 +173,6 @@ impl BuildPlan {
         let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
         BuildPlan {
             rounds: found.rounds,
-            is_best: found.is_best,
             ..BuildPlan::of(job.sites, job.hardware, schedule, &waiting, ways, seed)
         }
     }
@@ -216,7 +213,6 @@ impl BuildPlan {
             estimate,
             widest: widest(waiting, schedule),
             rounds: 0,
-            is_best: false,
             baseline: None,
             alternatives: Vec::new(),
             scaffolds: ScaffoldTrial::NotTried {

@@ -2,8 +2,6 @@
 //!
 //! The most urgent cell that may open does: its blocks to wait for are there, a neighbour of it stands and has a face to spare,
 //! and no face is open that [jams together with it](crate::crowding).
-mod exact;
-mod insertion;
 mod phase;
 mod priorities;
 mod serial;
@@ -18,17 +16,14 @@ use crate::corridor::Corridors;
 use crate::crowding::Crowding;
 use crate::disassembly::Disassembly;
 use crate::hardware::Hardware;
+use crate::makespan::{PlanEstimate, Samples};
 use crate::precedence::Waiting;
 use crate::rate_law::{CellState, Moment, RateLaw};
 use crate::scaffold::{SitePart, SiteRoles};
 use crate::schedule::Schedule;
 use crate::sites::{NONE, Sites};
-pub use exact::{Branching, estimated, value};
 use phase::SchedulePhase;
 pub use priorities::Priorities;
-
-/// Sites of a target for which all schedules are looked at.
-pub const MOST_SITES: usize = 12;
 
 /// Ticks of a wait of which nothing is known yet.
 pub const WAIT: f32 = 650.0;
@@ -143,6 +138,19 @@ impl<'a> SchedulingJob<'a> {
             before.dedup();
         }
         Waiting { before }
+    }
+
+    /// Estimates how long the program of a schedule takes, with the mean waits that `check --cost` uses for that program: the waits by which a
+    /// schedule is made depend on the order in which faces open at the same time.
+    pub fn estimated(
+        &self,
+        samples: &Samples,
+        schedule: &Schedule,
+        waiting: &Waiting,
+    ) -> PlanEstimate {
+        let mut settled = schedule.clone();
+        settled.set_means(self.sites, self.hardware, self.waits, waiting);
+        samples.estimate(&settled, waiting, &mut Vec::new())
     }
 
     /// The site that holds another one: across the face opposite to the way; [`NONE`]: a seed does.

@@ -12,7 +12,7 @@ use crate::hardware::Hardware;
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::rate_law::RateLaw;
 use crate::schedule::Schedule;
-use crate::scheduling::{Branching, MOST_SITES, Priorities, SchedulingJob, WAIT, estimated, value};
+use crate::scheduling::{Priorities, SchedulingJob, WAIT};
 use crate::sites::Sites;
 
 /// How to look for a plan.
@@ -70,8 +70,6 @@ pub struct FoundSchedule {
     pub schedule: Schedule,
     /// Schedules that were tried.
     pub rounds: u64,
-    /// Whether all schedules with the ways in that were found have been looked at, and none is better by half a percent.
-    pub is_best: bool,
 }
 
 impl FoundSchedule {
@@ -154,11 +152,8 @@ const VARIANTS: u64 = 8;
 /// Other ways in that are tried around the best ones in a row, times cells: the same effort for targets of all sizes.
 const WAYS: u64 = 2000;
 
-/// How schedules are changed after that, and how often in a row; the last in small targets alone: larger ones have not been seen to gain by it.
-const MOVES: [(ScheduleMove, u64); 2] = [
-    (ScheduleMove::Priorities, 150),
-    (ScheduleMove::Insertion, 150),
-];
+/// Other priorities that are tried after that in a row.
+const PRIORITIES: u64 = 150;
 
 /// Schedules of small targets, each with other ways in and by other priorities, from which it is begun: changes one by one seldom lead from one to what
 /// another leads to.
@@ -171,47 +166,14 @@ const MOST_FIRST: u64 = 1500;
 /// less.
 const TOLERANCE: f64 = 0.02;
 
-/// Sites of a target that is larger.
-const SMALL: f64 = 12.0;
-
-/// Runs by which schedules of small targets are compared.
-const SMALL_RUNS: usize = 128;
-
-/// Runs by which it is decided whether that schedule is better.
-pub(crate) const OTHER_RUNS: usize = 1000;
-
-/// What makes their chances others.
-pub(crate) const OTHER_CHANCES: u64 = 0xbb;
-
-/// Ways in of small targets are looked for so often.
-const ALL_VARIANTS: u64 = 24;
-
-/// The part of a time for which no other schedule is taken.
-const WORTH: f64 = 0.005;
-
-/// Faces that are opened to look at all schedules of a small target, for each round and at most.
-const FACES_PER_ROUND: u64 = 30;
-const MOST_FACES: u64 = 2_000_000;
+/// Sites of a small target, at most.
+pub const SMALL: usize = 12;
 
 /// The best schedule of a target.
 ///
 /// # Errors
 /// If there is none, or nobody waits for the first one.
 pub fn search(
-    sites: &Sites<'_>,
-    hardware: Hardware,
-    waits: &RateLaw<'_>,
-    how: PlanSearch<'_>,
-) -> Result<FoundSchedule, TargetError> {
-    let mut found = heuristic(sites, hardware, waits, how)?;
-    if sites.len() <= MOST_SITES && sites.existing_count() == 0 && found.rounds >= VARIANTS {
-        found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?;
-    }
-    Ok(found)
-}
-
-/// The best that is found by trying.
-pub(crate) fn heuristic(
     sites: &Sites<'_>,
     hardware: Hardware,
     waits: &RateLaw<'_>,
@@ -230,7 +192,7 @@ pub(crate) fn heuristic(
         let schedule = job.schedule(&priorities, wanted)?;
         let waiting = job.waiting(&schedule);
         let scheduled = PrioritizedSchedule {
-            estimate: estimated(&job, &samples, &schedule, &waiting),
+            estimate: job.estimated(&samples, &schedule, &waiting),
             priorities,
             schedule,
         };
@@ -275,14 +237,13 @@ pub(crate) fn heuristic(
     best.sort_by(|a, b| b.value.total_cmp(&a.value));
     let left = search.rounds.saturating_sub(rounds);
     let share = (left / (best.len() as u64 + 1)).min(MOST_FIRST);
-    let reschedule = |best: ScheduleCandidate, by, rounds: &mut u64, most: u64, rng: &mut _| {
+    let reschedule = |best: ScheduleCandidate, rounds: &mut u64, most: u64, rng: &mut _| {
         let job = SchedulingJob::new(sites, &best.disassembly, &best.corridors, hardware, waits);
         let search = PlanSearch {
             rounds: most.min(search.rounds),
             ..search
         };
-        let by = (&job, by);
-        let (scheduled, made) = improved(by, &samples, best.scheduled, *rounds, search, rng);
+        let (scheduled, made) = improved(&job, &samples, best.scheduled, *rounds, search, rng);
         *rounds = made;
         ScheduleCandidate {
             value: search.value(&scheduled.estimate, &best.disassembly),
@@ -291,9 +252,10 @@ pub(crate) fn heuristic(
         }
     };
     // No more starts than there are tries for them.
-    let (starts, moves) = match sites.len() <= MOST_SITES {
-        true => (share.clamp(1, STARTS), &MOVES[..]),
-        false => (1, &MOVES[..1]),
+    let starts = if sites.len() <= SMALL {
+        share.clamp(1, STARTS)
+    } else {
+        1
     };
     let mut found: Option<ScheduleCandidate> = None;
     for first in best {
@@ -310,7 +272,7 @@ pub(crate) fn heuristic(
             };
             let Ok(from) = from else { break };
             let most = rounds + share / starts;
-            let best = reschedule(from, ScheduleMove::Priorities, &mut rounds, most, &mut rng);
+            let best = reschedule(from, &mut rounds, most, &mut rng);
             found = match found {
                 Some(found) if found.value <= best.value => Some(found),
                 _ => Some(best),
@@ -332,17 +294,14 @@ pub(crate) fn heuristic(
                 Err(_) => break,
             }
         }
-        for &(by, tries) in moves {
-            let most = rounds + tries;
-            found = reschedule(found, by, &mut rounds, most, &mut rng);
-        }
+        let most = rounds + PRIORITIES;
+        found = reschedule(found, &mut rounds, most, &mut rng);
     }
     Ok(FoundSchedule {
         disassembly: found.disassembly,
         corridors: found.corridors,
         schedule: found.scheduled.schedule,
         rounds,
-        is_best: false,
     })
 }
 
@@ -377,78 +336,11 @@ fn takes_gaps(waits: &RateLaw<'_>, variant: u64) -> bool {
     waits.has_passable_gaps() && variant % 2 == 1
 }
 
-/// Looks at all schedules of a small target, with several ways in, and keeps the best; whether there was the time to look at all of them.
-pub(crate) fn branch_and_bound(
-    sites: &Sites<'_>,
-    hardware: Hardware,
-    waits: &RateLaw<'_>,
-    search: PlanSearch<'_>,
-    found: &mut FoundSchedule,
-) -> Result<bool, TargetError> {
-    let value = |samples: &Samples, found: &FoundSchedule| {
-        let job = found.job(sites, hardware, waits);
-        value(&job, samples, &found.schedule, search.objective)
-    };
-    let samples = Samples::new(sites.len(), SMALL_RUNS, search.seed);
-    let mut best = found.clone();
-    let mut least = value(&samples, &best);
-    let mut left = (search.rounds.saturating_mul(FACES_PER_ROUND)).min(MOST_FACES);
-    let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
-    let mut tried: Vec<Vec<Vec<u32>>> = Vec::new();
-    let spaces = Spaces::of(sites);
-    for variant in 0..ALL_VARIANTS {
-        let (disassembly, corridors) = match variant {
-            0 => (found.disassembly.clone(), found.corridors.clone()),
-            _ => {
-                let keys: Vec<f32> = (0..sites.len()).map(|_| rng.random()).collect();
-                spaces.ways(&keys, takes_gaps(waits, variant), search.cancellation)?
-            }
-        };
-        if disassembly.narrow_count() > found.disassembly.narrow_count()
-            || tried.contains(&corridors.waiting)
-        {
-            continue;
-        }
-        let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);
-        let branching = Branching::new(&job, &samples, search.objective, search.enough);
-        let searched = branching.search(least * (1.0 - WORTH), left);
-        left = searched.left;
-        tried.push(corridors.waiting.clone());
-        if let Some(schedule) = searched.better {
-            least = searched.value;
-            best = FoundSchedule {
-                disassembly,
-                corridors,
-                schedule,
-                ..best
-            };
-        }
-        if left == 0 {
-            break;
-        }
-    }
-    // By other chances than those by which it was chosen.
-    let samples = Samples::new(sites.len(), OTHER_RUNS, search.seed ^ OTHER_CHANCES);
-    if value(&samples, &best) < value(&samples, found) {
-        *found = best;
-    }
-    Ok(left > 0)
-}
-
-/// How a schedule is changed to get another one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ScheduleMove {
-    /// It is made anew by other priorities.
-    Priorities,
-    /// Some of its sites open at other places of the order, or are captured by other faces.
-    Insertion,
-}
-
-/// The best schedule of a job that is found by changing it in such a way, and the rounds that were made by then. What is a bit longer than the best is
-/// gone on from as well at first, and less and less so (G. Dueck and T. Scheuer, *Threshold accepting*, Journal of Computational Physics 90,
+/// Returns the best schedule of a job that is found by changing priorities, and the rounds made by then. A schedule a bit longer than the best is
+/// also continued from, less and less so (G. Dueck and T. Scheuer, *Threshold accepting*, Journal of Computational Physics 90,
 /// 1990).
 pub fn improved(
-    (job, by): (&SchedulingJob<'_>, ScheduleMove),
+    job: &SchedulingJob<'_>,
     samples: &Samples,
     mut best: PrioritizedSchedule,
     mut rounds: u64,
@@ -460,29 +352,19 @@ pub fn improved(
     let mut critical = samples.criticality(&best.schedule, &waiting);
     let mut current = best.clone();
     let from = rounds;
-    let tolerance = TOLERANCE * (SMALL / job.sites.len() as f64).min(1.0);
+    let tolerance = TOLERANCE * (SMALL as f64 / job.sites.len() as f64).min(1.0);
     while rounds < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
         (search.tried)(rounds, value(&best));
-        let (priorities, schedule) = match by {
-            ScheduleMove::Priorities => {
-                let priorities = current.priorities.changed(&critical, job.has_serial(), rng);
-                let schedule = job.any(&priorities, search.enough);
-                (priorities, schedule)
-            }
-            ScheduleMove::Insertion => {
-                let schedule = job.reinserted(&current.schedule, &critical, rng);
-                (current.priorities.clone(), Ok(schedule))
-            }
-        };
-        let schedule = match schedule {
+        let priorities = current.priorities.changed(&critical, job.has_serial(), rng);
+        let schedule = match job.any(&priorities, search.enough) {
             Ok(Some(schedule)) => schedule,
             Ok(None) => continue,
             Err(_) => break,
         };
         let waiting = job.waiting(&schedule);
         let other = PrioritizedSchedule {
-            estimate: estimated(job, samples, &schedule, &waiting),
+            estimate: job.estimated(samples, &schedule, &waiting),
             priorities,
             schedule,
         };

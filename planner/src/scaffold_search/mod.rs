@@ -16,8 +16,8 @@ use crate::makespan::{CellSamples, PlanEstimate, Samples};
 use crate::rate_law::RateLaw;
 use crate::scaffold::{Scaffolding, SiteRoles};
 use crate::schedule::Schedule;
-use crate::scheduling::{Priorities, SchedulingJob, estimated};
-use crate::search::{FoundSchedule, PlanSearch, PrioritizedSchedule, ScheduleMove, improved};
+use crate::scheduling::{Priorities, SchedulingJob};
+use crate::search::{FoundSchedule, PlanSearch, PrioritizedSchedule, improved};
 use crate::sites::Sites;
 use crate::{Hardware, Target};
 use leaf_peeling::peel_leaves;
@@ -173,7 +173,7 @@ impl ScaffoldTrials<'_> {
         samples: &Samples,
         schedule: &Schedule,
     ) -> PlanEstimate {
-        estimated(job, samples, schedule, &job.waiting(schedule))
+        job.estimated(samples, schedule, &job.waiting(schedule))
     }
 
     /// The part of its tries that is left.
@@ -346,8 +346,7 @@ impl ScaffoldTrials<'_> {
             ..self.how
         };
         let tried = how.rounds - self.tries;
-        let by = (&job, ScheduleMove::Priorities);
-        let (found, rounds) = improved(by, &samples, start, tried, how, &mut rng);
+        let (found, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
         let value = how.value(&found.estimate, &disassembly);
         let scaffolded = Scaffolded {
             found: FoundSchedule {
@@ -355,7 +354,6 @@ impl ScaffoldTrials<'_> {
                 disassembly,
                 corridors,
                 schedule: found.schedule,
-                is_best: false,
             },
             union,
             scaffolding,

@@ -2,7 +2,7 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::MOST_SITES;
+use crate::search::SMALL;
 
 /// Of all sites of a job.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +89,7 @@ fn key(sites: usize, rng: &mut ChaCha8Rng) -> f32 {
     const OFTENEST: u32 = 4;
     const MOST: f32 = 7.0;
     const LEAST: f32 = -0.45;
-    let is_far = sites <= MOST_SITES && rng.random_ratio(1, OFTENEST.max(sites as u32));
+    let is_far = sites <= SMALL && rng.random_ratio(1, OFTENEST.max(sites as u32));
     match is_far {
         false => rng.random(),
         true if rng.random() => 1.0 + MOST * rng.random::<f32>(),
@@ -98,7 +98,7 @@ fn key(sites: usize, rng: &mut ChaCha8Rng) -> f32 {
 }
 
 /// Of three sites at random, the one that decides most often when a run ends.
-pub fn critical_site(critical: &[f32], rng: &mut ChaCha8Rng) -> u32 {
+fn critical_site(critical: &[f32], rng: &mut ChaCha8Rng) -> u32 {
     let mut three = (0..3).map(|_| rng.random_range(0..critical.len()));
     let first = three.next().expect("three are drawn");
     three.fold(first, |a, b| if critical[b] > critical[a] { b } else { a }) as u32
