@@ -18,12 +18,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use stochc_files as files;
-use stochc_files::File;
 use stochc_files::atomic::{self, Draft, Replaces};
 use stochc_files::budget;
 use stochc_files::checksum::{Sum, Summed, of_file};
 use stochc_files::disk;
-use stochc_files::disk::Lock;
+use stochc_files::disk::FileLock;
 
 use super::build::other_build;
 use super::checkpoint::{self, Checkpoints, Interval};
@@ -61,7 +60,7 @@ pub struct Folder {
     further: MakeFurther,
     checkpoints: Option<Arc<Checkpoints>>,
     /// Unlocked by the system when it is closed, also by a kill.
-    _lock: File,
+    _lock: FileLock,
 }
 
 /// Further files of a folder, by their names; or why its runs could not be read.
@@ -596,17 +595,14 @@ pub(super) fn without_manifest(
     }
 }
 
-pub(super) fn lock(path: &Path) -> Result<File, FolderError> {
+pub(super) fn lock(path: &Path) -> Result<FileLock, FolderError> {
     let lock = path.join(LOCK);
     let io = FolderError::of(&lock);
     let mut options = OpenOptions::new();
     let options = options.create(true).truncate(false).write(true);
     let file = files::open_own(&lock, options).map_err(&io)?;
-    match file.try_lock().map_err(&io)? {
-        // Where there are no locks, two who write at the same time are not told from one.
-        Lock::Ours | Lock::Unknown => Ok(file),
-        Lock::Others => Err(FolderError::Locked(path.to_owned())),
-    }
+    let lock = file.try_lock().map_err(&io)?;
+    lock.ok_or_else(|| FolderError::Locked(path.to_owned()))
 }
 
 /// Writes a file of a folder of results, in the place of an earlier one.

@@ -11,7 +11,7 @@ use std::sync::Mutex;
 use tempfile::NamedTempFile;
 
 use super::budget::PROGRAM;
-use super::disk::{self, Call, Lock, look};
+use super::disk::{self, Call, look};
 use super::{is_ordinary, open, open_own, read_file};
 
 /// How the files begin that are still being written; a kill may leave one behind.
@@ -376,7 +376,9 @@ pub fn clear_partial(folder: &Path) -> io::Result<()> {
             Err(_) => continue,
         };
         // Whoever still writes it holds a lock.
-        if let Ok(Lock::Ours) = file.try_lock() {
+        if let Ok(Some(lock)) = file.try_lock()
+            && lock.is_held()
+        {
             disk::remove(&path)?;
         }
     }

@@ -168,13 +168,21 @@ impl File {
         })
     }
 
-    /// Locks it until it is closed, unless somebody else has.
+    /// Locks it. Returns `None` if another handle has the lock.
     ///
     /// # Errors
     /// Those of the file system.
-    pub fn try_lock(&self) -> io::Result<Lock> {
+    pub fn try_lock(self) -> io::Result<Option<FileLock>> {
         may(&self.path, Call::Lock)?;
-        lock(self.file.try_lock())
+        let is_held = match lock(self.file.try_lock())? {
+            Lock::Ours => true,
+            Lock::Others => return Ok(None),
+            Lock::Unsupported => false,
+        };
+        Ok(Some(FileLock {
+            file: self,
+            is_held,
+        }))
     }
 
     /// What the system has, for those to whom no test speaks.
@@ -279,15 +287,37 @@ pub fn remove_folder(path: &Path) -> io::Result<()> {
     ask(path, Call::Remove, || fs::remove_dir(path))
 }
 
-/// Whose the lock on a file is.
+/// A lock on an open file, released when it is dropped.
+#[derive(Debug)]
+pub struct FileLock {
+    file: File,
+    is_held: bool,
+}
+
+impl FileLock {
+    /// Returns whether other processes are kept out. Some file systems have no locks.
+    pub fn is_held(&self) -> bool {
+        self.is_held
+    }
+}
+
+impl Drop for FileLock {
+    /// Unlocks the file explicitly. Closing it is not enough: a process that is being started by
+    /// another thread shares the open file, and with it the lock, until it executes its program.
+    fn drop(&mut self) {
+        if self.is_held {
+            // The lock ends at the latest with the process.
+            let _ = self.file.file.unlock();
+        }
+    }
+}
+
+/// The answer of the file system to a request for a lock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lock {
-    /// Ours, from now on.
+enum Lock {
     Ours,
-    /// Somebody else's.
     Others,
-    /// The file system has no locks.
-    Unknown,
+    Unsupported,
 }
 
 fn lock(tried: Result<(), fs::TryLockError>) -> io::Result<Lock> {
@@ -295,7 +325,7 @@ fn lock(tried: Result<(), fs::TryLockError>) -> io::Result<Lock> {
         Ok(()) => Ok(Lock::Ours),
         Err(fs::TryLockError::WouldBlock) => Ok(Lock::Others),
         Err(fs::TryLockError::Error(error)) => match error.kind() {
-            io::ErrorKind::Unsupported => Ok(Lock::Unknown),
+            io::ErrorKind::Unsupported => Ok(Lock::Unsupported),
             _ => Err(error),
         },
     }
@@ -311,10 +341,37 @@ mod tests {
         // ENOSYS and EOPNOTSUPP, as Lustre without `flock` and some mounts of NFS answer.
         #[cfg(target_os = "linux")]
         for number in [38, 95] {
-            assert_eq!(lock(Err(tried(number))).unwrap(), Lock::Unknown);
+            assert_eq!(lock(Err(tried(number))).unwrap(), Lock::Unsupported);
         }
         assert!(lock(Err(tried(5))).is_err());
         let taken = lock(Err(fs::TryLockError::WouldBlock));
         assert_eq!(taken.unwrap(), Lock::Others);
+    }
+
+    #[test]
+    fn a_dropped_lock_is_released_while_processes_are_started() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lock");
+        let is_done = std::sync::atomic::AtomicBool::new(false);
+        let order = std::sync::atomic::Ordering::Relaxed;
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !is_done.load(order) {
+                    std::process::Command::new("true").status().unwrap();
+                }
+            });
+            let refused = (0..2000).filter(|_| {
+                let options = OpenOptions::new()
+                    .create(true)
+                    .truncate(false)
+                    .write(true)
+                    .clone();
+                let file = File::open(&path, &options, false).unwrap();
+                file.try_lock().unwrap().is_none()
+            });
+            let refused = refused.count();
+            is_done.store(true, order);
+            assert_eq!(refused, 0);
+        });
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use stochc_files as files;
 use stochc_files::atomic::{Replaces, make_own_folder, replace};
 use stochc_files::checksum::crc32;
-use stochc_files::disk::{self, Lock};
+use stochc_files::disk::{self, FileLock};
 
 use super::Queue;
 use crate::FolderError;
@@ -47,7 +47,7 @@ pub enum FoundShards {
 /// On a file system without locks every process gets one. Shards that run twice do no harm.
 #[derive(Debug)]
 pub struct SubmitLock {
-    _file: files::File,
+    _lock: FileLock,
 }
 
 impl SlurmEnsemble {
@@ -117,8 +117,8 @@ impl SlurmEnsemble {
         let mut options = OpenOptions::new();
         let options = options.create(true).truncate(false).write(true);
         let file = files::open_own(&self.file(LOCK), options).map_err(self.io(LOCK))?;
-        let is_taken = matches!(file.try_lock(), Ok(Lock::Others));
-        Ok((!is_taken).then_some(SubmitLock { _file: file }))
+        let lock = file.try_lock().map_err(self.io(LOCK))?;
+        Ok(lock.map(|lock| SubmitLock { _lock: lock }))
     }
 
     /// Removes the folder for Slurm of a merged ensemble.

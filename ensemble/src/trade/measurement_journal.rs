@@ -7,8 +7,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use stochc_files as files;
+use stochc_files::budget;
 use stochc_files::checksum::{self, LineIntegrity};
-use stochc_files::{File, budget};
+use stochc_files::disk::FileLock;
 use stochc_ir::sha256;
 use stochc_runtime::Settings;
 
@@ -31,7 +32,7 @@ pub struct MeasurementJournal {
     journal: Journal,
     broken: Mutex<Option<JournalError>>,
     /// Unlocked by the system when it is closed, also by a kill.
-    _lock: File,
+    _lock: FileLock,
 }
 
 /// A run of a program at a setting, with its own limit of ticks, and the time that the measurement had taken [s].
