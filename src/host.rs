@@ -12,6 +12,11 @@ pub trait Host: Sync {
     /// Hears a note or a warning, in whole lines.
     fn warn(&self, text: &str);
 
+    /// Prints the diagnostics of a program, if they are warnings. A quiet terminal leaves them out.
+    fn report_warnings(&self, text: &str) {
+        self.warn(text);
+    }
+
     /// Hears why a part of the work has failed while the rest of it goes on, in whole lines.
     fn report_failure(&self, message: &str);
 

@@ -33,6 +33,12 @@ impl Host for Terminal {
         warn(text);
     }
 
+    fn report_warnings(&self, text: &str) {
+        if !self.quiet {
+            warn(text);
+        }
+    }
+
     fn report_failure(&self, message: &str) {
         warn_drawn(message);
     }

@@ -120,7 +120,7 @@ pub fn judge_scenes(
         let code = Code::from(found.warning.kind);
         match level(found.program, code, &levels) {
             Level::Allow => {}
-            Level::Warn => host.warn(&format!("warning{}", found.text(code))),
+            Level::Warn => host.report_warnings(&format!("warning{}", found.text(code))),
             Level::Deny => denied += &format!("error{}", found.text(code)),
         }
     }

@@ -309,6 +309,21 @@ fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
     }
 }
 
+/// A sweep that makes a scene too thin warns of it, unless it is quiet.
+#[test]
+fn warnings_of_the_points_of_a_sweep_are_left_out_if_quiet() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    let program = "scene still from hemisphere { agitation kicks { speed 0 .. 1 m/s } }\n\
+        assembly a in still { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }\n";
+    std::fs::write(&file, program).unwrap();
+    for (quiet, is_warned) in [("", true), ("--quiet", false)] {
+        let line = format!("simulate {quiet} --runs 1 --max-ticks 1 --sweep agitation.speed=0");
+        let said = stochc_with(&line, &[&file]);
+        assert_eq!(said.err.contains("no-agitation"), is_warned, "{}", said.err);
+    }
+}
+
 /// A listing always says whether steps are short enough, and marks what is outside of its limit.
 #[test]
 fn rows_outside_of_their_limit_are_marked() {
