@@ -323,6 +323,14 @@ impl<'a> ReportedProgram<'a> {
         format!("{} {}", number(self.on_axis(ticks)), self.figure_unit())
     }
 
+    /// Returns the interval that figures of rates count events in, and its length \[ticks\].
+    pub fn rate_interval(&self) -> (&'static str, f64) {
+        match self.in_seconds {
+            true => ("second", 1.0 / self.program.scene.tick),
+            false => ("1000 ticks", 1000.0),
+        }
+    }
+
     /// Returns the unit of times in figures.
     pub fn figure_unit(&self) -> &'static str {
         let unit = match self.in_seconds {

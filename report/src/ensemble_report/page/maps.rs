@@ -52,10 +52,11 @@ pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut V
 
 fn before(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let label = &parts.subjects[n - 1].label;
+    let program = &parts.subjects[n - 1];
     let title = format!("{label}: where captured blocks were before");
     let columns: Vec<MapColumn> = (AGES.iter().zip(&maps.before))
         .map(|(age, slices)| MapColumn {
-            title: format!("{age} ticks before"),
+            title: format!("{} before", program.described(*age as f64)),
             maps: slices.iter().collect(),
             shows: PlotAxis::new("part of the captures", "% per cubic side"),
             unit: 100.0,
@@ -73,10 +74,11 @@ fn before(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut V
 fn near(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let label = &parts.subjects[n - 1].label;
     let occupation = PlotAxis::new("free blocks in a cell", "number");
-    let entries = PlotAxis::new("entries at faces that wait", "number per 1000 ticks");
+    let (interval, ticks) = parts.subjects[n - 1].rate_interval();
+    let entries = PlotAxis::new("entries at open faces", &format!("number per {interval}"));
     let kinds = [
         ("Free blocks", &maps.occupation, occupation, 1.0),
-        ("Entries", &maps.entries, entries, 1000.0),
+        ("Entries", &maps.entries, entries, ticks),
     ];
     let columns = kinds
         .into_iter()
