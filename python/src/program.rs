@@ -13,7 +13,7 @@ use stochc::ir::Executable;
 use stochc::ir::emit::{graph_text, table_text};
 use stochc::operations::codes;
 use stochc::operations::kept_text::KeptText;
-use stochc::operations::programs::{accept, programs};
+use stochc::operations::programs::{accept, is_readable, programs};
 use stochc::operations::summary::status_line;
 use stochc::report::figures::structure;
 use stochc::runtime::Settings;
@@ -49,7 +49,10 @@ pub fn check(
         let (levels, imports) = (levels(&said)?, folders(imports)?);
         let checked = match name {
             Some(name) => stochc::check_texts(&[(&name, &source)], &levels, "", &[]),
-            None => stochc::check_within(&source, &levels, &imports),
+            None => {
+                is_readable(&source)?;
+                stochc::check_within(&source, &levels, &imports)
+            }
         };
         let mut document = CheckDocument::default();
         let root = checked.sources.files().first();

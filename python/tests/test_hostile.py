@@ -126,6 +126,12 @@ def test_messages_speak_of_options_as_python_does(tmp_path: Path) -> None:
         stochc.sweep(stochc.EXAMPLE, {"no_such": 1})
 
 
+def test_a_missing_file_is_a_wrong_argument(tmp_path: Path) -> None:
+    for call in (stochc.check, stochc.compile):
+        with pytest.raises(stochc.UsageError, match="cannot read .*missing.sa"):
+            call(str(tmp_path / "missing.sa"))
+
+
 def test_a_text_with_a_nul_has_findings() -> None:
     assert not stochc.check("assembly \0 { }\n").ok
 
