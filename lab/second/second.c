@@ -89,11 +89,13 @@ static double uniform(void)
     return (result >> 11) * 0x1p-53;
 }
 
-/* Blocks. The axes are the columns of the rotation. A fixed block has no inverse mass. */
+/* Blocks. The axes are the columns of the rotation at the time `at`. A fixed block has no inverse mass. */
 typedef struct {
     vec x, v, w, axis[3];
-    double q[4], im, ii;
+    double q[4], im, ii, at;
 } block;
+
+static double now;
 
 static block blocks[MAX_BLOCKS], built[MAX_CHAIN];
 static int free_blocks, built_blocks;
@@ -106,10 +108,11 @@ static void set_axes(block *b)
     b->axis[2] = v3(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
 }
 
-/* Turns a block by w h: exact, because a cube's spin does not change between contacts. */
-static void turn(block *b, double h)
+/* Turns a block to where it is now: exact, because a cube's spin does not change between contacts. */
+static void turn(block *b)
 {
-    double rate = len(b->w), angle = rate * h / 2;
+    double rate = len(b->w), angle = rate * (now - b->at) / 2;
+    b->at = now;
     if (angle == 0)
         return;
     double s = sin(angle) / rate, d[4] = {cos(angle), s * b->w.x, s * b->w.y, s * b->w.z}, q[4];
@@ -129,7 +132,7 @@ static void turn(block *b, double h)
 
 static block at_rest(vec x, int fixed)
 {
-    block b = {.x = x, .q = {1, 0, 0, 0}, .im = fixed ? 0 : 1, .ii = fixed ? 0 : 1 / INERTIA};
+    block b = {.x = x, .q = {1, 0, 0, 0}, .im = fixed ? 0 : 1, .ii = fixed ? 0 : 1 / INERTIA, .at = now};
     set_axes(&b);
     return b;
 }
@@ -262,18 +265,20 @@ static vec edge_point(const block *a, int i, const block *b, int j, vec n)
     q = sub(q, mul(dot(sub(q, b->x), t), t));
     double c = dot(s, t), d = 1 - c * c;
     vec r = sub(q, p);
-    double along = (dot(r, s) - c * dot(r, t)) / d;
-    p = add(p, mul(along, s));
-    q = add(q, mul(dot(sub(p, q), t), t));
+    /* Edges that are nearly parallel meet nowhere near: the point stays on both. */
+    p = add(p, mul(fmax(-0.5, fmin(0.5, (dot(r, s) - c * dot(r, t)) / d)), s));
+    q = add(q, mul(fmax(-0.5, fmin(0.5, dot(sub(p, q), t))), t));
     return mul(0.5, add(p, q));
 }
 
 /* The least overlap of two cubes along fifteen axes. Returns whether they overlap. */
-static int meet(const block *a, const block *b, contact *found)
+static int meet(block *a, block *b, contact *found)
 {
     vec d = sub(b->x, a->x);
     if (dot(d, d) >= 3)
         return 0;
+    turn(a);
+    turn(b);
     double c[3][3];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -321,10 +326,11 @@ static int meet(const block *a, const block *b, contact *found)
 }
 
 /* The contact of a block with the floor z = 0, which is `a`. */
-static int land(const block *b, contact *found)
+static int land(block *b, contact *found)
 {
     if (b->x.z > 0.8661)
         return 0;
+    turn(b);
     vec points[8];
     double depths[8], deepest = 0;
     for (int i = 0; i < 8; i++) {
@@ -394,6 +400,7 @@ static void pull(block *b, double h)
     vec d = sub(magnet, b->x);
     if (dot(d, d) > (REACH + 0.8661) * (REACH + 0.8661))
         return;
+    turn(b);
     vec normal, centre = nearest_face(b, &normal);
     double distance = len(sub(magnet, centre));
     if (distance >= REACH)
@@ -467,16 +474,19 @@ static int pair_count;
 /* Pairs that may touch within a tick: b below 0 is a built block. */
 static void list_pairs(void)
 {
-    static double range[MAX_BLOCKS];
+    static float x[MAX_BLOCKS], y[MAX_BLOCKS], z[MAX_BLOCKS], range[MAX_BLOCKS];
     pair_count = 0;
     /* What kicks, pull, wall and collisions may add to a block's way in a tick is well below 0.4. */
-    for (int i = 0; i < free_blocks; i++)
+    for (int i = 0; i < free_blocks; i++) {
+        x[i] = blocks[i].x.x;
+        y[i] = blocks[i].x.y;
+        z[i] = blocks[i].x.z;
         range[i] = len(blocks[i].v) + 0.4 + 1.7321 / 2;
+    }
     for (int i = 0; i < free_blocks; i++) {
         for (int j = 0; j < i; j++) {
-            vec d = sub(blocks[j].x, blocks[i].x);
-            double r = range[i] + range[j];
-            if (dot(d, d) < r * r && pair_count < MAX_PAIRS)
+            float dx = x[j] - x[i], dy = y[j] - y[i], dz = z[j] - z[i], r = range[i] + range[j];
+            if (dx * dx + dy * dy + dz * dz < r * r && pair_count < MAX_PAIRS)
                 pairs[pair_count++] = (pair){i, j};
         }
         for (int j = 0; j < built_blocks; j++)
@@ -517,16 +527,26 @@ static int step(double h)
             respond(a, b, &at, h);
     }
     for (int i = 0; i < free_blocks; i++) {
-        block *b = &blocks[i], old = *b;
+        block *b = &blocks[i], old;
+        vec d = sub(magnet, b->x);
+        int looks = dot(d, d) < 9;
+        if (looks) {
+            turn(b);
+            old = *b;
+        }
         b->v = mul(keep, b->v);
         b->x = add(b->x, mul(h, b->v));
-        turn(b, h);
-        vec d = sub(magnet, b->x);
-        if (dot(d, d) < 9 && docks(b, &old, &distance) && distance < nearest) {
+        if (!looks)
+            continue;
+        now += h;
+        turn(b);
+        now -= h;
+        if (docks(b, &old, &distance) && distance < nearest) {
             nearest = distance;
             docked = i;
         }
     }
+    now += h;
     return docked;
 }
 
@@ -534,6 +554,7 @@ static int step(double h)
 static long simulate(const char *chain, int steps, long most)
 {
     vec parent = v3(0, 0, -0.5);
+    now = 0;
     fill();
     built_blocks = 0;
     magnetize(parent, chain[0]);
