@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Planned programs against four naive ones, simulated: the table of docs/planner.md.
 
-run.py STOCHC FOLDER [--shapes a,b] [--runs N] [--naive-runs N] [--max-ticks T] [--budget B] [--threads N] [--minutes M]
+run.py STOCHC FOLDER [--targets FOLDER] [--shapes a,b] [--race N] [--runs N] [--naive-runs N] [--max-ticks T] [--budget B] [--threads N] [--minutes M]
 
-Each shape of shapes/ is planned and written in four ways that need no thought: one block after the other along a walk through the
+Each shape of shapes/, or of `--targets`, is planned and written in four ways that need no thought: one block after the other along a walk through the
 shape (`chain`), everything at once (`at_once`), layer by layer (`layers`) and one block after the other, the nearest to the plate
 first (`nearest`). What `check` rejects is not run. Runs are made in rounds, twice as many in each, of all planned programs and then of all
 others, until there are so many as wanted or the minutes are over; a naive plan gets no more once its mean is beyond doubt longer than the
@@ -204,6 +204,7 @@ def planned(arguments, path, folder):
             subprocess.run([arguments.stochc, "calibrate", folder / "scene.sa", "--quiet", "--out", rates], check=True, stdout=subprocess.DEVNULL)
         command = [arguments.stochc, "plan", target, "--scene", "here", "--rates", rates]
     options = ["--budget", arguments.budget] if arguments.budget else []
+    options += ["--race", str(arguments.race)] if arguments.race else []
     start = time.monotonic()
     text = subprocess.run([*command, *options, "--quiet"], check=True, capture_output=True, text=True).stdout
     (folder / "planned.seconds").write_text(f"{time.monotonic() - start:.1f}")
@@ -221,6 +222,8 @@ def main():
     parser.add_argument("--seed", type=int, default=11)
     parser.add_argument("--max-ticks", type=int, default=60_000)
     parser.add_argument("--budget", default="", help="as `stochc plan --budget`")
+    parser.add_argument("--race", type=int, default=0, help="as `stochc plan --race`")
+    parser.add_argument("--targets", type=pathlib.Path, default=HERE / "shapes", help="folder of the shapes")
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--minutes", type=float, default=math.inf, help="no runs are begun after so many")
     arguments = parser.parse_args()
@@ -228,7 +231,7 @@ def main():
     arguments.is_over = lambda: time.monotonic() - begin > 60 * arguments.minutes
     wanted = [shape for shape in arguments.shapes.split(",") if shape]
     kinds = ["chain", "at_once", "layers", "nearest"] if arguments.naive_runs else []
-    paths = [path for path in sorted((HERE / "shapes").glob("*.txt")) if not wanted or path.stem in wanted]
+    paths = [path for path in sorted(arguments.targets.glob("*.txt")) if not wanted or path.stem in wanted]
     programs = {}
     for path in paths:
         shape, cells = path.stem, read(path)

@@ -3,8 +3,9 @@ use std::fmt::Write as _;
 
 use stochc_ir::{Cell, CellBounds, counted};
 
+use crate::baseline::Baseline;
 use crate::capture::Capture;
-use crate::plan::{Alternative, BuildPlan};
+use crate::plan::{Alternative, BuildPlan, RaceTimes};
 use crate::precedence::Why;
 use crate::target_error::listed_cells;
 
@@ -111,6 +112,30 @@ pub fn explanation(plan: &BuildPlan) -> String {
         );
     }
     let _ = writeln!(out, "{} schedules tried", plan.rounds);
+    out
+}
+
+/// Writes the times of a race as a list. Returns nothing without a race.
+pub fn race_to_text(race: &[RaceTimes]) -> String {
+    let mut out = String::new();
+    if !race.is_empty() {
+        out += "race with physics: mean ticks, ± is the 95 % confidence interval\n";
+    }
+    for times in race {
+        let name = times.baseline.map_or("planned", Baseline::words);
+        let stopped = match times.stopped {
+            0 => String::new(),
+            stopped => format!(", {stopped} stopped"),
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "  {name}: {:.0} ± {:.0} ({}{stopped})",
+            times.mean,
+            times.error,
+            counted(times.runs as usize, "run"),
+        );
+    }
     out
 }
 

@@ -38,6 +38,23 @@ pub struct BuildPlan {
     pub alternatives: Vec<Alternative>,
     /// Whether scaffolds were tried, and their gain.
     pub scaffolds: ScaffoldTrial,
+    /// Times of the plans that raced, this one among them. Empty without a race.
+    pub race: Vec<RaceTimes>,
+}
+
+/// Times of a plan in runs with physics.
+#[derive(Clone, Debug, Serialize)]
+pub struct RaceTimes {
+    /// Its name if it needs no thought. `None` for the plan that was looked for.
+    pub baseline: Option<Baseline>,
+    /// Number of runs.
+    pub runs: u64,
+    /// Number of runs that were stopped. Their times count up to then.
+    pub stopped: u64,
+    /// Mean time to completion \[ticks\].
+    pub mean: f64,
+    /// Half of its 95 % confidence interval \[ticks\].
+    pub error: f64,
 }
 
 /// A plan that needs no thought, beside another.
@@ -215,6 +232,7 @@ impl BuildPlan {
             rounds: 0,
             baseline: None,
             alternatives: Vec::new(),
+            race: Vec::new(),
             scaffolds: ScaffoldTrial::NotTried {
                 reason: NoScaffolds::NotWanted,
             },

@@ -85,6 +85,7 @@ pub struct PlanRequest {
     is_p90: bool,
     seed: u64,
     keeps_scaffolds: bool,
+    race: Option<u64>,
     rates: Vec<PathBuf>,
 }
 
@@ -131,6 +132,7 @@ pub fn plan(
             },
             seed: asked.seed,
             keeps_scaffolds: asked.keeps_scaffolds,
+            race: asked.race,
             rates: &asked.rates,
         };
         let read = read(&options, host).map_err(Failure::from)?;

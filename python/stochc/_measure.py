@@ -152,6 +152,7 @@ def plan(
     minimize: Literal["mean", "p90"] = "mean",
     seed: int = 1,
     keep_scaffolds: bool = False,
+    race: int | None = None,
     rates: Path | Iterable[Path] = (),
     allow_import: Source | Iterable[Source] = (),
     progress: Progress = None,
@@ -177,6 +178,7 @@ def plan(
         minimize: the mean time to completion, or that in which nine runs of ten are complete.
         seed: of the random numbers.
         keep_scaffolds: whether masts that far parts were grown from stay, instead of being taken down again.
+        race: the number of runs with physics of the plan and of each plan that needs no thought. The fastest is returned, jams included.
         rates: files of rates of scenes, as `stochc calibrate` writes them.
         allow_import: as in `check`.
         progress: as in `simulate`.
@@ -191,6 +193,7 @@ def plan(
         "drop_loose": drop_loose or None,
         "supports": supports or None,
         "keep_scaffolds": keep_scaffolds or None,
+        "race": race,
     }
     if drop_loose:
         _alone("drop_loose", supports=supports or None)
@@ -222,6 +225,7 @@ def plan(
         "is_p90": minimize == "p90",
         "seed": whole("seed", seed, 0, MOST_SEED),
         "keeps_scaffolds": _arguments.yes("keep_scaffolds", keep_scaffolds),
+        "race": _arguments.maybe("race", race, 8, 100_000),
         "rates": _arguments.paths("rates", rates),
     }
     with shown(progress) as show:

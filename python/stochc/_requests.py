@@ -75,6 +75,7 @@ class Planned(TypedDict):
     is_p90: bool
     seed: int
     keeps_scaffolds: bool
+    race: int | None
     rates: list[str]
 
 

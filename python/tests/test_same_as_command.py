@@ -200,7 +200,7 @@ def test_what_is_missing_is_planned_as_by_the_command(command: Command, tmp_path
     told = command("plan", stopped, "--run", "0", "--budget", "5", "--format", "json", "--quiet")
     rest = stochc.plan(stopped, run=0, budget=5)
     assert_same_plan(rest, told.stdout)
-    for wrong in ({"complete": True, "run": 0}, {"dead": ["A"]}, {"run": 0, "keep_scaffolds": True}):
+    for wrong in ({"complete": True, "run": 0}, {"dead": ["A"]}, {"run": 0, "keep_scaffolds": True}, {"run": 0, "race": 8}, {"race": 7}):
         with pytest.raises(stochc.UsageError):
             stochc.plan(begun, **wrong)
 

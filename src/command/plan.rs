@@ -17,8 +17,8 @@ use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::json::document;
 use crate::operations::plan::{
-    Budget, LooseParts, NotPlanned, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, is_right_at,
-    plan, read,
+    Budget, LooseParts, MAX_RACE, MIN_RACE, NotPlanned, Offset, PlanOptions, PlanScope, RunEnd,
+    SeedPlate, is_right_at, plan, read,
 };
 use crate::planning::Planned;
 
@@ -102,6 +102,9 @@ pub struct PlanArguments {
     /// Leave scaffolds standing, where the plan has any: the program then claims the shape together with them
     #[arg(long)]
     keep_scaffolds: bool,
+    /// Simulate the plan and the plans that need no thought with physics, N runs each or fewer, and write the fastest, which may have jams
+    #[arg(long, value_name = "N", conflicts_with_all = ["run", "complete"], value_parser = clap::value_parser!(u64).range(MIN_RACE..=MAX_RACE))]
+    race: Option<u64>,
     /// Tell the order in words and as a picture, what limits it, and what alternatives would cost
     #[arg(long)]
     explain: bool,
@@ -155,6 +158,7 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
         },
         seed: options.random_seed,
         keeps_scaffolds: options.keep_scaffolds,
+        race: options.race,
         rates: &options.rates.rates,
     };
     let stop = stop_on_interrupt()?;

@@ -120,6 +120,17 @@ fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
     Some((code.name(), reason.to_owned()))
 }
 
+/// Returns the lint that a plan which won a race allows itself, with the reason.
+fn jam_allowance(code: Code) -> Option<(&'static str, String)> {
+    let is_jam = matches!(code, Code::TightApproach | Code::CrowdedCaptures);
+    is_jam.then(|| {
+        (
+            code.name(),
+            "faster in simulated runs, jams included".to_owned(),
+        )
+    })
+}
+
 impl Goal {
     /// Cells under a name, which has to be one of the language.
     pub fn of_cells(name: &str, cells: Vec<Cell>) -> Goal {
@@ -361,12 +372,7 @@ impl Goal {
     pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::of(&scene);
-        let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
-        let Repair { existing, released } = self.repair.clone();
-        let (cells, seeds) = (self.cells.clone(), self.seeds.clone());
-        let target =
-            Target::with_existing(cells, (existing, released), plate, seeds, hardware.free);
-        let target = target.map_err(Unplanned::Refused)?;
+        let target = self.target(hardware).map_err(Unplanned::Refused)?;
         let law = RateLaw::of(&scene, rates);
         let found = plan(&target, hardware, &law, search).map_err(Unplanned::Refused)?;
         let mut best = self.accepted(&target, found.plain, hardware, &law)?;
@@ -419,6 +425,38 @@ impl Goal {
         Ok(best)
     }
 
+    /// Returns the plans that need no thought and may jam: `check` warns of nothing else in them, except of the scene.
+    ///
+    /// # Errors
+    /// If the shape cannot be built, or the scene is wrong.
+    pub fn plans_that_may_jam(
+        &self,
+        rates: &[Rates],
+        seed: u64,
+    ) -> Result<Vec<Planned>, Unplanned> {
+        let scene = self.scene().map_err(Unplanned::Wrong)?;
+        let hardware = Hardware::of(&scene);
+        let target = self.target(hardware).map_err(Unplanned::Refused)?;
+        let law = RateLaw::of(&scene, rates);
+        let plans = baseline_plans(&target, hardware, &law, seed).into_iter();
+        let accepted = plans.filter_map(|(baseline, plan)| {
+            let plan = BuildPlan {
+                baseline: Some(baseline),
+                ..plan
+            };
+            let allowance = |code| jam_allowance(code).or_else(|| allowance(code, hardware));
+            self.accepted_with(&target, plan, allowance, &law).ok()
+        });
+        Ok(accepted.collect())
+    }
+
+    fn target(&self, hardware: Hardware) -> Result<Target, TargetError> {
+        let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
+        let Repair { existing, released } = self.repair.clone();
+        let (cells, seeds) = (self.cells.clone(), self.seeds.clone());
+        Target::with_existing(cells, (existing, released), plate, seeds, hardware.free)
+    }
+
     /// Has a plan and what is allowed in it written down.
     fn write<T>(
         &self,
@@ -466,15 +504,25 @@ impl Goal {
     fn accepted(
         &self,
         target: &Target,
-        mut plan: BuildPlan,
+        plan: BuildPlan,
         hardware: Hardware,
+        law: &RateLaw<'_>,
+    ) -> Result<Planned, Unplanned> {
+        self.accepted_with(target, plan, |code| allowance(code, hardware), law)
+    }
+
+    /// The same with other allowances.
+    fn accepted_with(
+        &self,
+        target: &Target,
+        mut plan: BuildPlan,
+        allowance: impl Fn(Code) -> Option<(&'static str, String)>,
         law: &RateLaw<'_>,
     ) -> Result<Planned, Unplanned> {
         let found = self.check(target, &plan, &[]);
         let codes: BTreeSet<Code> = found.diagnostics.iter().map(|it| it.code).collect();
         let found_codes = codes.len();
-        let allowed = codes.into_iter();
-        let allowed = allowed.filter_map(|code| allowance(code, hardware));
+        let allowed = codes.into_iter().filter_map(allowance);
         let allowed: Vec<(&str, String)> = allowed.collect();
         // Where there are many findings, others may not have been told of.
         let is_accepted = allowed.len() == found_codes

@@ -617,3 +617,27 @@ fn a_forged_record_is_left_out() {
     let said = stochc_with("plan --run 0 --budget 5", &[&results]);
     assert_eq!(said.status, 0, "{}", said.err);
 }
+
+/// The fastest plan without a stopped run is written, and its program has no warnings.
+#[test]
+fn a_race_with_physics_chooses_the_fastest_plan() {
+    let folder = tempfile::tempdir().unwrap();
+    let (target, out) = ("pair.txt", "pair.sa");
+    let [target, out] = [target, out].map(|name| path(folder.path(), name));
+    fs::write(&target, "#.#\n\n###\n").unwrap();
+    let race = [
+        "--race", "8", "--budget", "5", "--format", "json", "--quiet",
+    ];
+    let document = stochc_with(&format!("plan {target} --out {out}"), &race).json();
+    let plan = &document["plan"];
+    let entrants = plan["race"].as_array().unwrap();
+    assert!(entrants.len() > 2, "{entrants:?}");
+    assert!(entrants.iter().all(|it| it["runs"] == 8));
+    let mean = |it: &&serde_json::Value| it["mean"].as_f64().unwrap();
+    let fastest = entrants.iter().filter(|it| it["stopped"] == 0);
+    let fastest = fastest.min_by(|a, b| mean(a).total_cmp(&mean(b))).unwrap();
+    assert_eq!(plan["baseline"], fastest["baseline"]);
+    assert_eq!(stochc_with("check --deny warnings", &[&out]).status, 0);
+    let refused = stochc_with(&format!("plan {target} --run 0"), &race);
+    assert_eq!(refused.status, 2);
+}

@@ -141,3 +141,19 @@ fn the_same_seed_gives_the_same_plan() {
     }
     assert_eq!(more.plan.alternatives.len(), Baseline::ALL.len());
 }
+
+/// Plans that may jam allow the warnings of jams, and have no others.
+#[test]
+fn plans_that_may_jam_pass_the_check() {
+    let table = named("table");
+    let plans = table.plans_that_may_jam(&[], 7).unwrap();
+    for plan in &plans {
+        let checked = check_text("planned.sa", &plan.text);
+        assert!(checked.diagnostics.is_empty(), "{:?}", checked.diagnostics);
+    }
+    let at_once = plans
+        .iter()
+        .find(|it| it.plan.baseline == Some(Baseline::AtOnce));
+    let text = &at_once.unwrap().text;
+    assert!(text.contains("allow tight-approach"), "{text}");
+}

@@ -2,6 +2,7 @@
 mod budget;
 mod offset;
 mod pair;
+mod race;
 mod rest;
 mod scene;
 mod seed_plate;
@@ -28,6 +29,7 @@ use crate::reader::DiskReader;
 
 pub use budget::Budget;
 pub use offset::Offset;
+pub use race::{MAX_RACE, MIN_RACE};
 pub use rest::{RunEnd, refuse_aggregate};
 pub use seed_plate::SeedPlate;
 
@@ -64,6 +66,8 @@ pub struct PlanOptions<'a> {
     pub seed: u64,
     /// Whether scaffolds stay where they are.
     pub keeps_scaffolds: bool,
+    /// Number of runs of each plan in a race. `None`: there is no race.
+    pub race: Option<u64>,
     /// Files of rates, of scenes that have none built in.
     pub rates: &'a [PathBuf],
 }
@@ -248,10 +252,18 @@ pub fn plan(
         }
     };
     let rates = of_files_for(options.rates, scene.iter(), host)?;
-    search(missing, options, host, |search| match read {
+    let planned = search(missing, options, host, |search| match read {
         PlanTarget::Goal(goal) => goal.plan(&rates, search),
         PlanTarget::Completion(completion) => completion.plan(&rates, search),
-    })
+    })?;
+    match (read, options.race) {
+        (PlanTarget::Goal(goal), Some(runs)) => {
+            let rivals = goal.plans_that_may_jam(&rates, options.seed);
+            let rivals = rivals.map_err(|error| NotPlanned::new(error, options, host))?;
+            Ok(race::winner(planned, rivals, runs, options, host)?)
+        }
+        _ => Ok(planned),
+    }
 }
 
 /// Looks for a plan of so many cells within the budget.

@@ -1,0 +1,184 @@
+//! A race between plans: runs with physics decide which one is the fastest.
+//!
+//! # Source
+//! O. Maron and A. W. Moore, *Hoeffding races*, Advances in Neural Information Processing Systems 6, 1994.
+use std::cmp::Ordering::Less;
+use std::sync::atomic::Ordering;
+
+use stochc_ensemble::statistics::{Summary, quantile};
+use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
+use stochc_ir::record::RunRecord;
+use stochc_planner::{BuildPlan, Objective, RaceTimes, race_to_text};
+use stochc_runtime::Settings;
+
+use super::PlanOptions;
+use crate::check_text;
+use crate::exit::Failure;
+use crate::host::Host;
+use crate::operations::in_memory::all_runs;
+use crate::planning::Planned;
+
+/// Fewest runs of a plan in a race. The first round has as many.
+pub const MIN_RACE: u64 = 8;
+
+/// Most runs of a plan in a race.
+pub const MAX_RACE: u64 = 100_000;
+
+/// Confidence intervals by which a rival has to be slower to leave the race. It is more than 1 because plans are compared after each round.
+const MAX_BEHIND: f64 = 1.5;
+
+/// Runs are stopped after this many times the estimate of the plan.
+const MAX_ESTIMATES: f64 = 12.0;
+
+/// A plan in a race.
+struct Entrant {
+    planned: Planned,
+    program: EnsembleProgram,
+    times: Vec<f64>,
+    stopped: u64,
+}
+
+/// Returns the fastest of a plan and its rivals. A rival with a stopped run is never the fastest.
+///
+/// The plan stays in the race to the end, because jams are rare and long: a few runs of a rival do not show them.
+/// If the race is interrupted, the plan is returned.
+///
+/// # Errors
+/// If a program does not compile, or its scene cannot be set up.
+pub fn winner(
+    planned: Planned,
+    rivals: Vec<Planned>,
+    runs: u64,
+    options: &PlanOptions<'_>,
+    host: &dyn Host,
+) -> Result<Planned, Failure> {
+    let settings = Settings {
+        max_ticks: Some((MAX_ESTIMATES * planned.plan.estimate.mean) as u64),
+        ..Settings::default()
+    };
+    let own = planned.plan.baseline;
+    let rivals = rivals.into_iter().filter(|it| it.plan.baseline != own);
+    let rivals = rivals.map(Entrant::new).collect::<Result<Vec<_>, _>>()?;
+    // The plan comes first.
+    let mut running = vec![Entrant::new(planned)?];
+    running.extend(rivals);
+    let mut slow: Vec<RaceTimes> = Vec::new();
+    let mut made = 0;
+    for round in 0.. {
+        let more = made.max(MIN_RACE).min(runs - made);
+        let seed = options.seed.wrapping_add(round << 32);
+        let programs = running.iter().map(|it| it.program.clone()).collect();
+        let manifest = Manifest::new(settings.clone(), seed, more, programs);
+        let results = all_runs(&manifest, None, "no plan was chosen", host);
+        if host.stop().load(Ordering::Relaxed) {
+            running.truncate(1);
+            break;
+        }
+        for run in results?.finished.to_vec().map_err(Failure::usage)? {
+            running[run.program].add(&run.record);
+        }
+        made += more;
+        slow.extend(remove_slow(&mut running));
+        if made == runs || running.len() == 1 {
+            break;
+        }
+    }
+    let race: Vec<RaceTimes> = running
+        .iter()
+        .map(Entrant::race_times)
+        .chain(slow)
+        .collect();
+    let planned = fastest(running, options.objective);
+    host.warn(&race_to_text(&race));
+    Ok(Planned {
+        plan: BuildPlan {
+            race,
+            ..planned.plan
+        },
+        ..planned
+    })
+}
+
+/// Removes rivals that are clearly slower than another plan or have a stopped run. Returns their times.
+fn remove_slow(running: &mut Vec<Entrant>) -> Vec<RaceTimes> {
+    let times: Vec<RaceTimes> = running.iter().map(Entrant::race_times).collect();
+    let best = times.iter().min_by(|a, b| a.mean.total_cmp(&b.mean));
+    let Some(best) = best else {
+        return Vec::new();
+    };
+    let is_slow = |own: &RaceTimes| {
+        own.stopped > 0 || own.mean - best.mean > MAX_BEHIND * own.error.hypot(best.error)
+    };
+    let out: Vec<bool> = (times.iter().enumerate())
+        .map(|(place, own)| place > 0 && is_slow(own))
+        .collect();
+    let mut places = out.iter();
+    running.retain(|_| places.next() == Some(&false));
+    let slow = times.into_iter().zip(out).filter(|(_, is_out)| *is_out);
+    slow.map(|(times, _)| times).collect()
+}
+
+/// Returns the fastest plan; the first one, if two are equally fast. What was found out about the first holds for all.
+fn fastest(mut running: Vec<Entrant>, objective: Objective) -> Planned {
+    let first = running.remove(0);
+    let mut best = first.value(objective);
+    let mut planned = first.planned;
+    for rival in running {
+        let value = rival.value(objective);
+        if value.total_cmp(&best) == Less {
+            let BuildPlan {
+                rounds,
+                alternatives,
+                scaffolds,
+                ..
+            } = planned.plan;
+            planned = rival.planned;
+            planned.plan.rounds = rounds;
+            planned.plan.alternatives = alternatives;
+            planned.plan.scaffolds = scaffolds.unused();
+            best = value;
+        }
+    }
+    planned
+}
+
+impl Entrant {
+    fn new(planned: Planned) -> Result<Entrant, Failure> {
+        let programs = crate::compile(check_text(&planned.name, &planned.text));
+        let program = programs.ok().and_then(|mut programs| programs.pop());
+        let program = program.ok_or_else(|| Failure::usage("the planned program is wrong"))?;
+        Ok(Entrant {
+            program: EnsembleProgram::new(&planned.assembly, Vec::new(), program),
+            planned,
+            times: Vec::new(),
+            stopped: 0,
+        })
+    }
+
+    fn add(&mut self, record: &RunRecord) {
+        let is_completed = completion_time(record).is_some_and(|it| it.is_completed());
+        self.stopped += u64::from(!is_completed);
+        self.times.push(record.ticks as f64);
+    }
+
+    fn race_times(&self) -> RaceTimes {
+        let summary = Summary::of(&self.times);
+        let (mean, error) = summary.map_or((0.0, None), |it| (it.mean, it.half_width));
+        RaceTimes {
+            baseline: self.planned.plan.baseline,
+            runs: self.times.len() as u64,
+            stopped: self.stopped,
+            mean,
+            error: error.unwrap_or_default(),
+        }
+    }
+
+    /// Returns the number to make small.
+    fn value(&self, objective: Objective) -> f64 {
+        let value = match objective {
+            Objective::Mean => Summary::of(&self.times).map(|it| it.mean),
+            Objective::P90 => quantile(&self.times, 0.9),
+        };
+        value.unwrap_or(f64::INFINITY)
+    }
+}
