@@ -706,7 +706,7 @@ const FOLLOWED: [(Code, &str, &str); 11] = [
 ];
 
 /// Codes whose help is not a change of the text, with the reason.
-const ADVICE: [(Code, &str); 24] = [
+const ADVICE: [(Code, &str); 25] = [
     (Code::WrongKind, "either of two things may be renamed"),
     (Code::WrongArguments, "it has no help"),
     (Code::Arithmetic, "the intention is not known"),
@@ -740,6 +740,7 @@ const ADVICE: [(Code, &str); 24] = [
     (Code::BuoyantBlocks, "the scene is the author's"),
     (Code::CoarseStep, "steps are an option of a run"),
     (Code::SoftContact, "the scene is the author's"),
+    (Code::StokesDrag, "the density of the fluid is not known"),
 ];
 
 /// A text with the change of one of its diagnostics.

@@ -16,6 +16,7 @@ impl From<SceneWarningKind> for Code {
             SceneWarningKind::NoAgitation => Code::NoAgitation,
             SceneWarningKind::CoarseStep => Code::CoarseStep,
             SceneWarningKind::SoftContact => Code::SoftContact,
+            SceneWarningKind::StokesDrag => Code::StokesDrag,
         }
     }
 }

@@ -141,6 +141,46 @@ fn contacts_and_walls_that_give_way_are_warned_of() {
 }
 
 #[test]
+fn fast_blocks_in_a_fluid_without_a_density_are_warned_of() {
+    let stokes = [Code::StokesDrag];
+    let eddies = "agitation turbulence { speed 1 m/s  length 1 m }";
+    for (clauses, expected) in [
+        ("fluid { viscosity 1 mPa s }", &stokes[..]),
+        ("fluid { viscosity 1 mPa s  density 125 kg/m^3 }", &[]),
+        ("fluid { viscosity 20 Pa s }", &[]),
+        ("drag { rate 0.01 Hz }", &[]),
+        // Eddies carry blocks along.
+        (&format!("fluid {{ viscosity 1 mPa s }}  {eddies}"), &[]),
+    ] {
+        let found = codes(&program(clauses, ""));
+        let found: Vec<Code> = (found.into_iter())
+            .filter(|it| *it == Code::StokesDrag)
+            .collect();
+        assert_eq!(found, expected, "{clauses}");
+    }
+    let reason = "allow stokes-drag \"the drag is calibrated\"";
+    let allowed = codes(&program("fluid { viscosity 1 mPa s }", reason));
+    assert!(!allowed.contains(&Code::StokesDrag) && !allowed.contains(&Code::UnusedAllow));
+}
+
+#[test]
+fn the_reynolds_number_is_that_of_the_expected_speed() {
+    // 10 at a = 20 cm, m = 1 kg: m v / (a² η).
+    let with = |viscosity: f64| {
+        let clauses = format!("fluid {{ viscosity {viscosity} mPa s }}");
+        let scene = scene(&program(&clauses, ""));
+        let groups = stochc_ir::scene::groups::groups(&scene);
+        let found = groups.iter().find(|it| it.symbol == "m v / (a² η)");
+        let speed = stochc_ir::scene::groups::speed(&scene).rms.unwrap();
+        (found.unwrap().value, speed / (0.04 * viscosity * 1e-3))
+    };
+    for viscosity in [1.0, 1e3, 1e5] {
+        let (told, exact) = with(viscosity);
+        assert!((told / exact - 1.0).abs() < 1e-9, "{told} {exact}");
+    }
+}
+
+#[test]
 fn levels_hold_for_warnings_of_scenes() {
     let text = program("agitation kicks { speed 0 .. 0 m/s }", "");
     let mut levels = LintLevels::default();

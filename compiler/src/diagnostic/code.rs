@@ -111,6 +111,7 @@ codes! {
     Warning NoAgitation "no-agitation"
     Warning CoarseStep "coarse-step"
     Warning SoftContact "soft-contact"
+    Warning StokesDrag "stokes-drag"
     Warning ShortTimeout "short-timeout"
 
     Error InternalError "internal-error"
@@ -139,7 +140,11 @@ impl Code {
     pub fn is_of_runs(self) -> bool {
         matches!(
             self,
-            Code::BuoyantBlocks | Code::NoAgitation | Code::CoarseStep | Code::SoftContact
+            Code::BuoyantBlocks
+                | Code::NoAgitation
+                | Code::CoarseStep
+                | Code::SoftContact
+                | Code::StokesDrag
         )
     }
 

@@ -33,6 +33,8 @@ pub enum SceneWarningKind {
     CoarseStep,
     /// Contacts or the shell do not keep blocks out.
     SoftContact,
+    /// A fluid without a density has too little drag at the speed of the blocks.
+    StokesDrag,
 }
 
 /// The steps of a run, and the digits that it computes with.
@@ -92,8 +94,10 @@ pub fn scene_warnings(
         Some(coarse(group, limit, steps, resolving))
     }));
     found.extend(digits(scene, stepping.smallest_turn, steps));
-    let soft = |group: &DimensionlessGroup| Some(soft_contact(group, group.disappoints()?));
-    found.extend(groups.iter().filter_map(soft));
+    let disappointing =
+        |group: &DimensionlessGroup| Some(out_of_range(group, group.disappoints()?));
+    found.extend(groups.iter().filter_map(disappointing));
+    found.sort_by_key(|warning| warning.kind);
     found
 }
 
@@ -223,11 +227,11 @@ fn digits(scene: &Scene, smallest_turn: f64, steps: Substeps) -> Option<SceneWar
     })
 }
 
-/// Warns of blocks that go deep into contacts or out of the shell.
-fn soft_contact(group: &DimensionlessGroup, expected: ExpectedRange) -> SceneWarning {
+/// Warns of a group that is out of its range at any steps.
+fn out_of_range(group: &DimensionlessGroup, expected: ExpectedRange) -> SceneWarning {
     let (symbol, value) = (group.symbol, short(group.value));
     SceneWarning {
-        kind: SceneWarningKind::SoftContact,
+        kind: expected.kind,
         symbol,
         figure: format!("{symbol} is {value}, more than {}", short(expected.most)),
         effect: expected.beyond.to_owned(),

@@ -16,6 +16,7 @@ pub use settling::Settling;
 pub(super) use speed::rms_of_range;
 pub use speed::{Speed, SpeedFrom, carried, kick, speed, turn_in_steps};
 
+use super::warnings::SceneWarningKind;
 use super::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene, Substeps};
 
 /// A number without a dimension.
@@ -55,6 +56,9 @@ pub struct ExpectedRange {
     pub beyond: &'static str,
     /// The change that helps.
     pub remedy: &'static str,
+    /// The kind of the warning about it.
+    #[serde(skip)]
+    pub kind: SceneWarningKind,
 }
 
 impl DimensionlessGroup {
@@ -280,12 +284,22 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
         "what viscous drag takes from a speed in a tick; exact for any step",
         units.damping(friction),
     ));
-    if let Some((density, v)) = fluid.density.zip(v) {
-        out.push(DimensionlessGroup::new(
+    let is_carried = matches!(scene.agitation, Some(Agitation::Turbulence(_)));
+    match (fluid.density, v) {
+        (Some(density), Some(v)) => out.push(DimensionlessGroup::new(
             "ρ v a / η",
             "Reynolds number of a block at the speed v",
             units.density(density) * v / units.viscosity(viscosity),
-        ));
+        )),
+        (None, Some(v)) if !is_carried => out.push(
+            DimensionlessGroup::new(
+                "m v / (a² η)",
+                "Reynolds number of a block at the speed v in a fluid as dense as the block",
+                v / units.viscosity(viscosity),
+            )
+            .expected(STOKES),
+        ),
+        _ => {}
     }
     if let Some(Agitation::Brownian { temperature }) = scene.agitation {
         out.push(DimensionlessGroup::new(
@@ -298,6 +312,17 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
         ));
     }
 }
+
+/// The range of Stokes' drag alone.
+///
+/// # Source
+/// A. Haider, O. Levenspiel, Powder Technology 58, 63, 1989: at 10 a cube's drag is twice Stokes'.
+const STOKES: ExpectedRange = ExpectedRange {
+    most: 10.0,
+    beyond: "Stokes' drag alone slows blocks too little",
+    remedy: "give the `fluid` its `density`, which adds the drag of wakes",
+    kind: SceneWarningKind::StokesDrag,
+};
 
 /// The symbol of the part of a speed that `drag` takes in a tick.
 pub(super) const DRAG_SYMBOL: &str = "γ τ";

@@ -1,4 +1,5 @@
 //! How deep blocks go into what gives way: a compliant contact, and the shell.
+use super::super::warnings::SceneWarningKind;
 use super::super::{ContactLaw, Enclosure, Scene};
 use super::{BlockUnits, DimensionlessGroup, ExpectedRange, settling, speed};
 
@@ -110,6 +111,7 @@ impl Spring {
                     most,
                     beyond: words.beyond[number],
                     remedy,
+                    kind: SceneWarningKind::SoftContact,
                 };
                 let (symbol, meaning) = (words.symbols[number], words.meanings[number]);
                 out.push(DimensionlessGroup::new(symbol, meaning, value).expected(expected));
