@@ -70,7 +70,11 @@ fn the_model_has_an_equation_for_every_number_of_a_scene() {
     let table = table.1.split_once("\n\n").expect("its end").0;
     let clauses: Vec<Vec<&str>> = (table.lines())
         .filter_map(|line| line.split(" | ").next())
-        .map(|clause| clause.split(|sign: char| !sign.is_alphanumeric()).collect())
+        .map(|clause| {
+            clause
+                .split(|sign: char| !sign.is_alphanumeric() && sign != '_')
+                .collect()
+        })
         .collect();
     // The clock; a limit of the hardware; only told of; the other end of a range.
     let others = ["tick", "block.faces", "flow.force", "agitation.speed.low"];

@@ -49,6 +49,7 @@ fn scene(without: &str) -> Scene {
     scene.fluid = Some(Fluid {
         density: None,
         viscosity: Some(0.1),
+        added_mass: None,
     });
     scene.flow = Some(Flow::Stir(Stir {
         radius: 1.0,
@@ -86,6 +87,7 @@ fn scene(without: &str) -> Scene {
             scene.fluid = Some(Fluid {
                 density: None,
                 viscosity: Some(1e-30),
+                added_mass: None,
             });
         }
         "idle-gravity" => scene.gravity = Some(1e-30),

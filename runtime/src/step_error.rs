@@ -2,7 +2,7 @@
 //! are taken and in much shorter ones.
 use nalgebra::Vector3;
 use stochc_ir::scene::groups::{BlockUnits, speed};
-use stochc_ir::scene::{Bond, ContactLaw, Fluid, Scene, Substeps};
+use stochc_ir::scene::{Block, Bond, ContactLaw, Fluid, Scene, Substeps};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
@@ -160,9 +160,14 @@ fn surroundings_of_none(scene: &Scene) -> Scene {
         agitation: None,
         gravity: None,
         flow: None,
+        block: Block {
+            mass: scene.inertial_mass(),
+            ..scene.block.clone()
+        },
         fluid: still.map(|viscosity| Fluid {
             density: None,
             viscosity: Some(viscosity),
+            added_mass: None,
         }),
         ..scene.clone()
     }

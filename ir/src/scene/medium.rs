@@ -10,6 +10,9 @@ pub struct Fluid {
     /// Dynamic \[Pa s\]: for the drag that grows with the speed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
+    /// Mass of fluid that an accelerating block takes along, over the mass that it displaces. Needs a density.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub added_mass: Option<f64>,
 }
 
 /// Boltzmann's constant \[J/K\], exact.
@@ -20,6 +23,12 @@ pub const BOLTZMANN: f64 = 1.380649e-23;
 const CUBE: f64 = 0.660_678;
 
 impl Fluid {
+    /// Returns the mass of fluid that an accelerating cube takes along \[kg\].
+    pub fn taken_along(&self, side: f64) -> f64 {
+        let displaced = self.density.unwrap_or(0.0) * side.powi(3);
+        self.added_mass.unwrap_or(0.0) * displaced
+    }
+
     /// Stokes' friction of a cube that moves through a viscous fluid \[N s/m\].
     pub fn friction(viscosity: f64, side: f64) -> f64 {
         6.0 * std::f64::consts::PI * viscosity * CUBE * side

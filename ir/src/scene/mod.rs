@@ -62,6 +62,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Returns the mass of a block and of the fluid that it takes along \[kg\].
+    pub fn inertial_mass(&self) -> f64 {
+        let fluid = self.fluid.as_ref();
+        self.block.mass + fluid.map_or(0.0, |fluid| fluid.taken_along(self.block.side))
+    }
+
     /// Whether every number is one that it may be: the scene may have been read from a file.
     ///
     /// # Errors

@@ -51,7 +51,7 @@ impl WorldParameters {
             }
             _ => {}
         }
-        let weight = |&gravity: &f64| units.weight(gravity, scene.fluid.as_ref());
+        let weight = |&gravity: &f64| units.weight(gravity, scene);
         Ok(WorldParameters {
             local: takes_local_steps(scene),
             shell,
@@ -114,13 +114,13 @@ impl Units {
         })
     }
 
-    fn weight(self, gravity: f64, fluid: Option<&Fluid>) -> SceneResult<f64> {
-        let density = fluid.and_then(|fluid| fluid.density).unwrap_or(0.0);
-        let borne = self.of.density(density);
+    fn weight(self, gravity: f64, scene: &Scene) -> SceneResult<f64> {
+        let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
+        let borne = self.of.density(density.unwrap_or(0.0));
         let down = self.of.acceleration(gravity);
         checked(&GRAVITY, down)?;
         derived("buoyancy", down * borne)?;
-        Ok(down * (1.0 - borne))
+        Ok(down * (self.of.mass(scene.block.mass) - borne))
     }
 
     fn resistance(self, fluid: &Fluid) -> SceneResult<Resistance> {
@@ -141,7 +141,8 @@ impl Units {
                 derived(what, self.of.mass(Fluid::wake(density, side) * side))?,
                 derived(what, Fluid::turning_wake(density, side) / inertia)?,
             ),
-            displaced: self.number(&FLUID_DENSITY, density)?,
+            displaced: self.number(&FLUID_DENSITY, density)?
+                * (1.0 + fluid.added_mass.unwrap_or(0.0)),
         })
     }
 

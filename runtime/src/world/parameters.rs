@@ -63,7 +63,7 @@ pub(crate) struct Resistance {
     pub viscous: (f64, f64),
     /// Deceleration over the square of the speed \[1 / side\], and of the spin \[1 / rad\]; 0 without density.
     pub wake: (f64, f64),
-    /// Mass of the displaced fluid; 0 without density.
+    /// Mass of fluid whose acceleration pushes a block: displaced and taken along; 0 without density.
     pub displaced: f64,
 }
 

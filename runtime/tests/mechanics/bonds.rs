@@ -31,6 +31,7 @@ fn suction() -> Scene {
         fluid: Some(Fluid {
             density: None,
             viscosity: Some(0.05),
+            added_mass: None,
         }),
         bond: Some(Bond::Suction {
             pump: Pump {
@@ -67,6 +68,7 @@ fn two_blocks_find_each_other_and_bond<W: Arena>() {
     scene.fluid = Some(Fluid {
         density: None,
         viscosity: Some(0.01),
+        added_mass: None,
     });
     let mut world: W = world(&scene, &blocks);
     assert!(world.groups().is_empty());
@@ -134,6 +136,7 @@ fn a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds<W: Arena>() {
         scene.fluid = Some(Fluid {
             density: None,
             viscosity: Some(rate / Fluid::friction(1.0, 1.0)),
+            added_mass: None,
         });
         let touching = [at(0.0, 0.9, 10.0), at(0.0, -0.1, 10.0)].map(BodyState::at_rest);
         let mut still: W = world(&scene, &touching);
@@ -158,6 +161,7 @@ fn a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step<W: Arena>
         fluid: Some(Fluid {
             density: None,
             viscosity: Some(viscosity),
+            added_mass: None,
         }),
         ..reject(0.5, 0.0)
     };
@@ -199,6 +203,7 @@ fn heat_tears_no_bond_however_short_the_steps<W: Arena>() {
     scene.fluid = Some(Fluid {
         density: None,
         viscosity: Some(viscosity(10.0)),
+        added_mass: None,
     });
     scene.agitation = Some(Agitation::Brownian {
         temperature: energy / BOLTZMANN,

@@ -13,6 +13,9 @@ in_every_world!(
     a_block_falls_freely_without_a_fluid,
     a_block_sinks_at_its_terminal_speed_whatever_the_step,
     a_lighter_block_rises,
+    a_block_with_added_mass_starts_more_slowly_and_ends_as_fast,
+    a_force_on_the_fluid_moves_a_neutral_block_with_added_mass_like_the_fluid,
+    brownian_blocks_with_added_mass_have_the_energy_of_their_temperature,
     viscous_drag_slows_exponentially,
     a_wake_slows_algebraically,
     a_turning_block_is_slowed_too,
@@ -29,7 +32,11 @@ in_every_world!(
 /// SI units and block units are the same.
 fn fluid(density: Option<f64>, viscosity: Option<f64>) -> Scene {
     Scene {
-        fluid: Some(Fluid { density, viscosity }),
+        fluid: Some(Fluid {
+            density,
+            viscosity,
+            added_mass: None,
+        }),
         ..empty()
     }
 }
@@ -95,6 +102,71 @@ fn a_lighter_block_rises<W: Arena>() {
     pass(&mut world, 100);
     let speed = world.state(0).velocity.z;
     assert!((speed / (0.5e-4 / 0.5) - 1.0).abs() < 1e-3, "{speed}");
+}
+
+/// A fluid of this density and added mass, which drags little at the speeds of these tests.
+fn with_added_mass(density: f64, added_mass: f64, rate: f64) -> Scene {
+    let mut scene = fluid(Some(density), Some(viscosity(rate)));
+    scene.fluid.as_mut().unwrap().added_mass = Some(added_mass);
+    scene
+}
+
+fn a_block_with_added_mass_starts_more_slowly_and_ends_as_fast<W: Arena>() {
+    let (density, added_mass, rate, gravity) = (0.8, 0.64, 0.1, 1e-5);
+    let inertial = 1.0 + added_mass * density;
+    let weight = gravity * (1.0 - density);
+    for substeps in [1, 4] {
+        let mut scene = with_added_mass(density, added_mass, rate);
+        scene.gravity = Some(gravity);
+        let mut world: W = world(&scene, &settings(substeps), &[still()]);
+        let mut passed = 0;
+        // From rest it accelerates by weight / inertial. The approach to weight / rate takes inertial / rate.
+        for ticks in [1, 15, 200] {
+            pass(&mut world, ticks - passed);
+            passed = ticks;
+            let exact = weight / rate * -(-rate * ticks as f64 / inertial).exp_m1();
+            let speed = -world.state(0).velocity.z;
+            assert!(
+                (speed / exact - 1.0).abs() < 1e-3,
+                "{ticks}: {speed} {exact}"
+            );
+        }
+    }
+}
+
+fn a_force_on_the_fluid_moves_a_neutral_block_with_added_mass_like_the_fluid<W: Arena>() {
+    let (rate, radius) = (0.01, 4.0);
+    let mut scene = with_added_mass(1.0, 0.64, 1e-6);
+    scene.flow = Some(Flow::Stir(Stir {
+        radius: 8.0,
+        rate,
+        force: None,
+        follow: 1.0,
+    }));
+    let start = BodyState {
+        velocity: at(0.0, rate * radius, 0.0),
+        spin: at(0.0, 0.0, rate),
+        ..BodyState::at_rest(at(radius, 0.0, 100.0))
+    };
+    let mut world: W = world(&scene, &settings(4), &[start]);
+    pass(&mut world, 600);
+    let distance = world.state(0).position.xy().norm();
+    assert!((distance / radius - 1.0).abs() < 0.01, "{distance}");
+}
+
+fn brownian_blocks_with_added_mass_have_the_energy_of_their_temperature<W: Arena>() {
+    let (count, energy, added_mass) = (4000, 1e-8, 0.64);
+    let mut scene = with_added_mass(1.0, added_mass, 0.05);
+    scene.agitation = hot(energy);
+    let mut world: W = world(&scene, &settings(2), &many(count));
+    pass(&mut world, 250);
+    let squares = states(&world)
+        .iter()
+        .map(|block| block.velocity.norm_squared())
+        .sum::<f64>();
+    let moving = (1.0 + added_mass) * squares / (3.0 * count as f64);
+    // 12,000 squares: 1.3 % each, four standard errors.
+    assert!((moving / energy - 1.0).abs() < 0.052, "{moving}");
 }
 
 fn viscous_drag_slows_exponentially<W: Arena>() {

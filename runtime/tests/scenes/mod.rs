@@ -113,6 +113,7 @@ pub fn viscous(rate: f64) -> Option<Fluid> {
     Some(Fluid {
         density: None,
         viscosity: Some(viscosity(rate)),
+        added_mass: None,
     })
 }
 

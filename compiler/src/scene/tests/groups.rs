@@ -208,6 +208,7 @@ fn microns() -> Scene {
     scene.fluid = Some(Fluid {
         density: None,
         viscosity: Some(1e-3),
+        added_mass: None,
     });
     scene.agitation = Some(Agitation::Brownian { temperature: 293.0 });
     let Some(Bond::Attract {
@@ -293,6 +294,30 @@ fn drag_that_needs_longer_than_a_step_changes_nothing() {
 }
 
 #[test]
+fn added_mass_slows_motion_and_changes_no_balance_of_forces() {
+    let mut scene = microns();
+    scene.gravity = Some(9.81);
+    scene.fluid = Some(Fluid {
+        density: Some(1000.0),
+        viscosity: Some(1e-3),
+        added_mass: None,
+    });
+    let without = values(&scene);
+    scene.fluid.as_mut().unwrap().added_mass = Some(0.64);
+    let with = values(&scene);
+    let ratio = |symbol: &str| {
+        let of = |values: &[(&str, f64)]| values.iter().find(|it| it.0 == symbol).unwrap().1;
+        of(&with) / of(&without)
+    };
+    // (m + C ρ a³) / m with ρ a³ = 1 ng.
+    let inertia = 1.69 / 1.05;
+    assert!(close(ratio("6 π η 0.6607 a τ / m"), 1.0 / inertia));
+    for balance in ["h / a", "D τ / a²", "F r / (m v² / 2)"] {
+        assert!(close(ratio(balance), 1.0), "{balance}");
+    }
+}
+
+#[test]
 fn sinking_is_held_against_what_stirs() {
     let mut scene = microns();
     assert_eq!(Settling::of(&scene), None, "without gravity");
@@ -300,6 +325,7 @@ fn sinking_is_held_against_what_stirs() {
     scene.fluid = Some(Fluid {
         density: Some(1000.0),
         viscosity: Some(1e-3),
+        added_mass: None,
     });
     // k T / (m' g) with m' = 0.05 ng.
     let settling = Settling::of(&scene).unwrap();
@@ -353,6 +379,7 @@ fn sinking_is_held_against_what_stirs() {
     tank.fluid = Some(Fluid {
         density: Some(1000.0),
         viscosity: None,
+        added_mass: None,
     });
     let Some(Agitation::Turbulence(turbulence)) = &mut tank.agitation else {
         panic!("eddies stir it");
@@ -436,6 +463,7 @@ fn energies_of_heat_do_not_depend_on_the_tick() {
             fluid: Some(Fluid {
                 density: None,
                 viscosity: Some(1.0),
+                added_mass: None,
             }),
             agitation: Some(Agitation::Brownian { temperature: 300.0 }),
             ..hemisphere()

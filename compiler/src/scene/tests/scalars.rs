@@ -44,7 +44,7 @@ const FULL: [&str; 4] = [
         block cube { side 10cm  mass 1kg  faces 1 }
         free 2 ring 20cm
         enclosure sphere { radius 33cm  wall 200 N/m }
-        fluid { density 920 kg/m^3  viscosity 60 mPa s }
+        fluid { density 920 kg/m^3  viscosity 60 mPa s  added_mass 0.64 }
         agitation turbulence { speed 4 cm/s  length 8cm  time 2 s  vertical 0.5 }
         bond reject { hold 2 N  depth 2cm  within 15cm  impulse 0.1 N s  anchor centres 5mm }
     }",

@@ -1,12 +1,12 @@
 //! Values of a scene in units of its own.
 use super::super::Scene;
 
-/// Units in which the side of a block, its mass and the tick are 1.
+/// Units that make the side of a block, its inertial mass and the tick 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockUnits {
     /// \[m\]
     pub side: f64,
-    /// \[kg\]
+    /// Mass of a block and of the fluid that it takes along \[kg\].
     pub mass: f64,
     /// \[s\]
     pub tick: f64,
@@ -17,7 +17,7 @@ impl BlockUnits {
     pub fn of(scene: &Scene) -> BlockUnits {
         BlockUnits {
             side: scene.block.side,
-            mass: scene.block.mass,
+            mass: scene.inertial_mass(),
             tick: scene.tick,
         }
     }

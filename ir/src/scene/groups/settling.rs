@@ -42,9 +42,9 @@ impl Settling {
         };
         match scene.agitation.as_ref()? {
             // k T / (m' g), whatever the drag.
-            Agitation::Brownian { temperature } => {
-                Some(at(BOLTZMANN * temperature / (scene.block.mass * weight)))
-            }
+            Agitation::Brownian { temperature } => Some(at(
+                BOLTZMANN * temperature / (scene.inertial_mass() * weight)
+            )),
             Agitation::Kicks { .. } => Some(at(kicked(scene, weight) / weight)),
             Agitation::Turbulence(turbulence) => eddies(scene, turbulence, weight, at(0.0)),
         }
@@ -121,17 +121,13 @@ const SLICES: u32 = 512;
 /// Heights of the profile beyond which nothing of it is left.
 const FAR: f64 = 40.0;
 
-/// What pulls a block at rest down, or up where it is below 0 \[m/s^2\].
+/// Returns the acceleration of a block at rest by weight and buoyancy. Positive is downward \[m/s^2\].
 pub fn down(scene: &Scene) -> f64 {
-    scene.gravity.unwrap_or(0.0) * (1.0 - borne(scene))
-}
-
-/// Part of a block's weight that its fluid bears.
-fn borne(scene: &Scene) -> f64 {
     let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
-    density.map_or(0.0, |density| {
-        density * scene.block.side.powi(3) / scene.block.mass
-    })
+    let displaced = density.map_or(0.0, |density| density * scene.block.side.powi(3));
+    let borne = displaced / scene.block.mass;
+    let inert = scene.block.mass / scene.inertial_mass();
+    scene.gravity.unwrap_or(0.0) * (1.0 - borne) * inert
 }
 
 /// The mean square of the vertical velocity of blocks that are kicked, and land \[m^2/s^2\].
@@ -161,7 +157,7 @@ fn eddies(scene: &Scene, turbulence: &Turbulence, weight: f64, at: Settling) -> 
     if vertical == 0.0 {
         return Some(Settling { lifted: 0.0, ..at });
     }
-    let sinking = terminal(scene, scene.block.mass * weight)?;
+    let sinking = terminal(scene, scene.inertial_mass() * weight)?;
     // What follows an eddy for a time t moves by σ t with it: D = σ² t. A block leaves it when its time is
     // over, or when it has crossed it.
     let across = turbulence.length / level.hypot(sinking);

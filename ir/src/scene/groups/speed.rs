@@ -135,7 +135,7 @@ const JET: f64 = 6.2;
 pub(super) fn energetic(scene: &Scene) -> Option<f64> {
     match scene.agitation {
         Some(Agitation::Brownian { temperature }) => {
-            Some((3.0 * BOLTZMANN * temperature / scene.block.mass).sqrt())
+            Some((3.0 * BOLTZMANN * temperature / scene.inertial_mass()).sqrt())
         }
         _ => speed(scene).rms,
     }
@@ -179,7 +179,7 @@ fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
             })
         }
         Agitation::Brownian { temperature } => {
-            let (mass, tick) = (scene.block.mass, scene.tick);
+            let (mass, tick) = (scene.inertial_mass(), scene.tick);
             let friction = Fluid::friction(fluid.viscosity?, scene.block.side);
             // Of the mean of a step: k T / m times tanh(x) / x, x = rate step / 2.
             let half = friction / mass * tick / steps / 2.0;
@@ -227,8 +227,8 @@ fn collisions(scene: &Scene) -> f64 {
 fn wakes(scene: &Scene) -> f64 {
     let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
     density.map_or(0.0, |density| {
-        let block = &scene.block;
-        let wake = Fluid::wake(density, block.side) * block.side / block.mass;
+        let side = scene.block.side;
+        let wake = Fluid::wake(density, side) * side / scene.inertial_mass();
         2.0 * wake * (8.0 / 3.0) * (2.0 / (3.0 * std::f64::consts::PI)).sqrt()
     })
 }

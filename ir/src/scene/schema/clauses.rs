@@ -163,11 +163,12 @@ pub static CLAUSES: [SchemaEntry; 12] = [
     braces!("fluid" [
         field!(FLUID_DENSITY).otherwise("neither"),
         field!(FLUID_VISCOSITY).otherwise("no such drag"),
+        field!(FLUID_ADDED_MASS).otherwise("0"),
     ] FieldGroup::Any { needed: "viscosity", help: "add it, or `density`: a fluid with neither does nothing" })
         .means("what the blocks float in; one field at least")
         .absent(NoTerm("blocks float in nothing that could take them along"))
-        .make(|s| s.fluid = Some(Fluid { density: None, viscosity: None }))
-        .equations(&[&WAKE, &STOKES]),
+        .make(|s| s.fluid = Some(Fluid { density: None, viscosity: None, added_mass: None }))
+        .equations(&[&WAKE, &STOKES, &ADDED]),
     kinds!("flow" [
         braces!("stir" [
             field!(STIR_RADIUS),

@@ -89,6 +89,7 @@ macro_rules! derived {
 derived! {
     INERTIA INERTIA "I" "moment of inertia": |s| Some(s.block.mass * s.block.side * s.block.side / 6.0);
     BORNE NUMBER "ρ a³ / m" "borne by the fluid": |s| Some(density(s)? * s.block.side.powi(3) / s.block.mass);
+    INERTIAL MASS "m + C ρ a³" "inertial mass": |s| Some(s.inertial_mass());
     REVOLUTIONS NUMBER "Ω / 2π" "turns a second": |s| Some(stir(s)?.rate / std::f64::consts::TAU);
     STIR_POWER POWER "P" "power, F r Ω": |s| stir(s)?.power();
     JET_SPEED SPEED "U" "speed at a tube": |s| jets(s).map(Jets::speed);
@@ -139,6 +140,8 @@ equations! {
         Some("m v' = -ρ a² |v - u| (v - u) / 2; I ω' = -ρ a⁵ |ω - w| (ω - w) / 32"); [N(&FLUID_DENSITY)];
     STOKES "Stokes' drag of a cube, on the motion relative to the fluid"
         Some("m v' = -6 π η 0.6607 a (v - u); I ω' = -6 η a³ (ω - w)"); [N(&FLUID_VISCOSITY)];
+    ADDED "blocks accelerate as if they were heavier; weight and buoyancy stay"
+        Some("m + C ρ a³ in place of m in every m v' and m ω', and in the pressure of the flow (1 + C) ρ a³"); [N(&FLUID_ADDED_MASS), D(&INERTIAL)] if |s| s.fluid.as_ref().is_some_and(|fluid| fluid.added_mass.is_some());
     STIR "the fluid turns about the vertical axis: as a whole within the ring, without vorticity outside"
         Some("u = f Ω s, beyond r f Ω r² / s; its pressure keeps it on the circle"); [N(&STIR_RADIUS), N(&STIR_RATE), D(&REVOLUTIONS), N(&STIR_FOLLOW), N(&STIR_FORCE), D(&STIR_POWER)];
     JETS "round turbulent jets from the wall to the middle, evenly around"

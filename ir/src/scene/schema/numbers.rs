@@ -53,6 +53,7 @@ numbers! {
 
     FLUID_DENSITY ["fluid.density"] DENSITY Positive, "ρ" "density": "for buoyancy, and for drag that grows with the square of the speed", |s| Some(Term(&mut s.fluid.as_mut()?.density));
     FLUID_VISCOSITY ["fluid.viscosity"] VISCOSITY Positive, "η" "viscosity": "for drag that grows with the speed", |s| Some(Term(&mut s.fluid.as_mut()?.viscosity));
+    FLUID_ADDED_MASS ["fluid.added_mass"] NUMBER AtLeast(0.0), "C" "added mass": "mass of fluid that an accelerating block takes along, over the mass that it displaces; a cube's is 0.64; needs a `density`", |s| Some(Term(&mut s.fluid.as_mut()?.added_mass));
 
     STIR_RADIUS ["flow.radius"] LENGTH Positive, "r" "radius of the ring": "of the ring", |s| of!(s.flow.as_mut()?, Flow::Stir(stir) => &mut stir.radius);
     STIR_RATE ["flow.rate" "flow"] TURNS AtLeast(0.0), "Ω" "rate of the ring": "how fast the ring turns, counterclockwise seen from above", |s| of!(s.flow.as_mut()?, Flow::Stir(stir) => &mut stir.rate);

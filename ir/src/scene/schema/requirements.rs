@@ -22,7 +22,7 @@ const ADD_FLUID: &str =
     "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`, which takes the blocks along";
 
 /// All of them; of those of one clause, the first that is broken is told.
-pub const REQUIREMENTS: [Requirement; 4] = [
+pub const REQUIREMENTS: [Requirement; 5] = [
     Requirement {
         clause: "agitation",
         needs: "fluid",
@@ -61,6 +61,16 @@ pub const REQUIREMENTS: [Requirement; 4] = [
         title: "an intensity of turbulence without a flow",
         label: "a part of which speed?",
         help: "add a `flow`, or say `speed` instead of `intensity`",
+    },
+    Requirement {
+        clause: "fluid",
+        needs: "fluid",
+        is_broken: |s| {
+            (s.fluid.as_ref()).is_some_and(|it| it.added_mass.is_some() && it.density.is_none())
+        },
+        title: "an added mass without a density",
+        label: "the mass of the displaced fluid is unknown",
+        help: "add `density 1000 kg/m^3` to the `fluid`",
     },
     Requirement {
         clause: "flow",

@@ -43,6 +43,7 @@ fn brownian<W: Arena>(tick: f64, far: f64, settings: &Settings) -> Brownian {
     scene.fluid = Some(Fluid {
         density: None,
         viscosity: Some(viscosity),
+        added_mass: None,
     });
     scene.agitation = Some(Agitation::Brownian { temperature });
     let scene: Scene = scene;
@@ -85,6 +86,7 @@ fn a_bonded_pair_sinks_however_slowly() {
         fluid: Some(Fluid {
             density: None,
             viscosity: Some(1.0 / Fluid::friction(1.0, 1.0)),
+            added_mass: None,
         }),
         ..empty()
     };

@@ -50,7 +50,13 @@ fn eddies(strength: Strength, size: f64) -> (Ground, Scene) {
 }
 
 fn fluid(density: Option<f64>, viscosity: Option<f64>) -> (Ground, Scene) {
-    tank(|scene| scene.fluid = Some(Fluid { density, viscosity }))
+    tank(|scene| {
+        scene.fluid = Some(Fluid {
+            density,
+            viscosity,
+            added_mass: None,
+        })
+    })
 }
 
 fn magnets(hold: f64, depth: f64) -> (Ground, Scene) {
@@ -91,6 +97,7 @@ fn small(temperature: f64, tick: f64) -> (Ground, Scene) {
         scene.fluid = Some(Fluid {
             density: None,
             viscosity: Some(1e-3),
+            added_mass: None,
         });
         scene.agitation = Some(Agitation::Brownian { temperature });
         scene.bond = None;

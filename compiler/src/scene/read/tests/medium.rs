@@ -13,7 +13,7 @@ fn scene(clauses: &str) -> (Option<Scene>, Vec<(Code, String)>) {
 #[test]
 fn a_stirred_tank_is_read_in_units_of_the_laboratory() {
     let (scene, found) = scene(
-        "gravity 9.81 m/s^2  fluid { density 0.92 g/cm^3  viscosity 60 mPa s }
+        "gravity 9.81 m/s^2  fluid { density 0.92 g/cm^3  viscosity 60 mPa s  added_mass 64% }
          flow stir { radius 8.5cm  rate 0.455 rev/s  force 0.795 N  follow 20% }
          agitation turbulence { intensity 3%  length 16cm  vertical 50% }",
     );
@@ -21,7 +21,10 @@ fn a_stirred_tank_is_read_in_units_of_the_laboratory() {
     let scene = scene.unwrap();
     let (fluid, flow) = (scene.fluid.unwrap(), scene.flow.unwrap());
     assert!((fluid.density.unwrap() - 920.0).abs() < 1e-9);
-    assert_eq!(fluid.viscosity, Some(0.06));
+    assert_eq!(
+        (fluid.viscosity, fluid.added_mass),
+        (Some(0.06), Some(0.64))
+    );
     let Flow::Stir(stir) = &flow else {
         panic!("it is stirred");
     };
@@ -74,6 +77,10 @@ fn what_has_nothing_to_move_is_told_once() {
     missing(
         "fluid { density 1 kg/m^3 }  agitation brownian { temperature 3 K }",
         "Brownian motion without a viscous fluid",
+    );
+    missing(
+        "fluid { viscosity 1 Pa s  added_mass 0.64 }",
+        "an added mass without a density",
     );
     missing("fluid { }", "`fluid` without `viscosity`");
     missing(
