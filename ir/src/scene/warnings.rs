@@ -67,7 +67,10 @@ impl Default for Stepping {
     }
 }
 
-/// The density of free blocks at the structure, over their mean density, below which captures are rare.
+/// Density of free blocks at the structure, over their mean density, below which captures are rare.
+///
+/// A tower of four among 40 cubes of 1.5 cm took 1.5 times as long as among neutral blocks at a
+/// density of 0.08, and five times as long at 0.04.
 const MIN_DENSITY: f64 = 0.1;
 
 /// Returns all warnings about a scene that is computed with these steps.
