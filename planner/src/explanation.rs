@@ -52,6 +52,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
         .map(|it| it.cell)
         .collect();
     let _ = match narrow.len() {
+        0 if plan.baseline.is_some() => writeln!(out, "ways in: not searched for"),
         0 => writeln!(
             out,
             "ways in: two cells wide for every cell, in every order"

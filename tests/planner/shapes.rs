@@ -156,4 +156,9 @@ fn plans_that_may_jam_pass_the_check() {
         .find(|it| it.plan.baseline == Some(Baseline::AtOnce));
     let text = &at_once.unwrap().text;
     assert!(text.contains("allow tight-approach"), "{text}");
+    let explained = stochc::planner::explanation(&at_once.unwrap().plan);
+    assert!(
+        explained.contains("ways in: not searched for"),
+        "{explained}"
+    );
 }
