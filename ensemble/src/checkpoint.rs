@@ -1,10 +1,10 @@
 //! Checkpoints: the states of runs under way, in a folder beside the journal, from which they go on after whatever has
 //! ended the process.
 //!
-//! A file is a line of JSON with its checksum, which says whose state it is, the state as [`stochc_ir::state`] writes it, a
-//! signature ([`stochc_files::key`]) of both, and a checksum (CRC-32) of all of it.
+//! A file is a line of JSON with its checksum, the state as [`stochc_ir::state`] writes it, and a checksum (CRC-32) of both.
+//! The line names the build, ensemble, program and run.
 //!
-//! A state is taken over as it is, by Rapier into structures that trust what is in them: only one's own may be.
+//! Runs of models without [`stochc_runtime::Model::has_state`] have no checkpoints.
 use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::fs::OpenOptions;
@@ -17,7 +17,6 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use stochc_files::atomic::{Draft, Replaces, make_own_folder, move_aside};
 use stochc_files::checksum::{self, LineIntegrity, Summed, of_file};
-use stochc_files::key::{self, SecretKey, Signed};
 use stochc_files::{File, budget, disk, open_own};
 use stochc_ir::state::StateWriter;
 use stochc_runtime::Save;
@@ -35,8 +34,7 @@ const VERSION: u32 = 1;
 const SUFFIX: &str = ".state";
 /// Bytes of the first line, fewer than which it has.
 const MOST: u64 = 1 << 12;
-/// Bytes of the signature and the checksum at the end.
-const SIGNATURE: u64 = key::LENGTH as u64;
+/// Bytes of the checksum at the end.
 const CHECKSUM: u64 = 4;
 
 /// Ticks between two looks at the clock.
@@ -147,7 +145,7 @@ impl Checkpoints {
         wants: impl Fn(usize, u64) -> bool,
     ) -> io::Result<Checkpoints> {
         let names = manifest.programs.iter().map(|it| it.name.clone());
-        let checkpoints = Checkpoints {
+        let mut checkpoints = Checkpoints {
             path: path.to_owned(),
             ensemble: manifest.identity(),
             build: this_build(),
@@ -156,6 +154,10 @@ impl Checkpoints {
             there: Mutex::default(),
             notes: Mutex::default(),
         };
+        if !manifest.settings.model.has_state() {
+            checkpoints.interval = Interval::Never;
+            return Ok(checkpoints);
+        }
         for (key, file) in list(path)? {
             if key.0 >= checkpoints.names.len() || !wants(key.0, key.1) {
                 continue;
@@ -262,22 +264,17 @@ impl Checkpoints {
         } else if (header.program, header.run) != (program, run) {
             "of another run"
         } else {
-            let key = SecretKey::of_user()?;
-            match is_signed(key, file, place[1])? {
-                true => return Ok(CheckpointFile::Sound(header.tick, place)),
-                false => "not signed by this user on this machine",
-            }
+            return Ok(CheckpointFile::Sound(header.tick, place));
         };
         Ok(CheckpointFile::Foreign(foreign))
     }
 
     /// Writes a file whole, or leaves the one that is there.
     fn write(&self, (program, run): RunKey, tick: u64, save: &mut Save<'_>) -> io::Result<()> {
-        let key = SecretKey::of_user()?;
         make_own_folder(&self.path.join(CHECKPOINTS))?;
         // Several machines may make one piece: what each writes is a state of the same run.
         let draft = Draft::new(&self.file((program, run)), Replaces::Same)?;
-        let mut draft = Signed::new(Summed::new(draft), key);
+        let mut draft = Summed::new(draft);
         let header = CheckpointHeader {
             checkpoint: VERSION,
             ensemble: self.ensemble.clone(),
@@ -288,8 +285,6 @@ impl Checkpoints {
         };
         draft.write_all(super::journal_line::line(&header).as_bytes())?;
         save(&mut StateWriter::new(&mut draft)).map_err(io::Error::other)?;
-        let (mut draft, signature) = draft.finish();
-        draft.write_all(&signature)?;
         let (mut draft, sum) = draft.finish();
         draft.write_all(&sum.crc32.to_le_bytes())?;
         draft.keep()?;
@@ -489,30 +484,19 @@ fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static
         .strip_suffix(b"\n")
         .filter(|line| checksum::check(line) == LineIntegrity::Sound);
     let header = header.and_then(|line| serde_json::from_slice(line).ok());
-    let (Some(header), Some(summed)) = (header, bytes.checked_sub(CHECKSUM)) else {
-        return damaged;
-    };
-    let Some(ends) = summed.checked_sub(SIGNATURE).filter(|it| *it >= begins) else {
+    let ends = bytes.checked_sub(CHECKSUM).filter(|it| *it >= begins);
+    let (Some(header), Some(ends)) = (header, ends) else {
         return damaged;
     };
     from.seek(SeekFrom::Start(0))?;
-    let sum = of_file(from, summed)?;
+    let sum = of_file(from, ends)?;
     let mut checksum = [0; CHECKSUM as usize];
-    from.seek(SeekFrom::Start(summed))?;
+    from.seek(SeekFrom::Start(ends))?;
     from.read_exact(&mut checksum)?;
     match sum.crc32 == u32::from_le_bytes(checksum) {
         true => Ok(Ok((header, [begins, ends]))),
         false => damaged,
     }
-}
-
-/// Whether the signature behind a state that `ends` there is of this key.
-fn is_signed(key: &SecretKey, mut file: &File, ends: u64) -> io::Result<bool> {
-    let mut signature = [0; key::LENGTH];
-    file.seek(SeekFrom::Start(ends))?;
-    file.read_exact(&mut signature)?;
-    file.seek(SeekFrom::Start(0))?;
-    key.has_signed(file, ends, &signature)
 }
 
 /// What somebody else has removed is gone as well.

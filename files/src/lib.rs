@@ -6,7 +6,6 @@ pub mod budget;
 pub mod checksum;
 pub mod csv;
 pub mod disk;
-pub mod key;
 pub mod process;
 pub mod programs;
 pub mod shell;

@@ -1,8 +1,7 @@
 //! Any bytes are the state of a run or none: it goes on from them for a while, or is refused.
 //!
 //! The first byte says the model, and whether the rest is the file, the state, or its values, each behind two bytes of its length,
-//! which become the eight of a state. Only states that are signed by the user are ever gone on from: the engine of Rapier, which trusts
-//! what it is given, gets none of these here.
+//! which become the eight of a state.
 use std::io::{Cursor, Read};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};

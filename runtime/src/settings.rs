@@ -104,6 +104,11 @@ impl Model {
         matches!(self, Model::Rigid | Model::Rapier)
     }
 
+    /// Whether the state of a run can be saved and restored. The engine of `rapier` would restore it without validation.
+    pub const fn has_state(self) -> bool {
+        !matches!(self, Model::Rapier)
+    }
+
     /// Its name on the command line and in a manifest.
     pub const fn name(self) -> &'static str {
         match self {

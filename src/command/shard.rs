@@ -25,7 +25,7 @@ pub struct ShardArguments {
     #[command(flatten)]
     work: WorkOptions,
     /// Keep the states of runs under way so often, for the same command to go on from: a time (90s, 5m, 2h), ticks of each
-    /// run (20000ticks) or `never`
+    /// run (20000ticks) or `never`. `rapier` runs have no checkpoints
     #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
     checkpoints: Interval,
     /// How much memory it may take.

@@ -1,6 +1,5 @@
 //! Runs go on from the states that were kept of them, and those are used for nothing else.
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,10 +8,9 @@ use stochc::ensemble::verify::{repair, verify};
 use stochc::ensemble::{
     CHECKPOINTS, Destination, Folder, Interval, Manifest, Progress, RunCancelled, RunWatch,
 };
-use stochc_files::key::{SecretKey, Signed};
 use stochc_ir::record::RunRecord;
 use stochc_ir::state::StateWriter;
-use stochc_runtime::Watch as _;
+use stochc_runtime::{Model, Settings, Watch as _};
 
 use crate::world::{EVERY, bytes, complete, manifest, put, run_on, simulate};
 
@@ -144,7 +142,7 @@ fn a_state_that_makes_no_sense_costs_no_run() {
     for state in [&too_late[..], b"", &endless] {
         let folder = tempfile::tempdir().unwrap();
         stopped(folder.path(), &manifest);
-        forge(&checkpoint(folder.path()), str::to_owned, state, true);
+        forge(&checkpoint(folder.path()), str::to_owned, state);
         let notes = resumed(folder.path(), &manifest);
         assert_eq!(notes.len(), 2, "{notes:?}");
         assert!(
@@ -155,29 +153,40 @@ fn a_state_that_makes_no_sense_costs_no_run() {
     }
 }
 
-/// What somebody else has written nobody takes over, whatever its checksums say.
+/// The engine would restore a state without validation.
 #[test]
-fn a_state_of_somebody_else_is_not_used() {
-    let (folder, manifest) = (tempfile::tempdir().unwrap(), manifest(4));
-    stopped(folder.path(), &manifest);
-    let mut state = Vec::new();
-    StateWriter::new(&mut state).put(&70u64).unwrap();
-    forge(&checkpoint(folder.path()), str::to_owned, &state, false);
-    let health = verify(folder.path()).unwrap();
-    assert!(!health.iter().any(|file| file.health.is_damaged()));
-    let notes = resumed(folder.path(), &manifest);
-    assert_eq!(
-        notes,
-        [
-            "the checkpoint of run 2 of `right` is not used, for it is not signed by this user on this machine; the run begins \
-             anew"
-        ]
-    );
-    assert!(bytes(folder.path()) == undisturbed(&manifest));
+fn runs_of_rapier_have_no_checkpoints() {
+    let (folder, mut manifest) = (tempfile::tempdir().unwrap(), manifest(4));
+    let state = {
+        let other = tempfile::tempdir().unwrap();
+        stopped(other.path(), &manifest);
+        fs::read(checkpoint(other.path())).unwrap()
+    };
+    manifest.settings = Settings::of(Model::Rapier, 1);
+    let tables = undisturbed(&manifest);
+    let opened = Folder::open(folder.path(), &manifest, false).unwrap();
+    let opened = opened.with_checkpoints(EVERY).unwrap();
+    let stop = AtomicBool::new(false);
+    let simulate = |program, run, mut watch: &RunWatch| {
+        if (program, run) == LAST {
+            stop.store(true, Ordering::Relaxed);
+            let flow = watch.tick(1000, stochc_ir::table::PhaseId(0));
+            assert!(flow.is_break() && !watch.wants_state());
+            return Err(RunCancelled);
+        }
+        self::simulate(program, run, watch)
+    };
+    run_on(1, Destination::Folder(opened), &stop, simulate).unwrap();
+    // A state from elsewhere is not read.
+    fs::create_dir_all(folder.path().join(CHECKPOINTS)).unwrap();
+    put(&checkpoint(folder.path()), state);
+    assert_eq!(resumed(folder.path(), &manifest), [""; 0]);
+    assert!(bytes(folder.path()) == tables);
+    assert!(!folder.path().join(CHECKPOINTS).exists());
 }
 
-/// Gives a checkpoint another first line and another state, with the checksums of those, and with the signature of this user or of nobody.
-fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8], is_signed: bool) {
+/// Gives a checkpoint another first line and another state, with their checksums.
+fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8]) {
     let bytes = fs::read(file).unwrap();
     let end = bytes.iter().position(|&byte| byte == b'\n').unwrap();
     let line = std::str::from_utf8(&bytes[..end]).unwrap();
@@ -185,11 +194,6 @@ fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8], is_signed: 
     let mut forged = stochc_files::checksum::sealed(header(&open)).into_bytes();
     forged.push(b'\n');
     forged.extend_from_slice(state);
-    let mut signed = Signed::new(Vec::new(), SecretKey::of_user().unwrap());
-    signed.write_all(&forged).unwrap();
-    let (_, mut signature) = signed.finish();
-    signature[0] ^= u8::from(!is_signed);
-    forged.extend(signature);
     let sum = stochc_files::checksum::crc32(&forged);
     forged.extend(sum.to_le_bytes());
     put(file, forged);
@@ -215,7 +219,6 @@ fn a_checkpoint_of_something_else_is_not_used() {
             &checkpoint(folder.path()),
             |line| line.replacen(from, to, 1),
             &state,
-            true,
         );
         let notes = resumed(folder.path(), &manifest);
         let told = format!(

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use stochc_compiler::{Limits, check};
 use stochc_ir::Executable;
 use stochc_ir::record::RunRecord;
-use stochc_ir::scene::{Contact, ContactLaw, Messages};
+use stochc_ir::scene::Messages;
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::observe::{ObservedEvent, Observer};
@@ -169,19 +169,20 @@ fn rigid_blocks_in_all_steps_and_reductions() {
 }
 
 #[test]
-fn rapier() {
+fn rapier_restores_no_state() {
+    let program = programs(include_str!("../../../examples/microns.sa")).remove(0);
     let settings = Settings {
-        max_ticks: Some(400),
+        max_ticks: Some(50),
         ..Settings::of(Model::Rapier, 1)
     };
-    for mut program in programs(TOWER) {
-        // The engine knows no other.
-        program.scene.contact = Some(Contact {
-            law: ContactLaw::Rigid { restitution: 0.4 },
-            friction: 0.3,
-        });
-        assert!(resumed_everywhere(&program, &settings, 131) > 1);
-    }
+    assert!(!settings.model.has_state());
+    assert!(made(&program, &settings, &mut Keeper::default()).is_ok());
+    let mut watch = Keeper {
+        begins_with: Some(vec![0; 1 << 16]),
+        ..Keeper::default()
+    };
+    let made = made(&program, &settings, &mut watch);
+    assert!(matches!(made, Err(RunError::State(_))));
 }
 
 #[test]
@@ -223,12 +224,7 @@ fn fluids_suction_and_magnets_that_always_attract() {
             max_ticks: Some(90),
             ..rigid()
         };
-        let rapier = Settings {
-            max_ticks: Some(50),
-            ..Settings::of(Model::Rapier, 1)
-        };
         everywhere(text, &[short], 41);
-        everywhere(text, &[rapier], 23);
     }
 }
 

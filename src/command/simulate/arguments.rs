@@ -122,7 +122,7 @@ pub struct SimulateArguments {
     #[arg(long, requires = "resume", conflicts_with_all = ["shards", "run", "replan"])]
     pub mixed_builds: bool,
     /// Keep the states of runs under way in `--out` so often, for `--resume`: a time (90s, 5m, 2h), ticks of each run
-    /// (20000ticks) or `never`
+    /// (20000ticks) or `never`. `rapier` runs have no checkpoints
     #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out", conflicts_with_all = ["shards", "run", "replan"])]
     pub checkpoints: Interval,
     /// Only prepare `--out`, cut into so many pieces: `stochc shard` makes each, anywhere, `stochc merge` puts them together

@@ -3,7 +3,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodyType};
 use rapier3d::glamx::Vec3;
 use rapier3d::pipeline::PhysicsWorld;
-use serde::{Deserialize, Serialize};
+use stochc_ir::state::State;
 use stochc_protocol::Orientation;
 
 use super::convert::{pose3, unit_quaternion, vec3, vector};
@@ -20,7 +20,7 @@ pub(crate) struct EngineBodies {
     pub(super) copies: Vec<Copied>,
 }
 
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Copied {
     pub position: Vector3<f32>,
     rotation: UnitQuaternion<f32>,
@@ -45,12 +45,8 @@ impl Copied {
     }
 }
 
-stochc_ir::state! {
-    () EngineBodies;
-    values: engine, copies;
-    parts: ;
-    same: handles
-}
+/// None: the engine would restore its state without validation.
+impl State for EngineBodies {}
 
 impl EngineBodies {
     pub fn new(

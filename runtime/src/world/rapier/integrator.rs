@@ -1,5 +1,6 @@
 //! Moves blocks and lets them collide by the engine.
 use nalgebra::Vector3;
+use stochc_ir::state::State;
 use stochc_ir::table::Plate;
 
 use super::bodies::EngineBodies;
@@ -26,12 +27,8 @@ pub(super) struct Rapier {
     limits: MotionLimits,
 }
 
-stochc_ir::state! {
-    () Rapier;
-    values: joints;
-    parts: ;
-    same: shell, drag, dt, limits
-}
+/// None, like [`EngineBodies`].
+impl State for Rapier {}
 
 impl Integrator for Rapier {
     type Real = f32;

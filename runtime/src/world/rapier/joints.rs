@@ -2,12 +2,11 @@
 use std::collections::BTreeMap;
 
 use rapier3d::dynamics::{FixedJointBuilder, ImpulseJointHandle};
-use serde::{Deserialize, Serialize};
 
 use super::bodies::EngineBodies;
 
 /// The joints, by the numbers of their blocks.
-#[derive(Debug, Default, Serialize, Deserialize)]
+#[derive(Debug, Default)]
 pub(super) struct Joints(BTreeMap<(u32, u32), ImpulseJointHandle>);
 
 impl Joints {
