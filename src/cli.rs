@@ -39,7 +39,7 @@ pub enum Command {
     Fmt(fmt::FmtArguments),
     /// Plan how to build a shape: write a program that does, fast and without jams
     Plan(Box<plan::PlanArguments>),
-    /// Print a stage of the compilation: syntax tree, structure, dependency graph or event tables
+    /// Print a stage of the compilation: structure, dependency graph or event tables
     Compile(compile::CompileArguments),
     /// Simulate programs many times and compare their times to completion
     Simulate(Box<simulate::SimulateArguments>),

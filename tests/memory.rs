@@ -16,7 +16,6 @@ use stochc::ensemble::{
 use stochc::ir::Json;
 use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 use stochc::report::ensemble_report::{Figures, Input, ReportLocation, report};
-use stochc_grammar::to_json;
 use stochc_runtime::{Model, Settings};
 
 #[global_allocator]
@@ -83,7 +82,6 @@ fn showing_a_program_takes_no_more_memory_than_compiling_it_has() {
         // The structure is sorted by cell.
         let sorted = 64 * plan.events.len();
         for (what, more, taken) in [
-            ("tree", 0, json(to_json(&checked.tree, symbols))),
             ("table as JSON", 0, json(table_json(tables))),
             ("table", 0, text(&table_text(tables))),
             ("graph as JSON", 0, json(graph_json(graph, tables))),

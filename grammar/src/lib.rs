@@ -8,7 +8,6 @@
 mod cancellation;
 mod error;
 mod format;
-mod json;
 mod parse;
 mod print;
 mod span;
@@ -18,7 +17,6 @@ pub mod tree;
 pub use cancellation::{Cancellation, Cancelled};
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use format::{FormatError, format};
-pub use json::to_json;
 pub use parse::{
     MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_comment, is_unit, parse,
     parse_cancellable,

@@ -1,9 +1,7 @@
-use serde::Serialize;
-
 /// A range of bytes in one file.
 ///
 /// Spans do not take part in comparing trees: two trees are equal if they say the same.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Span {
     /// First byte.
     pub start: u32,

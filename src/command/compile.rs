@@ -8,7 +8,6 @@ use stochc_compiler::emit::{built_structure, structure_json, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
 use stochc_files::atomic::{Draft, Replaces};
 use stochc_files::programs::is_executable;
-use stochc_grammar::to_json;
 use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 use stochc_ir::graph::EventGraph;
 use stochc_ir::{Executable, Json};
@@ -50,8 +49,6 @@ pub struct CompileArguments {
 /// A stage of the compilation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EmittedStage {
-    /// The syntax tree
-    Ast,
     /// The blocks that stand at the end of each phase
     Structure,
     /// The dependency graph: which event waits for which
@@ -112,11 +109,6 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     let stage = options.emit;
     if stage == EmittedStage::Executable && checked.programs.is_empty() {
         return Err(nothing_to_run(&options.file));
-    }
-    if stage == EmittedStage::Ast && options.program.is_some() {
-        return Err(Failure::usage(
-            "the syntax tree is of the whole file, and not of a `--program`",
-        ));
     }
     choose(&mut checked.programs, options.program.as_deref(), form).map_err(Failure::usage)?;
     let Some(path) = &options.out else {
@@ -182,12 +174,6 @@ fn emit(
         return Executable::write_all(&programs, out);
     }
     let symbols = &checked.symbols;
-    if stage == EmittedStage::Ast {
-        return match form {
-            EmittedFormat::Json => document("items", to_json(&checked.tree, symbols), out),
-            _ => write!(out, "{}", stochc_grammar::print(&checked.tree, symbols)),
-        };
-    }
     let graph = |program: &Program| (stage == EmittedStage::Graph).then(|| program.event_graph());
     let programs = checked.programs.iter().map(|it| (it, graph(it)));
     let programs: Vec<_> = programs.collect();
@@ -196,7 +182,7 @@ fn emit(
             let programs = programs.iter();
             programs.filter_map(|(program, graph)| json(program, graph.as_ref(), stage, symbols))
         };
-        return document("programs", Json::list(programs), out);
+        return document(Json::list(programs), out);
     }
     let texts = programs
         .iter()
@@ -208,8 +194,8 @@ fn emit(
 }
 
 /// Writes a document that may be larger than memory.
-fn document(key: &'static str, content: Json<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let document = Json::object([("format", FORMAT.into()), (key, content)]);
+fn document(programs: Json<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let document = Json::object([("format", FORMAT.into()), ("programs", programs)]);
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
 }
@@ -225,7 +211,7 @@ fn json<'a>(
     Some(match stage {
         EmittedStage::Structure => structure_json(&program.plan, &program.layout, symbols),
         EmittedStage::Graph => graph_json(graph?, tables?),
-        EmittedStage::Table | EmittedStage::Ast | EmittedStage::Executable => table_json(tables?),
+        EmittedStage::Table | EmittedStage::Executable => table_json(tables?),
     })
 }
 
@@ -246,8 +232,6 @@ fn text<'a>(
         (EmittedStage::Structure, _) => Box::new(structure_text(plan, layout)),
         (EmittedStage::Graph, EmittedFormat::Dot) => Box::new(graph_dot(graph?, tables?)),
         (EmittedStage::Graph, _) => Box::new(graph_text(graph?, tables?)),
-        (EmittedStage::Table | EmittedStage::Ast | EmittedStage::Executable, _) => {
-            Box::new(table_text(tables?))
-        }
+        (EmittedStage::Table | EmittedStage::Executable, _) => Box::new(table_text(tables?)),
     })
 }

@@ -27,8 +27,6 @@ fn an_aggregate_is_summed_up_in_a_line() {
 #[test]
 fn every_stage_of_it_can_be_shown() {
     for (emit, format) in [
-        ("ast", "text"),
-        ("ast", "json"),
         ("graph", "text"),
         ("graph", "json"),
         ("graph", "dot"),

@@ -16,7 +16,6 @@ fn emit(stage: &str, form: &str) -> String {
 fn every_stage_has_a_text_and_a_json() {
     // What they hold, the snapshots of the stages say.
     for (stage, text) in [
-        ("ast", "assembly tower {\n"),
         ("graph", "longest serial chain, 2: A.up -> B, B.up -> C"),
         ("table", "magnetize up for A at (1, 1, 1)"),
         ("structure", "foot"),
@@ -26,7 +25,7 @@ fn every_stage_has_a_text_and_a_json() {
         assert!(shown.ends_with('\n'));
         let value: Value = serde_json::from_str(&emit(stage, "json")).unwrap();
         assert_eq!(value["format"], 1);
-        assert_eq!(value["items"].is_array(), stage == "ast");
+        assert!(value["programs"].is_array(), "{stage}");
     }
     let table = stochc("compile tests/fixtures/tower.sa").out;
     assert_eq!(
@@ -37,21 +36,11 @@ fn every_stage_has_a_text_and_a_json() {
 }
 
 #[test]
-fn the_printed_tree_is_a_program_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = crate::stochc::path(folder.path(), "printed.sa");
-    let tree = emit("ast", "text");
-    fs::write(&file, &tree).unwrap();
-    let again = crate::stochc::stochc_with("compile --emit ast", &[&file]);
-    assert_eq!((again.status, again.out), (0, tree));
-}
-
-#[test]
 fn pictures_are_of_one_stage_each() {
     for (form, beginning, drawn) in [("dot", "digraph", "graph"), ("svg", "<svg", "structure")] {
         let picture = emit(drawn, form);
         assert!(picture.starts_with(beginning), "{picture}");
-        for stage in ["ast", "graph", "table", "structure"] {
+        for stage in ["graph", "table", "structure"] {
             if stage == drawn {
                 continue;
             }
@@ -88,19 +77,18 @@ fn one_of_several_programs_is_shown_if_it_is_named() {
     assert!(both.err.contains("`--program`: `a`, `b`"), "{}", both.err);
     let one = stochc_with(&format!("{picture} --program b"), &[&file]);
     assert_eq!((one.status, one.out.matches("<svg").count()), (0, 1));
-    for (line, told) in [
-        ("compile --program c", "no program `c`, but `a`, `b`"),
-        ("compile --emit ast --program a", "whole file"),
-    ] {
-        let said = stochc_with(line, &[&file]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
-        assert!(said.err.contains(told), "{}", said.err);
-    }
+    let said = stochc_with("compile --program c", &[&file]);
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(
+        said.err.contains("no program `c`, but `a`, `b`"),
+        "{}",
+        said.err
+    );
 }
 
 #[test]
 fn a_wrong_program_has_no_stages() {
-    for stage in ["ast", "graph", "table", "structure"] {
+    for stage in ["graph", "table", "structure"] {
         let said = stochc(&format!("compile --emit {stage} tests/fixtures/wrong.sa"));
         assert_eq!((said.status, said.out.as_str()), (1, ""), "{stage}");
         assert!(said.err.contains("unknown-name"), "{}", said.err);

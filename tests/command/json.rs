@@ -211,8 +211,6 @@ fn stages_of_the_compiler_have_schemas() {
         let compile = format!("compile --format json --emit {stage} examples/line.sa");
         assert_output("compile", &stochc(&compile));
     }
-    let tree = stochc("compile --format json --emit ast examples/line.sa");
-    assert_output("tree", &tree);
 }
 
 /// The validator finds what a document must not have.
