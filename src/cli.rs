@@ -7,8 +7,6 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use stochc_ir::{is_invisible, visible};
 
 use crate::command::interrupt::outlive_file_limit;
-use crate::command::no_memory::exit_without_memory;
-pub use crate::command::no_memory::print_backtraces_ourselves;
 pub use crate::command::terminal::show_deferred;
 use crate::command::terminal::{output_has_colour, print_drawn};
 use crate::command::{
@@ -28,7 +26,7 @@ pub struct Cli {
 
 const EXIT_STATUS: &str = "\
 Exit status: 0 success, 1 the program has errors or the model cannot run it, 2 the command line is wrong, a file cannot be \
-read or written or there is no memory left, 3 a run did not complete or pieces are missing, 4 no setting is known to be accurate enough, 130 interrupted.";
+read or written, 3 a run did not complete or pieces are missing, 4 no setting is known to be accurate enough, 130 interrupted.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
@@ -178,7 +176,6 @@ fn about_numbers(error: clap::Error) -> clap::Error {
 /// Does what the command line says; what is left to say is in the failure.
 pub fn run(cli: Cli) -> Result<Exit, Failure> {
     outlive_file_limit();
-    exit_without_memory();
     match cli.command {
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),

@@ -2,11 +2,10 @@
 use std::io::Write as _;
 use std::process::ExitCode;
 
-use stochc::cli::{parse, print_backtraces_ourselves, report_usage_error, run, show_deferred};
+use stochc::cli::{parse, report_usage_error, run, show_deferred};
 
 /// The one place where failures are told, and the process ends.
 fn main() -> ExitCode {
-    print_backtraces_ourselves();
     let done = parse().map_or_else(report_usage_error, run);
     let exit = done.unwrap_or_else(|failure| {
         // Nobody listening is no reason for another status.

@@ -1,6 +1,6 @@
 //! What the system says of this process.
 
-/// A field of `/proc/self/status` (proc(5)), such as `VmData`; `None`: the system does not say, as only Linux does.
+/// A field of `/proc/self/status` (proc(5)), such as `SigIgn`; `None`: the system does not say, as only Linux does.
 pub fn status(field: &str) -> Option<String> {
     let status = crate::read("/proc/self/status").ok()?;
     let status = String::from_utf8_lossy(&status);

@@ -117,7 +117,6 @@ pub fn simulate(
             record: record.as_ref(),
             record_every: kept.record_every,
             checkpoints: Interval::DEFAULT,
-            memory: None,
             threads,
             has_warned_of_build: false,
             goes_on: false,
@@ -166,8 +165,7 @@ pub fn shard(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<u64> {
     call(py, progress.as_ref(), move |host| {
-        let how = (threads, None, Interval::DEFAULT);
-        let made = pieces::shard(&folder, number, how, host)?;
+        let made = pieces::shard(&folder, number, threads, Interval::DEFAULT, host)?;
         made.ok_or_else(interrupted)
     })
 }

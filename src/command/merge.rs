@@ -5,7 +5,6 @@ use clap::Args;
 use stochc_ensemble::text::visible;
 use stochc_files::shell::file as shell_file;
 
-use super::memory::MemoryOption;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
 use crate::operations::shard::merge;
@@ -16,9 +15,6 @@ pub struct MergeArguments {
     /// Folder of `simulate --shards`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// How much memory it may take.
-    #[command(flatten)]
-    memory: MemoryOption,
     /// Do not say that it is done
     #[arg(long, short)]
     quiet: bool,
@@ -26,7 +22,6 @@ pub struct MergeArguments {
 
 /// Puts the pieces of an ensemble together.
 pub fn run(options: &MergeArguments) -> Result<Exit, Failure> {
-    options.memory.apply()?;
     let runs = merge(&options.folder)?;
     if !options.quiet {
         print(&is_whole(&options.folder, runs))?;

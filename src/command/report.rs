@@ -6,7 +6,6 @@ use stochc_report::figures::Figures;
 
 use super::figures::FigureOptions;
 use super::host::Terminal;
-use super::memory::MemoryOption;
 use super::presentation::PresentationOptions;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
@@ -27,9 +26,6 @@ pub struct ReportArguments {
     figures: FigureOptions,
     #[command(flatten)]
     presentation: PresentationOptions,
-    /// How much memory it may take.
-    #[command(flatten)]
-    memory: MemoryOption,
     /// Do not print the path of the report
     #[arg(long, short)]
     quiet: bool,
@@ -37,7 +33,6 @@ pub struct ReportArguments {
 
 /// Writes a page on what folders hold, and its figures beside it.
 pub fn run(options: &ReportArguments) -> Result<Exit, Failure> {
-    options.memory.apply()?;
     let figures = Figures {
         presentation: options.presentation.presentation(),
         ..options.figures.figures()

@@ -7,7 +7,6 @@ use stochc_ensemble::text::visible;
 
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
-use super::memory::MemoryOption;
 use super::run_options::WorkOptions;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
@@ -28,22 +27,19 @@ pub struct ShardArguments {
     /// run (20000ticks) or `never`. `rapier` runs have no checkpoints
     #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
     checkpoints: Interval,
-    /// How much memory it may take.
-    #[command(flatten)]
-    memory: MemoryOption,
 }
 
 /// Makes a piece of an ensemble, or what is missing of it.
 pub fn run(options: &ShardArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::new(options.work.quiet);
-    options.memory.apply()?;
-    let how = (
+    let made = shard(
+        &options.folder,
+        options.piece,
         options.work.threads,
-        options.memory.limit,
         options.checkpoints,
-    );
-    let made = shard(&options.folder, options.piece, how, &host)?;
+        &host,
+    )?;
     let Some(runs) = made else {
         warn("stopped; finished runs are kept, and the same command continues\n");
         return Ok(Exit::Interrupted);

@@ -8,7 +8,6 @@ use stochc_report::presentation::Presentation;
 use stochc_report::text::Markup;
 
 use super::host::Terminal;
-use super::memory::MemoryOption;
 use super::presentation::PresentationOptions;
 use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
@@ -31,9 +30,6 @@ pub struct ShowArguments {
     /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     bonds: bool,
-    /// How much memory it may take.
-    #[command(flatten)]
-    memory: MemoryOption,
 }
 
 /// A form of the table of results.
@@ -102,7 +98,6 @@ impl ShowArguments {
 
 /// Shows what a folder holds. Corrupted files and missing runs have an exit status of their own.
 pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
-    options.memory.apply()?;
     options.are_consistent()?;
     let Contents {
         manifest,

@@ -7,7 +7,6 @@ use stochc_ensemble::verify::{DAMAGED, FileIntegrity, Integrity, repair, verify}
 use stochc_ensemble::{Folder, FolderError};
 use stochc_files::shell::file as shell_file;
 
-use super::memory::MemoryOption;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::sweep::files_for_screens;
@@ -21,14 +20,10 @@ pub struct VerifyArguments {
     /// Save what is sound: move damaged files into `DIR/damaged`, and write the journal and the tables anew from the rest
     #[arg(long)]
     repair: bool,
-    /// How much memory it may take.
-    #[command(flatten)]
-    memory: MemoryOption,
 }
 
 /// Says of every file of a folder whether it is as it was written.
 pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
-    options.memory.apply()?;
     let path = &options.folder;
     let health = verify(path).map_err(Failure::usage)?;
     let is_damaged = |files: &[FileIntegrity]| files.iter().any(|file| file.health.is_damaged());

@@ -14,10 +14,9 @@ use stochc_report::figures::Figures;
 use stochc_runtime::RunError;
 
 use super::kept_text::KeptText;
-use super::memory::{Kept, threads};
 use super::recordings::Recordings;
 use super::results::warn_of_damage;
-use super::runs::{made_again, made_by, warn_of_build, warn_of_checkpoints};
+use super::runs::{made_again, made_by, threads, warn_of_build, warn_of_checkpoints};
 use super::sweep;
 use super::watch::watched;
 use crate::exit::{Exit, Failure};
@@ -39,8 +38,6 @@ pub struct EnsembleOptions<'a> {
     pub checkpoints: Interval,
     /// Runs at the same time; `None`: as many as there are cores.
     pub threads: Option<u16>,
-    /// Bytes that may be taken, of which more threads would need more; `None`: nobody says.
-    pub memory: Option<u64>,
     /// Whether it has been told already that other builds have made runs of the manifest.
     pub has_warned_of_build: bool,
     /// Whether more runs may follow, so that nothing is finished yet.
@@ -187,13 +184,7 @@ pub fn make(
     host: &dyn Host,
 ) -> Result<MadeEnsemble, Failure> {
     let stop = host.stop();
-    // Before there is a folder that nothing comes of.
-    let kept = if how.watch {
-        Kept::Curves
-    } else {
-        Kept::Figures
-    };
-    let at_once = threads(manifest, kept, (how.threads, how.memory), host)?;
+    let at_once = threads(how.threads);
     let mut checkpoints = None;
     let destination = match how.out {
         None => Destination::Memory(manifest),

@@ -11,7 +11,6 @@ pub mod forecast;
 mod in_memory;
 pub mod json;
 pub mod kept_text;
-pub mod memory;
 pub mod plan;
 pub mod precision;
 pub mod programs;

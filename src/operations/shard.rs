@@ -4,8 +4,7 @@ use std::path::Path;
 use stochc_ensemble::Interval;
 use stochc_ensemble::shards::{Piece, ShardError, merge as merge_all};
 
-use super::memory::{Kept, threads};
-use super::runs::{made_again, made_by, warn_of_checkpoints};
+use super::runs::{made_again, made_by, threads, warn_of_checkpoints};
 use super::sweep;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
@@ -18,7 +17,8 @@ use crate::progress::of_ensemble;
 pub fn shard(
     folder: &Path,
     number: u64,
-    (at_once, memory, checkpoints): (Option<u16>, Option<u64>, Interval),
+    at_once: Option<u16>,
+    checkpoints: Interval,
     host: &dyn Host,
 ) -> Result<Option<u64>, Failure> {
     let stop = host.stop();
@@ -33,8 +33,7 @@ pub fn shard(
     let manifest = piece.manifest();
     let again = piece.check_stored(made_again(manifest, stop));
     again.map_err(Failure::usage)?;
-    let at_once = threads(manifest, Kept::Places(runs), (at_once, memory), host)?;
-    let progress = piece.progress(at_once);
+    let progress = piece.progress(threads(at_once));
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
     let work = || piece.make(&progress, stop, made_by(manifest));
     let made = match done == runs {

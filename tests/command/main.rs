@@ -27,7 +27,6 @@ mod levels;
 mod manifest;
 mod manual;
 #[cfg(target_os = "linux")]
-mod memory;
 #[path = "../pages/mod.rs"]
 mod pages;
 mod physical;

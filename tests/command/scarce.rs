@@ -20,11 +20,14 @@ assembly towers in vast {
 
 /// Does a command with so much address space \[kB\].
 fn with_memory(kilobytes: u32, arguments: &[&str]) -> Said {
-    let program = format!("ulimit -v {kilobytes}; exec \"$@\"");
+    let program = format!("ulimit -v {kilobytes}; \"$@\"; exit $?");
     let mut command = Command::new("sh");
     command.args(["-c", &program, "sh", env!("CARGO_BIN_EXE_stochc")]);
-    said(command.args(arguments).env("RUST_BACKTRACE", "1"))
+    said(command.args(arguments).env_remove("RUST_BACKTRACE"))
 }
+
+/// The status that a shell gives a process without memory (SIGABRT).
+const ABORTED: i32 = 128 + 6;
 
 #[track_caller]
 fn ends_well(said: &Said, statuses: &[i32]) {
@@ -35,14 +38,14 @@ fn ends_well(said: &Said, statuses: &[i32]) {
         said.err
     );
     assert!(!said.err.contains("panicked"), "{}", said.err);
-    let is_told = said.status != 2
+    let is_told = ![2, ABORTED].contains(&said.status)
         || said.err.contains("error: ")
         || said.err.contains("memory allocation of ");
     assert!(is_told, "{}", said.err);
 }
 
 #[test]
-fn without_memory_a_command_says_so_and_ends_with_its_status() {
+fn without_memory_a_command_says_so_and_ends() {
     let place = tempfile::tempdir().unwrap();
     let [large, out, cut] = ["large.sa", "out", "cut"].map(|name| path(place.path(), name));
     fs::write(&large, LARGE).unwrap();
@@ -79,13 +82,32 @@ fn without_memory_a_command_says_so_and_ends_with_its_status() {
         ] {
             let said = with_memory(kilobytes, arguments);
             // Of a folder that is not cut any more `merge` says that.
-            ends_well(&said, &[0, 2, 3]);
+            ends_well(&said, &[0, 2, 3, ABORTED]);
             refused += usize::from(said.err.contains("memory allocation of "));
         }
     }
     assert!(refused > 2, "{refused}: nothing was short of memory");
     let results = stochc_with("show", &[&out]);
     assert_eq!(results.status, 0, "{}", results.err);
+}
+
+#[test]
+fn without_memory_no_recording_is_called_damaged() {
+    let place = tempfile::tempdir().unwrap();
+    let out = path(place.path(), "recorded");
+    let line = "simulate examples/line.sa --runs 2 --record all --quiet --out";
+    assert_eq!(stochc_with(line, &[&out]).status, 0);
+    let mut short = 0;
+    for kilobytes in (10_000..).step_by(500) {
+        let said = with_memory(kilobytes, &["verify", &out]);
+        let all = [said.out.as_str(), &said.err].concat();
+        assert!(!all.contains("damaged"), "{kilobytes}: {all}");
+        short += usize::from(all.contains("out of memory"));
+        if said.status == 0 {
+            break;
+        }
+    }
+    assert!(short > 0, "nothing was short of memory");
 }
 
 /// A user of whom nothing else runs: the limit counts all of a user's threads, and not those of root.

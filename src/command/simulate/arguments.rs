@@ -12,7 +12,6 @@ use stochc_runtime::{Model, Precision, Reduction, Substeps};
 use super::super::figures::FigureOptions;
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
-use super::super::memory::MemoryOption;
 use super::super::run_options::{SeedOption, WorkOptions};
 use super::super::show::ResultsFormat;
 use crate::operations::time;
@@ -105,9 +104,6 @@ pub struct SimulateArguments {
     /// How they are made.
     #[command(flatten)]
     pub work: WorkOptions,
-    /// How much memory it may take.
-    #[command(flatten)]
-    pub memory: MemoryOption,
     /// Folder for the results; it must be new or empty
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

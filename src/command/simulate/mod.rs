@@ -36,7 +36,6 @@ use stochc_report::tables::replanning_to_text;
 pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
     let stop = stop_on_interrupt()?;
-    options.memory.apply()?;
     let mut manifest = input::prepare(options, &host)?;
     let is_sweep = manifest.programs.iter().any(|it| !it.varied.is_empty());
     if options.figures.are_given() && !is_sweep {
@@ -148,7 +147,6 @@ fn ensemble(
         record_every: options.record_every,
         checkpoints: options.checkpoints,
         threads: options.work.threads,
-        memory: options.memory.limit,
         // Of a manifest that is given it has been told.
         has_warned_of_build: options.manifest.is_some(),
         goes_on: false,
