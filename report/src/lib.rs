@@ -9,7 +9,6 @@ pub mod estimate;
 pub mod export;
 pub mod figures;
 pub mod presentation;
-pub mod replanning;
 pub mod replay;
 mod svg;
 pub mod tables;

@@ -16,7 +16,6 @@ pub mod precision;
 pub mod programs;
 pub mod rates;
 mod recordings;
-pub mod replan;
 pub mod replay;
 pub mod report;
 pub mod results;

@@ -173,8 +173,12 @@ fn it_goes_through_the_worlds_of_bodies() {
 }
 
 #[test]
-fn nothing_of_it_is_planned() {
-    let said = stochc(&format!("simulate {FILE} --runs 1 --quiet --replan 500"));
+fn its_rest_is_not_planned() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --model shuffle --runs 1 --quiet --out";
+    assert_eq!(stochc_with(simulate, &[&out, FILE]).status, 0);
+    let said = stochc_with("plan --run 0 --program two", &[&out]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
     assert!(
         said.err.contains("is an aggregate, which nothing plans"),

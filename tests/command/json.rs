@@ -185,8 +185,6 @@ fn estimates_plans_and_trades_have_schemas() {
     assert_output("estimate", &stochc_with(runs, &[line]));
     let plan = "plan examples/planned/chair.sa --budget 3 --format json --quiet";
     assert_output("plan", &stochc(plan));
-    let replan = "simulate --model rate --runs 3 --replan 800 --format json --quiet";
-    assert_output("replans", &stochc_with(replan, &["examples/five_tower.sa"]));
     let trade =
         "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --format json";
     assert_output("trade", &stochc(trade));

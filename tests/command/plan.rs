@@ -441,45 +441,6 @@ fn a_run_that_was_stopped_is_finished() {
 }
 
 #[test]
-fn planning_the_rest_anew_is_compared_with_runs_as_they_are() {
-    let compare = "simulate examples/five_tower.sa --model rate --runs 6 --seed 2 --quiet --replan";
-    let said = stochc(&format!("{compare} 800 --format json")).json();
-    let it = &said["replans"][0];
-    assert_eq!(it["runs"], 6);
-    assert!(it["plans"].as_u64().unwrap() > 0, "{said}");
-    assert_eq!(it["plain"]["completed"], 6);
-    assert_eq!(it["replanned"]["completed"], 6);
-    assert_ne!(it["plain"]["mean"], it["replanned"]["mean"]);
-    // As they are, or with plans: a run that does not complete is one.
-    let cut_short = stochc(&format!("{compare} 800 --max-ticks 900"));
-    assert_eq!(cut_short.status, 3, "{}", cut_short.out);
-    // Nobody waits so long: both are the same.
-    let said = stochc(&format!("{compare} 500000 --format json")).json();
-    let it = &said["replans"][0];
-    assert_eq!(it["plans"], 0);
-    assert_eq!(it["plain"], it["replanned"]);
-    let told = stochc(&format!("{compare} 500000"));
-    assert!(
-        told.out.contains("nothing was planned anew"),
-        "{}",
-        told.out
-    );
-    // A plan does less than a program that lets go of what it has built.
-    let folder = tempfile::tempdir().unwrap();
-    let file = path(folder.path(), "cleared.sa");
-    let text = "assembly cleared { seed plate 1 x 1 { A at (0, 0) }\n\
-                phase build { A.up ->> T[1..4] }\n\
-                phase clear { release T[2], T[3], T[4] } }\n";
-    fs::write(&file, text).unwrap();
-    let line = "simulate --model rate --runs 8 --quiet --replan 300";
-    let told = stochc_with(line, &[&file]);
-    assert!(told.out.contains("pays is not said"), "{}", told.out);
-    // It is kept nowhere.
-    assert_eq!(stochc(&format!("{compare} 800 --out anywhere")).status, 2);
-    assert_eq!(stochc(&format!("{compare} 0")).status, 2);
-}
-
-#[test]
 fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
     let planned = |scene: &str| {
         let line =

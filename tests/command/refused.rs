@@ -55,15 +55,12 @@ fn an_option_without_effect_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     for line in [
-        "simulate FILE --resume --replan 800",
         "simulate FILE --resume --run 3",
         "simulate FILE --checkpoints 3s",
         "simulate FILE --checkpoints 3s --run 3",
-        "simulate FILE --checkpoints 3s --replan 800",
         "simulate FILE --checkpoints 3s --out OUT --shards 3",
         "simulate FILE --mixed-builds --out OUT --shards 3",
         "simulate FILE --mixed-builds --run 3",
-        "simulate FILE --replan 800 --shards 2",
         "simulate FILE --bonds --out OUT --shards 3",
         "simulate FILE --format json --out OUT --shards 3",
         "simulate FILE --format text --out OUT --shards 3",

@@ -84,7 +84,6 @@ fn it_needs_a_folder_with_room_for_its_report() {
             "--watch --shards 2 --out /nowhere/at/all",
             "cannot be used with",
         ),
-        ("--watch --replan 100", "cannot be used with"),
     ] {
         let said = stochc(&format!("simulate tests/fixtures/tower.sa {more}"));
         assert_eq!(said.status, 2, "{more}");

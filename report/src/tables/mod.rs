@@ -5,7 +5,6 @@ mod estimate;
 mod fit;
 mod published;
 mod rates;
-mod replanning;
 mod sweep;
 pub(crate) mod trade;
 
@@ -15,6 +14,5 @@ pub use estimate::{estimates_to_text, left_out, lower_bound};
 pub use fit::fit_to_text;
 pub use published::{published_comparison, published_sweep};
 pub use rates::{KNOWN_BIAS, first_guess, lower_bounds, rates_to_text};
-pub use replanning::replanning_to_text;
 pub use sweep::sweep_to_text;
 pub use trade::trade_to_text;

@@ -26,7 +26,7 @@ pub const MOST_UNTIL: u64 = 10_000;
 pub const MAX_TICKS: u64 = 1_000_000;
 
 /// What draws no figures.
-const WITHOUT_FIGURES: [&str; 3] = ["shards", "run", "replan"];
+const WITHOUT_FIGURES: [&str; 2] = ["shards", "run"];
 
 /// What `simulate` is given.
 ///
@@ -49,7 +49,7 @@ pub struct SimulateArguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=MOST_RUNS))]
     pub runs: Option<u64>,
     /// Make runs until half of the 95 % interval of every program's mean is at most PERCENT of it, such as 3%
-    #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["shards", "run", "replan", "record", "watch"])]
+    #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["shards", "run", "record", "watch"])]
     pub until: Option<f64>,
     /// Vary a number of the scene: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `tick=10,20 ms`;
     /// with several, every combination is simulated
@@ -96,7 +96,7 @@ pub struct SimulateArguments {
     )]
     pub trade: Option<PathBuf>,
     /// Time limit of the measurement that `--accuracy` makes if there is no `--trade`
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with_all = ["trade", "manifest", "model", "substeps", "solver_iterations", "precision", "reduce", "sweep", "replan"])]
+    #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with_all = ["trade", "manifest", "model", "substeps", "solver_iterations", "precision", "reduce", "sweep"])]
     pub budget: Duration,
     /// Stop a run after this many ticks; its time is then censored
     #[arg(long, default_value_t = MAX_TICKS, requires = "files", value_parser = clap::value_parser!(u64).range(1..))]
@@ -112,35 +112,32 @@ pub struct SimulateArguments {
     pub figures: FigureOptions,
     /// Continue an interrupted ensemble in `--out`, or add runs to a finished one; without FILE all of it is as the
     /// folder says
-    #[arg(long, requires = "out", conflicts_with_all = ["run", "replan"])]
+    #[arg(long, requires = "out", conflicts_with = "run")]
     pub resume: bool,
     /// Continue it although another build of `stochc` has made its runs, if one of them comes out again as it was
-    #[arg(long, requires = "resume", conflicts_with_all = ["shards", "run", "replan"])]
+    #[arg(long, requires = "resume", conflicts_with_all = ["shards", "run"])]
     pub mixed_builds: bool,
     /// Keep the states of runs under way in `--out` so often, for `--resume`: a time (90s, 5m, 2h), ticks of each run
     /// (20000ticks) or `never`. `rapier` runs have no checkpoints
-    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out", conflicts_with_all = ["shards", "run", "replan"])]
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out", conflicts_with_all = ["shards", "run"])]
     pub checkpoints: Interval,
     /// Only prepare `--out`, cut into so many pieces: `stochc shard` makes each, anywhere, `stochc merge` puts them together
-    #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds", "replan", "format"])]
+    #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds", "format"])]
     pub shards: Option<u64>,
     /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
     #[arg(long, value_name = "RUNS", requires = "out", conflicts_with = "run")]
     pub record: Option<Selection>,
     /// Record positions every so many ticks
-    #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", conflicts_with_all = ["shards", "run", "replan"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", conflicts_with_all = ["shards", "run"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub record_every: u32,
     /// Simulate run N alone and print every event of it
     #[arg(long, value_name = "N", conflicts_with_all = ["runs", "out", "threads", "bonds"])]
     pub run: Option<u64>,
-    /// Compare the runs with others in which the rest is planned anew wherever nothing docks for so many ticks
-    #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["manifest", "sweep", "accuracy", "trade", "out", "record", "run", "bonds"])]
-    pub replan: Option<u64>,
     /// Rewrite `report.html` in `--out` every few seconds while the runs are simulated; open it in a browser
-    #[arg(long, requires = "out", conflicts_with_all = ["run", "shards", "replan"])]
+    #[arg(long, requires = "out", conflicts_with_all = ["run", "shards"])]
     pub watch: bool,
     /// Print the expected CPU time of the runs, and make none of them
-    #[arg(long, conflicts_with_all = ["run", "replan", "watch", "accuracy", "bonds"])]
+    #[arg(long, conflicts_with_all = ["run", "watch", "accuracy", "bonds"])]
     pub dry_run: bool,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]

@@ -46,9 +46,7 @@ fn are_used(options: &SimulateArguments, settings: &Settings) -> Result<(), Fail
     let model = settings.model;
     // The usual number may be said as well.
     let steps = options.substeps.map(|_| Setting::Steps);
-    // What is planned anew goes by rates, whatever the model.
-    let has_rates = !options.rates.is_empty() && options.replan.is_none();
-    let rates = has_rates.then_some(Setting::Rates);
+    let rates = (!options.rates.is_empty()).then_some(Setting::Rates);
     let given = steps.into_iter().chain(settings.chosen()).chain(rates);
     let has_no = |option| Err(format!("no `--{option}`; `--model rigid` has it"));
     let used = match model.unused(given) {

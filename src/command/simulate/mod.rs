@@ -7,7 +7,6 @@ mod single;
 
 use std::path::Path;
 
-use serde_json::json;
 use stochc_ir::visible;
 
 pub use arguments::SimulateArguments;
@@ -15,22 +14,19 @@ pub use arguments::SimulateArguments;
 use super::estimate::{SHOWN, print_estimates};
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
-use super::show::{ResultsFormat, ResultsView, show};
-use super::terminal::{output_width, print};
+use super::show::{ResultsView, show};
+use super::terminal::print;
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
-use crate::operations::json::document;
 use crate::operations::precision::make_until;
-use crate::operations::replan::{Replan, replan};
 use crate::operations::runs::try_out_all;
 use stochc_ensemble::Manifest;
 use stochc_ensemble::Resume;
 use stochc_ensemble::shards::{Prepared, prepare};
 use stochc_files::shell::file as shell_file;
 use stochc_report::presentation::Presentation;
-use stochc_report::tables::replanning_to_text;
 
 /// Runs programs many times, or one of their runs alone.
 pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
@@ -72,38 +68,11 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
         print(&forecast_to_text(&forecast, options.work.threads))?;
         return Ok(Exit::Success);
     }
-    if let Some(after) = options.replan {
-        return replanned(options, manifest, after, &host);
-    }
     match (options.run, options.shards.zip(options.out.as_ref())) {
         (Some(number), _) => single::run(options, &manifest, number, stop),
         (None, Some((shards, out))) => cut(options, &manifest, shards, out),
         (None, None) => ensemble(options, manifest, &host),
     }
-}
-
-/// Compares runs with others whose rest is planned anew where nothing docks for so many ticks.
-fn replanned(
-    options: &SimulateArguments,
-    manifest: Manifest,
-    after: u64,
-    host: &Terminal,
-) -> Result<Exit, Failure> {
-    let how = Replan {
-        after,
-        threads: options.work.threads,
-    };
-    let runs = manifest.runs;
-    let results = replan(manifest, how, &options.rates, host)?;
-    match options.format {
-        ResultsFormat::Text => print(&replanning_to_text(&results, output_width()))?,
-        ResultsFormat::Json => {
-            print(&document(json!({ "replans": results })))?;
-        }
-    }
-    Ok(Exit::of_runs(
-        results.iter().all(|it| it.are_complete(runs)),
-    ))
 }
 
 /// Prepares the pieces of an ensemble.

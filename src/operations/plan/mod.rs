@@ -30,7 +30,7 @@ use crate::reader::DiskReader;
 pub use budget::Budget;
 pub use offset::Offset;
 pub use race::{MAX_RACE, MIN_RACE};
-pub use rest::{RunEnd, refuse_aggregate};
+pub use rest::RunEnd;
 pub use seed_plate::SeedPlate;
 
 /// What is to be built, and how long a better plan is looked for.

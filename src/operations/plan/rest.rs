@@ -106,7 +106,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
 ///
 /// # Errors
 /// If the program is an aggregate.
-pub fn refuse_aggregate(program: &EnsembleProgram) -> Result<(), Failure> {
+fn refuse_aggregate(program: &EnsembleProgram) -> Result<(), Failure> {
     match program.tables().aggregate {
         None => Ok(()),
         Some(_) => Err(Failure::usage(format!(
