@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use stochc_files::budget::CHECKSUMS;
-use stochc_files::checksum::{self, LineIntegrity, Sum, of_file, repaired};
+use stochc_files::checksum::{self, LineIntegrity, Sum, of_file};
 use stochc_files::{open, read_file};
 
 use super::file_names::CHECKSUMS_FILE;
@@ -70,14 +70,6 @@ impl FolderChecksums {
 
     fn entry(&self, name: &str) -> Option<&FileChecksum> {
         self.files.iter().find(|entry| entry.name == name)
-    }
-
-    /// What a file was, of which one bit has been flipped since; `None`: it is not one bit, or nothing is known.
-    pub fn repaired(&self, name: &str, content: &[u8]) -> Option<Vec<u8>> {
-        let entry = self.entry(name)?;
-        let crc = u32::from_str_radix(&entry.crc32, 16).ok()?;
-        let same = content.len() as u64 == entry.bytes;
-        same.then(|| repaired(content, crc)).flatten()
     }
 
     /// The names of its files, those alone that lie in the folder itself.

@@ -2,7 +2,7 @@
 use std::io::{self, BufReader};
 use std::path::Path;
 
-use stochc_files::atomic::{Replaces, move_aside, replace};
+use stochc_files::atomic::move_aside;
 use stochc_files::{budget, disk, open, read_file};
 
 use super::checkpoint;
@@ -116,8 +116,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
 }
 
 /// Moves what is damaged aside, into [`DAMAGED`], and makes it again from what is sound, as far as that goes: the
-/// manifest from its checksum if no more than one bit of it is wrong, the journal from its sound lines, tables and
-/// `further` files from the journal; those that were there are kept in [`DAMAGED`] as well where the journal has lost lines.
+/// journal from its sound lines, tables and `further` files from the journal; those that were there are kept in [`DAMAGED`] as well where the journal has lost lines.
 /// Recordings are made again by those who ask for them.
 ///
 /// # Errors
@@ -148,18 +147,11 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         write_manifest(path, &manifest)?;
     }
     if is_damaged(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
-        let bytes = read_file(&path.join(SHARDS_FILE), budget::SHARDS).map_err(of(SHARDS_FILE))?;
-        let (checksums, _) = FolderChecksums::read(path);
-        let repaired = checksums.and_then(|checksums| checksums.repaired(SHARDS_FILE, &bytes));
-        if repaired.is_none() && path.join(SHARDS).exists() {
+        if path.join(SHARDS).exists() {
             // Without it they would be taken for nothing.
             return Err(FolderError::LostCut(path.to_owned()));
         }
         aside(SHARDS_FILE)?;
-        if let Some(repaired) = repaired {
-            replace(&path.join(SHARDS_FILE), &repaired, Replaces::Nothing)
-                .map_err(of(SHARDS_FILE))?;
-        }
     }
     if is_damaged(JOURNAL) && path.join(JOURNAL).exists() {
         keep_sound_lines(path, &manifest)?;
@@ -196,24 +188,19 @@ fn parsed(bytes: &[u8]) -> Result<Manifest, String> {
     Manifest::from_json(json)
 }
 
-/// The manifest as it was written, from a damaged one.
+/// Reads a damaged manifest that still belongs to the journal.
 fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
-    let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST)?;
-    let (checksums, _) = FolderChecksums::read(path);
-    if let Some(repaired) = checksums.and_then(|checksums| checksums.repaired(MANIFEST, &bytes)) {
-        return Ok(parsed(&repaired));
-    }
     // What its journal belongs to is what decides the runs.
     let belongs = |manifest: &Manifest| {
         let identity = manifest.identity();
         read_journal(&path.join(JOURNAL), manifest, &identity).is_ok_and(|stored| stored.whole > 0)
     };
-    Ok(parsed(&bytes).and_then(|manifest| match belongs(&manifest) {
-        true => Ok(manifest),
-        false => Err(
-            "more than one bit of it is wrong, and it is not that of the journal; nothing was changed".to_owned(),
-        ),
-    }))
+    Ok(
+        manifest(path)?.and_then(|manifest| match belongs(&manifest) {
+            true => Ok(manifest),
+            false => Err("it is not that of the journal; nothing was changed".to_owned()),
+        }),
+    )
 }
 
 /// The runs of the folder that have a recording, by the number of their program and their own.

@@ -35,7 +35,6 @@ fn damage_is_told_and_what_is_sound_is_saved() {
         );
     }
     let names = [
-        "manifest.json",
         "journal.jsonl",
         "runs.parquet",
         "sweep.svg",
@@ -57,7 +56,7 @@ fn damage_is_told_and_what_is_sound_is_saved() {
             said.out
         );
     }
-    assert_eq!(said.out.matches(": damaged: ").count(), 5, "{}", said.out);
+    assert_eq!(said.out.matches(": damaged: ").count(), 4, "{}", said.out);
     assert!(!Path::new(&out).join("damaged").exists());
     let told = stochc_with("show", &[&out]);
     assert_eq!(told.status, 2);
@@ -80,6 +79,22 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     let program = ["--program", "dense [free=12]", "--run", "1", "--out", &page];
     let said = stochc_with("replay", &[&[&out[..]], &program[..]].concat());
     assert_eq!(said.status, 0, "{}", said.err);
+}
+
+#[test]
+fn a_damaged_manifest_is_not_repaired() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    assert_eq!(stochc_with(SIMULATE, &[&out]).status, 0);
+    flip(&out, "manifest.json", 700);
+    let said = stochc_with("verify --repair", &[&out]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("is damaged beyond repair"),
+        "{}",
+        said.err
+    );
+    assert!(!Path::new(&out).join("damaged").exists());
 }
 
 #[test]
