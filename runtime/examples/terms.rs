@@ -1,8 +1,7 @@
-//! What a term of a scene costs, and that an absent one costs nothing: `benches/terms/run.py`.
+//! Measures the cost of each term of a scene: see `benches/terms/run.py`.
 //!
-//! `cargo run --release -p stochc-runtime --example terms -- WITHOUT TICKS` moves 300 blocks with all terms
-//! but one, or with one that does next to nothing (`idle-drag`), and prints a number that depends on every bit of where
-//! they end.
+//! `cargo run --release -p stochc-runtime --example terms -- WITHOUT TICKS` moves 300 blocks with all terms except one, or
+//! with one that does next to nothing (`idle-drag`). It prints a digest of their final states.
 use stochc_compiler::scene::built_in;
 use stochc_ir::scene::{Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, Stir};
 use stochc_ir::table::Plate;

@@ -13,26 +13,12 @@ use stochc_ir::table::Plate;
 use super::SceneError;
 use super::parameters::{
     Attraction, ContactParameters, Eddies, Kicks, Magnet, MeanFlow, Passive, Pull, Resistance,
-    Shell, Suction, WorldParameters, built,
+    Shell, Suction, WorldParameters,
 };
 
 impl WorldParameters {
     /// The terms of a scene around a plate.
     pub fn new(scene: &Scene, plate: &Plate) -> Result<WorldParameters, SceneError> {
-        let fluid = scene.fluid.is_some() || scene.flow.is_some();
-        for (term, declared, built) in [
-            ("agitation", scene.agitation.is_some(), built::AGITATION),
-            ("bond", scene.bond.is_some(), built::BOND),
-            ("contact", scene.contact.is_some(), built::CONTACT),
-            ("drag", scene.drag.is_some(), built::DRAG),
-            ("enclosure", scene.enclosure.is_some(), built::ENCLOSURE),
-            ("fluid", fluid, built::FLUID),
-            ("gravity", scene.gravity.is_some(), built::GRAVITY),
-        ] {
-            if declared && !built {
-                return Err(SceneError::NotBuilt { term });
-            }
-        }
         let units = Units::of(scene)?;
         let shell = made(&scene.enclosure, |enclosure| units.shell(enclosure, plate))?;
         let (mut kicks, mut thermal) = (None, None);

@@ -24,11 +24,6 @@ pub enum SceneError {
     },
     /// Nobody has measured the rates of the scene.
     NoRates,
-    /// `stochc` was built without a term that the scene has.
-    NotBuilt {
-        /// Which: a feature of this crate.
-        term: &'static str,
-    },
     /// The model cannot compute something that the scene or the settings ask for.
     NotInModel {
         /// What, as a noun without its article.
@@ -60,10 +55,6 @@ impl std::fmt::Display for SceneError {
             SceneError::NoRates => {
                 f.write_str("there are no rates of this scene; `stochc calibrate` measures them")
             }
-            SceneError::NotBuilt { term } => write!(
-                f,
-                "this build of stochc cannot compute `{term}`; build it with that feature"
-            ),
             SceneError::TooStiff { what, substeps } => write!(
                 f,
                 "{what} is too stiff for steps this long; use `--substeps {substeps}`, or a tick \

@@ -4,17 +4,6 @@ use crate::settings::{Model, Settings};
 use stochc_ir::scene::room::Interior;
 use stochc_ir::scene::{ContactLaw, Measure};
 
-/// The terms that this build can compute: without one, its code is unreachable and left out.
-pub(crate) mod built {
-    pub const AGITATION: bool = cfg!(feature = "agitation");
-    pub const BOND: bool = cfg!(feature = "bond");
-    pub const CONTACT: bool = cfg!(feature = "contact");
-    pub const DRAG: bool = cfg!(feature = "drag");
-    pub const ENCLOSURE: bool = cfg!(feature = "enclosure");
-    pub const FLUID: bool = cfg!(feature = "fluid");
-    pub const GRAVITY: bool = cfg!(feature = "gravity");
-}
-
 /// The terms in force; `None` is a term that does not exist.
 #[derive(Clone, Debug)]
 pub(crate) struct WorldParameters {

@@ -15,7 +15,7 @@ use super::bonding::{Anchored, Faces, ReleasedBlock};
 use super::cell_centres::CellCentres;
 use super::external_forces::{ExternalForces, Response};
 use super::free_bonds::FreeBonds;
-use super::parameters::{Kicks, WorldParameters, built};
+use super::parameters::{Kicks, WorldParameters};
 use super::real::{Real, cast};
 use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, FreeBond, SceneError, World};
 use crate::counter_rng::{Draws, StepDraws, Stream};
@@ -223,9 +223,7 @@ impl<I: Integrator> Stepper<I> {
         if self.ratio == 1 {
             self.refresh();
         }
-        if built::BOND
-            && let Some(faces) = &mut self.faces
-        {
+        if let Some(faces) = &mut self.faces {
             faces.survey(self.tick, &mut self.blocks);
         }
         (self.integrator).find_contacts(&mut self.blocks, self.free_bonds.as_ref(), who);
@@ -233,15 +231,12 @@ impl<I: Integrator> Stepper<I> {
 
     /// What is around the blocks, for each of them alone.
     fn surround(&mut self, substep: u32, who: Moving) -> Result<(), Fault> {
-        let (true, Some(external_forces)) =
-            (built::FLUID || built::GRAVITY, &mut self.external_forces)
-        else {
+        let Some(external_forces) = &mut self.external_forces else {
             return Ok(());
         };
         let step = self.tick * u64::from(self.substeps) + u64::from(substep);
         external_forces.begin(self.tick, substep, step);
-        let faces = self.faces.as_mut().filter(|_| built::BOND);
-        let sinks = faces.map(Faces::sinks).unwrap_or_default();
+        let sinks = self.faces.as_mut().map(Faces::sinks).unwrap_or_default();
         self.change(who, |external_forces, _, motion, span| {
             external_forces.act(motion, &sinks, span);
         })
@@ -253,13 +248,13 @@ impl<I: Integrator> Stepper<I> {
             .external_forces
             .as_ref()
             .is_some_and(ExternalForces::has_heat);
-        if !(built::FLUID && is_hot) {
+        if !is_hot {
             return Ok(());
         }
         self.change(who, |external_forces, id, motion, _| {
             external_forces.shake(id, motion);
         })?;
-        if let Some(bonds) = self.free_bonds.as_ref().filter(|_| built::BOND) {
+        if let Some(bonds) = &self.free_bonds {
             bonds.stiffen(&mut self.blocks);
         }
         Ok(())
@@ -300,7 +295,7 @@ impl<I: Integrator> Stepper<I> {
 
     /// What faces do to the blocks in their reach.
     fn pull(&mut self) -> Result<(), Fault> {
-        let (true, Some(faces)) = (built::BOND, &mut self.faces) else {
+        let Some(faces) = &mut self.faces else {
             return Ok(());
         };
         let [linear, angular] = [self.response.linear, self.response.angular].map(I::Real::of);
@@ -322,7 +317,7 @@ impl<I: Integrator> Stepper<I> {
 
     /// What free blocks do to each other from afar, and what becomes of groups.
     fn settle(&mut self) {
-        let (true, Some(bonds)) = (built::BOND, &mut self.free_bonds) else {
+        let Some(bonds) = &mut self.free_bonds else {
             return;
         };
         let dt = self.dt.double();
@@ -334,8 +329,7 @@ impl<I: Integrator> Stepper<I> {
     fn advance(&mut self, substep: u32, who: Moving) -> Result<(), Fault> {
         let kicks = self.kicks.as_mut().filter(|_| substep == 0);
         let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
-        let bonds = self.free_bonds.as_mut().filter(|_| built::BOND);
-        (self.integrator).advance(&mut self.blocks, kicks, bonds, who)?;
+        (self.integrator).advance(&mut self.blocks, kicks, self.free_bonds.as_mut(), who)?;
         self.stale = true;
         Ok(())
     }
@@ -345,7 +339,7 @@ impl<I: Integrator> Stepper<I> {
         if self.ratio == 1 {
             self.refresh();
         }
-        let (true, Some(faces)) = (built::BOND, &mut self.faces) else {
+        let Some(faces) = &mut self.faces else {
             return;
         };
         let mut held = Vec::new();
@@ -379,7 +373,7 @@ impl<I: Integrator> Stepper<I> {
 
     /// Bonds the free blocks that are close enough to each other.
     fn join(&mut self, substep: u32) {
-        let (true, Some(bonds)) = (built::BOND, &mut self.free_bonds) else {
+        let Some(bonds) = &mut self.free_bonds else {
             return;
         };
         if bonds.are_sampled() && substep + 1 < self.substeps {

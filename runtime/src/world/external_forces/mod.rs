@@ -17,7 +17,7 @@ pub(crate) use drag::{Response, mean as response};
 use turbulence::TurbulenceField;
 
 use super::blocks::Motion;
-use super::parameters::{MeanFlow, WorldParameters, built};
+use super::parameters::{MeanFlow, WorldParameters};
 
 /// How a fluid moves at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,8 +68,7 @@ impl ExternalForces {
         seed: u64,
         run: u64,
     ) -> Option<ExternalForces> {
-        let weight = parameters.weight.filter(|_| built::GRAVITY);
-        let fluid = parameters.fluid.filter(|_| built::FLUID);
+        let (weight, fluid) = (parameters.weight, parameters.fluid);
         if weight.is_none() && fluid.is_none() {
             return None;
         }

@@ -4,7 +4,7 @@ use super::simd::{LANES, Lane, Wide, square};
 use crate::counter_rng::{StepDraws, WORDS};
 use crate::world::blocks::Blocks;
 use crate::world::motion_limits::MotionLimits;
-use crate::world::parameters::{self, Kicks, built};
+use crate::world::parameters::{self, Kicks};
 use crate::world::shell_force::ShellForce;
 
 /// Groups of blocks after which speeds and distances are looked at.
@@ -45,14 +45,11 @@ impl<R: Lane> FreeFlight<R> {
         kicks: Option<(&Kicks, StepDraws<'_>)>,
         draws: &mut Vec<u8>,
     ) -> bool {
-        let kicks = kicks.filter(|_| built::AGITATION).map(|(kicks, step)| {
+        let kicks = kicks.map(|(kicks, step)| {
             step.fill(bodies.groups().len() * LANES, draws);
             Kick::new(kicks)
         });
-        let kicked = built::AGITATION && kicks.is_some();
-        let walled = built::ENCLOSURE && self.shell.is_some();
-        let dragged = built::DRAG && self.drag.is_some();
-        match (kicked, walled, dragged) {
+        match (kicks.is_some(), self.shell.is_some(), self.drag.is_some()) {
             (true, true, true) => self.pass::<true, true, true>(bodies, draws, kicks),
             (true, true, false) => self.pass::<true, true, false>(bodies, draws, kicks),
             (true, false, true) => self.pass::<true, false, true>(bodies, draws, kicks),
@@ -71,10 +68,10 @@ impl<R: Lane> FreeFlight<R> {
                 continue;
             }
             let (place, mut velocity) = (bodies.position(id), bodies.velocity(id));
-            if let (true, Some(shell)) = (built::ENCLOSURE, self.shell) {
+            if let Some(shell) = self.shell {
                 velocity += shell.push(place) * bodies.span(id);
             }
-            if let (true, Some([_, drag])) = (built::DRAG, self.drag) {
+            if let Some([_, drag]) = self.drag {
                 velocity *= drag;
             }
             bodies.shift(id, velocity * self.short);

@@ -14,7 +14,7 @@ use crate::settings::Settings;
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
 use crate::world::motion_limits::MotionLimits;
-use crate::world::parameters::{Kicks, WorldParameters, built};
+use crate::world::parameters::{Kicks, WorldParameters};
 use crate::world::stepper::{Integrator, Moving};
 use crate::world::{BodyState, Fault, SceneError};
 
@@ -122,9 +122,7 @@ impl<R: Lane> Integrator for Kernel<R> {
     }
 
     fn find_contacts(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>, who: Moving) {
-        if built::CONTACT
-            && let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &mut self.neighbours)
-        {
+        if let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &mut self.neighbours) {
             match (who, &self.local) {
                 (Moving::Short, Some(local)) => contacts.find_short(bodies, local),
                 _ => contacts.find(bodies, neighbours, bonds),
@@ -182,7 +180,7 @@ impl<R: Lane> Integrator for Kernel<R> {
 impl<R: Lane> Kernel<R> {
     /// Corrects the motion of the blocks that touch something.
     fn collide(&mut self, bodies: &mut Bodies<R>) -> Result<(), Fault> {
-        let (true, Some(contacts)) = (built::CONTACT, &mut self.contacts) else {
+        let Some(contacts) = &mut self.contacts else {
             return Ok(());
         };
         let (mut sound, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
