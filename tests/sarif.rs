@@ -1,5 +1,6 @@
-//! Reports in SARIF. `python/tests/test_sarif.py` holds them against the published schema.
-use serde_json::Value;
+//! Reports in SARIF, compared with the types that `serde-sarif` generates from the published schema.
+use serde_json::{Value, json};
+use serde_sarif::sarif::Sarif;
 use stochc::compiler::diagnostic::Code;
 use stochc::compiler::{Checked, Level, Limits, LintLevels, check_with};
 use stochc::diagnostics::SarifLog;
@@ -19,6 +20,73 @@ fn checked(path: &str, text: &str, levels: &LintLevels) -> Checked {
         false => Err("no such file".to_owned()),
     };
     check_with(path, &mut reader, Limits::default(), levels)
+}
+
+/// Returns what differs from the schema: a missing field, a wrong type or level, or an unknown field.
+fn mistake(document: &Value) -> Option<String> {
+    match serde_json::from_value::<Sarif>(document.clone()) {
+        Err(error) => Some(error.to_string()),
+        // Unknown fields are lost when it is written again.
+        Ok(log) => {
+            let again = serde_json::to_value(&log).unwrap();
+            (again != *document).then(|| "unknown field".to_owned())
+        }
+    }
+}
+
+#[test]
+fn a_document_that_differs_from_the_schema_has_a_mistake() {
+    let tool = json!({ "driver": { "name": "a" } });
+    let result = |result: Value| json!({ "tool": tool, "results": [result] });
+    let told = |run: Value| mistake(&json!({ "version": "2.1.0", "runs": [run] }));
+    let message = json!({ "text": "m" });
+    assert_eq!(told(result(json!({ "message": message }))), None);
+    for (run, expected) in [
+        (json!({}), "missing field `tool`"),
+        (result(json!({})), "missing field `message`"),
+        (
+            result(json!({ "message": message, "level": "bad" })),
+            "unknown variant `bad`",
+        ),
+        (
+            result(json!({ "message": message, "rule": "a" })),
+            "unknown field",
+        ),
+        (
+            result(json!({ "message": message, "ruleIndex": "a" })),
+            "invalid type",
+        ),
+    ] {
+        let told = told(run).unwrap_or_default();
+        assert!(told.contains(expected), "{expected}: {told}");
+    }
+}
+
+/// The wrong programs of all pages, and those of the tests.
+#[test]
+fn every_report_follows_the_schema() {
+    let mut programs: Vec<(String, String)> = Vec::new();
+    for entry in std::fs::read_dir("tests/findings").unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|it| it == "sa") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            programs.push((path.to_str().unwrap().to_owned(), text));
+        }
+    }
+    for code in Code::ALL {
+        if let Some((_, rest)) = code.page().split_once("Wrong:\n\n```sa\n") {
+            let (program, _) = rest.split_once("```").unwrap();
+            programs.push((format!("{code}.sa"), program.to_owned()));
+        }
+    }
+    assert!(programs.len() > 40);
+    let levels = LintLevels::default();
+    let checks = programs.iter();
+    let checks = checks.map(|(path, text)| (path.as_str(), checked(path, text, &levels)));
+    let report = report(checks);
+    assert_eq!(mistake(&report), None);
+    assert_eq!(report["version"], "2.1.0");
+    assert!(report["runs"][0]["results"].as_array().unwrap().len() > 40);
 }
 
 #[test]
