@@ -49,7 +49,7 @@ fn a_document_that_differs_from_the_schema_has_a_mistake() {
             "unknown variant `bad`",
         ),
         (
-            result(json!({ "message": message, "rule": "a" })),
+            result(json!({ "message": message, "ruleName": "a" })),
             "unknown field",
         ),
         (
@@ -69,8 +69,9 @@ fn every_report_follows_the_schema() {
     for entry in std::fs::read_dir("tests/findings").unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|it| it == "sa") {
-            let text = std::fs::read_to_string(&path).unwrap();
-            programs.push((path.to_str().unwrap().to_owned(), text));
+            let path = path.to_str().unwrap();
+            let text = String::from_utf8(stochc_files::read(path).unwrap()).unwrap();
+            programs.push((path.to_owned(), text));
         }
     }
     for code in Code::ALL {
