@@ -15,8 +15,6 @@ pub enum Exit {
     Usage,
     /// A run was unsuccessful.
     UnsuccessfulRun,
-    /// No setting that was measured is as accurate as was asked for.
-    NotAccurate,
     /// Stopped by the user.
     Interrupted,
 }
@@ -37,7 +35,6 @@ impl Exit {
             Exit::InvalidProgram => 1,
             Exit::Usage => 2,
             Exit::UnsuccessfulRun => 3,
-            Exit::NotAccurate => 4,
             Exit::Interrupted => 130,
         }
     }

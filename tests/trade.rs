@@ -4,10 +4,8 @@
 mod layout;
 
 use stochc::ensemble::EnsembleProgram;
-use stochc::ensemble::statistics::Relative;
 use stochc::ensemble::trade::{
-    CandidateKinds, CandidateOutcome, Conditions, Convergence, End, EstimatedSamples, Measured,
-    Sample, Trade, base, choose, note,
+    CandidateOutcome, Conditions, Convergence, End, EstimatedSamples, Measured, Sample, Trade, base,
 };
 use stochc::report::figures;
 use stochc::report::tables::trade_to_text;
@@ -106,7 +104,7 @@ fn every_candidate_is_held_against_the_finest() {
     let close = &trade.candidates[1];
     let [first, second] = [0, 1].map(|program| close.programs[program].bias);
     assert_eq!(close.worst, second, "the first is not off at all");
-    // But it has the wider interval.
+    // But the first has the wider interval.
     assert_eq!(close.bound, first.and_then(|bias| bias.bound()));
     assert_eq!(trade.candidates[0].cost_ratio, Some(1.0 / 8.0));
     assert_eq!(trade.candidates[0].programs[0].distance.unwrap().d, 1.0);
@@ -131,7 +129,6 @@ fn every_candidate_is_held_against_the_finest() {
             .reversals()
             .all(|pair| (pair.first, pair.second) == (0, 1))
     );
-    assert_eq!(Trade::from_json(&trade.to_json()), Ok(trade));
 }
 
 #[test]
@@ -184,58 +181,6 @@ fn the_picture_marks_what_is_reversed() {
     assert_eq!(of("s0"), 3);
 }
 
-#[test]
-fn the_cheapest_that_is_accurate_enough_is_chosen() {
-    let trade = trade();
-    let chosen = |accuracy| {
-        choose(&trade, &[0, 1], LIMIT, accuracy, CandidateKinds::All).map(|c| c.settings)
-    };
-    assert_eq!(chosen(0.15), Ok(None), "the estimate");
-    assert_eq!(chosen(0.05), Ok(Some(rigid(1))));
-    assert_eq!(chosen(0.02), Ok(Some(rigid(2))));
-    let with_runs = choose(&trade, &[0, 1], LIMIT, 0.15, CandidateKinds::Runs);
-    assert_eq!(with_runs.map(|c| c.settings), Ok(Some(rigid(1))));
-    let told = chosen(0.0001).unwrap_err();
-    assert!(told.contains("undecided"), "{told}");
-    // Alone, the first program has nothing that could be reversed, but it is off by as much.
-    assert_eq!(
-        choose(&trade, &[0], LIMIT, 0.05, CandidateKinds::All).map(|c| c.settings),
-        Ok(Some(rigid(1)))
-    );
-    let reduced = |settings: &Settings| note(&trade, &[0, 1], settings);
-    let told = reduced(trade.candidates[4].settings.as_ref().unwrap()).unwrap();
-    assert!(
-        told.starts_with("the trade found it to REVERSE one < two;"),
-        "{told}"
-    );
-    assert!(
-        !reduced(trade.candidates[5].settings.as_ref().unwrap())
-            .unwrap()
-            .contains("REVERSE")
-    );
-    assert!(reduced(&rigid(8)).unwrap().contains("reference"));
-    assert_eq!(reduced(&rigid(64)), None, "not measured");
-    let rapier = Settings {
-        model: Model::Rapier,
-        ..base()
-    };
-    assert_eq!(reduced(&rapier), None, "it cannot");
-    let mut open = trade.clone();
-    let doublings = &mut open.reference.as_mut().unwrap().doublings;
-    let change = Relative {
-        value: 0.2,
-        half_width: Some(0.05),
-        horizon: None,
-    };
-    doublings.last_mut().unwrap().changes[1] = Some(change);
-    let told = choose(&open, &[0, 1], LIMIT, 0.05, CandidateKinds::All).unwrap_err();
-    assert!(told.contains("not converged"), "{told}");
-    assert!(
-        choose(&open, &[0], LIMIT, 0.05, CandidateKinds::All).is_ok(),
-        "the first has"
-    );
-}
-
 /// Of runs that the limit of ticks has stopped nobody knows how long they would have taken.
 #[test]
 fn times_that_are_not_known_are_not_called_accurate() {
@@ -250,30 +195,6 @@ fn times_that_are_not_known_are_not_called_accurate() {
     assert_eq!((first.censored, first.timed_out), (5, 0));
     assert_eq!(first.bias.unwrap().horizon, Some(SHORT as f64));
     assert_eq!(close.programs[1].bias.unwrap().horizon, None);
-
-    let chosen = |programs: &[usize], max_ticks| {
-        choose(&trade, programs, max_ticks, 0.02, CandidateKinds::Runs).map(|choice| choice.why)
-    };
-    let told = chosen(&[0, 1], SHORT + 1).unwrap_err();
-    assert!(
-        told.starts_with("the trade has stopped 11 runs of `one` after 1005 ticks"),
-        "{told}"
-    );
-    assert!(
-        told.ends_with("`stochc trade --max-ticks 1006`, or run with `--max-ticks 1005`"),
-        "{told}"
-    );
-    // Runs that are stopped as early are compared as far as they go.
-    let told = chosen(&[0], SHORT).unwrap();
-    assert!(told.contains(" in times up to 1005 ticks"), "{told}");
-    // And the other program's were not stopped.
-    let told = chosen(&[1], LIMIT + 1).unwrap();
-    assert!(!told.contains("in times"), "{told}");
-    let told = note(&trade, &[0], &rigid(1)).unwrap();
-    assert!(
-        told.ends_with("from the reference in times up to 1005 ticks"),
-        "{told}"
-    );
 }
 
 /// That a sample is cut draws a bias towards 0 from either side, so that it bounds nothing.
@@ -303,15 +224,4 @@ fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
     for medium in layout::MEDIA {
         layout::check("trade", &figures::trade(medium, &trade).file(), medium);
     }
-}
-
-#[test]
-fn what_does_not_belong_together_is_not_read() {
-    let mut trade = trade();
-    trade.reference.as_mut().unwrap().candidate = 99;
-    assert!(
-        Trade::from_json(&trade.to_json())
-            .unwrap_err()
-            .contains("damaged")
-    );
 }

@@ -35,8 +35,6 @@ pub const MANIFEST: ReadBudget = json(4 * GIB);
 pub const CHECKSUMS: ReadBudget = json(16 * MIB);
 /// How an ensemble is cut into pieces.
 pub const SHARDS: ReadBudget = json(MIB);
-/// A `trade.json`.
-pub const TRADE: ReadBudget = json(256 * MIB);
 /// The rates of a scene.
 pub const RATES: ReadBudget = json(16 * MIB);
 /// A table of times to fit to.

@@ -15,7 +15,6 @@ pub fn exception(py: Python<'_>, failure: &Failure, log: &HostLog) -> PyErr {
         Exit::Success | Exit::Usage => "usage",
         Exit::InvalidProgram => "program",
         Exit::UnsuccessfulRun => "run",
-        Exit::NotAccurate => "accuracy",
         Exit::Interrupted => "interrupted",
     };
     raised(py, kind, &message, &findings)

@@ -66,7 +66,6 @@ class FindingWarning(StochcWarning):
 _KINDS: dict[str, type[StochcError]] = {
     "usage": UsageError,
     "run": RunError,
-    "accuracy": RunError,
     "interrupted": Interrupted,
 }
 

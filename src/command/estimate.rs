@@ -71,10 +71,10 @@ pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
 }
 
 /// Captures that are shown, if nobody says how many.
-pub(super) const SHOWN: usize = 5;
+const SHOWN: usize = 5;
 
 /// Prints estimates, with so many captures of each; without times, it has failed.
-pub(super) fn print_estimates(
+fn print_estimates(
     estimates: &[CompletionEstimate],
     captures: usize,
     format: ResultsFormat,

@@ -149,30 +149,6 @@ fn other_files_of_more_than_there_can_be_are_refused() {
         ("assembly", TIB, &["check"], "it has 4 GiB or more"),
         ("", TIB, &["simulate"], "it has 4 GiB or more"),
         (
-            "{",
-            1 << 27,
-            &[
-                "simulate",
-                "tests/fixtures/tower.sa",
-                "--accuracy",
-                "5%",
-                "--trade",
-            ],
-            "it has a hole",
-        ),
-        (
-            "{",
-            TIB,
-            &[
-                "simulate",
-                "tests/fixtures/tower.sa",
-                "--accuracy",
-                "5%",
-                "--trade",
-            ],
-            "it has 256 MiB or more",
-        ),
-        (
             "program,ticks\n",
             TIB,
             &[

@@ -52,10 +52,6 @@ fn names_of_files_are_shown_as_what_they_are() {
         ("compile", &missing),
         ("simulate --quiet --runs 1", &missing),
         ("simulate --manifest", &missing),
-        (
-            "simulate --quiet --runs 1 tests/fixtures/tower.sa --accuracy 5% --trade",
-            &missing,
-        ),
         ("trade --quiet --runs 2", &missing),
         ("show", &missing),
         ("verify", &missing),

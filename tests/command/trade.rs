@@ -1,10 +1,9 @@
 //! Small trades, in which a run takes milliseconds.
 use std::fs;
-use std::path::Path;
 
 use serde_json::Value;
 
-use crate::stochc::{Said, path, stochc, stochc_with};
+use crate::stochc::{path, stochc, stochc_with};
 
 /// Three runs of each setting, and hardly any refinement.
 const DENSE: &str = "trade tests/fixtures/dense.sa --runs 3 --finest 2 --quiet";
@@ -269,10 +268,6 @@ fn wrong_command_lines_are_told_of() {
         "trade tests/fixtures/dense.sa --budget -1s",
         "trade tests/fixtures/dense.sa --runs 1",
         "trade tests/fixtures/dense.sa --runs 5 --budget 1m",
-        "simulate tests/fixtures/dense.sa --accuracy 0%",
-        "simulate tests/fixtures/dense.sa --accuracy 100%",
-        "simulate tests/fixtures/dense.sa --accuracy 5% --substeps 2",
-        "simulate tests/fixtures/dense.sa --budget 1m",
     ] {
         let said = stochc(line);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
@@ -288,187 +283,6 @@ fn wrong_command_lines_are_told_of() {
     assert_eq!((said.status, said.out.as_str()), (1, ""));
 }
 
-/// A trade of `dense.sa` in which the biases are what a test needs, and what doublings of the
-/// substeps have changed, with half of its interval.
-fn written(folder: &Path, (value, half_width): (f64, f64)) -> String {
-    let out = path(folder, "measured");
-    let mut trade = stochc_with(DENSE, &["--format", "json", "--out", &out]).json();
-    let change = serde_json::json!({ "value": value, "half_width": half_width, "horizon": null });
-    let doubling = |from: u32| serde_json::json!({ "from": from, "to": 2 * from, "changes": [change], "censored": [0] });
-    trade["reference"]["doublings"] = [1, 2].map(doubling).to_vec().into();
-    for (i, candidate) in trade["candidates"]
-        .as_array_mut()
-        .unwrap()
-        .iter_mut()
-        .enumerate()
-    {
-        let bias = match i {
-            // `rigid 1`, in the middle; `no-rotation` is the cheapest, and wrong.
-            0 => (0.02, 0.02, 2.0),
-            5 => (0.3, 0.02, 1.0),
-            // `rapier 1`, close and dear.
-            9 => (0.001, 0.002, 7.0),
-            _ => (0.5, 0.1, 9.0),
-        };
-        candidate["programs"][0]["bias"]["value"] = bias.0.into();
-        candidate["programs"][0]["bias"]["half_width"] = bias.1.into();
-        candidate["programs"][0]["cost"] = bias.2.into();
-    }
-    let reference = trade["reference"]["candidate"].as_u64().unwrap() as usize;
-    trade["candidates"][reference]["programs"][0]["bias"] = Value::Null;
-    assert_eq!(trade["candidates"][9]["name"], "rapier 1");
-    fs::write(path(out.as_ref(), "trade.json"), trade.to_string()).unwrap();
-    out
-}
-
-fn simulate(trade: &str, more: &[&str]) -> Said {
-    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --trade";
-    stochc_with(line, &[&[trade], more].concat())
-}
-
-#[test]
-fn the_cheapest_setting_that_is_accurate_enough_is_taken() {
-    let folder = tempfile::tempdir().unwrap();
-    let trade = written(folder.path(), (0.0, 0.004));
-    let out = path(folder.path(), "runs");
-    let said = simulate(&trade, &["--accuracy", "5%", "--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(
-        said.err
-            .contains("--accuracy 5 %: `--model rigid --substeps 1`"),
-        "{}",
-        said.err
-    );
-    assert!(
-        said.err.contains("2.0 ± 2.0 % from the reference"),
-        "{}",
-        said.err
-    );
-    // A rerun needs no trade.
-    let manifest = fs::read_to_string(path(out.as_ref(), "manifest.json")).unwrap();
-    let manifest: Value = serde_json::from_str(&manifest).unwrap();
-    assert_eq!(manifest["settings"]["model"], "rigid");
-    assert_eq!(manifest["settings"]["substeps"], 1);
-    let own =
-        stochc("simulate tests/fixtures/dense.sa --runs 2 --quiet --model rigid --substeps 1");
-    assert_eq!(own.out, said.out);
-    let said = simulate(&trade, &["--accuracy", "1%"]);
-    assert!(
-        said.err.contains("`--model rapier --substeps 1`"),
-        "{}",
-        said.err
-    );
-}
-
-/// How much is measured depends on the clock: either something is accurate enough, or it says why not.
-#[test]
-fn an_accuracy_is_measured_where_nothing_is_known() {
-    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --accuracy 60% --budget 8s";
-    let said = stochc(line);
-    match said.status {
-        0 => {
-            assert!(
-                said.err.contains("--accuracy 60 %: `--model "),
-                "{}",
-                said.err
-            );
-            assert!(said.out.contains("Mean time to completion"), "{}", said.out);
-        }
-        4 => {
-            assert!(
-                said.err
-                    .contains("more time helps: `--budget`, or `stochc trade --resume`")
-                    || said.err.contains("known to be within"),
-                "{}",
-                said.err
-            );
-            assert_eq!(said.out, "");
-        }
-        _ => panic!("status {}: {}", said.status, said.err),
-    }
-}
-
-#[test]
-fn an_accuracy_that_nothing_has_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let trade = written(folder.path(), (0.0, 0.004));
-    let said = simulate(&trade, &["--accuracy", "0.1%"]);
-    assert_eq!((said.status, said.out.as_str()), (4, ""));
-    assert!(
-        said.err
-            .contains("has converged within 0.1 % is undecided: its last doubling may have changed a mean by up to 0.4 %"),
-        "{}",
-        said.err
-    );
-    let other = tempfile::tempdir().unwrap();
-    let trade = written(other.path(), (0.2, 0.05));
-    let said = simulate(&trade, &["--accuracy", "5%"]);
-    assert_eq!((said.status, said.out.as_str()), (4, ""));
-    assert!(said.err.contains("has not converged"), "{}", said.err);
-    // What is within its interval may be nothing, and may be a lot.
-    let other = tempfile::tempdir().unwrap();
-    let trade = written(other.path(), (-0.014, 0.52));
-    let said = simulate(&trade, &["--accuracy", "5%"]);
-    assert_eq!((said.status, said.out.as_str()), (4, ""));
-    assert!(said.err.contains("is undecided"), "{}", said.err);
-    assert!(said.err.contains("by up to 53.4 %"), "{}", said.err);
-}
-
-/// The limit of the trade holds for the trade only: the runs that follow go on for longer.
-#[test]
-fn an_accuracy_of_runs_that_were_stopped_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = written(folder.path(), (0.0, 0.004));
-    let file = path(out.as_ref(), "trade.json");
-    let mut trade: Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
-    trade["programs"][0]["max_ticks"] = 5000.into();
-    trade["reference"]["doublings"][1]["censored"] = serde_json::json!([7]);
-    fs::write(&file, trade.to_string()).unwrap();
-    let said = simulate(&out, &["--accuracy", "5%"]);
-    assert_eq!((said.status, said.out.as_str()), (4, ""), "{}", said.err);
-    assert!(
-        said.err
-            .contains("has stopped 7 runs of `dense` after 5000 ticks"),
-        "{}",
-        said.err
-    );
-    let said = simulate(&out, &["--accuracy", "5%", "--max-ticks", "5000"]);
-    assert_eq!(said.status, 0, "{}", said.err);
-}
-
-#[test]
-fn a_trade_of_something_else_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let trade = written(folder.path(), (0.0, 0.004));
-    let line = "simulate tests/fixtures/tower.sa --runs 2 --accuracy 5% --trade";
-    let said = stochc_with(line, &[&trade]);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
-    assert!(
-        said.err.contains("has not measured `tower` as it is now"),
-        "{}",
-        said.err
-    );
-    for (text, reason) in [
-        ("{}", "no trade"),
-        (
-            r#"{"format": 99, "stochc": "0", "candidates": []}"#,
-            "format is 99",
-        ),
-        (
-            r#"{"format": 1, "stochc": "0", "candidates": []}"#,
-            "measure again",
-        ),
-    ] {
-        let file = path(folder.path(), "trade.json");
-        fs::write(&file, text).unwrap();
-        let said = simulate(&file, &["--accuracy", "5%"]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{text}");
-        assert!(said.err.contains(reason), "{}", said.err);
-    }
-    let said = simulate("nowhere", &["--accuracy", "5%"]);
-    assert_eq!(said.status, 2);
-}
-
 #[test]
 fn a_reduced_model_is_told_of() {
     let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 2 --seed 2 --reduce no-friction --allow coarse-step";
@@ -477,16 +291,6 @@ fn a_reduced_model_is_told_of() {
     let note =
         "note: `no-friction` is a reduced model: it leaves out something that the scene has\n";
     assert!(said.err.starts_with(note), "{}", said.err);
-    let folder = tempfile::tempdir().unwrap();
-    let trade = written(folder.path(), (0.0, 0.004));
-    let told = stochc_with(line, &["--trade", &trade]);
-    assert_eq!(told.out, said.out);
-    let found = "note: the trade found: 50.0 ± 10.0 % from the reference\n";
-    assert!(
-        told.err.starts_with(&format!("{note}{found}")),
-        "{}",
-        told.err
-    );
 }
 
 /// A trade that was refused or killed before its first run leaves nothing that is in the way.

@@ -113,19 +113,14 @@ pub fn flags(settings: &Settings) -> String {
     text
 }
 
-/// Whether two settings compute the same runs, whatever limits the runs.
-pub fn same(first: &Settings, second: &Settings) -> bool {
-    let plain = |settings: &Settings| Settings {
-        solver_iterations: Some(settings.iterations()),
-        max_ticks: None,
-        ..settings.clone()
-    };
-    plain(first) == plain(second)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Whether two settings compute the same runs.
+    fn same(first: &Settings, second: &Settings) -> bool {
+        first.resolved() == second.resolved()
+    }
 
     #[test]
     fn every_candidate_is_there_once_and_the_base_first() {

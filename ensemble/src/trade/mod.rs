@@ -13,7 +13,6 @@ mod plan;
 mod ranking;
 mod result;
 mod sample;
-mod selection;
 
 pub use assessment::Conditions;
 pub use candidates::{FINEST, base, candidates};
@@ -23,8 +22,5 @@ pub use measure::{MeasurementProgress, Setup, measure};
 pub use measurement_journal::{MEASUREMENT_JOURNAL, MeasurementJournal, has_entries};
 pub use plan::{CandidateOutcome, Extent};
 pub use ranking::{Ranked, Verdict};
-pub use result::{
-    CandidateResult, FORMAT, MeasuredProgram, ProgramResult, Reference, Trade, known,
-};
+pub use result::{CandidateResult, FORMAT, MeasuredProgram, ProgramResult, Reference, Trade};
 pub use sample::{End, Measured, Sample};
-pub use selection::{CandidateKinds, Choice, choose, note};

@@ -5,10 +5,9 @@ use stochc_runtime::Settings;
 
 use super::convergence::{Convergence, Doubling};
 use super::ranking::{Ranked, Verdict};
-use crate::Manifest;
 use crate::statistics::{Distance, Relative};
 
-/// Version of the layout of `trade.json`; another one is not read.
+/// Version of the layout of `trade.json`.
 pub const FORMAT: u32 = 1;
 
 /// The trade of some programs; times in ticks, costs in seconds of processor time.
@@ -133,58 +132,6 @@ impl Trade {
         json
     }
 
-    /// Reads the text of a `trade.json`.
-    ///
-    /// # Errors
-    /// In words, when it is none, or one of another [`FORMAT`] or version.
-    pub fn from_json(json: &str) -> Result<Trade, String> {
-        #[derive(Deserialize)]
-        struct Version {
-            format: u32,
-            stochc: String,
-            #[serde(rename = "candidates", alias = "rungs")]
-            _candidates: serde::de::IgnoredAny,
-        }
-        let version: Version =
-            serde_json::from_str(json).map_err(|_| "it is no trade that `stochc trade` wrote")?;
-        if version.format != FORMAT {
-            return Err(format!(
-                "its format is {}, and this is {FORMAT}",
-                version.format
-            ));
-        }
-        let here = env!("CARGO_PKG_VERSION");
-        if version.stochc != here {
-            return Err(format!(
-                "stochc {} has measured it, and this is {here}; measure again",
-                version.stochc
-            ));
-        }
-        let trade: Trade =
-            serde_json::from_str(json).map_err(|error| format!("it is damaged, {error}"))?;
-        let programs = trade.programs.len();
-        let pairs = programs * programs.saturating_sub(1) / 2;
-        let whole = |candidate: &CandidateResult| {
-            candidate.programs.len() == programs
-                && (candidate.ranking.is_empty() || candidate.ranking.len() == pairs)
-                && candidate
-                    .ranking
-                    .iter()
-                    .all(|pair| pair.first.max(pair.second) < programs)
-        };
-        let refers = trade.reference.as_ref().is_none_or(|reference| {
-            reference.candidate < trade.candidates.len()
-                && reference
-                    .doublings
-                    .iter()
-                    .all(|d| d.changes.len() == programs && d.censored.len() == programs)
-        });
-        if !refers || !trade.candidates.iter().all(whole) {
-            return Err("it is damaged: its parts do not belong together".into());
-        }
-        Ok(trade)
-    }
-
     /// How many runs of a program the limit of ticks has stopped, among those of the reference and of its last doubling.
     pub(crate) fn reference_runs_at_limit(&self, program: usize) -> usize {
         let own = self.reference_candidate();
@@ -212,22 +159,4 @@ impl CandidateResult {
         let settings = self.settings.as_ref();
         settings.is_some_and(|settings| settings.reduction.is_some())
     }
-}
-
-/// Which programs of an ensemble a trade knows, by their index in it.
-///
-/// # Errors
-/// In words, when it does not know one of them as it is now.
-pub fn known(trade: &Trade, manifest: &Manifest) -> Result<Vec<usize>, String> {
-    let find = |program: &crate::EnsembleProgram| {
-        let hash = program.hash();
-        let known = trade.programs.iter().position(|known| known.hash == hash);
-        known.ok_or_else(|| {
-            format!(
-                "it has not measured `{}` as it is now: the program or its scene is another one",
-                program.name
-            )
-        })
-    };
-    manifest.programs.iter().map(find).collect()
 }

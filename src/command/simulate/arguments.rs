@@ -1,5 +1,4 @@
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -14,7 +13,6 @@ use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::run_options::{SeedOption, WorkOptions};
 use super::super::show::ResultsFormat;
-use crate::operations::time;
 
 /// Runs of each program, unless the user says otherwise.
 pub const RUNS: u64 = 50;
@@ -53,7 +51,7 @@ pub struct SimulateArguments {
     pub until: Option<f64>,
     /// Vary a number of the scene: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `tick=10,20 ms`;
     /// with several, every combination is simulated
-    #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, requires = "files", conflicts_with_all = ["manifest", "accuracy"])]
+    #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, requires = "files", conflicts_with = "manifest")]
     pub sweep: Vec<Axis>,
     /// Of all runs.
     #[command(flatten)]
@@ -83,21 +81,6 @@ pub struct SimulateArguments {
     /// Leave out a part of the physics, to see what it contributes; needs `--model rigid`
     #[arg(long, value_name = "HOW", requires = "files", value_parser = one_of(&Reduction::ALL, Reduction::name, Reduction::meaning))]
     pub reduce: Option<Reduction>,
-    /// Use the cheapest setting whose mean times are known to be within PERCENT of a converged
-    /// reference, such as 5%
-    #[arg(long, value_name = "PERCENT", value_parser = share, requires = "files", conflicts_with_all = ["manifest", "model", "substeps", "solver_iterations", "precision", "reduce"])]
-    pub accuracy: Option<f64>,
-    /// Folder of `stochc trade --out`: measurements for `--accuracy`, or to report on the setting in use
-    #[arg(
-        long,
-        value_name = "DIR",
-        requires = "files",
-        conflicts_with = "manifest"
-    )]
-    pub trade: Option<PathBuf>,
-    /// Time limit of the measurement that `--accuracy` makes if there is no `--trade`
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with_all = ["trade", "manifest", "model", "substeps", "solver_iterations", "precision", "reduce", "sweep"])]
-    pub budget: Duration,
     /// Stop a run after this many ticks; its time is then censored
     #[arg(long, default_value_t = MAX_TICKS, requires = "files", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: u64,
@@ -137,7 +120,7 @@ pub struct SimulateArguments {
     #[arg(long, requires = "out", conflicts_with_all = ["run", "shards"])]
     pub watch: bool,
     /// Print the expected CPU time of the runs, and make none of them
-    #[arg(long, conflicts_with_all = ["run", "watch", "accuracy", "bonds"])]
+    #[arg(long, conflicts_with_all = ["run", "watch", "bonds"])]
     pub dry_run: bool,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]

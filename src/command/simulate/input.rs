@@ -71,9 +71,7 @@ fn stored_rates(options: &SimulateArguments) -> Option<Vec<Rates>> {
 fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
     let settings = settings(options);
     are_used(options, &settings)?;
-    // Settings that `--accuracy` finds are judged later.
-    let stepping = settings.stepping().filter(|_| options.accuracy.is_none());
-    let levels = &options.levels.levels.clone().for_runs(stepping);
+    let levels = &options.levels.levels.clone().for_runs(settings.stepping());
     let runs = options.runs.unwrap_or(RUNS);
     let mut programs = programs(&options.files, levels, &options.imports.folders, host)?;
     if !options.sweep.is_empty() {

@@ -1,5 +1,4 @@
 //! `stochc simulate`.
-mod accuracy;
 mod arguments;
 mod completion_curves;
 mod input;
@@ -11,14 +10,12 @@ use stochc_ir::visible;
 
 pub use arguments::SimulateArguments;
 
-use super::estimate::{SHOWN, print_estimates};
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
 use super::show::{ResultsView, show};
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
-use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
 use crate::operations::precision::make_until;
 use crate::operations::runs::try_out_all;
@@ -32,36 +29,23 @@ use stochc_report::presentation::Presentation;
 pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
     let stop = stop_on_interrupt()?;
-    let mut manifest = input::prepare(options, &host)?;
+    let manifest = input::prepare(options, &host)?;
     let is_sweep = manifest.programs.iter().any(|it| !it.varied.is_empty());
     if options.figures.are_given() && !is_sweep {
         return Err(Failure::usage(
             "`--figures` and `--figure-format` are for the figures of `--sweep`; `stochc report` draws those of other folders",
         ));
     }
-    // Before anything is measured, and of the model that is then found.
-    can_record(&manifest, options.record.as_ref())?;
-    if let Some(accuracy) = options.accuracy {
-        let makes_runs = accuracy::settle(options, accuracy, &mut manifest, &host)?;
-        if !makes_runs {
-            let how = Estimating {
-                rates: &[],
-                runs: None,
-                max_ticks: options.max_ticks,
-                seed: options.chance.seed,
-                threads: options.work.threads,
-            };
-            let estimates = estimates(manifest.programs, &how, &host)?;
-            return print_estimates(&estimates, SHOWN, options.format);
-        }
+    if let Some(reduction) = manifest.settings.reduction {
+        warn(&format!(
+            "note: `{}` is a reduced model: it leaves out something that the scene has\n",
+            reduction.name()
+        ));
     }
-    // Also about a setting that was found.
-    accuracy::comment(options, &manifest)?;
     can_record(&manifest, options.record.as_ref())?;
     try_out_all(&manifest)?;
     // A check of the texts has judged the steps that are asked for.
-    let is_checked =
-        options.manifest.is_none() && !options.files.is_empty() && options.accuracy.is_none();
+    let is_checked = options.manifest.is_none() && !options.files.is_empty();
     judge_scenes(&manifest, is_checked, &options.levels.levels, &host)?;
     if options.dry_run {
         let forecast = cpu_time(&manifest, &host)?;
