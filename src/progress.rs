@@ -2,8 +2,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use stochc_ensemble::text::{whole_percent, words};
-use stochc_ensemble::trade::{self, Extent};
+use stochc_ensemble::text::words;
 use stochc_ensemble::{Manifest, Progress, Snapshot, time_left};
 
 /// How far some work is.
@@ -22,30 +21,9 @@ pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) 
     let snapshot = progress.snapshot();
     let (done, total) = (snapshot.done, snapshot.total);
     WorkProgress {
-        share: done as f64 / total.max(1) as f64,
+        share: (done as f64 / total.max(1) as f64).max(progress.share_of_time().min(1.0)),
         done: format!("{done} of {total} runs{}", troubles(&snapshot)),
         more: rest(manifest, &snapshot, elapsed),
-    }
-}
-
-/// How far a trade is.
-pub fn of_trade(
-    extent: Extent,
-    progress: &trade::MeasurementProgress,
-    elapsed: Duration,
-) -> WorkProgress {
-    let runs = progress.runs();
-    let share = match (extent, progress.total()) {
-        (Extent::Budget(budget), _) => elapsed.as_secs_f64() / budget.as_secs_f64(),
-        (_, Some(total)) => runs as f64 / total as f64,
-        _ => 0.0,
-    };
-    let share = share.min(1.0);
-    WorkProgress {
-        share,
-        done: format!("{runs} runs"),
-        // Not all of it before it is done.
-        more: format!("; {}", whole_percent((100.0 * share).floor() / 100.0)),
     }
 }
 

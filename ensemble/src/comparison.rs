@@ -244,6 +244,7 @@ impl<'a> ComparisonTally<'a> {
         let sides: Vec<ComparedProgram> = programs
             .map(|(program, tally)| ComparedProgram {
                 varied: &program.varied,
+                chosen: &program.chosen,
                 identity: Some(manifest.runs_identity(program)),
                 runs: Runs::of(manifest.seed, tally.times, self.clock.tick(program)),
             })

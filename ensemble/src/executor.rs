@@ -1,4 +1,4 @@
-//! Runs on several threads: for ensembles, sweeps and trades alike.
+//! Runs on several threads.
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -5,12 +5,22 @@ use stochc_ir::record::RunRecord;
 use super::line_location::LineLocation;
 
 /// A run of one of the ensemble's programs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Finished {
     /// An index into the manifest's programs.
     pub program: usize,
     /// How it went.
     pub record: RunRecord,
+    /// CPU time of the run \[s\]. It is measured in sweeps over settings, in runs that are not continued from a checkpoint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cpu: Option<f64>,
+}
+
+/// Two runs are equal if they went the same way. Their CPU time differs from machine to machine.
+impl PartialEq for Finished {
+    fn eq(&self, other: &Finished) -> bool {
+        (self.program, &self.record) == (other.program, &other.record)
+    }
 }
 
 impl Finished {

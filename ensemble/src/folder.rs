@@ -241,7 +241,7 @@ impl Folder {
     /// # Errors
     /// When there is no ensemble, or it cannot be read.
     pub fn read(path: &Path) -> Result<Contents, FolderError> {
-        let absent = || FolderError::absent(path.to_owned());
+        let absent = || FolderError::Absent(path.to_owned());
         let manifest = match survey(path) {
             Err(FolderError::NotResults(_) | FolderError::NotAFolder(_)) => None,
             surveyed => surveyed?,

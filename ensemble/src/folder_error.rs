@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use stochc_files::shell::file as shell_file;
 
 use super::journal_error::JournalError;
-use super::trade::MEASUREMENT_JOURNAL;
 
 /// Why a folder was refused.
 #[derive(Debug, thiserror::Error)]
@@ -21,15 +20,6 @@ pub enum FolderError {
     /// It is to be read, and holds no results.
     #[error("`{0}` holds no results; give a folder that `simulate --out` has written")]
     Absent(PathBuf),
-    /// It is to be read, and holds what accuracy costs.
-    #[error(
-        "`{path}` holds a trade, and no results; `stochc trade FILE... --out {} --resume`, with its programs and options, prints it again",
-        shell_file(&.path.to_string_lossy())
-    )]
-    Trade {
-        /// The folder.
-        path: PathBuf,
-    },
     /// A file of that name stands in the way.
     #[error("`{0}` is a file; choose another name for the folder")]
     NotAFolder(PathBuf),
@@ -148,14 +138,6 @@ pub enum FolderError {
 }
 
 impl FolderError {
-    /// Of a folder without results: whatever else it holds.
-    pub(super) fn absent(path: PathBuf) -> FolderError {
-        match path.join(MEASUREMENT_JOURNAL).is_file() {
-            true => FolderError::Trade { path },
-            false => FolderError::Absent(path),
-        }
-    }
-
     /// What the system says of a file or a folder.
     pub(super) fn of(path: impl Into<PathBuf>) -> impl Fn(io::Error) -> FolderError {
         let path = path.into();

@@ -17,6 +17,9 @@ const EFFORT: Duration = Duration::from_millis(500);
 /// Programs that are tried, such as points of a sweep. They are evenly spaced in the manifest.
 const MAX_TRIED: usize = 8;
 
+/// The same for a sweep over settings, whose points differ most in cost.
+const MAX_TRIED_SETTINGS: usize = 64;
+
 /// The CPU time that the runs of an ensemble are expected to take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CpuForecast {
@@ -38,7 +41,7 @@ struct Trials {
 
 /// Forecasts the CPU time of an ensemble from trial runs, half a second of them.
 ///
-/// The trials are the first runs of up to eight of its programs. A trial that exceeds its share of the time is cut short.
+/// The trials are the first runs of its programs, or of some of them if there are many. A trial that exceeds its share of the time is cut short.
 /// `expected_ticks` then gives the length of such a run, if it is known. The scenes have been tried out.
 /// `None` if `stop` is set.
 pub fn forecast_cpu_time(
@@ -47,7 +50,11 @@ pub fn forecast_cpu_time(
     stop: &AtomicBool,
 ) -> Option<CpuForecast> {
     let programs = &manifest.programs;
-    let tried = programs.len().min(MAX_TRIED);
+    let max_tried = match manifest.varies_settings() {
+        true => MAX_TRIED_SETTINGS,
+        false => MAX_TRIED,
+    };
+    let tried = programs.len().min(max_tried);
     let mut trials = vec![Trials::default(); tried];
     let begun = thread_time();
     let share = EFFORT / tried.max(1) as u32;
@@ -106,7 +113,8 @@ impl Trials {
             unless(stop)
         };
         let simulate = || {
-            let record = program.run(&manifest.settings, (manifest.seed, number), &mut watch);
+            let settings = manifest.settings_of(program);
+            let record = program.run(&settings, (manifest.seed, number), &mut watch);
             record.map_err(|_| RunCancelled)
         };
         let is_cut = attempt(number, simulate, || last.get()).is_none();

@@ -26,7 +26,7 @@
 //! let results = run(Destination::Memory(&manifest), &progress, &stop, |program, number, watch| {
 //!     let program = &manifest.programs[program];
 //!     let mut told = |tick, phase| watch.tick(tick, phase);
-//!     let record = program.run(&manifest.settings, (manifest.seed, number), &mut told);
+//!     let record = program.run(&manifest.settings_of(program), (manifest.seed, number), &mut told);
 //!     record.map_err(|_| RunCancelled)
 //! })?;
 //! let comparison = Comparison::of(&manifest, &results.finished.to_vec()?);
@@ -94,7 +94,9 @@ pub use folder::{
 pub use folder_error::FolderError;
 pub use forecast::{CpuForecast, forecast_cpu_time};
 pub use journal_error::JournalError;
-pub use manifest::{Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, Source, Varied};
+pub use manifest::{
+    ChosenSetting, Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, Source, Varied,
+};
 pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pairwise_tests};
 pub use parquet::{
     ColumnShape, ColumnValues, FilledTable, TableShape, each_row_group, summary_table, sweep_table,

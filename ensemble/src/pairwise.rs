@@ -1,8 +1,7 @@
 //! Tests of every pair of programs: one for tables, sweeps, reports and trades.
-
 use std::collections::BTreeMap;
 
-use super::manifest::{EnsembleProgram, Varied};
+use super::manifest::{ChosenSetting, EnsembleProgram, Varied};
 use crate::statistics::{Difference, Runs, compare, correct};
 
 /// The unit of times where programs are compared.
@@ -19,6 +18,8 @@ pub enum TimeUnit {
 pub struct ComparedProgram<'a> {
     /// The numbers that a sweep has chosen for it.
     pub varied: &'a [Varied],
+    /// The settings that a sweep has chosen for it.
+    pub chosen: &'a [ChosenSetting],
     /// What decides its runs ([`Manifest::runs_identity`](crate::Manifest::runs_identity)): programs of one identity have the
     /// same runs; `None`: its runs are its own.
     pub identity: Option<String>,
@@ -86,7 +87,8 @@ pub fn pairwise_tests(groups: &[ComparedProgram]) -> Vec<PairwiseTest> {
     let mut pairs = Vec::new();
     for (i, first) in groups.iter().enumerate() {
         let others = groups.iter().enumerate().skip(i + 1);
-        let comparable = others.filter(|(_, it)| it.varied == first.varied);
+        let comparable =
+            others.filter(|(_, it)| (it.varied, it.chosen) == (first.varied, first.chosen));
         pairs.extend(comparable.map(|(j, _)| (i, j)));
     }
     let tested = tested(groups, &pairs);
@@ -147,6 +149,7 @@ mod tests {
         let times = times.iter().copied().map(Observation::completed);
         ComparedProgram {
             varied: &[],
+            chosen: &[],
             identity: identity.map(str::to_owned),
             runs: Runs {
                 seed: 1,

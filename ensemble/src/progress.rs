@@ -1,15 +1,18 @@
 //! What the runs under way are doing: written once a tick by the threads, read by whoever shows it.
+use std::cell::Cell;
 use std::io::Read;
 use std::num::NonZeroUsize;
 use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::Save;
 
 use super::checkpoint::RunCheckpoints;
+use super::clock::now;
 use super::executor::is_panic;
 use super::pending_runs::PendingRun;
 use super::{Checkpoints, Finished, JournalError, Manifest, Records};
@@ -20,6 +23,10 @@ const IDLE: usize = usize::MAX;
 /// The state of an ensemble, shared by its threads and whoever shows it.
 pub struct Progress {
     total: u64,
+    /// When the first run is started, and how long runs are started from then on.
+    limit: Option<(Instant, Duration)>,
+    /// Whether the CPU time of each run is measured.
+    pub(crate) measures_cpu: bool,
     workers: Vec<Worker>,
     totals: Mutex<Totals>,
 }
@@ -79,6 +86,8 @@ pub struct RunWatch<'a> {
     stops: [&'a AtomicBool; 2],
     /// `None`: its state is not kept.
     checkpoints: Option<RunCheckpoints<'a>>,
+    /// Whether the run began with a checkpoint.
+    is_continued: Cell<bool>,
 }
 
 impl RunWatch<'_> {
@@ -107,6 +116,11 @@ impl RunWatch<'_> {
         checkpoints.is_some_and(RunCheckpoints::begins_anew)
     }
 
+    /// Returns whether the run was continued from a checkpoint.
+    pub(crate) fn is_continued(&self) -> bool {
+        self.is_continued.get()
+    }
+
     /// The tick and phase told last.
     pub(crate) fn last(&self) -> (u64, PhaseId) {
         let phase = PhaseId(self.worker.phase.load(Ordering::Relaxed));
@@ -120,7 +134,9 @@ impl stochc_runtime::Watch for &RunWatch<'_> {
     }
 
     fn kept(&mut self) -> Option<Box<dyn Read>> {
-        self.checkpoints.as_ref()?.begin()
+        let state = self.checkpoints.as_ref()?.begin();
+        self.is_continued.set(state.is_some());
+        state
     }
 
     fn wants_state(&mut self) -> bool {
@@ -166,9 +182,32 @@ impl Progress {
         };
         Progress {
             total: jobs.end - jobs.start,
+            limit: None,
+            measures_cpu: manifest.varies_settings(),
             workers: std::iter::repeat_with(idle).take(threads.get()).collect(),
             totals: Mutex::new(totals),
         }
+    }
+
+    /// Starts no run after a time from now.
+    #[must_use]
+    pub fn within(self, limit: Option<Duration>) -> Progress {
+        Progress {
+            limit: limit.map(|limit| (now(), limit)),
+            ..self
+        }
+    }
+
+    /// Returns the share of the time limit that has passed. 0 without one.
+    pub fn share_of_time(&self) -> f64 {
+        self.limit.map_or(0.0, |(start, limit)| {
+            start.elapsed().as_secs_f64() / limit.as_secs_f64().max(f64::MIN_POSITIVE)
+        })
+    }
+
+    /// Returns whether no further run is started.
+    pub(crate) fn is_over(&self) -> bool {
+        self.share_of_time() >= 1.0
     }
 
     /// How many threads there are.
@@ -202,6 +241,7 @@ impl Progress {
             worker: slot,
             stops,
             checkpoints: checkpoints.map(|all| all.of_run(program, run)),
+            is_continued: Cell::new(false),
         }
     }
 

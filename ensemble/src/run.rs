@@ -11,6 +11,7 @@ use super::journal::Journal;
 use super::line_location::LineLocation;
 use super::pending_runs::{PendingRun, PendingRuns};
 use super::progress::{Progress, RunWatch};
+use super::thread_time::thread_time;
 use super::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, Records};
 
 /// Where the runs of an ensemble go.
@@ -194,7 +195,14 @@ fn new_runs<E: Send>(
 ) -> Result<(), E> {
     let left = pending.left;
     let jobs = Mutex::new(pending.iter());
-    let next = || jobs.lock().expect("nobody panics while it is held").next();
+    let next = || {
+        let mut jobs = jobs.lock().expect("nobody panics while it is held");
+        if progress.is_over() {
+            None
+        } else {
+            jobs.next()
+        }
+    };
     let threads = usize::try_from(left).map_or(progress.threads(), |it| progress.threads().min(it));
     let broken = AtomicBool::new(false);
     let first = Mutex::new(None);
@@ -204,12 +212,19 @@ fn new_runs<E: Send>(
         }
         let PendingRun { program, run } = job;
         let watch = progress.begin(thread, job, [stop, &broken], checkpoints);
+        let begun = thread_time();
         let make = || attempt(run, || simulate(program, run, &watch), || watch.last());
         let mut record = make();
         if watch.begins_anew(record.as_ref()) {
             record = make();
         }
-        let finished = record.map(|record| Finished { program, record });
+        let is_measured = progress.measures_cpu && !watch.is_continued();
+        let cpu = is_measured.then(|| thread_time().saturating_sub(begun));
+        let finished = record.map(|record| Finished {
+            program,
+            record,
+            cpu: cpu.map(|cpu| cpu.as_micros() as f64 / 1e6),
+        });
         progress.end(thread, finished.as_ref());
         let Some(finished) = finished else {
             return ControlFlow::Break(());

@@ -31,7 +31,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         files.push(FileIntegrity { name, health });
     };
     if !path.join(MANIFEST).exists() {
-        return Err(without_manifest(path, FolderError::absent));
+        return Err(without_manifest(path, FolderError::Absent));
     }
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(&in_manifest)?;
     let (checksums, damage) = FolderChecksums::read(path);

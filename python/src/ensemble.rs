@@ -83,8 +83,16 @@ impl Detached {
             let levels = levels(&asked.levels)?;
             programs = sweep::points(&axes, asked.runs, &programs, &levels, host)?;
         }
-        let settings = asked.computed.settings(&programs, asked.threads, host)?;
-        let manifest = Manifest::new(settings, asked.seed, asked.runs, programs);
+        let varies_settings = sweep::varies_settings(&axes);
+        let settings = match varies_settings {
+            true => asked.computed.given()?,
+            false => asked.computed.settings(&programs, asked.threads, host)?,
+        };
+        let mut manifest = Manifest::new(settings, asked.seed, asked.runs, programs);
+        if varies_settings {
+            let known = asked.computed.rates(&manifest.programs, host)?;
+            sweep::complete(&mut manifest, &known, asked.threads, host)?;
+        }
         manifest.within_limits().map_err(Failure::usage)?;
         can_record(&manifest, record)?;
         try_out_all(&manifest)?;
@@ -122,6 +130,7 @@ pub fn simulate(
             goes_on: false,
             figures: &Figures::default(),
             watch: false,
+            time_limit: None,
         };
         let made = make(&manifest, &how, host)?;
         if !made.results.complete {

@@ -4,20 +4,15 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 use serde_json::json;
-use stochc::ensemble::Manifest;
-use stochc::ensemble::trade::{Extent, Setup};
 use stochc::exit::Failure;
-use stochc::host::Host as _;
 use stochc::operations::estimate::{Estimating, estimates};
 use stochc::operations::plan::{
     Budget, LooseParts, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, plan as planned, read,
 };
-use stochc::operations::runs::threads;
-use stochc::operations::trade::{keep, measured, memory};
+use stochc::operations::trade::{MeasuredTrade, TradeSetup, manifest, measured};
 use stochc::planner::{Objective, explanation};
 use stochc::report::figures::{Figures, Medium, trade as trade_figure};
 use stochc::report::tables::{estimates_to_text, trade_to_text};
-use stochc::runtime::Settings;
 
 use super::call::call;
 use super::host::WIDTH;
@@ -151,9 +146,10 @@ pub fn plan(
 pub struct TradeRequest {
     programs: Vec<Py<PythonProgram>>,
     runs: Option<u64>,
-    budget: f64,
+    budget: Option<f64>,
+    until: Option<f64>,
     seed: u64,
-    max_ticks: Option<u64>,
+    max_ticks: u64,
     finest: u32,
     threads: Option<u16>,
     out: Option<PathBuf>,
@@ -169,29 +165,27 @@ pub fn trade(
 ) -> PyResult<(String, String, String)> {
     call(py, progress.as_ref(), move |host| {
         let programs = asked.programs.iter().map(|it| (*it.get().0).clone());
-        // Programs of the same name are told apart as in an ensemble.
-        let manifest = Manifest::new(Settings::default(), asked.seed, 1, programs.collect());
-        manifest.within_limits().map_err(Failure::usage)?;
-        let (programs, out) = (manifest.programs, asked.out.as_deref());
-        let memory = memory(out, asked.resume, &programs, asked.seed)?;
-        let budget = Duration::try_from_secs_f64(asked.budget).map_err(Failure::usage)?;
-        let setup = Setup {
-            extent: asked.runs.map_or(Extent::Budget(budget), Extent::Runs),
-            seed: asked.seed,
-            threads: threads(asked.threads).get(),
+        let budget = asked.budget.map(Duration::try_from_secs_f64).transpose();
+        let setup = TradeSetup {
+            runs: asked.runs,
+            budget: budget.map_err(Failure::usage)?,
+            until: asked.until,
             finest: asked.finest,
             max_ticks: asked.max_ticks,
-            memory: memory.as_ref(),
-            stop: host.stop(),
+            seed: asked.seed,
+            threads: asked.threads,
+            out: asked.out.as_deref(),
+            resume: asked.resume,
+            figures: &Figures::default(),
         };
-        let trade = measured(&programs, &setup, host)?;
-        if let (Some(out), Some(memory)) = (out, memory) {
-            keep(out, memory, &trade, &Figures::default())?;
-        }
+        let manifest = manifest(programs.collect(), &setup, host)?;
+        let MeasuredTrade {
+            manifest, trade, ..
+        } = measured(manifest, &setup, host)?;
         let (text, picture) = (
             trade_to_text(&trade, WIDTH, false),
             trade_figure(Medium::Screen, &trade),
         );
-        Ok((trade.to_json(), text, picture.file()))
+        Ok((trade.to_json(&manifest), text, picture.file()))
     })
 }

@@ -9,6 +9,7 @@ use stochc::files::bound::folder;
 use stochc::host::Host;
 use stochc::operations::codes::warning;
 use stochc::operations::rates;
+use stochc::runtime::rates::Rates;
 use stochc::runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
 
 /// A warning and its level: `allow`, `warn` or `deny`.
@@ -45,18 +46,13 @@ pub fn levels(said: &[LevelSetting]) -> Result<LintLevels, Failure> {
 }
 
 impl Computed {
-    /// The settings, with the rates that the programs need.
+    /// Returns the settings without rates, as the caller gives them.
     ///
     /// # Errors
-    /// If a word is none, or there are no rates and they cannot be measured.
-    pub fn settings(
-        &self,
-        programs: &[EnsembleProgram],
-        threads: Option<u16>,
-        host: &dyn Host,
-    ) -> Result<Settings, Failure> {
+    /// If there is no value of such a name.
+    pub fn given(&self) -> Result<Settings, Failure> {
         let steps: Substeps = parsed("substeps", &self.substeps)?;
-        let settings = Settings {
+        Ok(Settings {
             model: named("model", &self.model, &Model::ALL, Model::name)?,
             solver_iterations: self.solver_iterations,
             precision: named(
@@ -70,12 +66,37 @@ impl Computed {
                 .transpose()?,
             max_ticks: Some(self.max_ticks),
             ..Settings::default().with_steps(steps)
-        };
+        })
+    }
+
+    /// Returns the rates in the files of the caller. Warns of those for other scenes.
+    ///
+    /// # Errors
+    /// If a file cannot be read.
+    pub fn rates(
+        &self,
+        programs: &[EnsembleProgram],
+        host: &dyn Host,
+    ) -> Result<Vec<Rates>, Failure> {
+        let scenes = programs.iter().map(|program| &program.scene);
+        rates::of_files_for(&self.rates, scenes, host)
+    }
+
+    /// The settings, with the rates that the programs need.
+    ///
+    /// # Errors
+    /// If a word is none, or there are no rates and they cannot be measured.
+    pub fn settings(
+        &self,
+        programs: &[EnsembleProgram],
+        threads: Option<u16>,
+        host: &dyn Host,
+    ) -> Result<Settings, Failure> {
+        let settings = self.given()?;
         self.are_used(&settings)?;
         let mut settings = settings.resolved();
         if settings.model == Model::Rate {
-            let scenes = programs.iter().map(|program| &program.scene);
-            let given = rates::of_files_for(&self.rates, scenes, host)?;
+            let given = self.rates(programs, host)?;
             settings.rates = rates::of_scenes(&given, programs, threads, host)?;
         }
         Ok(settings)

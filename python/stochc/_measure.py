@@ -249,9 +249,10 @@ def trade(
     *,
     runs: int | None = None,
     budget: float | None = None,
+    until: float | None = None,
     seed: int = 1,
-    max_ticks: int | None = None,
-    finest: int = 64,
+    max_ticks: int = 1_000_000,
+    finest: int = 32,
     threads: int | None = None,
     out: Path | None = None,
     resume: bool = False,
@@ -262,31 +263,30 @@ def trade(
 
     Args:
         programs: programs, texts or files.
-        runs: of each program at each setting, however long they take.
-        budget: time for all of it [s], not beside `runs`; 600, if neither is said.
+        runs: of each program at each setting; 30 if not given, at most 10000 with `budget` or `until`.
+        budget: start no run after this time [s].
+        until: make runs until half of the 95 % interval of every mean is at most this part of it; needs `out`.
         seed: of the random numbers, the same at every setting.
-        max_ticks: stop a run after so many ticks; 20 times the mean of the first runs, if not said.
-        finest: refine the reference up to so many substeps.
+        max_ticks: limit of ticks of a run.
+        finest: most substeps of the reference.
         threads: runs at the same time.
-        out: a new or empty folder for `trade.json` and `trade.svg`.
+        out: a new or empty folder for the results, `trade.json` and `trade.svg`.
         resume: continue the trade in `out`.
         allow_import: as in `check`.
         progress: as in `simulate`.
     """
-    if runs is not None:
-        _alone("runs", budget=budget)
-    budget = 600.0 if budget is None else budget
-    if isinstance(budget, bool) or not isinstance(budget, (int, float)):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise TypeError(f"budget: give seconds, not {told(budget)}")
-    if not 0 < budget <= 1e9:
-        raise UsageError(f"budget: give seconds, more than 0 and at most 1e9, not {told(budget)}")
+    if until is not None:
+        _alone("until", budget=budget)
+        if out is None:
+            raise UsageError("until: name a folder with `out`")
     if resume and out is None:
         raise UsageError("resume: name a folder with `out`")
     asked: Traded = {
         "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
-        "budget": float(budget),
+        "budget": _within("budget", budget, "seconds", 1e9),
+        "until": _within("until", until, "a part", 1.0),
         "seed": whole("seed", seed, 0, MOST_SEED),
-        "max_ticks": _arguments.maybe("max_ticks", max_ticks, 1, MOST_TICKS),
+        "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
         "finest": whole("finest", finest, 1, 1000),
         "threads": _arguments.threads(threads),
         "out": _arguments.maybe_path("out", out),
@@ -296,3 +296,14 @@ def trade(
     with shown(progress) as show:
         data, text, svg = _native.trade(asked, show)
     return Trade(json.loads(data), text, svg)
+
+
+def _within(name: str, value: object, what: str, most: float) -> float | None:
+    """A number above 0 and at most `most`, if it is given."""
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise TypeError(f"{name}: give {what}, not {told(value)}")
+    if not 0 < value <= most:
+        raise UsageError(f"{name}: give {what}, more than 0 and at most {most:g}, not {told(value)}")
+    return float(value)

@@ -84,9 +84,10 @@ class Traded(TypedDict):
 
     programs: list[_native.Program]
     runs: int | None
-    budget: float
+    budget: float | None
+    until: float | None
     seed: int
-    max_ticks: int | None
+    max_ticks: int
     finest: int
     threads: int | None
     out: str | None

@@ -111,8 +111,8 @@ def test_messages_say_the_way_out(tmp_path: Path) -> None:
                 raise
     with pytest.raises(TypeError, match="runs: give a whole number, not nan"):
         stochc.simulate(stochc.EXAMPLE, runs=math.nan)  # type: ignore[arg-type]
-    with pytest.raises(stochc.UsageError, match="budget: it makes no sense beside `runs`"):
-        stochc.trade(stochc.EXAMPLE, runs=2, budget=10)
+    with pytest.raises(stochc.UsageError, match="budget: it makes no sense beside `until`"):
+        stochc.trade(stochc.EXAMPLE, until=0.1, budget=10)
 
 
 def test_messages_speak_of_options_as_python_does(tmp_path: Path) -> None:

@@ -1,9 +1,12 @@
 //! `stochc fit`.
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stochc_ensemble::fit::{Fit, Prior};
-use stochc_files::atomic::Replaces;
+use stochc_ensemble::is_remnant;
+use stochc_files::atomic::{self, Replaces};
+use stochc_files::disk;
 use stochc_report::figures::fit as fit_figure;
 use stochc_report::tables::fit_to_text;
 use stochc_runtime::{Settings, Substeps};
@@ -22,7 +25,6 @@ use crate::operations::fit::{
 };
 use crate::operations::forecast::forecast_to_text;
 use crate::operations::programs::programs;
-use crate::operations::trade::claim_empty;
 
 /// What `fit` is given.
 #[derive(Debug, Args)]
@@ -113,7 +115,7 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
         return Ok(Exit::Success);
     }
     if let Some(out) = &options.out {
-        claim_empty(out, |_| false).map_err(Failure::usage)?;
+        claim_empty(out).map_err(Failure::usage)?;
     }
     stop_on_interrupt()?;
     if !options.measuring.work.quiet {
@@ -164,4 +166,23 @@ fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> R
         ));
     }
     Ok(())
+}
+
+/// Makes a folder, or takes one that holds nothing except leftovers of killed processes.
+fn claim_empty(out: &Path) -> Result<(), String> {
+    let shown = out.display();
+    let unusable = |error: io::Error| format!("cannot use `{shown}`: {error}");
+    if out.exists() && !out.is_dir() {
+        return Err(format!(
+            "`{shown}` is a file; choose another name for the folder"
+        ));
+    }
+    atomic::make_folder(out).map_err(unusable)?;
+    let entries = disk::list(out).map_err(unusable)?;
+    match entries.iter().all(|entry| is_remnant(entry)) {
+        true => Ok(()),
+        false => Err(format!(
+            "`{shown}` is not empty; choose an empty or a new folder"
+        )),
+    }
 }

@@ -138,7 +138,8 @@ impl ChosenRun {
         warn_of_build(&self.manifest.builds, host);
         let mut watch = until(host.stop());
         let run = self.run;
-        let (settings, key) = (&self.manifest.settings, (self.manifest.seed, run));
+        let settings = &self.manifest.settings_of(self.entry());
+        let key = (self.manifest.seed, run);
         let record = (self.entry()).observe(settings, key, &mut watch, observer);
         let record = record.map_err(|error| match error {
             RunError::Cancelled => Failure::silent(Exit::Interrupted),

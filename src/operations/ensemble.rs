@@ -1,5 +1,6 @@
 //! Making the runs of an ensemble.
 use std::path::Path;
+use std::time::Duration;
 
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::{Level, LintLevels};
@@ -8,7 +9,7 @@ use stochc_ensemble::{
     Destination, EnsembleProgram, Folder, FolderState, Interval, Manifest, Progress, Results,
     Resume, RunCancelled, RunWatch, check_stored, run as run_all,
 };
-use stochc_ir::scene::warnings::{SceneWarning, scene_warnings};
+use stochc_ir::scene::warnings::{SceneWarning, Stepping, scene_warnings};
 use stochc_ir::visible;
 use stochc_report::figures::Figures;
 use stochc_runtime::RunError;
@@ -46,6 +47,8 @@ pub struct EnsembleOptions<'a> {
     pub figures: &'a Figures,
     /// Whether the report of the folder is rewritten meanwhile.
     pub watch: bool,
+    /// Time after which no run is started. `None`: there is no limit.
+    pub time_limit: Option<Duration>,
 }
 
 /// The runs, and why some of them are not recorded that should be.
@@ -69,11 +72,13 @@ pub fn can_record(manifest: &Manifest, record: Option<&Selection>) -> Result<(),
             manifest.no_such_run(run)
         )));
     }
-    match manifest.settings.model.has_places() {
-        true => Ok(()),
-        false => Err(Failure::usage(format!(
+    let models = manifest.programs.iter();
+    let mut models = models.map(|program| manifest.settings_of(program).model);
+    match models.find(|model| !model.has_places()) {
+        None => Ok(()),
+        Some(model) => Err(Failure::usage(format!(
             "nothing to record: {}",
-            RunError::Nowhere(manifest.settings.model)
+            RunError::Nowhere(model)
         ))),
     }
 }
@@ -90,15 +95,14 @@ pub fn judge_scenes(
     levels: &LintLevels,
     host: &dyn Host,
 ) -> Result<(), Failure> {
-    let Some(stepping) = manifest.settings.stepping() else {
-        return Ok(());
-    };
     let is_new = |program: &&EnsembleProgram| {
-        !is_checked || program.sources.is_empty() || !program.varied.is_empty()
+        !is_checked || program.sources.is_empty() || program.is_point()
     };
-    let levels = levels.clone().for_runs(Some(stepping));
     let mut found: Vec<FoundWarning> = Vec::new();
     for program in manifest.programs.iter().filter(is_new) {
+        let Some(stepping) = manifest.settings_of(program).stepping() else {
+            continue;
+        };
         let layers = program.tables().capture_layers();
         for warning in scene_warnings(&program.scene, stepping, layers) {
             if let Some(known) = found.iter_mut().find(|it| it.is_like(&warning)) {
@@ -106,6 +110,7 @@ pub fn judge_scenes(
             } else {
                 found.push(FoundWarning {
                     program,
+                    stepping,
                     warning,
                     others: 0,
                 });
@@ -115,6 +120,7 @@ pub fn judge_scenes(
     let mut denied = String::new();
     for found in found {
         let code = Code::from(found.warning.kind);
+        let levels = levels.clone().for_runs(Some(found.stepping));
         match level(found.program, code, &levels) {
             Level::Allow => {}
             Level::Warn => host.report_warnings(&format!("warning{}", found.text(code))),
@@ -133,6 +139,7 @@ pub fn judge_scenes(
 /// A warning about the scene of a program, which others share.
 struct FoundWarning<'a> {
     program: &'a EnsembleProgram,
+    stepping: Stepping,
     warning: SceneWarning,
     /// Other programs that have it.
     others: usize,
@@ -220,7 +227,7 @@ pub fn make(
             })
         }
     };
-    let progress = Progress::new(manifest, at_once);
+    let progress = Progress::new(manifest, at_once).within(how.time_limit);
     let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
     let unrecorded = made_by(manifest);
     let simulate =

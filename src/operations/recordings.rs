@@ -90,7 +90,7 @@ impl RecordingOfRun<'_> {
         program: &EnsembleProgram,
         watch: &mut impl Watch,
     ) -> Result<RunRecord, RunError> {
-        let settings = &self.all.manifest.settings;
+        let settings = &self.all.manifest.settings_of(program);
         let key = (self.all.manifest.seed, self.run);
         let (header, path) = (
             self.header(program),

@@ -4,6 +4,7 @@ use std::path::Path;
 use serde_json::json;
 use stochc_ensemble::sweep::{Sweep, SweepTally};
 use stochc_ensemble::text::visible;
+use stochc_ensemble::trade::{Trade, TradeTally};
 use stochc_ensemble::{
     Comparison, ComparisonTally, Contents, Finished, Folder, MANIFEST, Manifest, Records,
     WaitsTally, captures, summary_table,
@@ -14,7 +15,7 @@ use stochc_ir::table::PhaseId;
 use stochc_report::presentation::Presentation;
 use stochc_report::tables::{
     KNOWN_BIAS, captures_to_text, comparison_to_text, lower_bounds, pairs_to_text,
-    published_comparison, published_sweep, sweep_to_text,
+    published_comparison, published_sweep, sweep_to_text, trade_to_text,
 };
 use stochc_report::text::{Markup, paragraph};
 use stochc_runtime::Model;
@@ -71,6 +72,8 @@ pub struct EnsembleResults<'a> {
     pub comparison: Comparison,
     /// `None`: it is no sweep.
     pub sweep: Option<Sweep>,
+    /// `None`: no settings are varied.
+    pub trade: Option<Trade>,
     /// Of each program; none are there if nobody asked for captures.
     waits: Vec<WaitsTally>,
     /// `None`: no run failed.
@@ -114,6 +117,7 @@ pub fn ensemble_results<'a>(
 ) -> Result<EnsembleResults<'a>, Failure> {
     let mut comparison = ComparisonTally::new(manifest);
     let mut sweep = SweepTally::new(manifest);
+    let mut trade = TradeTally::new(manifest);
     let mut waits: Vec<WaitsTally> = match bonds {
         true => vec![WaitsTally::default(); manifest.programs.len()],
         false => Vec::new(),
@@ -123,14 +127,17 @@ pub fn ensemble_results<'a>(
         failure = failure.take().or_else(|| Failed::of(done));
         comparison.add(done);
         sweep.iter_mut().for_each(|sweep| sweep.add(done));
+        trade.iter_mut().for_each(|trade| trade.add(done));
         if let Some(waits) = waits.get_mut(done.program) {
             waits.add(&done.record);
         }
     });
     told.map_err(Failure::usage)?;
+    let comparison = comparison.finish();
     Ok(EnsembleResults {
         manifest,
-        comparison: comparison.finish(),
+        trade: trade.map(|trade| trade.finish(&comparison)),
+        comparison,
         sweep: sweep.map(SweepTally::finish),
         waits,
         failure,
@@ -185,7 +192,13 @@ impl EnsembleResults<'_> {
             None => comparison_to_text(comparison, width),
             Some(sweep) => sweep_to_text(sweep, width) + &pairs_to_text(comparison, width),
         };
-        if self.manifest.settings.model == Model::Rate {
+        if let Some(trade) = &self.trade {
+            text += &format!(
+                "\nCost and accuracy\n\n{}",
+                trade_to_text(trade, width, false)
+            );
+        }
+        if self.manifest.uses(Model::Rate) {
             text += &format!("\n{}", paragraph(KNOWN_BIAS, width));
         }
         for bound in lower_bounds(self.manifest) {

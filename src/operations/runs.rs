@@ -28,7 +28,9 @@ fn made(
     (program, number): (usize, u64),
     watch: &mut impl stochc_runtime::Watch,
 ) -> Result<RunRecord, RunCancelled> {
-    let record = manifest.programs[program].run(&manifest.settings, (manifest.seed, number), watch);
+    let program = &manifest.programs[program];
+    let settings = manifest.settings_of(program);
+    let record = program.run(&settings, (manifest.seed, number), watch);
     // The scene has been tried out, so only a cancelled run leaves no record.
     record.map_err(|_| RunCancelled)
 }
@@ -40,7 +42,7 @@ fn made(
 pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
     let mut programs = manifest.programs.iter();
     programs.try_for_each(|program| {
-        (program.try_out(&manifest.settings))
+        (program.try_out(&manifest.settings_of(program)))
             .map_err(|error| Failure::invalid_program(format!("{}: {error}", program.name)))
     })
 }

@@ -4,13 +4,17 @@ use std::sync::Arc;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::sweep::{Axis, MOST_POINTS, Sweep, points as combine};
+use stochc_ensemble::trade::Trade;
 use stochc_ensemble::{Compiled, EnsembleProgram, FurtherFiles, MOST_RUNS, Manifest, Records};
 use stochc_ir::Executable;
 use stochc_ir::visible;
-use stochc_report::figures::{Figures, sweep as pictures};
+use stochc_report::figures::{Figures, sweep as pictures, trade as trade_picture};
+use stochc_runtime::Model;
+use stochc_runtime::rates::Rates;
 
 use super::kept_text::KeptText;
 use super::programs::verdict;
+use super::rates;
 use crate::exit::Failure;
 use crate::host::Host;
 
@@ -37,9 +41,9 @@ pub fn points(
         }
         let points = combine(axes, &program.scene)
             .map_err(|reason| Failure::usage(format!("--sweep: {reason}")))?;
-        for varied in points {
+        for point in points {
             let mut entry = program.clone();
-            entry.varied = varied;
+            (entry.varied, entry.chosen) = (point.varied, point.chosen);
             entry.name += &entry.point();
             at_points.push(entry);
         }
@@ -74,6 +78,39 @@ pub fn points(
         failure.message += &format!("error: nor can these be run: {}\n", more.join(", "));
     }
     Err(failure)
+}
+
+/// Returns whether settings are among the axes of a sweep.
+pub fn varies_settings(axes: &[Axis]) -> bool {
+    axes.iter().any(|axis| axis.settings().is_some())
+}
+
+/// Checks the settings of all points, and adds the rates of those that need them: `known` ones, or measured ones.
+///
+/// # Errors
+/// If a model does not use a setting, or rates cannot be measured.
+pub fn complete(
+    manifest: &mut Manifest,
+    known: &[Rates],
+    threads: Option<u16>,
+    host: &dyn Host,
+) -> Result<(), Failure> {
+    for program in &manifest.programs {
+        let settings = manifest.settings_of(program);
+        if settings.model.unused(settings.chosen()).is_some() {
+            return Err(Failure::usage(format!(
+                "--sweep: `{}`: the model `{}` does not use all of these settings",
+                visible(&program.name),
+                settings.model.name()
+            )));
+        }
+    }
+    let is_by_rates =
+        |program: &&EnsembleProgram| manifest.settings_of(program).model == Model::Rate;
+    let programs = manifest.programs.iter().filter(is_by_rates);
+    let programs: Vec<EnsembleProgram> = programs.cloned().collect();
+    manifest.settings.rates = rates::of_scenes(known, &programs, threads, host)?;
+    Ok(())
 }
 
 /// Compiles a program at its point.
@@ -126,7 +163,8 @@ pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
     }
 }
 
-/// `sweep.json`, `sweep.csv` and the figures of a results folder, if its ensemble is a sweep: names and contents.
+/// Returns names and contents of the files that a sweep adds to a results folder: `sweep.json`, `sweep.csv` and figures,
+/// and if settings are varied `trade.json` and its figure.
 ///
 /// # Errors
 /// Where the runs cannot be read again, or a figure cannot be written.
@@ -143,6 +181,13 @@ pub fn files(manifest: &Manifest, finished: &Records, figures: &Figures) -> Furt
     ];
     for drawing in pictures(figures.medium, &sweep, "sweep") {
         files.extend(figures.files(&drawing)?);
+    }
+    if let Some(trade) = Trade::from_runs(manifest, finished)? {
+        files.push((
+            "trade.json".to_owned(),
+            trade.to_json(manifest).into_bytes(),
+        ));
+        files.extend(figures.files(&trade_picture(figures.medium, &trade))?);
     }
     Ok(files)
 }

@@ -1,196 +1,145 @@
-//! Measuring what accuracy costs, and keeping that.
+//! Measuring what accuracy costs: a sweep over settings, and the report on it.
 use std::path::Path;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use stochc_compiler::cost::estimate;
-use stochc_ensemble::trade::{
-    EstimatedSamples, MEASUREMENT_JOURNAL, MeasurementJournal, MeasurementProgress, Setup, Trade,
-    candidates, has_entries, measure,
-};
-use stochc_ensemble::{
-    CpuForecast, EnsembleProgram, FolderError, JournalError, Manifest, is_remnant,
-};
-use stochc_files::atomic::{self, Replaces};
-use stochc_report::figures::{Figures, trade as trade_figure};
+use stochc_ensemble::recording::EVERY;
+use stochc_ensemble::trade::{Trade, candidates};
+use stochc_ensemble::{EnsembleProgram, Interval, Manifest, Results};
+use stochc_ir::visible;
+use stochc_report::figures::Figures;
 use stochc_runtime::Settings;
-use stochc_runtime::world::SceneError;
 
-use super::estimate::planned;
-use super::forecast::cpu_time;
-use super::rates::{at_hand, supported};
-use crate::exit::{Exit, Failure};
-use crate::host::{Host, during};
-use crate::progress::of_trade;
+use super::ensemble::{EnsembleOptions, make};
+use super::precision::make_until;
+use crate::exit::Failure;
+use crate::host::Host;
 
-/// Measures programs, and shows how far it is.
-///
-/// # Errors
-/// If the scene of one cannot be set up.
-pub fn measured(
-    programs: &[EnsembleProgram],
-    setup: &Setup,
-    host: &dyn Host,
-) -> Result<Trade, Failure> {
-    let progress = MeasurementProgress::default();
-    let state = |elapsed| of_trade(setup.extent, &progress, elapsed);
-    let trade = during(host, state, || {
-        measure(programs, setup, &estimated(programs), &progress)
-    });
-    trade.map_err(|(program, error)| {
-        Failure::invalid_program(format!("{}: {error}", programs[program].name))
-    })
+/// Runs of each program at each setting, unless the user gives a number or a limit.
+const RUNS: u64 = 30;
+
+/// Most runs of each program at each setting within a time limit or until a precision.
+const MAX_RUNS: u64 = 10_000;
+
+/// How a trade is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct TradeSetup<'a> {
+    /// Runs of each program at each setting.
+    pub runs: Option<u64>,
+    /// Time after which no run is started.
+    pub budget: Option<Duration>,
+    /// Half the width of the interval of every mean, as a part of it, at which no further runs are made.
+    pub until: Option<f64>,
+    /// Most substeps of the reference.
+    pub finest: u32,
+    /// Ticks after which a run is stopped.
+    pub max_ticks: u64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Runs at the same time. `None`: as many as there are cores.
+    pub threads: Option<u16>,
+    /// Results folder.
+    pub out: Option<&'a Path>,
+    /// Whether the folder holds an interrupted trade.
+    pub resume: bool,
+    /// Size and format of the figure.
+    pub figures: &'a Figures,
 }
 
-/// Forecasts the CPU time of a trade with so many runs of each program at each setting.
-///
-/// Settings that cannot run a program are left out.
+/// A trade, and whether all its runs are finished.
+#[derive(Debug)]
+pub struct MeasuredTrade {
+    /// The ensemble.
+    pub manifest: Manifest,
+    /// The settings compared.
+    pub trade: Trade,
+    /// Whether the measurement was not interrupted.
+    pub is_complete: bool,
+}
+
+/// Returns the ensemble of all programs at all settings that can compute them. Warns of the others.
 ///
 /// # Errors
-/// If it is stopped.
-pub fn forecast(
-    programs: &[EnsembleProgram],
-    setup: &Setup<'_>,
-    runs: u64,
+/// If the scene of a program cannot be set up.
+pub fn manifest(
+    programs: Vec<EnsembleProgram>,
+    setup: &TradeSetup<'_>,
     host: &dyn Host,
-) -> Result<CpuForecast, Failure> {
-    let mut all = CpuForecast {
-        runs: 0,
-        time: Duration::ZERO,
-        is_lower_bound: false,
+) -> Result<Manifest, Failure> {
+    let settings = Settings {
+        max_ticks: Some(setup.max_ticks),
+        ..Settings::default()
     };
-    for settings in candidates(setup.finest) {
-        let settings = Settings {
-            max_ticks: setup.max_ticks,
-            ..settings
+    let is_limited = setup.budget.is_some() || setup.until.is_some();
+    let usual = if is_limited { MAX_RUNS } else { RUNS };
+    let runs = setup.runs.unwrap_or(usual);
+    let manifest = Manifest::new(settings, setup.seed, runs, programs);
+    let mut points = vec![Vec::new(); manifest.programs.len()];
+    for chosen in candidates(setup.finest) {
+        let at_setting = manifest.programs.iter().map(|it| it.at(&chosen));
+        let at_setting: Vec<EnsembleProgram> = at_setting.collect();
+        let error = |program: &EnsembleProgram| {
+            let error = program.try_out(&manifest.settings_of(program)).err()?;
+            Some(format!("{}: {error}", visible(&program.name)))
         };
-        let manifest = Manifest::new(settings, setup.seed, runs, programs.to_vec());
-        match cpu_time(&manifest, host) {
-            Ok(forecast) => {
-                all.runs += forecast.runs;
-                all.time = all.time.saturating_add(forecast.time);
-                all.is_lower_bound |= forecast.is_lower_bound;
+        match at_setting.iter().find_map(error) {
+            None => {
+                let points = points.iter_mut().zip(at_setting);
+                points.for_each(|(points, point)| points.push(point));
             }
-            Err(failure) if failure.exit == Exit::Interrupted => return Err(failure),
-            Err(_) => {}
+            // All settings would be left out.
+            Some(told) if points.iter().all(Vec::is_empty) => {
+                return Err(Failure::invalid_program(told));
+            }
+            Some(told) => host.warn(&format!("note: left out, {told}\n")),
         }
     }
-    Ok(all)
-}
-
-/// What is known of programs without runs, by the rates that come with `stochc`; reading and compiling costs the other settings
-/// nothing, and does not count here either.
-fn estimated(programs: &[EnsembleProgram]) -> EstimatedSamples {
-    let read = programs.iter().map(|program| {
-        supported(program).map_err(|failure| failure.message)?;
-        let rates = at_hand(&[], &program.scene).ok_or_else(|| SceneError::NoRates.to_string())?;
-        let (planned, _) = planned(program).ok_or("it is compiled already, and has no plan")?;
-        Ok((planned, rates))
-    });
-    match read.collect::<Result<Vec<_>, String>>() {
-        Err(reason) => EstimatedSamples::none(programs.len(), reason),
-        Ok(read) => EstimatedSamples::of(programs.len(), |program| {
-            let (planned, rates) = &read[program];
-            let cost = estimate(planned, Some(rates)).filter(|cost| !cost.draws.is_empty());
-            cost.map(|cost| cost.draws)
-                .ok_or_else(|| "no block is left for one of the captures".to_owned())
-        }),
-    }
-}
-
-/// What the folder of a trade knows already; `None`: it is kept nowhere.
-///
-/// # Errors
-/// If the folder holds something else.
-pub fn memory(
-    out: Option<&Path>,
-    resume: bool,
-    programs: &[EnsembleProgram],
-    seed: u64,
-) -> Result<Option<MeasurementJournal>, Failure> {
-    let Some(out) = out else { return Ok(None) };
-    claim(out, resume).map_err(Failure::usage)?;
-    let memory = MeasurementJournal::open(out, programs, seed);
-    memory.map(Some).map_err(|error| cannot_go_on(out, &error))
-}
-
-/// Keeps a trade in its folder.
-///
-/// # Errors
-/// Those of the file system.
-pub fn keep(
-    out: &Path,
-    memory: MeasurementJournal,
-    trade: &Trade,
-    figures: &Figures,
-) -> Result<(), Failure> {
-    let cannot = |error: &dyn std::fmt::Display| {
-        Failure::usage(format!("cannot write to `{}`: {error}", out.display()))
+    let points = points.into_iter().flatten().collect();
+    let manifest = Manifest {
+        programs: points,
+        ..manifest
     };
-    memory.close().map_err(|error| cannot(&error))?;
-    write(out, trade, figures).map_err(|error| cannot(&error))
+    manifest.within_limits().map_err(Failure::usage)?;
+    Ok(manifest)
 }
 
-fn cannot_go_on(out: &Path, error: &FolderError) -> Failure {
-    let shown = out.display();
-    Failure::usage(match error {
-        FolderError::Journal(JournalError::Foreign) => format!(
-            "`{shown}` holds the trade of other programs, of another seed or of another build of `stochc`, \
-             or the first line of its journal is damaged; choose another folder"
-        ),
-        error => error.to_string(),
-    })
-}
-
-/// Makes a folder, or takes an empty one; to `resume`, one that holds a trade.
-fn claim(out: &Path, resume: bool) -> Result<(), String> {
-    let io = |error| unusable(out, &error);
-    let is_ours = out.join(MEASUREMENT_JOURNAL).is_file();
-    // What is left of a trade that has measured nothing is in nobody's way.
-    let is_new = is_ours && !has_entries(out).map_err(io)?;
-    match claim_empty(out, |name| is_new && name == MEASUREMENT_JOURNAL) {
-        Err(_) if is_ours && resume => Ok(()),
-        Err(refused) if is_ours => Err(format!(
-            "{refused}, or go on with the trade in it by `--resume`"
-        )),
-        claimed => claimed,
-    }
-}
-
-/// Makes a folder, or takes an empty one; locks, drafts of who was killed and what else `is_nobodys`, by its name, may be in it.
+/// Makes the runs of a trade, and compares its settings.
 ///
 /// # Errors
-/// In words.
-pub fn claim_empty(out: &Path, is_nobodys: impl Fn(&str) -> bool) -> Result<(), String> {
-    let io = |error| unusable(out, &error);
-    let shown = out.display();
-    if out.exists() && !out.is_dir() {
-        return Err(format!(
-            "`{shown}` is a file; choose another name for the folder"
-        ));
-    }
-    atomic::make_folder(out).map_err(io)?;
-    let entries = stochc_files::disk::list(out).map_err(io)?;
-    let is_taken = entries.iter().any(|entry| {
-        let name = entry.file_name().unwrap_or_default().to_string_lossy();
-        !is_remnant(entry) && !is_nobodys(&name)
-    });
-    match is_taken {
-        false => Ok(()),
-        true => Err(format!(
-            "`{shown}` is not empty; choose an empty or a new folder"
-        )),
-    }
-}
-
-fn unusable(out: &Path, error: &std::io::Error) -> String {
-    format!("cannot use `{}`: {error}", out.display())
-}
-
-fn write(out: &Path, trade: &Trade, figures: &Figures) -> std::io::Result<()> {
-    let mut files = figures.files(&trade_figure(figures.medium, trade))?;
-    files.push(("trade.json".to_owned(), trade.to_json().into_bytes()));
-    let mut files = files.iter();
-    files.try_for_each(|(name, content)| {
-        atomic::replace(&out.join(name), content, Replaces::Ordinary)
+/// If its folder cannot be used. Finished runs stay.
+pub fn measured(
+    manifest: Manifest,
+    setup: &TradeSetup<'_>,
+    host: &dyn Host,
+) -> Result<MeasuredTrade, Failure> {
+    let how = EnsembleOptions {
+        out: setup.out,
+        resume: setup.resume.into(),
+        record: None,
+        record_every: EVERY,
+        // A run that is continued has no CPU time of its own.
+        checkpoints: Interval::Never,
+        threads: setup.threads,
+        memory: None,
+        has_warned_of_build: false,
+        goes_on: false,
+        figures: setup.figures,
+        watch: false,
+        time_limit: setup.budget,
+    };
+    let (manifest, made) = match setup.until {
+        Some(within) => make_until(manifest, within, &how, host)?,
+        None => {
+            let made = make(&manifest, &how, host)?;
+            (manifest, made)
+        }
+    };
+    let Results { finished, complete } = made.results;
+    let trade = Trade::from_runs(&manifest, &finished).map_err(Failure::usage)?;
+    let is_stopped = host.stop().load(Ordering::Relaxed);
+    Ok(MeasuredTrade {
+        trade: trade.ok_or_else(|| Failure::usage("only one setting can compute the programs"))?,
+        is_complete: complete || !is_stopped,
+        manifest,
     })
 }

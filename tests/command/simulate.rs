@@ -43,14 +43,6 @@ fn a_dry_run_forecasts_the_cpu_time() {
         "trade --dry-run --quiet --runs 2 --finest 2 --max-ticks 100 tests/fixtures/dense.sa";
     let told = seconds(trade, &[]);
     assert!(told.contains(" runs, "), "{told}");
-    let told = seconds(
-        "trade --dry-run --quiet --budget 5m --threads 2 tests/fixtures/dense.sa",
-        &[],
-    );
-    assert_eq!(
-        told,
-        "at most 5 min, the time limit, on 2 threads: 10 min of CPU time\n"
-    );
 }
 
 #[test]

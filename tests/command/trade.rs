@@ -46,27 +46,30 @@ fn every_setting_is_measured_and_kept() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let said = stochc_with(DENSE, &["--out", &out]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert_eq!(said.status, 0, "{}", said.err);
+    let note = "note: left out, dense [model=rate]: there are no rates of this scene";
+    assert!(said.err.starts_with(note), "{}", said.err);
+    assert!(!said.out.contains(" rate "), "{}", said.out);
+    // The folder is that of a sweep.
     for command in ["show", "report", "verify"] {
         let other = stochc_with(command, &[&out]);
-        assert_eq!((other.status, other.out.as_str()), (2, ""), "{command}");
-        let told = format!(
-            "`{out}` holds a trade, and no results; `stochc trade FILE... --out {out} --resume`"
-        );
-        assert!(other.err.contains(&told), "{}", other.err);
+        assert_eq!(other.status, 0, "{command}: {}", other.err);
     }
+    let shown = stochc_with("show", &[&out]).out;
+    assert!(shown.contains("dense [model=rigid, substeps=1]"), "{shown}");
+    assert!(shown.contains("CPU/run"), "{shown}");
+    let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    assert!(page.contains("What accuracy costs"), "no section");
+    assert!(
+        page.contains("<code>--model rigid --substeps 1</code>"),
+        "no row"
+    );
     let again = stochc_with(DENSE, &["--out", &out, "--resume"]);
     assert_eq!((again.status, again.out.as_str()), (0, said.out.as_str()));
     let text = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
     let trade: Value = serde_json::from_str(&text).unwrap();
     for candidate in candidates(&trade) {
         let cell = &candidate["programs"][0];
-        if candidate["name"] == "rate" || candidate["name"] == "estimate" {
-            // Nobody has measured this scene.
-            assert_eq!(cell["runs"], 0);
-            assert!(said.out.contains("`stochc calibrate`"), "{}", said.out);
-            continue;
-        }
         assert_eq!(cell["runs"], 3, "{}", candidate["name"]);
         assert!(cell["mean"].as_f64().unwrap() > 1.0);
         assert!(cell["cost"].as_f64().unwrap() > 0.0);
@@ -101,9 +104,13 @@ fn every_setting_is_measured_and_kept() {
     assert_eq!(&alone.json()["programs"][0]["time"]["mean"], mean);
 
     // It is not overwritten.
-    let again = stochc_with(DENSE, &["--out", &out]);
-    assert_eq!((again.status, again.out.as_str()), (2, ""));
-    assert!(again.err.contains("is not empty"), "{}", again.err);
+    let other = stochc_with(DENSE, &["--out", &out, "--seed", "2"]);
+    assert_eq!((other.status, other.out.as_str()), (2, ""));
+    assert!(
+        other.err.contains("holds another ensemble"),
+        "{}",
+        other.err
+    );
 }
 
 #[test]
@@ -139,7 +146,7 @@ fn the_picture_has_a_mark_for_every_setting() {
         .descendants()
         .filter_map(|node| node.text())
         .collect();
-    assert!(axes.contains("processor time of a run") && axes.contains("% of the reference"));
+    assert!(axes.contains("CPU time of a run") && axes.contains("% of the reference"));
     assert!(text.contains("prefers-color-scheme:dark"));
     assert!(
         !text.contains("http:") || text.matches("http:").count() == 1,
@@ -163,17 +170,11 @@ fn it_depends_on_nothing_but_its_inputs() {
 
 #[test]
 fn a_model_that_cannot_do_a_scene_is_told_of_with_the_reason() {
-    let said = stochc("trade tests/fixtures/soft.sa --runs 2 --finest 1 --quiet");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let row = said
-        .out
-        .lines()
-        .find(|line| line.contains(" rapier 1 "))
-        .unwrap();
-    assert!(
-        row.contains("the model `rapier` has no contact with a `stiffness`"),
-        "{row}"
-    );
+    let said = stochc("trade tests/fixtures/soft.sa --runs 2 --finest 1");
+    assert_eq!(said.status, 0, "{}", said.err);
+    let note = "note: left out, soft [model=rapier, substeps=1]: the model `rapier` has no contact with a `stiffness`";
+    assert!(said.err.contains(note), "{}", said.err);
+    assert!(!said.out.contains(" rapier 1 "), "{}", said.out);
 }
 
 #[test]
@@ -190,72 +191,108 @@ fn programs_are_ranked() {
 fn censored_runs_are_told_of() {
     let said = stochc("trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet");
     assert_eq!(said.status, 0, "{}", said.err);
-    assert!(
-        said.out.contains("limit of ticks (still 50)"),
-        "{}",
-        said.out
-    );
-    assert!(
-        said.out.contains("Too few runs were completed"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("limit of ticks (50)"), "{}", said.out);
+    assert!(said.out.contains("There is no reference"), "{}", said.out);
 }
 
-/// The first runs, of which the limit of ticks follows, are others when more are asked for.
 #[test]
 fn more_runs_make_none_again() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let line = "trade tests/fixtures/dense.sa --finest 2 --quiet --format json --runs";
-    let first = stochc_with(line, &["2", "--out", &out]).json();
-    let more = stochc_with(line, &["5", "--out", &out, "--resume"]).json();
-    let limit = |trade: &Value| trade["programs"][0]["max_ticks"].as_u64().unwrap();
-    assert_ne!(limit(&first), limit(&more), "else nothing is shown");
-    let journal = fs::read_to_string(path(out.as_ref(), "trade.jsonl")).unwrap();
-    let measured = candidates(&more)
-        .iter()
-        .filter(|it| !it["settings"].is_null());
-    let runs = measured.map(|it| it["programs"][0]["runs"].as_u64().unwrap());
-    assert_eq!(journal.lines().count() as u64, 1 + runs.sum::<u64>());
-    let mut at_once = stochc_with(line, &["5"]).json();
-    let mut more = more;
-    [&mut at_once, &mut more]
-        .into_iter()
-        .for_each(without_costs);
+    assert_eq!(stochc_with(line, &["2", "--out", &out]).status, 0);
+    let mut more = stochc_with(line, &["4", "--out", &out, "--resume"]).json();
+    let journal = fs::read_to_string(path(out.as_ref(), "journal.jsonl")).unwrap();
+    let runs = 4 * candidates(&more).len();
+    assert_eq!(journal.lines().count(), 1 + runs);
+    let mut at_once = stochc_with(line, &["4"]).json();
+    without_costs(&mut at_once);
+    without_costs(&mut more);
     assert_eq!(more, at_once);
 }
 
+/// No run is started after the time limit, and the trade of those there are is printed.
 #[test]
 fn a_budget_is_kept() {
     let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path().join("trade").display().to_string();
-    let line =
-        format!("trade tests/fixtures/dense.sa --budget 3s --quiet --format json --out {folder}");
-    let said = stochc(&line);
+    let out = path(folder.path(), "trade");
+    let line = "trade tests/fixtures/dense.sa --finest 8 --quiet --format json --budget";
+    let said = stochc_with(line, &["2s", "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
     let trade = said.json();
-    assert_eq!(trade["budget"], 3.0);
-    assert!(candidate(&trade, "rigid 1")["programs"][0]["runs"].as_u64() >= Some(4));
-    // Processor time, so that it does not matter what else the machine does. A last run of each thread may end later.
-    let number = |value: &Value| value.as_f64().unwrap_or_default();
-    let programs = candidates(&trade)
-        .iter()
-        .flat_map(|candidate| candidate["programs"].as_array().unwrap());
-    let spent: f64 = programs
-        .map(|of| number(&of["runs"]) * number(&of["cost"]))
-        .sum();
+    let runs = |trade: &Value| -> Vec<u64> {
+        let runs = candidates(trade).iter();
+        runs.map(|it| it["programs"][0]["runs"].as_u64().unwrap())
+            .collect()
+    };
+    let before = runs(&trade);
+    assert!(before[0] > 0 && before[0] < 10_000, "{before:?}");
+    // All settings have about the same number of runs.
     assert!(
-        spent > 0.0 && spent < 2.0 * 3.0 * number(&trade["threads"]),
-        "{spent}"
+        before.iter().all(|&it| it.abs_diff(before[0]) < 20),
+        "{before:?}"
     );
-    // What was measured is there without any time left.
-    let resumed = stochc(&format!("{line} --resume"));
+    let resumed = stochc_with(line, &["1s", "--out", &out, "--resume"]);
     assert_eq!(resumed.status, 0, "{}", resumed.err);
-    let resumed = resumed.json();
-    for (before, after) in candidates(&trade).iter().zip(candidates(&resumed)) {
-        let runs = |candidate: &Value| candidate["programs"][0]["runs"].as_u64();
-        assert!(runs(after) >= runs(before), "{before}\n{after}");
+    let after = runs(&resumed.json());
+    assert!(
+        before
+            .iter()
+            .zip(&after)
+            .all(|(before, after)| before <= after)
+    );
+    assert!(after.iter().sum::<u64>() > before.iter().sum());
+}
+
+/// Settings of a sweep are compared like those of a trade.
+#[test]
+fn a_sweep_over_settings_is_a_trade() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let line =
+        "simulate tests/fixtures/dense.sa --runs 3 --quiet --sweep substeps=1,2 --sweep free=10,12";
+    let said = stochc_with(line, &["--sweep", "reduce=none,spheres", "--out", &out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.out
+            .contains("dense [free=10, substeps=1, reduce=none]"),
+        "{}",
+        said.out
+    );
+    let text = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
+    let trade: Value = serde_json::from_str(&text).unwrap();
+    let names: Vec<&Value> = candidates(&trade).iter().map(|it| &it["name"]).collect();
+    assert_eq!(
+        names,
+        ["rigid 1", "rigid 1 spheres", "rigid 2", "rigid 2 spheres"]
+    );
+    let programs: Vec<&Value> = (trade["programs"].as_array().unwrap().iter())
+        .map(|it| &it["name"])
+        .collect();
+    assert_eq!(programs, ["dense [free=10]", "dense [free=12]"]);
+    assert_eq!(trade["reference"]["candidate"], 2);
+    // A point is an ensemble with these options, run for run.
+    let alone = "simulate tests/fixtures/dense.sa --runs 3 --quiet --format json --substeps 1 --sweep free=12";
+    let mean = &candidate(&trade, "rigid 1")["programs"][1]["mean"];
+    assert_eq!(&stochc(alone).json()["programs"][0]["time"]["mean"], mean);
+    let csv = fs::read_to_string(path(out.as_ref(), "sweep.csv")).unwrap();
+    assert!(
+        csv.starts_with("program,free,substeps,reduce,runs,"),
+        "{csv}"
+    );
+    for (line, reason) in [
+        ("--sweep model=rigid,rapid", "`model=rapid`: give one of"),
+        (
+            "--sweep model=rigid,rapier --sweep precision=double",
+            "does not use all",
+        ),
+        ("--sweep substeps=1,1", "is given twice"),
+    ] {
+        let said = stochc(&format!(
+            "simulate tests/fixtures/dense.sa --runs 1 --quiet {line}"
+        ));
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        assert!(said.err.contains(reason), "{}", said.err);
     }
 }
 
@@ -267,7 +304,8 @@ fn wrong_command_lines_are_told_of() {
         "trade tests/fixtures/dense.sa --budget 0s",
         "trade tests/fixtures/dense.sa --budget -1s",
         "trade tests/fixtures/dense.sa --runs 1",
-        "trade tests/fixtures/dense.sa --runs 5 --budget 1m",
+        "trade tests/fixtures/dense.sa --until 5%",
+        "trade tests/fixtures/dense.sa --dry-run --budget 1m",
     ] {
         let said = stochc(line);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
@@ -275,7 +313,7 @@ fn wrong_command_lines_are_told_of() {
     let said = stochc("trade tests/fixtures/crowded.sa --runs 2");
     assert_eq!(said.status, 1);
     assert!(
-        said.err.contains("crowded: 400 free blocks do not fit"),
+        said.err.contains("400 free blocks do not fit"),
         "{}",
         said.err
     );
@@ -291,44 +329,4 @@ fn a_reduced_model_is_told_of() {
     let note =
         "note: `no-friction` is a reduced model: it leaves out something that the scene has\n";
     assert!(said.err.starts_with(note), "{}", said.err);
-}
-
-/// A trade that was refused or killed before its first run leaves nothing that is in the way.
-#[test]
-fn what_is_left_of_a_trade_without_runs_is_in_nobodys_way() {
-    let folder = tempfile::tempdir().unwrap();
-    let (out, program) = (path(folder.path(), "out"), path(folder.path(), "dense.sa"));
-    let dense = fs::read_to_string("tests/fixtures/dense.sa").unwrap();
-    let stiff = dense.replace("wall 25 N/m", "wall 25000 N/m");
-    assert_ne!(stiff, dense);
-    fs::write(&program, stiff).unwrap();
-    let command = [
-        "trade", &program, "--runs", "2", "--finest", "2", "--quiet", "--out", &out,
-    ];
-    let [trade, more @ ..] = command;
-    let refused = stochc_with(trade, &more);
-    assert_eq!(refused.status, 1);
-    assert!(refused.err.contains("too stiff"), "{}", refused.err);
-    fs::write(&program, dense).unwrap();
-    fs::write(format!("{out}/.lock"), "").unwrap();
-    let said = stochc_with(trade, &more);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    // Now there is something.
-    assert_eq!(stochc_with(trade, &more).status, 2);
-    // What somebody else has written is no trade, whatever its name.
-    let texts = ["my notes", "my notes\n", "{\"a\": 1}\n"];
-    for (i, text) in texts.into_iter().enumerate() {
-        let foreign = path(folder.path(), &format!("foreign{i}"));
-        fs::create_dir(&foreign).unwrap();
-        let file = format!("{foreign}/trade.jsonl");
-        fs::write(&file, text).unwrap();
-        for resume in [&[][..], &["--resume"]] {
-            let command = [
-                "trade", &program, "--runs", "2", "--quiet", "--out", &foreign,
-            ];
-            let said = stochc_with(command[0], &[&command[1..], resume].concat());
-            assert_eq!(said.status, 2, "{}", said.err);
-        }
-        assert_eq!(fs::read_to_string(&file).unwrap(), text);
-    }
 }

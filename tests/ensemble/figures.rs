@@ -28,7 +28,13 @@ fn at(program: usize, times: &[u64]) -> Vec<Finished> {
         record(run, Outcome::Completed, vec![first, ticks - first], ticks)
     };
     let records = times.iter().enumerate().map(record);
-    records.map(|record| Finished { program, record }).collect()
+    records
+        .map(|record| Finished {
+            program,
+            record,
+            cpu: None,
+        })
+        .collect()
 }
 
 /// Stops every run of the program that took more than `limit` ticks.
@@ -73,6 +79,7 @@ fn censored_runs_are_not_averaged_away() {
     finished.push(Finished {
         program: 1,
         record: record(6, failed, Vec::new(), 1),
+        cpu: None,
     });
     let comparison = Comparison::of(&manifest, &finished);
     assert_snapshot!(comparison_to_text(&comparison, 100));

@@ -107,6 +107,7 @@ fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
                 .iter()
                 .map(|&value| SweptValue { value, si: value })
                 .collect(),
+            chosen: Vec::new(),
             tick: 0.02,
             runs: 3,
             completed: 3,
@@ -127,6 +128,7 @@ fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
     };
     Sweep {
         axes: numbers.iter().map(|(name, _)| axis(name)).collect(),
+        settings: Vec::new(),
         unit: "ticks",
         points: points.collect(),
     }

@@ -148,7 +148,11 @@ pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
         releases: vec![release],
         ..RunRecord::without_bonds(run, outcome, first + second.unwrap_or(waits.after))
     };
-    Finished { program: 0, record }
+    Finished {
+        program: 0,
+        record,
+        cpu: None,
+    }
 }
 
 /// Five runs that take 100, 200, 200, more than 300, and 400 ticks.

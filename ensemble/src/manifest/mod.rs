@@ -1,6 +1,8 @@
 //! What has to be known to rerun an ensemble exactly.
+mod chosen;
 mod stored;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -10,7 +12,9 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::{Phase, PhaseId, Role, RoleId, Tables};
 use stochc_ir::{Executable, JamRisk, sha256};
 use stochc_rates::{LowerBoundReasons, Rates};
-use stochc_runtime::Settings;
+use stochc_runtime::{Model, Settings};
+
+pub use chosen::ChosenSetting;
 
 use super::build::this_build;
 
@@ -47,6 +51,8 @@ pub struct EnsembleProgram {
     /// The numbers of this world that are not those of the sources, in the order of the sweep that
     /// chose them; empty: all are.
     pub varied: Vec<Varied>,
+    /// Settings that a sweep has chosen for it; the others are those of the manifest.
+    pub chosen: Vec<ChosenSetting>,
     /// Its file, followed by every file that it imports; empty: it was compiled elsewhere.
     pub sources: Vec<Source>,
 }
@@ -108,6 +114,8 @@ struct ProgramIdentity<'a> {
     tables: &'a str,
     scene: &'a Scene,
     varied: &'a [Varied],
+    #[serde(skip_serializing_if = "<[ChosenSetting]>::is_empty")]
+    chosen: &'a [ChosenSetting],
     texts: Vec<&'a str>,
 }
 
@@ -180,7 +188,7 @@ impl Manifest {
     pub fn runs_identity(&self, program: &EnsembleProgram) -> String {
         sha256(&(
             &self.stochc,
-            self.settings.resolved(),
+            self.settings_of(program).resolved(),
             self.seed,
             program.compiled.digest(),
             &program.scene,
@@ -240,6 +248,50 @@ impl Manifest {
         }
     }
 
+    /// Returns the settings of the runs of one of its programs.
+    ///
+    /// # Panics
+    /// If the program was given a setting that [`ChosenSetting::new`] rejects.
+    pub fn settings_of(&self, program: &EnsembleProgram) -> Cow<'_, Settings> {
+        if program.chosen.is_empty() {
+            return Cow::Borrowed(&self.settings);
+        }
+        let mut settings = self.settings.clone();
+        for chosen in &program.chosen {
+            let applied = chosen.apply(&mut settings);
+            applied.expect("settings are checked when they are chosen or read");
+        }
+        if settings.model != Model::Rate {
+            settings.rates.clear();
+        }
+        Cow::Owned(settings)
+    }
+
+    /// Returns whether runs of some program use this model.
+    pub fn uses(&self, model: Model) -> bool {
+        let mut programs = self.programs.iter();
+        programs.any(|program| self.settings_of(program).model == model)
+    }
+
+    /// Returns whether a sweep varies settings.
+    pub fn varies_settings(&self) -> bool {
+        self.programs.iter().any(|it| !it.chosen.is_empty())
+    }
+
+    /// Returns the axes of a sweep.
+    pub(crate) fn swept(&self) -> SweepAxes<'_> {
+        let mut settings: Vec<&str> = Vec::new();
+        for chosen in self.programs.iter().flat_map(|program| &program.chosen) {
+            if !settings.contains(&chosen.of()) {
+                settings.push(chosen.of());
+            }
+        }
+        SweepAxes {
+            numbers: self.axes(),
+            settings,
+        }
+    }
+
     /// The numbers of the scene that a sweep varies, in its order; empty: it is no sweep.
     pub fn axes(&self) -> &[Varied] {
         let mut programs = self.programs.iter().map(|program| &program.varied[..]);
@@ -247,6 +299,15 @@ impl Manifest {
             .find(|varied| !varied.is_empty())
             .unwrap_or_default()
     }
+}
+
+/// The axes of a sweep.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SweepAxes<'a> {
+    /// Scene parameters.
+    pub numbers: &'a [Varied],
+    /// Names of settings.
+    pub settings: Vec<&'a str>,
 }
 
 impl Varied {
@@ -272,11 +333,42 @@ impl Varied {
 impl EnsembleProgram {
     /// What a sweep has chosen, as it is told behind the program's name: ` [free=50, tick=10 ms]`.
     pub fn point(&self) -> String {
-        let values: Vec<String> = self.varied.iter().map(Varied::text).collect();
-        match values.is_empty() {
-            true => String::new(),
-            false => format!(" [{}]", values.join(", ")),
-        }
+        let numbers = self.varied.iter().map(Varied::text);
+        bracketed(numbers.chain(self.chosen.iter().map(ChosenSetting::text)))
+    }
+
+    /// Returns whether it is a point of a sweep.
+    pub fn is_point(&self) -> bool {
+        !(self.varied.is_empty() && self.chosen.is_empty())
+    }
+
+    /// Returns the name without the scene parameters of its point.
+    pub fn name_without_numbers(&self) -> String {
+        let settings = bracketed(self.chosen.iter().map(ChosenSetting::text));
+        self.name.replace(&self.point(), &settings)
+    }
+
+    /// Returns the name without the settings of its point.
+    pub fn name_without_settings(&self) -> String {
+        let numbers = bracketed(self.varied.iter().map(Varied::text));
+        self.name.replace(&self.point(), &numbers)
+    }
+
+    /// Returns the program as a point with these settings.
+    #[must_use]
+    pub fn at(&self, chosen: &[ChosenSetting]) -> EnsembleProgram {
+        let mut point = EnsembleProgram {
+            chosen: chosen.to_vec(),
+            ..self.clone()
+        };
+        point.name += &point.point();
+        point
+    }
+
+    /// Returns the value of a setting that a sweep has chosen for it.
+    pub fn chosen_value(&self, of: &str) -> Option<&str> {
+        let mut chosen = self.chosen.iter();
+        chosen.find(|it| it.of() == of).map(ChosenSetting::value)
     }
 
     /// What a sweep has chosen for one of its axes, in the axis' unit; `None`: the program is no point of it.
@@ -299,6 +391,7 @@ impl EnsembleProgram {
             compiled: Arc::new(Compiled::new(tables, graph, jam_risks)),
             scene,
             varied: Vec::new(),
+            chosen: Vec::new(),
             sources,
         }
     }
@@ -371,6 +464,7 @@ impl EnsembleProgram {
             tables: &self.compiled.digest,
             scene: &self.scene,
             varied: &self.varied,
+            chosen: &self.chosen,
             texts: self.sources.iter().map(|s| s.text.as_str()).collect(),
         }
     }
@@ -381,6 +475,8 @@ impl EnsembleProgram {
             "the text"
         } else if there.scene != here.scene || there.varied != here.varied {
             "the scene"
+        } else if there.chosen != here.chosen {
+            "the setting"
         } else if self.assembly() != other.assembly() {
             "the assembly"
         } else if there.tables != here.tables {
@@ -389,6 +485,15 @@ impl EnsembleProgram {
             return None;
         };
         Some(format!("{what} of `{}` has changed", self.name))
+    }
+}
+
+/// Returns the values of a point as they follow the name of its program.
+fn bracketed(values: impl Iterator<Item = String>) -> String {
+    let values: Vec<String> = values.collect();
+    match values.is_empty() {
+        true => String::new(),
+        false => format!(" [{}]", values.join(", ")),
     }
 }
 

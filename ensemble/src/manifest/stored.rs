@@ -10,7 +10,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
 use stochc_runtime::Settings;
 
-use super::{Compiled, EnsembleProgram, FORMAT, Manifest, Source, Varied};
+use super::{ChosenSetting, Compiled, EnsembleProgram, FORMAT, Manifest, Source, Varied};
 
 #[derive(Serialize, Deserialize)]
 struct StoredManifest {
@@ -34,6 +34,8 @@ struct StoredProgram {
     scene: Scene,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     varied: Vec<Varied>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    chosen: Vec<ChosenSetting>,
     /// Their numbers among `sources`.
     sources: Vec<usize>,
 }
@@ -94,6 +96,7 @@ impl Manifest {
                 compiled: place,
                 scene: program.scene.clone(),
                 varied: program.varied.clone(),
+                chosen: program.chosen.clone(),
                 sources: texts.collect(),
             }
         });
@@ -144,6 +147,9 @@ impl Manifest {
             let sources = sources.map(|&place| stored.sources.get(place).cloned());
             let (scene, name) = (program.scene, program.name);
             scene.validate().map_err(|reason| damaged(&reason))?;
+            let mut chosen = program.chosen.iter();
+            let is_known = |it: &ChosenSetting| ChosenSetting::new(it.of(), it.value()).map(drop);
+            (chosen.try_for_each(is_known)).map_err(|reason| damaged(&reason))?;
             let compiled = compiled.get(program.compiled).cloned();
             let compiled = compiled.ok_or_else(missing)?;
             let fits = compiled.tables.validate_in(&scene);
@@ -153,6 +159,7 @@ impl Manifest {
                 compiled,
                 scene,
                 varied: program.varied,
+                chosen: program.chosen,
                 sources: sources.collect::<Option<_>>().ok_or_else(missing)?,
             })
         });

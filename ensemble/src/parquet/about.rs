@@ -37,7 +37,7 @@ fn program(program: &EnsembleProgram) -> serde_json::Value {
     let phases = (program.phases().iter())
         .map(|phase| json!({ "name": phase.name, "by_hand": phase.planted }));
     let phases: Vec<_> = phases.collect();
-    json!({
+    let mut about = json!({
         "name": program.name,
         "assembly": program.assembly(),
         "scene": program.scene.name,
@@ -46,5 +46,9 @@ fn program(program: &EnsembleProgram) -> serde_json::Value {
         "varied": program.varied,
         "phases": phases,
         "roles": program.roles().iter().map(|role| &role.name).collect::<Vec<_>>(),
-    })
+    });
+    if !program.chosen.is_empty() {
+        about["chosen"] = json!(program.chosen);
+    }
+    about
 }

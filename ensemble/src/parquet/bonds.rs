@@ -5,7 +5,7 @@ use stochc_ir::table::{PhaseId, RoleId};
 
 use super::column::{ColumnDefinition, TableDefinition, integer, real, small, text, truth};
 use super::row::{RunContext, RunRow, key, phase};
-use crate::Varied;
+use crate::manifest::SweepAxes;
 
 /// When what a row says of the captured block is null.
 const CENSORED: &str = "the wait is censored";
@@ -73,7 +73,7 @@ impl<'a> BondRow<'a> {
     }
 }
 
-pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, BondRow<'a>>> {
+pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, BondRow<'a>>> {
     type R<'a> = RunRow<'a, BondRow<'a>>;
     let mut columns = key(axes);
     columns.extend(phase(|bond: &BondRow<'a>| bond.phase()));

@@ -21,7 +21,8 @@ use std::io::{self, Write};
 
 use ::parquet::errors::ParquetError;
 
-use super::{Finished, FolderError, JournalError, Manifest, Records, Varied};
+use super::manifest::SweepAxes;
+use super::{Finished, FolderError, JournalError, Manifest, Records};
 use row::rows;
 
 /// Captures, releases, phases and whatever else is in one row group of each table, with some more at its end: what is in memory
@@ -47,7 +48,7 @@ pub(super) fn write<W: Write + Send>(
     io: impl Fn(io::Error) -> FolderError,
 ) -> Result<Vec<(String, W)>, FolderError> {
     let about = about::about(manifest);
-    let axes = manifest.axes();
+    let axes = &manifest.swept();
     let mut files = Vec::new();
     macro_rules! begin_file {
         ($number:expr, $table:ident, $of:expr) => {
@@ -118,7 +119,7 @@ pub fn each_row_group<E: From<JournalError>>(
     table: usize,
     mut show: impl FnMut(Vec<ColumnValues<'_>>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let axes = manifest.axes();
+    let axes = &manifest.swept();
     each_group(finished, |group, _| {
         macro_rules! show_rows {
             ($number:expr, $table:ident, $of:expr) => {
@@ -152,15 +153,15 @@ fn plain(error: ParquetError) -> io::Error {
 
 /// What the tables of a results folder are; those of a sweep have further columns.
 pub fn tables() -> Vec<TableShape> {
-    shapes(&[])
+    shapes(&SweepAxes::default())
 }
 
 /// What the tables of an ensemble are.
 pub fn tables_of(manifest: &Manifest) -> Vec<TableShape> {
-    shapes(manifest.axes())
+    shapes(&manifest.swept())
 }
 
-fn shapes(axes: &[Varied]) -> Vec<TableShape> {
+fn shapes(axes: &SweepAxes<'_>) -> Vec<TableShape> {
     let mut shapes = Vec::new();
     macro_rules! shape {
         ($number:expr, $table:ident, $of:expr) => {

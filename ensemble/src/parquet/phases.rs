@@ -3,7 +3,7 @@ use stochc_ir::table::PhaseId;
 
 use super::column::{ColumnDefinition, TableDefinition, integer, real, text};
 use super::row::{RunContext, RunRow, key, outcome, phase};
-use crate::Varied;
+use crate::manifest::SweepAxes;
 
 /// A phase that a run has reached.
 pub(super) struct Reached {
@@ -47,7 +47,7 @@ pub(super) fn reached(run: RunContext) -> Vec<Reached> {
     phases
 }
 
-pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, Reached>> {
+pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, Reached>> {
     type R<'a> = RunRow<'a, Reached>;
     let mut columns = key(axes);
     columns.extend(phase(|reached: &Reached| reached.phase));

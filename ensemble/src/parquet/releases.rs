@@ -3,9 +3,11 @@ use stochc_ir::record::ReleaseRecord;
 
 use super::column::{ColumnDefinition, TableDefinition, integer, real, text};
 use super::row::{RunRow, key, phase};
-use crate::Varied;
+use crate::manifest::SweepAxes;
 
-pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, &'a ReleaseRecord>> {
+pub(super) fn table<'a>(
+    axes: &SweepAxes<'_>,
+) -> TableDefinition<'a, RunRow<'a, &'a ReleaseRecord>> {
     type R<'a> = RunRow<'a, &'a ReleaseRecord>;
     let mut columns = key(axes);
     columns.extend(phase(|release: &&ReleaseRecord| release.phase));

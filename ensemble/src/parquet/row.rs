@@ -3,7 +3,8 @@ use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
 use super::column::{ColumnDefinition, integer, real, text, truth};
-use crate::{EnsembleProgram, Finished, Manifest, Varied};
+use crate::manifest::SweepAxes;
+use crate::{EnsembleProgram, Finished, Manifest};
 
 /// The run that a row belongs to.
 #[derive(Clone, Copy)]
@@ -42,7 +43,7 @@ pub(super) fn rows<'a, T, I: IntoIterator<Item = T>>(
 }
 
 /// Which run it is, and the numbers of the scene in which the ensemble is swept.
-pub(super) fn key<'a, T: 'a>(axes: &[Varied]) -> Vec<ColumnDefinition<'a, RunRow<'a, T>>> {
+pub(super) fn key<'a, T: 'a>(axes: &SweepAxes<'_>) -> Vec<ColumnDefinition<'a, RunRow<'a, T>>> {
     let mut columns = vec![
         ColumnDefinition::new(
             "program",
@@ -57,7 +58,7 @@ pub(super) fn key<'a, T: 'a>(axes: &[Varied]) -> Vec<ColumnDefinition<'a, RunRow
             integer(|row: &RunRow<'a, T>| row.run.record.run),
         ),
     ];
-    columns.extend(axes.iter().map(|axis| {
+    columns.extend(axes.numbers.iter().map(|axis| {
         let here = axis.clone();
         ColumnDefinition::new(
             axis.column(),
@@ -67,7 +68,22 @@ pub(super) fn key<'a, T: 'a>(axes: &[Varied]) -> Vec<ColumnDefinition<'a, RunRow
         )
         .null("the program is no point of the sweep")
     }));
+    columns.extend(axes.settings.iter().map(|&of| {
+        let name = of.to_owned();
+        ColumnDefinition::new(
+            setting_column(of),
+            "",
+            format!("the setting `{of}`, which the sweep varies"),
+            text(move |row: &RunRow<'a, T>| row.run.program.chosen_value(&name)),
+        )
+        .null("the setting is that of the ensemble")
+    }));
     columns
+}
+
+/// Returns the name of the column of a setting, such as `setting_solver_iterations`.
+pub(super) fn setting_column(of: &str) -> String {
+    format!("setting_{}", of.replace('-', "_"))
 }
 
 /// In which phase it is.

@@ -6,7 +6,7 @@ use super::column::{
     ColumnDefinition, TableDefinition, integer, integers, real, text, texts, unsigned,
 };
 use super::row::{RunRow, key, outcome};
-use crate::Varied;
+use crate::manifest::SweepAxes;
 
 /// The phase in which a run ended without being complete.
 pub(super) fn unfinished(record: &RunRecord) -> Option<PhaseId> {
@@ -16,7 +16,7 @@ pub(super) fn unfinished(record: &RunRecord) -> Option<PhaseId> {
     }
 }
 
-pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, ()>> {
+pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, ()>> {
     type R<'a> = RunRow<'a, ()>;
     let mut columns = key(axes);
     columns.extend([

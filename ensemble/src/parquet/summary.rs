@@ -2,6 +2,7 @@
 use super::column::{
     ColumnDefinition, ColumnValues, TableDefinition, TableShape, integer, real, text,
 };
+use super::row::setting_column;
 use crate::sweep::{Sweep, SweepPoint};
 use crate::{Comparison, EnsembleProgram, Manifest, ProgramSummary, Time};
 
@@ -50,7 +51,8 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
         "name of the program in the ensemble; of a sweep with its values",
         text(|row: &R<'a>| row.summary.name.as_str()),
     )];
-    columns.extend(manifest.axes().iter().map(|axis| {
+    let axes = manifest.swept();
+    columns.extend(axes.numbers.iter().map(|axis| {
         ColumnDefinition::new(
             axis.column(),
             axis.unit.clone(),
@@ -58,6 +60,15 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
             real(move |row: &R<'a>| row.program.on_axis(axis)),
         )
         .null("the program is no point of the sweep")
+    }));
+    columns.extend(axes.settings.into_iter().map(|of| {
+        ColumnDefinition::new(
+            setting_column(of),
+            "",
+            "a setting, which the sweep varies",
+            text(move |row: &R<'a>| row.program.chosen_value(of)),
+        )
+        .null("the setting is that of the ensemble")
     }));
     columns.extend([
         ColumnDefinition::new(
@@ -217,6 +228,13 @@ pub fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
             real(value),
         )
         .null(UNKNOWN)
+    }));
+    columns.extend(sweep.settings.iter().map(|of| {
+        let value = move |row: &R<'a>| {
+            let mut chosen = row.chosen.iter();
+            chosen.find(|it| it.of() == of).map(|it| it.value())
+        };
+        ColumnDefinition::new(of.clone(), "", "a setting", text(value)).null(UNKNOWN)
     }));
     columns.extend([
         ColumnDefinition::new(

@@ -3,9 +3,11 @@ use stochc_ir::record::UnplannedRecord;
 
 use super::column::{ColumnDefinition, TableDefinition, integer, real, text};
 use super::row::{RunRow, key, phase};
-use crate::Varied;
+use crate::manifest::SweepAxes;
 
-pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, &'a UnplannedRecord>> {
+pub(super) fn table<'a>(
+    axes: &SweepAxes<'_>,
+) -> TableDefinition<'a, RunRow<'a, &'a UnplannedRecord>> {
     type R<'a> = RunRow<'a, &'a UnplannedRecord>;
     let mut columns = key(axes);
     columns.extend(phase(|bond: &&UnplannedRecord| bond.phase));

@@ -27,7 +27,7 @@ pub use quantile::quantile;
 pub use ratio::{Relative, relative};
 pub use runs::Runs;
 pub use sample::TimeSample;
-pub(crate) use share::{share_interval, unseen_share_error};
+pub(crate) use share::share_interval;
 pub use summary::{Summary, median};
 pub use survival::{KaplanMeier, RestrictedMean, SurvivalPoint};
 

@@ -2,12 +2,12 @@
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::units::WrittenQuantity;
 
-use crate::Varied;
+use crate::{ChosenSetting, Varied};
 
 /// Values of one axis at most.
 const MOST: u32 = 400;
 
-/// A number of the scene, and the values that it gets one after the other.
+/// A scene parameter or a setting, and the values that it gets one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// The name of the number, as it was given.
@@ -25,6 +25,8 @@ enum AxisValues {
     Even { from: f64, to: f64, n: u32 },
     /// `50..600/6 log`: each the same multiple of the one before.
     Geometric { from: f64, to: f64, n: u32 },
+    /// `model=rigid,rapier`: values of a setting.
+    Settings(Vec<ChosenSetting>),
 }
 
 impl Axis {
@@ -37,6 +39,15 @@ impl Axis {
             .split_once('=')
             .filter(|(name, _)| !name.trim().is_empty())
             .ok_or("write NAME=VALUES, such as `free=50..600/6` or `bond.pull=2,4,8 N`")?;
+        let name = name.trim();
+        if ChosenSetting::is_name(name) {
+            let chosen = settings(name, values)?;
+            return Ok(Axis {
+                name: name.to_owned(),
+                values: AxisValues::Settings(chosen),
+                unit: String::new(),
+            });
+        }
         let (spaced, is_geometric) = logarithmic(values);
         let (values, unit) = match spaced.split_once("..") {
             Some((from, rest)) => range(from, rest, is_geometric)?,
@@ -46,10 +57,18 @@ impl Axis {
             None => list(spaced)?,
         };
         Ok(Axis {
-            name: name.trim().to_owned(),
+            name: name.to_owned(),
             values,
             unit,
         })
+    }
+
+    /// Returns the values of a setting. `None`: the axis is a scene parameter.
+    pub fn settings(&self) -> Option<&[ChosenSetting]> {
+        match &self.values {
+            AxisValues::Settings(chosen) => Some(chosen),
+            AxisValues::List(_) | AxisValues::Even { .. } | AxisValues::Geometric { .. } => None,
+        }
     }
 
     /// The values for a number of a scene, each with its unit.
@@ -75,6 +94,12 @@ impl Axis {
 
     fn said(&self, number: &SchemaNumber) -> Result<Vec<f64>, String> {
         Ok(match self.values {
+            AxisValues::Settings(_) => {
+                return Err(format!(
+                    "`{}` is a setting, not a scene parameter",
+                    self.name
+                ));
+            }
             AxisValues::List(ref values) => values.clone(),
             AxisValues::Even { from, to, n } => {
                 let values: Vec<f64> = (0..n).map(|i| even(from, to, n, i)).collect();
@@ -97,6 +122,19 @@ impl Axis {
             }
         })
     }
+}
+
+/// Reads the values of a setting, each once.
+fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, String> {
+    let mut chosen: Vec<ChosenSetting> = Vec::new();
+    for value in values.split(',') {
+        let value = ChosenSetting::new(name, value.trim())?;
+        if chosen.contains(&value) {
+            return Err(format!("`{}` is given twice", value.text()));
+        }
+        chosen.push(value);
+    }
+    Ok(chosen)
 }
 
 /// Values without the word `log` behind them, and whether it was there.
@@ -274,6 +312,27 @@ mod tests {
         assert!(told("free=50.5..600/2").contains("give whole ends"));
         assert!(told("free=50,60.5").contains("must be a whole number from 0"));
         assert!(told("free=1..4/9 log").contains("twice"));
+    }
+
+    #[test]
+    fn settings_are_listed() {
+        let axis = Axis::parse("substeps = 1, 2/8").unwrap();
+        let values: Vec<&str> = axis
+            .settings()
+            .unwrap()
+            .iter()
+            .map(|it| it.value())
+            .collect();
+        assert_eq!(values, ["1", "2/8"]);
+        assert_eq!(Axis::parse("free=5").unwrap().settings(), None);
+        for (text, reason) in [
+            ("model=rigid,rapid", "`model=rapid`: give one of `rigid`"),
+            ("substeps=1,2,1", "`substeps=1` is given twice"),
+            ("precision=", "give one of"),
+        ] {
+            let told = Axis::parse(text).unwrap_err();
+            assert!(told.contains(reason), "{text}: {told}");
+        }
     }
 
     #[test]

@@ -10,14 +10,10 @@ const FORMAT: u32 = 1;
 impl Sweep {
     /// The text of `sweep.json`.
     pub fn to_json(&self, manifest: &Manifest) -> String {
-        let value = json!({
-            "format": FORMAT,
-            "stochc": manifest.stochc,
-            "ensemble": manifest.identity(),
-            "axes": self.axes,
-            "unit": self.unit,
-            "points": self.points,
-        });
+        let mut value = json!(self);
+        value["format"] = FORMAT.into();
+        value["stochc"] = json!(manifest.stochc);
+        value["ensemble"] = manifest.identity().into();
         format!("{value:#}\n")
     }
 

@@ -5,8 +5,8 @@ use stochc_ir::record::{BondRecord, Origin, RunRecord};
 use crate::statistics::{Status, TimeSample, share_interval};
 use crate::text::Tick;
 use crate::{
-    EnsembleProgram, Finished, JournalError, Manifest, Records, Time, TimeUnit, Varied,
-    completion_time, last_seen,
+    ChosenSetting, EnsembleProgram, Finished, JournalError, Manifest, Records, Time, TimeUnit,
+    Varied, completion_time, last_seen,
 };
 
 /// The unit of times where all scenes have ticks of one length.
@@ -17,6 +17,9 @@ const TICKS: &str = "ticks";
 pub struct Sweep {
     /// The numbers, in the order of the command line.
     pub axes: Vec<SweptNumber>,
+    /// Names of the settings that were varied.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub settings: Vec<String>,
     /// The unit of all times: ticks, or seconds where the points differ in the length of a tick.
     pub unit: &'static str,
     /// In the order of the manifest.
@@ -37,10 +40,13 @@ pub struct SweptNumber {
 pub struct SweepPoint {
     /// The program's name in the manifest, such as `line [free=50]`.
     pub name: String,
-    /// The name without the values.
+    /// The name without the values of the scene.
     pub program: String,
     /// One for each axis.
     pub values: Vec<SweptValue>,
+    /// The settings that were chosen for it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub chosen: Vec<ChosenSetting>,
     /// Length of a tick of its scene \[s\].
     pub tick: f64,
     /// Runs asked for.
@@ -111,7 +117,7 @@ impl<'a> SweepTally<'a> {
     /// Before the first run of the sweep that a manifest asks for; `None`: it asks for none.
     pub fn new(manifest: &'a Manifest) -> Option<SweepTally<'a>> {
         let axes: Vec<SweptNumber> = manifest.axes().iter().map(dial).collect();
-        if axes.is_empty() {
+        if axes.is_empty() && !manifest.varies_settings() {
             return None;
         }
         let mut ticks = manifest.programs.iter().map(|program| program.scene.tick);
@@ -134,7 +140,7 @@ impl<'a> SweepTally<'a> {
 
     /// What came of it.
     pub fn finish(self) -> Sweep {
-        let axes = &self.axes;
+        let (axes, settings) = (&self.axes, self.manifest.swept().settings);
         let last = self.programs.iter().map(PointTally::last_seen);
         let last = last.fold(0.0, f64::max);
         let programs = self.manifest.programs.iter().zip(self.programs);
@@ -146,22 +152,24 @@ impl<'a> SweepTally<'a> {
                 value: varied.said,
                 si: varied.value,
             });
-            let names = (
-                program.name.clone(),
-                program.name.replace(&program.point(), ""),
-            );
-            tally.finish(
+            let names = (program.name.clone(), program.name_without_numbers());
+            let point = tally.finish(
                 names,
                 values.collect(),
                 self.manifest.runs,
                 program.scene.tick,
                 last,
-            )
+            );
+            SweepPoint {
+                chosen: program.chosen.clone(),
+                ..point
+            }
         };
         Sweep {
             unit: if self.is_one { TICKS } else { "s" },
             points: same.map(point).collect(),
             axes: self.axes.clone(),
+            settings: settings.into_iter().map(str::to_owned).collect(),
         }
     }
 }
@@ -286,6 +294,7 @@ impl PointTally {
             name,
             program,
             values,
+            chosen: Vec::new(),
             tick,
             runs,
             completed,

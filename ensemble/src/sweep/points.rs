@@ -4,39 +4,79 @@ use stochc_ir::scene::scalars::find;
 use stochc_ir::scene::schema::SchemaNumber;
 
 use super::Axis;
-use crate::Varied;
+use crate::{ChosenSetting, Varied};
 
 /// Programs that an ensemble may have by sweeping.
 pub const MOST_POINTS: usize = 400;
+
+/// A value for every axis of a sweep.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Point {
+    /// Scene parameters.
+    pub varied: Vec<Varied>,
+    /// Settings.
+    pub chosen: Vec<ChosenSetting>,
+}
+
+impl Point {
+    fn with_number(&self, value: &Varied) -> Point {
+        let mut point = self.clone();
+        point.varied.push(value.clone());
+        point
+    }
+
+    fn with_setting(&self, value: &ChosenSetting) -> Point {
+        let mut point = self.clone();
+        point.chosen.push(value.clone());
+        point
+    }
+}
 
 /// The points of a scene, the last axis first to change; each has a value for every axis.
 ///
 /// # Errors
 /// In words, when the scene has no such number or may not have such a value, and when there are more
 /// than [`MOST_POINTS`].
-pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Vec<Varied>>, String> {
-    let mut all: Vec<Vec<Varied>> = vec![Vec::new()];
+pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, String> {
+    let mut all = vec![Point::default()];
     let mut seen: Vec<&str> = Vec::new();
     for axis in axes {
-        let scalar = number(scene, &axis.name)?;
-        if seen.contains(&scalar.name()) {
-            return Err(format!("`{}` is swept twice", scalar.name()));
-        }
-        seen.push(scalar.name());
-        let values = axis.values(scalar)?;
-        let count = all.len().saturating_mul(values.len());
-        if count > MOST_POINTS {
-            return Err(format!(
-                "these are {count} points or more, and {MOST_POINTS} is the most; ask for fewer values"
-            ));
-        }
-        let longer = |point: Vec<Varied>| {
-            let with = |value: &Varied| [&point[..], std::slice::from_ref(value)].concat();
-            values.iter().map(with).collect::<Vec<_>>()
+        let longer: Vec<Point> = if let Some(chosen) = axis.settings() {
+            first_time(&mut seen, &axis.name)?;
+            few(all.len(), chosen.len())?;
+            let with = |point: &Point| chosen.iter().map(|it| point.with_setting(it)).collect();
+            all.iter().flat_map::<Vec<Point>, _>(with).collect()
+        } else {
+            let scalar = number(scene, &axis.name)?;
+            first_time(&mut seen, scalar.name())?;
+            let values = axis.values(scalar)?;
+            few(all.len(), values.len())?;
+            let with = |point: &Point| values.iter().map(|it| point.with_number(it)).collect();
+            all.iter().flat_map::<Vec<Point>, _>(with).collect()
         };
-        all = all.into_iter().flat_map(longer).collect();
+        all = longer;
     }
     Ok(all)
+}
+
+/// Rejects an axis that was there before.
+fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), String> {
+    if seen.contains(&name) {
+        return Err(format!("`{name}` is swept twice"));
+    }
+    seen.push(name);
+    Ok(())
+}
+
+/// Rejects so many points with so many further values each.
+fn few(points: usize, values: usize) -> Result<(), String> {
+    let count = points.saturating_mul(values);
+    match count > MOST_POINTS {
+        false => Ok(()),
+        true => Err(format!(
+            "these are {count} points or more, and {MOST_POINTS} is the most; ask for fewer values"
+        )),
+    }
 }
 
 /// The number of a scene that has this name.
@@ -59,9 +99,10 @@ mod tests {
     fn of(axes: &[&str]) -> Result<Vec<String>, String> {
         let axes: Vec<Axis> = axes.iter().map(|axis| Axis::parse(axis).unwrap()).collect();
         let points = points(&axes, &built_in("hemisphere").unwrap())?;
-        let text = |point: Vec<Varied>| {
-            let values: Vec<_> = point.iter().map(Varied::text).collect();
-            values.join(" ")
+        let text = |point: Point| {
+            let numbers = point.varied.iter().map(Varied::text);
+            let settings = point.chosen.iter().map(ChosenSetting::text);
+            numbers.chain(settings).collect::<Vec<_>>().join(" ")
         };
         Ok(points.into_iter().map(text).collect())
     }
@@ -77,6 +118,17 @@ mod tests {
                 "free=60 agitation.speed=2 m/s"
             ]
         );
+        assert_eq!(
+            of(&["substeps=1,2", "free=50,60"]).unwrap(),
+            [
+                "free=50 substeps=1",
+                "free=60 substeps=1",
+                "free=50 substeps=2",
+                "free=60 substeps=2"
+            ]
+        );
+        let told = of(&["model=rigid", "model=rate"]).unwrap_err();
+        assert_eq!(told, "`model` is swept twice");
     }
 
     #[test]

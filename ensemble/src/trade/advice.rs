@@ -6,8 +6,8 @@ use crate::text::{percent, ratio};
 /// The sentences for a trade.
 pub(super) fn advice(trade: &Trade) -> String {
     let (Some(known), Some(reference)) = (&trade.reference, trade.reference_candidate()) else {
-        return "Too few runs were completed to hold anything against a reference; more time \
-                would help, or a larger `--max-ticks`."
+        return "There is no reference: too few runs of `rigid` with uniform substeps were completed. More \
+                runs help, or a larger `--max-ticks`."
             .to_owned();
     };
     let mut sentences = Vec::new();
@@ -18,16 +18,15 @@ pub(super) fn advice(trade: &Trade) -> String {
     };
     if let Some(doubt) = doubt {
         sentences.push(format!(
-            "The reference, `{}`, {doubt}, so that biases are against it and not against the limit \
-             of small steps.",
+            "The reference, `{}`, {doubt}: biases are relative to it, not to the limit of small steps.",
             reference.options
         ));
     }
     let mut programs = 0..trade.programs.len();
     if programs.any(|program| trade.reference_runs_at_limit(program) > 0) {
         sentences.push(
-            "The limit of ticks has stopped runs of the reference, so that of longer times nothing is known; a \
-             larger `--max-ticks` would tell."
+            "The limit of ticks has stopped runs of the reference: nothing is known of longer times; a larger \
+             `--max-ticks` would tell."
                 .to_owned(),
         );
     }

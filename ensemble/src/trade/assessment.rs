@@ -1,91 +1,110 @@
-//! Every setting against the reference: from runs to a trade.
-
+//! Every setting compared with the reference, from the runs of a sweep over settings.
 use stochc_runtime::Settings;
 
 use super::advice::advice;
 use super::candidates::{flags, refines, short};
 use super::convergence::{CLOSE, Convergence, Doubling, at_limit, convergence};
-use super::estimate::{self, EstimatedSamples};
-use super::plan::CandidateOutcome;
-use super::ranking::{Ranked, Verdict, rank};
-use super::result::{CandidateResult, FORMAT, MeasuredProgram, ProgramResult, Reference, Trade};
-use super::sample::{End, Sample};
-use crate::Time;
-use crate::statistics::{Observation, Relative, Runs, distance, relative};
+use super::ranking::{Orders, Ranked, Verdict};
+use super::result::{CandidateResult, ProgramResult, Reference, Trade, TradedProgram};
+use super::sample::Sample;
+use crate::manifest::ChosenSetting;
+use crate::statistics::{Observation, Relative, Status, distance, relative};
+use crate::{Comparison, ComparisonTally, Finished, JournalError, Manifest, Records, Time};
 
-/// How it was measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Conditions {
-    /// The seed of every draw.
-    pub seed: u64,
-    /// Runs at the same time.
-    pub threads: usize,
-    /// Runs of each program at each candidate, where they were asked for.
-    pub runs: Option<u64>,
-    /// Time for all of it \[s\], where that was asked for.
-    pub budget: Option<f64>,
-    /// Whether it came to its end.
-    pub complete: bool,
+/// A trade while runs are read, sorted by program and run.
+#[derive(Debug)]
+pub struct TradeTally<'a> {
+    manifest: &'a Manifest,
+    /// Each combination of settings once.
+    settings: Vec<&'a [ChosenSetting]>,
+    /// Each program once, whatever the settings.
+    programs: Vec<TradedProgram>,
+    /// Program of the manifest of each program at each setting.
+    places: Vec<Vec<Option<usize>>>,
+    /// Runs of each program of the manifest.
+    samples: Vec<Sample>,
 }
 
-impl Trade {
-    /// Draws it up; `limits` are the ticks after which runs of each program were given up.
-    pub fn of(
-        programs: &[crate::EnsembleProgram],
-        outcomes: &[CandidateOutcome],
-        estimated: &EstimatedSamples,
-        limits: &[u64],
-        means: Conditions,
-    ) -> Trade {
-        let rows: Vec<Row> = (outcomes.iter().map(Row::of_outcome))
-            .chain([Row::of_estimate(estimated)])
-            .collect();
-        let times: Vec<Vec<Vec<Observation>>> = (rows.iter())
-            .map(|row| row.samples.iter().map(Sample::times).collect())
-            .collect();
-        let runs: Vec<Vec<Runs>> = (rows.iter())
-            .map(|row| {
-                let samples = row.samples.iter();
-                samples.map(|sample| sample.runs(means.seed)).collect()
+/// A setting with its runs.
+struct Row<'a> {
+    settings: Settings,
+    samples: Vec<&'a Sample>,
+}
+
+impl<'a> TradeTally<'a> {
+    /// A trade before the first run. `None` if settings are not varied.
+    pub fn new(manifest: &'a Manifest) -> Option<TradeTally<'a>> {
+        let mut tally = TradeTally {
+            manifest,
+            settings: Vec::new(),
+            programs: Vec::new(),
+            places: Vec::new(),
+            samples: vec![Sample::default(); manifest.programs.len()],
+        };
+        for (number, program) in manifest.programs.iter().enumerate() {
+            let (settings, name) = (&program.chosen[..], program.name_without_settings());
+            let row = place(&mut tally.settings, |it| *it == settings, || settings);
+            let column = place(
+                &mut tally.programs,
+                |it| it.name == name,
+                || TradedProgram {
+                    name: name.clone(),
+                    tick: program.scene.tick,
+                },
+            );
+            tally.places.resize(tally.settings.len(), Vec::new());
+            let places = &mut tally.places[row];
+            places.resize(places.len().max(column + 1), None);
+            places[column] = Some(number);
+        }
+        for places in &mut tally.places {
+            places.resize(tally.programs.len(), None);
+        }
+        (tally.settings.len() > 1).then_some(tally)
+    }
+
+    /// Adds a run.
+    pub fn add(&mut self, done: &Finished) {
+        self.samples[done.program].add(done);
+    }
+
+    /// Compares all settings with the reference. `comparison` is that of the same runs.
+    pub fn finish(self, comparison: &Comparison) -> Trade {
+        let (manifest, none) = (self.manifest, Sample::default());
+        let rows: Vec<Row> = (self.places.iter())
+            .map(|places| {
+                let sample = |place: &Option<usize>| place.map_or(&none, |it| &self.samples[it]);
+                let first = places.iter().flatten().next();
+                let settings = first.map(|&it| manifest.settings_of(&manifest.programs[it]));
+                Row {
+                    settings: Settings {
+                        rates: Vec::new(),
+                        ..settings.unwrap_or_default().into_owned()
+                    },
+                    samples: places.iter().map(sample).collect(),
+                }
             })
             .collect();
-        let reference = reference(outcomes, &times);
-        let against = reference.as_ref().map(|r| r.candidate);
-        let mut candidates: Vec<CandidateResult> = (rows.iter().zip(&times).enumerate())
-            .map(|(i, (row, own))| {
-                let ranking = match against {
-                    Some(r) if !row.samples.iter().all(Sample::is_empty) => {
-                        rank(&runs[r], &runs[i])
-                    }
-                    _ => Vec::new(),
-                };
-                let reference = against.filter(|&r| r != i).map(|r| &times[r][..]);
-                candidate(row, own, reference, ranking)
-            })
-            .collect();
-        let whole = against.and_then(|r| candidates[r].cost);
+        let names = |row: usize| -> Vec<Option<&str>> {
+            let name = |place: &Option<usize>| Some(&*manifest.programs[(*place)?].name);
+            self.places[row].iter().map(name).collect()
+        };
+        let (reference, orders) = (reference(&rows), Orders::new(comparison));
+        let against = reference.as_ref().map(|it| it.candidate);
+        let candidates = rows.iter().enumerate().map(|(i, row)| {
+            let reference = against.filter(|&it| it != i).map(|it| &rows[it]);
+            let ranking = against.map_or_else(Vec::new, |it| orders.rank(&names(it), &names(i)));
+            candidate(row, reference, ranking)
+        });
+        let mut candidates: Vec<CandidateResult> = candidates.collect();
+        let whole = against.and_then(|it| candidates[it].cost);
         for candidate in &mut candidates {
             candidate.cost_ratio = candidate.cost.zip(whole).map(|(cost, whole)| cost / whole);
         }
         draw_front(&mut candidates, against);
-        let described = programs
-            .iter()
-            .zip(limits)
-            .map(|(program, &max_ticks)| MeasuredProgram {
-                name: program.name.clone(),
-                hash: program.hash(),
-                max_ticks,
-                scene: program.scene.clone(),
-            });
         let mut trade = Trade {
-            format: FORMAT,
-            stochc: env!("CARGO_PKG_VERSION").to_owned(),
-            seed: means.seed,
-            threads: means.threads,
-            runs: means.runs,
-            budget: means.budget,
-            complete: means.complete,
-            programs: described.collect(),
+            max_ticks: manifest.settings.max_ticks,
+            programs: self.programs,
             reference,
             candidates,
             advice: String::new(),
@@ -95,23 +114,55 @@ impl Trade {
     }
 }
 
-/// The finest candidate that has at least two completed runs of each program.
-fn reference(outcomes: &[CandidateOutcome], times: &[Vec<Vec<Observation>>]) -> Option<Reference> {
-    let known = |i: &usize| {
-        let enough =
-            |times: &Vec<Observation>| times.iter().filter(|o| o.is_completed()).count() > 1;
-        refines(&outcomes[*i].settings) && times[*i].iter().all(enough)
+impl Trade {
+    /// Compares the settings of a sweep. `None` if settings are not varied.
+    ///
+    /// # Errors
+    /// If the runs cannot be read again.
+    pub fn from_runs(
+        manifest: &Manifest,
+        finished: &Records,
+    ) -> Result<Option<Trade>, JournalError> {
+        let Some(mut tally) = TradeTally::new(manifest) else {
+            return Ok(None);
+        };
+        let mut comparison = ComparisonTally::new(manifest);
+        finished.each(|done| {
+            tally.add(done);
+            comparison.add(done);
+        })?;
+        Ok(Some(tally.finish(&comparison.finish())))
+    }
+}
+
+/// Returns the place of an element in a list, and appends it if it is not there.
+fn place<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> usize {
+    let place = list.iter().position(is_it).unwrap_or(list.len());
+    if place == list.len() {
+        list.push(new());
+    }
+    place
+}
+
+/// Finds the finest settings of the refinement with at least two completed runs of each program.
+fn reference(rows: &[Row]) -> Option<Reference> {
+    let is_known = |&i: &usize| {
+        let mut samples = rows[i].samples.iter();
+        refines(&rows[i].settings) && samples.all(|it| it.count(Status::Completed) > 1)
     };
-    let substeps = |i: usize| outcomes[i].settings.substeps;
-    let mut candidates: Vec<usize> = (0..outcomes.len()).filter(known).collect();
-    candidates.sort_by_key(|&i| substeps(i));
-    let candidate = *candidates.last()?;
+    let mut refined: Vec<usize> = (0..rows.len()).filter(is_known).collect();
+    refined.sort_by_key(|&i| rows[i].settings.substeps);
+    let candidate = *refined.last()?;
+    let times = |i: usize| -> Vec<&[Observation]> {
+        let samples = rows[i].samples.iter();
+        samples.map(|sample| &sample.times[..]).collect()
+    };
     let doubling = |pair: &[usize]| {
-        let [from, to] = [pair[0], pair[1]].map(|i| (substeps(i), &times[i][..]));
-        Doubling::of(from, to)
+        let [from, to] = [pair[0], pair[1]].map(|i| (rows[i].settings.substeps, times(i)));
+        Doubling::of((from.0, &from.1), (to.0, &to.1))
     };
-    let doublings: Vec<Doubling> = candidates.windows(2).map(doubling).collect();
-    let programs: Vec<usize> = (0..times[candidate].len()).collect();
+    let doublings: Vec<Doubling> = refined.windows(2).map(doubling).collect();
+    let programs: Vec<usize> = (0..rows[candidate].samples.len()).collect();
     let is_cut = doublings.last().is_some_and(Doubling::is_cut);
     Some(Reference {
         candidate,
@@ -125,64 +176,18 @@ fn reference(outcomes: &[CandidateOutcome], times: &[Vec<Vec<Observation>>]) -> 
     })
 }
 
-/// A setting that was tried, or the estimate.
-struct Row<'a> {
-    name: String,
-    options: String,
-    settings: Option<&'a Settings>,
-    left_out: Option<&'a str>,
-    samples: &'a [Sample],
-}
-
-impl Row<'_> {
-    fn of_outcome(outcome: &CandidateOutcome) -> Row<'_> {
-        Row {
-            name: short(&outcome.settings),
-            options: flags(&outcome.settings),
-            settings: Some(&outcome.settings),
-            left_out: outcome.left_out.as_deref(),
-            samples: &outcome.samples,
-        }
-    }
-
-    fn of_estimate(estimated: &EstimatedSamples) -> Row<'_> {
-        Row {
-            name: estimate::NAME.to_owned(),
-            options: estimate::COMMAND.to_owned(),
-            settings: None,
-            left_out: estimated.left_out.as_deref(),
-            samples: &estimated.samples,
-        }
-    }
-}
-
-fn candidate(
-    row: &Row<'_>,
-    times: &[Vec<Observation>],
-    reference: Option<&[Vec<Observation>]>,
-    ranking: Vec<Ranked>,
-) -> CandidateResult {
-    let cells: Vec<ProgramResult> = (row.samples.iter().zip(times).enumerate())
-        .map(|(i, (sample, own))| ProgramResult {
-            // What is drawn has no ticks that cost anything.
-            cost_of_tick: row.settings.and_then(|_| sample.cost_of_tick()),
-            ..cell(sample, own, reference.map(|times| &times[i][..]))
-        })
-        .collect();
+fn candidate(row: &Row, reference: Option<&Row>, ranking: Vec<Ranked>) -> CandidateResult {
+    let other = |program: usize| reference.map(|it| &it.samples[program].times[..]);
+    let samples = || row.samples.iter().enumerate();
+    let cells: Vec<ProgramResult> = samples().map(|(i, it)| cell(it, other(i))).collect();
     let costs: Option<Vec<f64>> = cells.iter().map(|cell| cell.cost).collect();
     let biases: Option<Vec<Relative>> = cells.iter().map(|cell| cell.bias).collect();
-    let measured = row.samples.iter().any(|sample| !sample.is_empty());
-    let mut compared = times.iter().chain(reference.into_iter().flatten());
-    let is_cut = compared.any(|times| at_limit(times) > 0);
+    let is_cut =
+        samples().any(|(i, sample)| at_limit(&sample.times) + other(i).map_or(0, at_limit) > 0);
     CandidateResult {
-        name: row.name.clone(),
-        options: row.options.clone(),
-        settings: row.settings.cloned(),
-        left_out: match (row.left_out, measured) {
-            (Some(reason), _) => Some(reason.to_owned()),
-            (None, true) => None,
-            (None, false) => Some("there was no time for it".to_owned()),
-        },
+        name: short(&row.settings),
+        options: flags(&row.settings),
+        settings: row.settings.clone(),
         cost: costs.map(|costs| costs.iter().sum::<f64>() / costs.len() as f64),
         cost_ratio: None,
         bound: biases.as_ref().filter(|_| !is_cut).and_then(|biases| {
@@ -191,9 +196,8 @@ fn candidate(
         }),
         worst: biases.and_then(|biases| {
             let size = |bias: &Relative| bias.value.abs();
-            biases
-                .into_iter()
-                .max_by(|a, b| size(a).total_cmp(&size(b)))
+            let biases = biases.into_iter();
+            biases.max_by(|a, b| size(a).total_cmp(&size(b)))
         }),
         front: false,
         reversed: ranking.iter().any(|pair| pair.verdict == Verdict::Reversed),
@@ -202,31 +206,26 @@ fn candidate(
     }
 }
 
-fn cell(
-    sample: &Sample,
-    times: &[Observation],
-    reference: Option<&[Observation]>,
-) -> ProgramResult {
+fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
+    let times = &sample.times[..];
     let time = Time::of(times);
     ProgramResult {
-        runs: sample.len(),
-        completed: sample.count(End::Completed),
-        timed_out: sample.count(End::TimedOut),
-        censored: sample.count(End::Censored),
-        failed: sample.count(End::Failed),
+        runs: times.len() + sample.failed,
+        completed: sample.count(Status::Completed),
+        timed_out: sample.count(Status::Competing),
+        censored: sample.count(Status::Censored),
+        failed: sample.failed,
         mean: time.as_ref().map(|time| time.mean),
         half_width: time.as_ref().and_then(|time| time.half_width),
         horizon: time.as_ref().and_then(|time| time.horizon),
         bias: reference.and_then(|reference| relative(times, reference)),
         distance: reference.and_then(|reference| distance(times, reference)),
         cost: sample.cost(),
-        cost_of_tick: None,
+        cost_of_tick: sample.cost_of_tick(),
     }
 }
 
-/// Marks the candidates that no other one beats, the reference among them with no bias at all.
-///
-/// What counts of a bias is its bound, since of an interval's middle nothing follows.
+/// Marks the Pareto-optimal settings. The bias of the reference is 0, that of others is bounded by its interval.
 fn draw_front(candidates: &mut [CandidateResult], reference: Option<usize>) {
     let bias = |i: usize, candidate: &CandidateResult| match reference == Some(i) {
         true => Some(0.0),

@@ -1,5 +1,5 @@
 //! Whether the reference has converged: what doubling the substeps still changes.
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::statistics::{Observation, Relative, Status, relative};
 
@@ -10,7 +10,7 @@ const STEPS: usize = 2;
 pub const CLOSE: f64 = 0.1;
 
 /// What is known of a reference's distance from the limit of small steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Convergence {
     /// The last doubling has changed little, interval included, and the one before is not known to
@@ -23,7 +23,7 @@ pub enum Convergence {
 }
 
 /// What changes when the substeps are doubled.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Doubling {
     /// Substeps before.
     pub from: u32,
@@ -38,8 +38,8 @@ pub struct Doubling {
 
 impl Doubling {
     /// Compares the times of each program before and after.
-    pub fn of(from: (u32, &[Vec<Observation>]), to: (u32, &[Vec<Observation>])) -> Doubling {
-        let programs = || to.1.iter().zip(from.1);
+    pub fn of<T: AsRef<[Observation]>>(from: (u32, &[T]), to: (u32, &[T])) -> Doubling {
+        let programs = || to.1.iter().map(T::as_ref).zip(from.1.iter().map(T::as_ref));
         Doubling {
             from: from.0,
             to: to.0,
@@ -53,14 +53,6 @@ impl Doubling {
     /// Whether the limit of ticks has stopped runs.
     pub(super) fn is_cut(&self) -> bool {
         self.censored.iter().any(|&runs| runs > 0)
-    }
-
-    /// Whether no mean is known to have changed: every interval includes 0.
-    fn is_settled(&self) -> bool {
-        self.changes.iter().all(|change| match change {
-            Some(change) => change.half_width.is_some() && !change.is_known(),
-            None => false,
-        })
     }
 
     /// The largest change of the mean of any of these programs that the intervals do not exclude; `None`:
@@ -85,13 +77,6 @@ impl Doubling {
 pub(super) fn at_limit(times: &[Observation]) -> usize {
     let is_stopped = |run: &&Observation| run.status == Status::Censored;
     times.iter().filter(is_stopped).count()
-}
-
-/// Whether the last doublings have shown no change, as far as their runs can tell: then more runs say
-/// more than finer steps.
-pub fn is_settled(doublings: &[Doubling]) -> bool {
-    let last = doublings.len().checked_sub(STEPS);
-    last.is_some_and(|first| doublings[first..].iter().all(Doubling::is_settled))
 }
 
 /// Whether the means of these programs have converged to within a share of themselves; where runs were
@@ -129,15 +114,6 @@ mod tests {
     }
 
     #[test]
-    fn two_doublings_in_a_row_have_to_show_no_change() {
-        assert!(!is_settled(&doublings(&[100.0, 100.5])), "only one");
-        assert!(is_settled(&doublings(&[100.0, 100.5, 100.0])));
-        assert!(!is_settled(&doublings(&[100.0, 110.0, 110.0])));
-        assert!(!is_settled(&doublings(&[100.0, 100.0, 110.0])));
-        assert!(is_settled(&doublings(&[100.0, 120.0, 119.5, 120.0])));
-    }
-
-    #[test]
     fn convergence_is_a_statement_about_intervals() {
         use Convergence::{Converged, NotConverged, Undecided};
         let found = |means: &[f64], within| convergence(&doublings(means), &[0, 1], within);
@@ -159,7 +135,6 @@ mod tests {
     fn where_there_is_no_interval_nothing_has_settled() {
         let one = vec![vec![Observation::completed(5.0)]];
         let doubling = Doubling::of((1, &one), (2, &one));
-        assert!(!doubling.is_settled());
         assert_eq!(doubling.bound(&[0]), None);
         let many = vec![doubling; 3];
         assert_eq!(convergence(&many, &[0], CLOSE), Convergence::Undecided);

@@ -14,6 +14,7 @@ pub(crate) fn pairwise_tests(subjects: &[ReportedProgram], clock: TimeUnit) -> V
     let sides: Vec<ComparedProgram> = (subjects.iter())
         .map(|subject| ComparedProgram {
             varied: &subject.program.varied,
+            chosen: &subject.program.chosen,
             identity: Some(subject.manifest.runs_identity(subject.program)),
             runs: side(subject),
         })

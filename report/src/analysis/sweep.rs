@@ -25,7 +25,7 @@ struct ComparisonKey<'a> {
 pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep> {
     let mut groups: BTreeMap<ComparisonKey, Vec<SweepMember>> = BTreeMap::new();
     let plain = subjects.iter().enumerate();
-    let plain = plain.filter(|(_, subject)| subject.program.varied.is_empty());
+    let plain = plain.filter(|(_, subject)| !subject.program.is_point());
     for (i, subject) in plain {
         let tables = subject.program.compiled.digest();
         let mut words = BTreeMap::new();
@@ -36,7 +36,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
         words.remove("name");
         let kind = ComparisonKey {
             tables,
-            settings: json!(subject.manifest.settings).to_string(),
+            settings: json!(subject.manifest.settings_of(subject.program)).to_string(),
             words,
         };
         let numbers = scalars(scene).filter_map(|it| Some((it.name(), it.get(scene)?)));
@@ -70,6 +70,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
             of: of.to_owned(),
             unit: "SI".to_owned(),
         }],
+        settings: Vec::new(),
         unit: clock.unit(),
         points,
     };

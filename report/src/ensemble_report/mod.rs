@@ -10,6 +10,8 @@ mod page;
 use std::io::Write;
 use std::time::Duration;
 
+use stochc_ensemble::trade::Trade;
+
 use crate::analysis::maps::Maps;
 use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::{self, pairwise, reported_program, sweep, waits};
@@ -70,6 +72,10 @@ pub fn report(
     let waits: Vec<_> = subjects.iter_mut().map(waits::waits).collect();
     let pairwise_tests = pairwise::pairwise_tests(&subjects, clock);
     sweeps.extend(sweep::found(&subjects, clock));
+    let mut trades = Vec::new();
+    for input in inputs {
+        trades.extend(Trade::from_runs(&input.manifest, &input.finished)?);
+    }
     let mut maps: Vec<Option<Maps>> = vec![None; subjects.len()];
     for (number, subject) in page::detailed(&subjects) {
         let input = &inputs[subject.folder];
@@ -97,6 +103,7 @@ pub fn report(
         maps: &maps,
         pairwise_tests: &pairwise_tests,
         sweeps: &sweeps,
+        trades: &trades,
         surroundings,
     };
     let mut drawings: Vec<Drawing> = Vec::new();

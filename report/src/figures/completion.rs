@@ -14,7 +14,7 @@ pub fn completion(
     manifest: &Manifest,
     finished: &Records,
 ) -> Result<Option<Drawing>, JournalError> {
-    if !manifest.axes().is_empty() {
+    if manifest.programs.iter().any(|it| it.is_point()) {
         return Ok(None);
     }
     let mut times = vec![Vec::new(); manifest.programs.len()];

@@ -203,7 +203,7 @@ fn frame(out: &mut Drawing, axes: &Axes, of: &PlotAxis) -> f64 {
         biases.push((y, percent.to_string()));
     }
     out.marks_upward(&biases, (bottom, top), (EDGE, left), &of.label());
-    let of = PlotAxis::new("processor time of a run, median", "s, ms or us as marked");
+    let of = PlotAxis::new("CPU time of a run, median", "s, ms or us as marked");
     out.marks_across(&costs, (left, right), bottom, &of.on(&axes.cost))
 }
 
@@ -233,14 +233,12 @@ fn front(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
 
 /// The class and the shape of a setting's mark.
 fn look(point: &PlottedSetting) -> (&'static str, Marker) {
-    let settings = point.candidate.settings.as_ref();
-    let model = settings.map(|settings| settings.model);
-    let symbol = match model {
+    let settings = &point.candidate.settings;
+    let symbol = match settings.model {
         _ if point.reference => Marker::Diamond,
         _ if point.candidate.reduced() => Marker::Triangle,
-        Some(Model::Rapier) => Marker::Square,
-        None => Marker::Ring,
-        _ if settings.is_some_and(|it| it.precision == Precision::Double) => Marker::Ring,
+        Model::Rapier => Marker::Square,
+        _ if settings.precision == Precision::Double => Marker::Ring,
         _ => Marker::Disc,
     };
     let class = match symbol {
@@ -248,7 +246,7 @@ fn look(point: &PlottedSetting) -> (&'static str, Marker) {
         _ if point.candidate.reversed => "hot",
         Marker::Triangle => "s2",
         Marker::Square => "s1",
-        _ if matches!(model, None | Some(Model::Rate)) => "s3",
+        _ if settings.model == Model::Rate => "s3",
         _ => "s0",
     };
     (class, symbol)
@@ -355,7 +353,7 @@ fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64
     let keys = [
         mark("s0", Marker::Disc, "rigid; open: double precision"),
         mark("s1", Marker::Square, "Rapier"),
-        mark("s3", Marker::Disc, "rates; open: estimate, without runs"),
+        mark("s3", Marker::Disc, "rate model"),
         mark("s2", Marker::Triangle, "reduced model"),
         mark(
             "hot",
@@ -366,7 +364,7 @@ fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64
         key(
             "mark",
             LegendSymbol::Line(FRONT),
-            "no setting is cheaper and less biased",
+            "Pareto-optimal: none is cheaper and less biased",
         ),
     ];
     let foot = out.keys((x, y), right, &keys);

@@ -25,7 +25,8 @@ pub fn about(
     let radius = enclosure.map(|enclosure| enclosure.radius() / side);
     let lift = enclosure.map_or(0.0, |it| it.centre_height(&tables.plate, side) / side);
     let file = program.sources.first().map_or("", |source| &source.path);
-    let substeps = match manifest.settings.steps() {
+    let settings = manifest.settings_of(program);
+    let substeps = match settings.steps() {
         Substeps { near: 1, .. } => "1 substep".to_owned(),
         steps => format!("{steps} substeps"),
     };
@@ -33,7 +34,7 @@ pub fn about(
         "program": program.name,
         "file": file,
         "seed": manifest.seed.to_string(),
-        "model": format!("{}, {substeps}", manifest.settings.model.name()),
+        "model": format!("{}, {substeps}", settings.model.name()),
         "stochc": manifest.stochc,
         "scene": scene,
         "radius": radius,

@@ -14,16 +14,16 @@ pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of
 /// Returns a sentence for each program of an ensemble by rates whose times are lower bounds.
 pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
     let known = |program: &EnsembleProgram| {
-        let rates = Rates::known(&manifest.settings.rates, &program.scene)?;
+        let settings = manifest.settings_of(program);
+        let is_by_rates = settings.model == Model::Rate;
+        let rates = Rates::known(&settings.rates, &program.scene).filter(|_| is_by_rates)?;
         let reasons = program.lower_bound(rates);
         (!reasons.is_empty()).then(|| {
             let name = visible(&program.name);
             format!("The times of {name} are lower bounds: {}.", reasons.text())
         })
     };
-    let is_by_rates = manifest.settings.model == Model::Rate;
-    let programs = manifest.programs.iter().filter(|_| is_by_rates);
-    programs.filter_map(known).collect()
+    manifest.programs.iter().filter_map(known).collect()
 }
 
 /// What there is to know about waits in a scene that nobody has measured, for whoever tells of them.

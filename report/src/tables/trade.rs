@@ -1,7 +1,7 @@
 //! A trade as text.
 use stochc_ensemble::text::{Tick, percent, ratio, relative, seconds, visible};
 use stochc_ensemble::trade::{
-    CLOSE, CandidateResult, Convergence, MeasuredProgram, ProgramResult, Reference, Trade, Verdict,
+    CLOSE, CandidateResult, Convergence, ProgramResult, Reference, Trade, Verdict,
 };
 
 use super::comparison::ticks;
@@ -51,7 +51,6 @@ pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
         text += &table(header, &lines).text(width, colour);
         text.push('\n');
     }
-    text += &left_out(trade, width);
     if trade.programs.len() > 1 && trade.reference.is_some() {
         text += &ranking(trade, width, colour);
         text.push('\n');
@@ -85,36 +84,6 @@ fn line(trade: &Trade, number: usize, candidate: &CandidateResult, program: usiz
     }
 }
 
-/// The settings that were not run at all or not with every program, and why.
-fn left_out(trade: &Trade, width: usize) -> String {
-    let mut text = String::new();
-    for (number, candidate) in trade.candidates.iter().enumerate() {
-        let without = trade.programs.iter().zip(&candidate.programs);
-        let without: Vec<&str> = without
-            .filter(|(_, cell)| cell.runs == 0)
-            .map(|(program, _)| program.name.as_str())
-            .collect();
-        let of = match without.len() {
-            0 => continue,
-            n if n == trade.programs.len() => String::new(),
-            _ => format!(", {}", without.join(", ")),
-        };
-        let reason = candidate
-            .left_out
-            .as_deref()
-            .unwrap_or("there was no time for it");
-        let label = label(number, candidate);
-        text += &paragraph(
-            &format!("{}{of}: not run, {reason}", label.trim_start()),
-            width,
-        );
-    }
-    match text.is_empty() {
-        true => text,
-        false => text + "\n",
-    }
-}
-
 fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) -> [String; 9] {
     let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
     let reference = trade.reference_candidate();
@@ -124,7 +93,7 @@ fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) ->
         .zip(whole)
         .map(|(cost, whole)| self::ratio(cost / whole));
     let bound = mark_if(cell.horizon.is_some(), "≥ ");
-    let tick = Tick(trade.programs[program].scene.tick);
+    let tick = Tick(trade.programs[program].tick);
     let mean = cell.mean.map(|mean| {
         let half = cell.half_width.map(|half| format!(" ± {}", ticks(half)));
         let beside = tick.beside_interval(mean, cell.half_width);
@@ -224,10 +193,10 @@ fn pair(trade: &Trade, first: usize, second: usize) -> String {
 fn notes(trade: &Trade) -> Vec<String> {
     let mut notes = vec![
         "Settings are model and substeps, and what differs from the defaults. CPU/run is the \
-         median processor time of a run, ratio the same over the reference's; means are in \
-         ticks, in brackets in seconds; n counts runs, of the row `estimate` times that were drawn, all at the cost of one; bias is the mean over the reference's, less one; D is the largest difference \
-         of the two shares of completed runs, p its probability by chance alone; ±~is half \
-         of a 95~% interval. front: no cheaper setting is known to be as close."
+         median CPU time of a run, ratio the same over the reference's; means are in \
+         ticks, in brackets in seconds; n counts runs; bias is the mean over the reference's, less one; D is the \
+         largest difference of the two shares of completed runs, p its probability by chance alone; ±~is half \
+         of a 95~% interval. front: Pareto-optimal, no cheaper setting is known to be as close."
             .to_owned(),
     ];
     if let (Some(reference), Some(candidate)) = (&trade.reference, trade.reference_candidate()) {
@@ -251,21 +220,18 @@ fn notes(trade: &Trade) -> Vec<String> {
             .flat_map(|candidate| &candidate.programs)
     };
     if cells().any(|cell| cell.timed_out + cell.censored > 0) {
-        let limit = |program: &MeasuredProgram| format!("{} {}", program.name, program.max_ticks);
-        let limits: Vec<String> = trade.programs.iter().map(limit).collect();
+        let limit = trade
+            .max_ticks
+            .map_or("none".to_owned(), |it| it.to_string());
         notes.push(format!(
-            "incompl.: runs that timed out or were censored by the limit of ticks ({}). Means \
+            "incompl.: runs that timed out or were censored by the limit of ticks ({limit}). Means \
              of such samples (≥) count min(time, the last time seen). Biases with * are no bounds: they compare \
              means of min(time, h), where h is the last time that both samples tell of, and say nothing of longer \
-             times. D compares times before the first censored one.",
-            limits.join(", ")
+             times. D compares times before the first censored one."
         ));
     }
     if cells().any(|cell| cell.failed > 0) {
         notes.push("failed: the physics broke down; no figure but the cost counts them.".into());
-    }
-    if !trade.complete {
-        notes.push("It was interrupted: this is what was measured until then.".into());
     }
     notes
 }

@@ -64,23 +64,31 @@ fn are_used(options: &SimulateArguments, settings: &Settings) -> Result<(), Fail
 fn stored_rates(options: &SimulateArguments) -> Option<Vec<Rates>> {
     let goes_on = options.resume && options.rates.is_empty();
     let out = options.out.as_ref().filter(|_| goes_on)?;
-    let stored = survey(out).ok().flatten()?.settings;
-    (stored.model == Model::Rate).then_some(stored.rates)
+    let stored = survey(out).ok().flatten()?;
+    stored.uses(Model::Rate).then_some(stored.settings.rates)
 }
 
 fn from_files(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest, Failure> {
     let settings = settings(options);
-    are_used(options, &settings)?;
+    let varies_settings = sweep::varies_settings(&options.sweep);
+    if !varies_settings {
+        are_used(options, &settings)?;
+    }
     let levels = &options.levels.levels.clone().for_runs(settings.stepping());
     let runs = options.runs.unwrap_or(RUNS);
     let mut programs = programs(&options.files, levels, &options.imports.folders, host)?;
     if !options.sweep.is_empty() {
         programs = sweep::points(&options.sweep, runs, &programs, levels, host)?;
     }
-    let mut settings = settings.resolved();
     let given = rates::of_files_for(&options.rates, programs.iter().map(|it| &it.scene), host)?;
+    let known = stored_rates(options).unwrap_or(given);
+    if varies_settings {
+        let mut manifest = Manifest::new(settings, options.chance.seed, runs, programs);
+        sweep::complete(&mut manifest, &known, options.work.threads, host)?;
+        return Ok(manifest);
+    }
+    let mut settings = settings.resolved();
     if settings.model == Model::Rate {
-        let known = stored_rates(options).unwrap_or(given);
         settings.rates = rates::of_scenes(&known, &programs, options.work.threads, host)?;
     }
     Ok(Manifest::new(settings, options.chance.seed, runs, programs))

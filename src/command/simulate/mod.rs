@@ -8,6 +8,7 @@ use std::path::Path;
 
 use stochc_ir::visible;
 
+pub(super) use arguments::MAX_TICKS;
 pub use arguments::SimulateArguments;
 
 use super::host::Terminal;
@@ -30,7 +31,7 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
     let stop = stop_on_interrupt()?;
     let manifest = input::prepare(options, &host)?;
-    let is_sweep = manifest.programs.iter().any(|it| !it.varied.is_empty());
+    let is_sweep = manifest.programs.iter().any(|it| it.is_point());
     if options.figures.are_given() && !is_sweep {
         return Err(Failure::usage(
             "`--figures` and `--figure-format` are for the figures of `--sweep`; `stochc report` draws those of other folders",
@@ -105,6 +106,7 @@ fn ensemble(
         goes_on: false,
         figures: &options.figures.figures(),
         watch: options.watch,
+        time_limit: None,
     };
     let (manifest, made) = match options.until {
         Some(within) => make_until(manifest, within, &how, host)?,

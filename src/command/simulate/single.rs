@@ -26,7 +26,11 @@ pub fn run(
     let mut exit = Exit::Success;
     let mut records = Vec::new();
     for program in &manifest.programs {
-        let record = program.run(&manifest.settings, (manifest.seed, number), &mut watch);
+        let record = program.run(
+            &manifest.settings_of(program),
+            (manifest.seed, number),
+            &mut watch,
+        );
         let Ok(record) = record else {
             return Ok(Exit::Interrupted);
         };

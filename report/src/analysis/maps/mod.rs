@@ -140,10 +140,8 @@ pub(crate) fn maps(
     input: &Input,
     recordings: &RecordingReader,
 ) -> Result<Option<Maps>, JournalError> {
-    let is_still = matches!(
-        subject.manifest.settings.model,
-        Model::Shuffle | Model::Rate
-    );
+    let model = subject.manifest.settings_of(subject.program).model;
+    let is_still = matches!(model, Model::Shuffle | Model::Rate);
     if is_still || subject.program.captures() == 0 {
         return Ok(None);
     }

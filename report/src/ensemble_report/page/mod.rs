@@ -6,6 +6,7 @@ mod origin;
 mod program;
 mod summary;
 mod sweeps;
+mod trades;
 mod warnings;
 
 use completion::{completion, differences};
@@ -13,9 +14,11 @@ use origin::{methods, origin};
 use program::program;
 use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::text::escaped;
+use stochc_ensemble::trade::Trade;
 use stochc_ensemble::{PairwiseTest, Time, TimeUnit};
 use summary::in_short;
 use sweeps::sweeps;
+use trades::trades;
 
 use crate::analysis::maps::Maps;
 use crate::analysis::reported_program::{Input, ReportedProgram};
@@ -42,6 +45,8 @@ pub(super) struct Parts<'a> {
     pub maps: &'a [Option<Maps>],
     pub pairwise_tests: &'a [PairwiseTest],
     pub sweeps: &'a [Sweep],
+    /// Trade of each folder that varies settings.
+    pub trades: &'a [Trade],
     pub surroundings: &'a ReportLocation<'a>,
 }
 
@@ -62,7 +67,7 @@ impl<'a> Parts<'a> {
 pub(super) fn detailed<'a, 'b>(
     subjects: &'a [ReportedProgram<'b>],
 ) -> impl Iterator<Item = (usize, &'a ReportedProgram<'b>)> {
-    let is_point = |subject: &ReportedProgram| !subject.program.varied.is_empty();
+    let is_point = |subject: &ReportedProgram| subject.program.is_point();
     let points = subjects.iter().filter(|subject| is_point(subject));
     let are_many = points.count() > POINTS;
     let all = subjects.iter().enumerate();
@@ -77,6 +82,7 @@ pub(super) fn page(parts: &Parts, drawings: &mut Vec<Drawing>) -> String {
     completion(parts, &mut out, drawings);
     differences(parts, &mut out);
     sweeps(parts, &mut out, drawings);
+    trades(parts, &mut out, drawings);
     for (number, _) in parts.detailed() {
         program(parts, number, &mut out, drawings);
     }

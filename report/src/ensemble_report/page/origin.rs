@@ -1,6 +1,6 @@
 //! What was run, how to run it again, and how to read the page.
 use stochc_ensemble::text::number;
-use stochc_ensemble::{EnsembleProgram, MANIFEST};
+use stochc_ensemble::{ChosenSetting, EnsembleProgram, MANIFEST};
 use stochc_files::shell;
 use stochc_ir::scene::describe;
 use stochc_runtime::{Precision, Settings};
@@ -44,8 +44,10 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
             "stochc simulate --manifest {} --out AGAIN",
             shell::file(&inside(&input.path, MANIFEST))
         )));
-        out.paragraph("From its files, as they were then:");
-        out.raw(&command(&simulate(manifest)));
+        if let Some(line) = simulate(manifest) {
+            out.paragraph("From its files, as they were then:");
+            out.raw(&command(&line));
+        }
         let programs = manifest.programs.iter().enumerate();
         // The points of a sweep have one text, and its table has their values.
         let first = |(number, _): &(usize, &EnsembleProgram)| {
@@ -86,9 +88,9 @@ pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usiz
     let program = &programs[number];
     let is_same =
         |it: &EnsembleProgram| it.assembly() == program.assembly() && it.sources == program.sources;
-    match program.varied.is_empty() {
-        true => number,
-        false => programs.iter().position(is_same).unwrap_or(number),
+    match program.is_point() {
+        false => number,
+        true => programs.iter().position(is_same).unwrap_or(number),
     }
 }
 
@@ -112,8 +114,8 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
     further
 }
 
-/// The command line that made an ensemble, as far as its manifest knows it.
-pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> String {
+/// Returns the command line that makes an ensemble. `None` if its settings are not all combinations of some values.
+pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> Option<String> {
     let mut words = vec!["stochc simulate".to_owned()];
     let mut files: Vec<&str> = Vec::new();
     for program in &manifest.programs {
@@ -157,8 +159,31 @@ pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> String {
         let text = format!("{}={} {}", axis.of, values.join(","), axis.unit);
         words.push(format!("--sweep {}", shell::visible(text.trim_end())));
     }
+    words.extend(setting_axes(manifest)?);
     words.push("--out AGAIN".into());
-    words.join(" ")
+    Some(words.join(" "))
+}
+
+/// Returns an option for each setting that a sweep varies. `None` if the sweep is not all combinations of their values.
+fn setting_axes(manifest: &stochc_ensemble::Manifest) -> Option<Vec<String>> {
+    let mut points: Vec<&[ChosenSetting]> = Vec::new();
+    for program in &manifest.programs {
+        if !points.contains(&&program.chosen[..]) {
+            points.push(&program.chosen);
+        }
+    }
+    let mut axes: Vec<(&str, Vec<&str>)> = Vec::new();
+    for chosen in points.iter().copied().flatten() {
+        match axes.iter_mut().find(|(of, _)| *of == chosen.of()) {
+            None => axes.push((chosen.of(), vec![chosen.value()])),
+            Some((_, values)) if values.contains(&chosen.value()) => {}
+            Some((_, values)) => values.push(chosen.value()),
+        }
+    }
+    let count: usize = axes.iter().map(|(_, values)| values.len()).product();
+    let is_whole = points.len() == count && points.iter().all(|it| it.len() == axes.len());
+    let option = |(of, values): &(&str, Vec<&str>)| format!("--sweep {of}={}", values.join(","));
+    is_whole.then(|| axes.iter().map(option).collect())
 }
 
 pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {

@@ -15,17 +15,7 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
     }
     out.heading(2, "sweeps", "What was varied");
     for (i, sweep) in parts.sweeps.iter().enumerate() {
-        let numbers: Vec<String> = sweep.axes.iter().map(|axis| code(&axis.of)).collect();
-        let programs: Vec<String> = sweep.programs().into_iter().map(name).collect();
-        let differing = match programs.len() {
-            1 => ", which",
-            _ => "; those of one program",
-        };
-        out.paragraph(&format!(
-            "These are runs of {}{differing} differ in nothing but {} of its scene.",
-            series(&programs, "and"),
-            series(&numbers, "and"),
-        ));
+        out.paragraph(&differences(sweep));
         let prefix = format!("sweep-{}", i + 1);
         let drawn = |medium| pictures(medium, sweep, &prefix);
         let [screen, printed] = [Medium::Screen, parts.surroundings.figures.medium].map(drawn);
@@ -45,6 +35,25 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
         }
         table(sweep, out);
     }
+}
+
+/// Returns a sentence on what the points of a sweep differ in, in HTML.
+fn differences(sweep: &Sweep) -> String {
+    if sweep.axes.is_empty() {
+        let settings: Vec<String> = sweep.settings.iter().map(|of| code(of)).collect();
+        return format!("These runs differ in {}.", series(&settings, "and"));
+    }
+    let numbers: Vec<String> = sweep.axes.iter().map(|axis| code(&axis.of)).collect();
+    let programs: Vec<String> = sweep.programs().into_iter().map(name).collect();
+    let differing = match programs.len() {
+        1 => ", which",
+        _ => "; those of one program",
+    };
+    format!(
+        "These are runs of {}{differing} differ in nothing but {} of its scene.",
+        series(&programs, "and"),
+        series(&numbers, "and"),
+    )
 }
 
 fn table(sweep: &Sweep, out: &mut Html) {

@@ -31,13 +31,13 @@ pub(super) fn warnings(input: &Input, is_running: bool) -> Vec<String> {
             ))
         ));
     }
-    if manifest.settings.model == Model::Shuffle {
+    if manifest.uses(Model::Shuffle) {
         found.push(format!(
             "{path} was made with the model <code>shuffle</code>, which has no physics: its times \
              mean nothing."
         ));
     }
-    if manifest.settings.model == Model::Rate {
+    if manifest.uses(Model::Rate) {
         found.push(format!("{path}: {}", name(KNOWN_BIAS)));
     }
     let bounds = lower_bounds(manifest).into_iter();

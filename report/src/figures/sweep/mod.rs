@@ -18,9 +18,13 @@ const PANELS: usize = 6;
 /// Figures of mean times and of shares of runs that completed; `prefix` begins the names of their
 /// files.
 ///
-/// The first number is on the axis, and each value of the second has its curve, or its row in a map.
+/// The first number is on the axis, each combination of settings counts as a program, and each value of the second has its curve, or its row in a map.
 /// Each combination of values of further numbers has figures of its own; none where these are many.
 pub fn pictures(medium: Medium, sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
+    // Settings have no axis.
+    if sweep.axes.is_empty() {
+        return Vec::new();
+    }
     let mut further: Vec<&[SweptValue]> = Vec::new();
     for point in &sweep.points {
         let rest = point.values.get(2..).unwrap_or_default();
