@@ -357,7 +357,7 @@ def simulate(
         seed: of the random numbers.
         model: `rigid`: rigid bodies; `rapier`: the same by a general engine; `rate`: no motion, waits drawn by measured
             rates; `shuffle`: no physics, to try out event tables.
-        sweep: numbers of the scene and their values; every combination is simulated.
+        sweep: scene parameters or settings and their values; every combination is simulated.
         rates: files of rates, for `rate`; scenes that none is about are measured first.
         substeps: steps of the model in each tick; `"2/8"`: two, and eight for blocks near magnetized faces.
         solver_iterations: of the contact solver in each step.

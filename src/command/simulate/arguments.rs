@@ -49,7 +49,7 @@ pub struct SimulateArguments {
     /// Make runs until half of the 95 % interval of every program's mean is at most PERCENT of it, such as 3%
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["shards", "run", "record", "watch"])]
     pub until: Option<f64>,
-    /// Vary a number of the scene: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `tick=10,20 ms`;
+    /// Vary a scene parameter or a setting: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `substeps=1,2,4`;
     /// with several, every combination is simulated
     #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, requires = "files", conflicts_with = "manifest")]
     pub sweep: Vec<Axis>,
