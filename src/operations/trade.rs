@@ -120,7 +120,6 @@ pub fn measured(
         // A run that is continued has no CPU time of its own.
         checkpoints: Interval::Never,
         threads: setup.threads,
-        memory: None,
         has_warned_of_build: false,
         goes_on: false,
         figures: setup.figures,

@@ -14,7 +14,7 @@ pub use arguments::SimulateArguments;
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
 use super::show::{ResultsView, show};
-use super::terminal::print;
+use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
