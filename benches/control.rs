@@ -73,7 +73,7 @@ fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
     let program = &checked.programs[0];
     let tables = program.tables.as_ref().expect("the program is right");
     let scene = program.scene.as_ref().expect("the program is right");
-    let settings = Settings::of(Model::Shuffle, 1);
+    let settings = Settings::new(Model::Shuffle, 1);
     let mut go = |_, _: PhaseId| ControlFlow::Continue(());
     let mut best: Option<(Duration, RunRecord)> = None;
     let began = Instant::now();

@@ -115,7 +115,7 @@ pub fn compile(checked: Checked) -> Result<Vec<Executable>, Box<CompileError>> {
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let text = "assembly pair { seed plate 1 x 1 { M at (0, 0) }\nphase grow { M.up -> A } }";
 /// let programs = stochc::compile(stochc::check_text("pair.sa", text))?;
-/// let settings = Settings::of(Model::Shuffle, /* substeps */ 1);
+/// let settings = Settings::new(Model::Shuffle, /* substeps */ 1);
 /// let record = stochc::simulate(&programs[0], &settings, /* seed */ 1, /* run */ 0)?;
 /// assert_eq!(record.bonds.len(), 1);
 /// # Ok(())

@@ -7,7 +7,7 @@
 //! let text = "assembly pair { seed plate 3 x 3 { M at (1, 1) }\nphase grow { M.up -> A } }";
 //! let checked = stochc::check_text("pair.sa", text);
 //! let executables = stochc::compile(checked)?;
-//! let settings = stochc::runtime::Settings::of(stochc::runtime::Model::Shuffle, 1);
+//! let settings = stochc::runtime::Settings::new(stochc::runtime::Model::Shuffle, 1);
 //! let record = stochc::simulate(&executables[0], &settings, /* seed */ 1, /* run */ 0)?;
 //! assert_eq!(record.bonds.len(), 1);
 //! # Ok(())

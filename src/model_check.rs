@@ -13,7 +13,7 @@ use stochc_protocol::explore::{
 };
 
 /// Captures and releases of a program that is explored on every check, at most.
-const MOST_EVENTS: usize = 500;
+const MAX_EVENTS: usize = 500;
 
 /// How far every check goes: 25 to 60 ms where it ends here. It is counted, so that the answer is the same on every machine.
 const BOUNDS: ExplorationBounds = ExplorationBounds {
@@ -41,7 +41,7 @@ pub fn try_out(checked: &mut Checked) {
 }
 
 fn fault(program: &Program) -> Option<Diagnostic> {
-    let is_small = program.plan.events.len() <= MOST_EVENTS;
+    let is_small = program.plan.events.len() <= MAX_EVENTS;
     let tables = program.tables.as_ref().filter(|_| is_small)?;
     if tables.aggregate.is_some() {
         return None;

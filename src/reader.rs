@@ -15,7 +15,7 @@ pub(crate) struct DiskReader<'a> {
 impl<'a> DiskReader<'a> {
     /// For a program, which has another text than the one to read if `text` says so; it may import from further folders.
     pub fn new(program: &'a str, text: Option<&'a [u8]>, further: &[PathBuf]) -> DiskReader<'a> {
-        let bound = ImportFolders::of(program, further);
+        let bound = ImportFolders::new(program, further);
         DiskReader {
             program,
             text,

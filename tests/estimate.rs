@@ -18,7 +18,7 @@ fn agree(names: &[&str], interaction: Interaction) {
         assert_eq!(cost.interaction, interaction, "{name}");
         let expected = cost.total.unwrap();
         let executable = stochc::compile(checked).unwrap().remove(0);
-        let settings = Settings::of(Model::Rate, 1);
+        let settings = Settings::new(Model::Rate, 1);
         let ticks: Vec<f64> = (0..RUNS)
             .map(|run| {
                 let record = stochc::simulate(&executable, &settings, 11, run).unwrap();
@@ -92,7 +92,7 @@ fn a_block_that_is_let_go_docks_once() {
     let cost = cost::estimate(program, rates).unwrap();
     let expected = cost.phases[1].times.unwrap().p10.unwrap();
     let executable = stochc::compile(checked).unwrap().remove(0);
-    let settings = Settings::of(Model::Rate, 1);
+    let settings = Settings::new(Model::Rate, 1);
     let mut ticks: Vec<u64> = (0..4000)
         .map(|run| {
             let record = stochc::simulate(&executable, &settings, 5, run).unwrap();

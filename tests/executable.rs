@@ -160,7 +160,7 @@ proptest! {
         for program in programs.iter().filter(|program| program.scene.free.count < 10_000) {
             let settings = Settings {
                 max_ticks: Some(300),
-                ..Settings::of(Model::Shuffle, 1)
+                ..Settings::new(Model::Shuffle, 1)
             };
             let mut go_on = |_, _| ControlFlow::Continue(());
             // A scene that cannot be set up, or whatever else is told, is no panic.

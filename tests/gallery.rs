@@ -57,7 +57,7 @@ impl Reader for SampleFolder<'_> {
 }
 
 impl Sample {
-    fn of(text: impl Into<Vec<u8>>) -> Sample {
+    fn from_text(text: impl Into<Vec<u8>>) -> Sample {
         Sample {
             files: vec![("tower.sa", text.into())],
             shown: None,
@@ -139,16 +139,18 @@ fn without_news(tables: &Tables) -> Tables {
 /// The program that shows a code; `None`: no program can.
 fn sample(code: Code) -> Option<Sample> {
     if let Some((_, rest)) = code.page().split_once("\nWrong:\n\n```sa\n") {
-        return Some(Sample::of(rest.split("```").next().unwrap_or_default()));
+        return Some(Sample::from_text(
+            rest.split("```").next().unwrap_or_default(),
+        ));
     }
     Some(match code {
         Code::FileTooLarge => return None,
-        Code::NotUtf8 => Sample::of(b"let width = 3 // caf\xe9\n").shown(
+        Code::NotUtf8 => Sample::from_text(b"let width = 3 // caf\xe9\n").shown(
             "let width = 3 // caf\u{fffd}     the last byte is E9: the text is in Latin-1\n",
         ),
         Code::TooDeep => {
             let depth = 101;
-            Sample::of(format!(
+            Sample::from_text(format!(
                 "let n = {}1{}\n",
                 "(".repeat(depth),
                 ")".repeat(depth)
@@ -162,13 +164,13 @@ fn sample(code: Code) -> Option<Sample> {
                 write!(text, ".up -> T{number}").unwrap();
             }
             text.push_str("\n    }\n}\n");
-            Sample::of(text).shown(
+            Sample::from_text(text).shown(
                 "assembly tower {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow {\n        \
                  M.up -> T1.up -> T2.up -> T3     and so on, for nine million bytes\n    }\n}\n",
             )
         }
         Code::TooManyErrors => {
-            Sample::of("?\n".repeat(101)).shown("?\n?\n?     and so on, 101 lines\n")
+            Sample::from_text("?\n".repeat(101)).shown("?\n?\n?     and so on, 101 lines\n")
         }
         Code::TooManyWarnings => {
             let text = |seeds: &str| {
@@ -178,19 +180,19 @@ fn sample(code: Code) -> Option<Sample> {
                 )
             };
             let seeds: Vec<String> = (0..1001).map(|i| format!("N{i} at ({i}, 1)")).collect();
-            Sample::of(text(&seeds.join(" "))).shown(
+            Sample::from_text(text(&seeds.join(" "))).shown(
                 "assembly tower {\n    seed plate 1001 x 2 {\n        M at (0, 0)\n        \
                  N0 at (0, 1) N1 at (1, 1)     and so on, 1001 seeds\n    }\n    \
                  phase grow { M.up -> A }\n}\n",
             )
         }
         Code::ReachUndecided => {
-            let mut sample = Sample::of(TUNNEL);
+            let mut sample = Sample::from_text(TUNNEL);
             sample.limits.search = 0;
             sample
         }
         Code::InternalError => {
-            let mut sample = Sample::of(
+            let mut sample = Sample::from_text(
                 "// shown for tables from which all news has been taken out\n\
                  assembly relay {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    \
                  phase grow {\n        M.up -> A\n        N.up -> B after A\n    }\n}\n",
@@ -198,8 +200,8 @@ fn sample(code: Code) -> Option<Sample> {
             sample.spoilt = true;
             sample
         }
-        Code::ImportOutside => Sample::of("import \"/etc/passwd\"\n"),
-        Code::ImportMissing => Sample::of("import \"towers.sa\"\n"),
+        Code::ImportOutside => Sample::from_text("import \"/etc/passwd\"\n"),
+        Code::ImportMissing => Sample::from_text("import \"towers.sa\"\n"),
         Code::ImportCycle => Sample {
             files: vec![
                 ("plates.sa", b"import \"towers.sa\"\n".to_vec()),

@@ -162,7 +162,7 @@ fn of_ensemble(runs: u64) -> usize {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let mut checked = check("line.sa", &mut reader, Limits::default());
     let executable = checked.programs.remove(0).into_executable().unwrap();
-    let settings = Settings::of(Model::Shuffle, 1);
+    let settings = Settings::new(Model::Shuffle, 1);
     let program = EnsembleProgram::new("line", Vec::new(), executable);
     let manifest = Manifest::new(settings, 1, runs, vec![program]);
     let place = tempfile::tempdir().unwrap();

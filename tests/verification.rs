@@ -82,7 +82,7 @@ impl Case {
 
     fn execute(&self) -> ExplorationReport {
         let tables = self.tables();
-        let expected = ProgramGoals::of(tables);
+        let expected = ProgramGoals::new(tables);
         let mut exploration = Exploration::new(
             tables,
             &expected,
@@ -195,7 +195,7 @@ fn execution_without_walls_does_not_see_what_the_check_sees() {
     assert!(sealed.len() >= 8);
     for case in sealed {
         let tables = case.tables();
-        let expected = ProgramGoals::of(tables);
+        let expected = ProgramGoals::new(tables);
         let exploration = Exploration::new(
             tables,
             &expected,
@@ -286,7 +286,7 @@ fn never_means_in_no_order() {
         programs += 1;
         let program = &checked.programs[0];
         let tables = program.stuck.as_ref().unwrap();
-        let expected = ProgramGoals::of(tables);
+        let expected = ProgramGoals::new(tables);
         // Every cell that is full in some order: all of them are visited, and asked for the next one.
         let seen = RefCell::new(BTreeSet::new());
         let reach = |full: &BTreeSet<Cell>, target: Cell| {

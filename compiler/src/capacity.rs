@@ -13,7 +13,7 @@ use crate::plan::{EventKind, ProgramPlan};
 
 /// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
 pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
-    if !BondKind::of(scene).is_passive() {
+    if !BondKind::from_scene(scene).is_passive() {
         let (said, what) = match &scene.bond {
             Some(bond) => (
                 format!("has `bond {}`", bond.kind().name()),

@@ -27,7 +27,7 @@ pub struct DeclaredShape<'a> {
 
 impl<'a> DeclaredShapes<'a> {
     /// Those of a file that has been checked and of all that it imports.
-    pub fn of(checked: &'a Checked) -> DeclaredShapes<'a> {
+    pub fn new(checked: &'a Checked) -> DeclaredShapes<'a> {
         let mut shapes = Vec::new();
         for (file, tree) in checked.trees() {
             for outer in &tree.items {

@@ -9,7 +9,7 @@ use crate::reader::Reader;
 use crate::{FileId, Limits, trial};
 
 /// Rounds of checking and changing, at most: each change may make room for another.
-const MOST_ROUNDS: usize = 50;
+const MAX_ROUNDS: usize = 50;
 
 /// What a file is with its safe fixes.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &LintLev
     let before = again(reader);
     let mut now: Option<Checked> = None;
     let mut changes = 0;
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let Some((next, count)) = round(now.as_ref().unwrap_or(&before), reader, &mut again) else {
             break;
         };

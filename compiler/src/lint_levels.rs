@@ -122,7 +122,7 @@ struct LevelScope {
 
 impl FileLevels {
     /// Collects the statements of all files; those that make no sense are told of.
-    pub fn of(
+    pub fn new(
         modules: &[Module],
         sources: &Sources,
         symbols: &Symbols,

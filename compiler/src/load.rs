@@ -59,10 +59,10 @@ pub fn load(
 
 /// Files of a program, at most. Where a link leads back to a folder above, a file that imports itself
 /// through it has a new path each time.
-const MOST_FILES: usize = 10_000;
+const MAX_FILES: usize = 10_000;
 
 /// Bytes of them together, fewer than which they have.
-const MOST_BYTES: u64 = 1 << 32;
+const MAX_BYTES: u64 = 1 << 32;
 
 /// How far a file has come.
 #[derive(Clone, Copy, PartialEq)]
@@ -116,7 +116,7 @@ impl Loader<'_> {
                 LoadState::Open(SourceLocation { file, span }),
             );
             match self.state.get(&path) {
-                None if self.state.len() >= MOST_FILES || self.bytes >= MOST_BYTES => {
+                None if self.state.len() >= MAX_FILES || self.bytes >= MAX_BYTES => {
                     self.too_many(SourceLocation { file, span });
                 }
                 None => stack.extend(self.open(path, Some(SourceLocation { file, span }))?),
@@ -143,7 +143,7 @@ impl Loader<'_> {
         if std::mem::replace(&mut self.full, true) {
             return;
         }
-        let title = format!("the program has more than {MOST_FILES} files, or 4 GiB");
+        let title = format!("the program has more than {MAX_FILES} files, or 4 GiB");
         self.diagnostics.push(
             Diagnostic::new(Code::ExpansionLimit, title)
                 .label(import, "this import is not followed any more")
@@ -249,20 +249,20 @@ impl Loader<'_> {
     /// Labels every import of a circle of files.
     fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<SourceLocation>) {
         /// Circles told of, and imports labelled of each, at most.
-        const MOST: usize = 10;
+        const MAX: usize = 10;
         let is_circle = |diagnostic: &&Diagnostic| diagnostic.code == Code::ImportCycle;
-        if self.diagnostics.iter().filter(is_circle).count() >= MOST {
+        if self.diagnostics.iter().filter(is_circle).count() >= MAX {
             return;
         }
         let first = stack.iter().position(|pending| pending.path == path);
         let circle = &stack[first.unwrap_or(0)..];
         let title = match circle.len() {
             1 => "a file imports itself".to_owned(),
-            count @ 2..=MOST => format!("{count} files import each other in a cycle"),
-            count => format!("{count} files import each other in a cycle; {MOST} are shown"),
+            count @ 2..=MAX => format!("{count} files import each other in a cycle"),
+            count => format!("{count} files import each other in a cycle; {MAX} are shown"),
         };
         let mut diagnostic = Diagnostic::new(Code::ImportCycle, title);
-        for pending in circle.iter().take(MOST) {
+        for pending in circle.iter().take(MAX) {
             if let Some(LoadState::Open(location)) = self.state.get(&pending.path) {
                 let import = self.sources.text(*location).to_owned();
                 diagnostic = diagnostic.label(
@@ -287,7 +287,7 @@ impl Loader<'_> {
 /// What ends lines for most editors, and none for the grammar: code behind a comment would be read as a part of it.
 pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
     /// All are replaced at once, if there are not more.
-    const MOST: usize = 10_000;
+    const MAX: usize = 10_000;
     let bytes = text.as_bytes();
     let is_lone = |&at: &usize| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n');
     let mut places = (0..bytes.len()).filter(is_lone).map(|at| SourceLocation {
@@ -300,14 +300,14 @@ pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
         .help("save the file with line feeds at the ends of its lines");
     let edits: Vec<Edit> = std::iter::once(first)
         .chain(places)
-        .take(MOST + 1)
+        .take(MAX + 1)
         .map(|location| Edit {
             location,
             text: "\n".to_owned(),
         })
         .collect();
     Some(match edits.len() {
-        0..=MOST => diagnostic.fix(Fix {
+        0..=MAX => diagnostic.fix(Fix {
             title: "end lines with line feeds".to_owned(),
             edits,
             safe: true,

@@ -243,7 +243,7 @@ impl Lowering<'_> {
         // Stable: within a duty the rules keep the order of the source.
         self.rules
             .sort_by_key(|rule| (rule.role, rule.phase, rule.trigger));
-        let bond = BondKind::of(scene);
+        let bond = BondKind::from_scene(scene);
         let phases = (self.plan.phases.iter().zip(&self.reports)).map(|(phase, &reports)| Phase {
             name: phase.name.clone(),
             timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),

@@ -5,7 +5,7 @@ use stochc_ir::listed;
 use crate::plan::{NameKey, Roles};
 
 /// Names that are told, at most; ranges count once.
-const MOST: usize = 4;
+const MAX: usize = 4;
 
 /// The names of one word.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub(crate) fn members(
 ) -> Option<Members> {
     let mut boxes: Vec<IndexBounds> = keys
         .filter(|key| key.scope == wanted.scope && key.word == wanted.word)
-        .map(IndexBounds::of)
+        .map(IndexBounds::new)
         .collect();
     boxes.sort_unstable();
     boxes.dedup();
@@ -52,7 +52,7 @@ pub(crate) fn members(
     }
     let bare = NameKey { arity: 0, ..wanted };
     let word = roles.name_of(bare, symbols);
-    let names: Vec<String> = (boxes.iter().take(MOST))
+    let names: Vec<String> = (boxes.iter().take(MAX))
         .map(|one| format!("`{word}{}`", one.indices()))
         .collect();
     (!names.is_empty()).then(|| Members {
@@ -70,7 +70,7 @@ struct IndexBounds {
 }
 
 impl IndexBounds {
-    fn of(key: NameKey) -> IndexBounds {
+    fn new(key: NameKey) -> IndexBounds {
         IndexBounds {
             arity: key.arity,
             bounds: key.index.map(|index| (index, index)),

@@ -53,7 +53,7 @@ impl Order {
 }
 
 /// Cycles told of, at most.
-const MOST_CYCLES: usize = 10;
+const MAX_CYCLES: usize = 10;
 
 /// Sorts the events; cycles are told of, and then there is no order.
 ///
@@ -171,7 +171,7 @@ fn report_cycles(
         knot.sort_unstable();
     }
     knots.sort_unstable();
-    for knot in knots.iter().take(MOST_CYCLES) {
+    for knot in knots.iter().take(MAX_CYCLES) {
         let cycle = shortest_cycle(rest, knot);
         diagnostics.push(describe(plan, rest, &cycle, symbols, sources));
     }
@@ -219,7 +219,7 @@ fn describe(
     sources: &Sources,
 ) -> Diagnostic {
     /// Edges that are labelled; a longer cycle says how many it leaves out.
-    const MOST_LABELS: usize = 50;
+    const MAX_LABELS: usize = 50;
     let count = cycle.len();
     let phase = cycle
         .first()
@@ -232,7 +232,7 @@ fn describe(
     };
     let title = format!("phase `{phase}` would deadlock: {what}");
     let mut diagnostic = Diagnostic::new(Code::Cycle, title);
-    for &(first, then, why) in cycle.iter().take(MOST_LABELS) {
+    for &(first, then, why) in cycle.iter().take(MAX_LABELS) {
         let (first, then) = (graph[first], graph[then]);
         let event = plan.event(then);
         let waits = plan.describe(then, symbols);
@@ -288,10 +288,10 @@ fn describe(
             return diagnostic.help(help);
         }
     }
-    let help = if count > MOST_LABELS {
+    let help = if count > MAX_LABELS {
         format!(
             "{} more are not shown; break the cycle in one place",
-            count - MOST_LABELS
+            count - MAX_LABELS
         )
     } else if why(|why| matches!(why, LocatedDependency::Face { .. })) {
         "a block captures in the order in which its captures are written: swap the two, or drop \

@@ -116,14 +116,14 @@ pub enum Timeout {
 
 impl Timeout {
     /// Beyond this a double does not count ticks one by one.
-    const MOST_TICKS: f64 = 9e15;
+    const MAX_TICKS: f64 = 9e15;
 
     /// The time that a quantity stands for, if it is a positive time.
-    pub fn of(quantity: &Quantity) -> Option<Timeout> {
+    pub fn from_quantity(quantity: &Quantity) -> Option<Timeout> {
         let (value, dimension) = to_si(quantity);
         match dimension {
             Dimension::TICKS
-                if (1.0..Timeout::MOST_TICKS).contains(&value) && value.fract() == 0.0 =>
+                if (1.0..Timeout::MAX_TICKS).contains(&value) && value.fract() == 0.0 =>
             {
                 Some(Timeout::Ticks(value as u64))
             }
@@ -147,7 +147,7 @@ impl Timeout {
         match self {
             Timeout::Ticks(ticks) => ticks,
             Timeout::Seconds(seconds) => {
-                (seconds / tick).round().clamp(1.0, Timeout::MOST_TICKS) as u64
+                (seconds / tick).round().clamp(1.0, Timeout::MAX_TICKS) as u64
             }
         }
     }

@@ -175,7 +175,7 @@ fn check_all(
     )?;
     let readable = !diagnostics.iter().any(Diagnostic::is_error);
     let syntax = diagnostics.len();
-    let file_levels = FileLevels::of(&loaded.modules, &sources, &loaded.symbols, &mut diagnostics);
+    let file_levels = FileLevels::new(&loaded.modules, &sources, &loaded.symbols, &mut diagnostics);
     done(Stage::Parse);
     let about = About {
         sources: &sources,
@@ -304,7 +304,7 @@ fn programs(
         symbols,
         doubtful,
     } = loaded;
-    let scenes = Scenes::of(modules, names, symbols, diagnostics);
+    let scenes = Scenes::new(modules, names, symbols, diagnostics);
     let trees = modules.iter().map(|module| (module.file, &module.tree));
     let declarations = declarations(trees, names, symbols, diagnostics);
     let Some(own) = modules.last() else {
@@ -527,7 +527,8 @@ impl<'a> AssemblyInput<'a> {
             plan.clear();
         }
         let mut names = Vec::new();
-        let is_passive = (scene.as_ref()).is_some_and(|scene| BondKind::of(scene).is_passive());
+        let is_passive =
+            (scene.as_ref()).is_some_and(|scene| BondKind::from_scene(scene).is_passive());
         let liveness = liveness::check(
             &mut plan,
             self.sources,
@@ -552,8 +553,9 @@ impl<'a> AssemblyInput<'a> {
             &mut later,
         )?;
         done(Stage::Layout);
-        let faces =
-            (scene.as_ref()).map_or(1, |scene| BondKind::of(scene).faces(scene.block.faces));
+        let faces = (scene.as_ref()).map_or(1, |scene| {
+            BondKind::from_scene(scene).faces(scene.block.faces)
+        });
         let graph = graph::build(&plan, &liveness, &layout, faces, cancellation)?;
         done(Stage::Graph);
         let order = order::sort(

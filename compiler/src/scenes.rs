@@ -13,7 +13,7 @@ use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::{FileId, SourceLocation};
 
 /// Scenes that a program may declare so that all are listed where none is meant.
-const MOST_LISTED: usize = 20;
+const MAX_LISTED: usize = 20;
 
 /// Every scene that a program may name.
 pub struct Scenes<'a> {
@@ -25,7 +25,7 @@ pub struct Scenes<'a> {
 
 impl<'a> Scenes<'a> {
     /// Reads every declared scene, whether it is used or not.
-    pub fn of(
+    pub fn new(
         modules: &[Module],
         names: &'a Names,
         symbols: &Symbols,
@@ -139,7 +139,7 @@ impl<'a> Scenes<'a> {
         Diagnostic::new(Code::UnknownScene, format!("no scene is called `{word}`"))
             .label(location, "not known")
             .suggest(location, meant(diagnostics, word, known()), || {
-                if self.read.len() > MOST_LISTED {
+                if self.read.len() > MAX_LISTED {
                     return "declare it, or take one that is declared or built in".to_owned();
                 }
                 let mut known: Vec<&str> = known().collect();

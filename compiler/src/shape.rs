@@ -304,7 +304,7 @@ fn picture(missing: &[Cell], extra: &[Cell], claimed: &[Cell], built: &FxHashSet
     let wrong = || missing.iter().chain(extra);
     let layer = wrong().map(|cell| cell.z).min().unwrap_or(1);
     let here = || claimed.iter().chain(built).filter(|cell| cell.z == layer);
-    let bounds = CellBounds::of(here().copied());
+    let bounds = CellBounds::enclosing(here().copied());
     let (low, high) = bounds.map_or_else(Default::default, |it| (it.low, it.high));
     let is_wide = |low: i32, high: i32| high.abs_diff(low) > WIDEST;
     if is_wide(low.x, high.x) || is_wide(low.y, high.y) {

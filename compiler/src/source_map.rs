@@ -88,7 +88,7 @@ pub struct Ancestry<'a> {
 
 impl<'a> Ancestry<'a> {
     /// Looks through the captures of a program.
-    pub fn of(program: &'a Program) -> Ancestry<'a> {
+    pub fn new(program: &'a Program) -> Ancestry<'a> {
         let mut captures: FxHashMap<RoleId, Vec<EventId>> = FxHashMap::default();
         for (number, event) in program.plan.events.iter().enumerate() {
             if event.sound && matches!(event.kind, EventKind::Capture { .. }) {
@@ -205,7 +205,7 @@ assembly a {
     fn depth_is_counted_from_the_plate() {
         let checked = checked();
         let program = &checked.programs[0];
-        let ancestry = Ancestry::of(program);
+        let ancestry = Ancestry::new(program);
         let depths: Vec<_> = (0..program.plan.events.len() as u32)
             .map(|id| ancestry.depth(EventId(id)))
             .collect();

@@ -14,7 +14,7 @@ use crate::reader::Reader;
 use crate::{FileId, Sources};
 
 /// Further checks of one program, at most.
-const MOST: usize = 64;
+const MAX: usize = 64;
 
 /// Bytes of text and events of plans that are looked at again, at most.
 const WORK: usize = 1 << 21;
@@ -49,7 +49,7 @@ pub(crate) fn verify_fixes(
     if claims.is_empty() {
         return Ok(());
     }
-    let mut left = MOST.min(WORK / size(checked).max(1));
+    let mut left = MAX.min(WORK / size(checked).max(1));
     let mut safe = vec![false; checked.diagnostics.len()];
     let together = claims.len().div_ceil(left.max(1));
     let mut groups: VecDeque<Vec<usize>> =
@@ -146,8 +146,8 @@ pub(crate) fn resolves(
         return false;
     }
     let gone = diagnostics().filter(|&(_, &is_fixed)| is_fixed);
-    let gone = FindingSpans::of(&before.sources, gone.map(|(it, _)| it), Some(change));
-    let all = FindingSpans::of(&after.sources, after.diagnostics.iter(), None);
+    let gone = FindingSpans::new(&before.sources, gone.map(|(it, _)| it), Some(change));
+    let all = FindingSpans::new(&after.sources, after.diagnostics.iter(), None);
     let codes = |checked: &Checked| -> BTreeSet<Code> {
         checked.diagnostics.iter().map(|it| it.code).collect()
     };
@@ -160,13 +160,13 @@ pub(crate) fn resolves(
     let is_wrong = |diagnostic: &Diagnostic| diagnostic.code.severity() == Severity::Error;
     let fixes_error = diagnostics().any(|(diagnostic, &is_fixed)| is_fixed && is_wrong(diagnostic));
     let kept = diagnostics().filter(|&(_, &is_fixed)| !is_fixed);
-    let mut old = FindingSpans::of(
+    let mut old = FindingSpans::new(
         &before.sources,
         kept.map(|(diagnostic, _)| diagnostic),
         Some(change),
     );
     let new = (after.diagnostics.iter()).filter(|diagnostic| is_wrong(diagnostic) || !fixes_error);
-    let new = FindingSpans::of(&after.sources, new, None);
+    let new = FindingSpans::new(&after.sources, new, None);
     (new.0).into_iter().all(|(key, places)| {
         let Some(old) = old.0.get_mut(&key) else {
             return false;
@@ -196,7 +196,7 @@ impl<'a> FindingSpans<'a> {
     }
 
     /// The places of some findings, as they are after a change if there is one.
-    fn of(
+    fn new(
         sources: &'a Sources,
         diagnostics: impl Iterator<Item = &'a Diagnostic>,
         change: Option<&TextChange<'_>>,

@@ -201,7 +201,7 @@ fn for_programs(test: impl Fn(&str, &Checked, &Names) -> Result<usize, TestCaseE
         if checked.has_errors() {
             return Ok(());
         }
-        let names = Names::of(&checked, NEVER).unwrap();
+        let names = Names::new(&checked, NEVER).unwrap();
         right.set(right.get() + 1);
         compared.set(compared.get() + test(&text, &checked, &names)?);
         Ok(())

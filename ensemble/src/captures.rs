@@ -114,7 +114,7 @@ impl CaptureTally {
             self.entries.value().is_some() || !all.iter().any(|time| time.is_completed());
         let total: f64 = all.iter().map(|time| time.time).sum();
         Some(Waits {
-            time: Time::of(&all)?,
+            time: Time::new(&all)?,
             spread: spread(&all),
             entries: self.entries.value(),
             docking: self.docking.value(),
@@ -131,7 +131,7 @@ fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
         let ended: Vec<f64> = waits.iter().map(|wait| wait.time).collect();
         return quantile(&ended, 0.1).zip(quantile(&ended, 0.9));
     }
-    let curve = KaplanMeier::of(waits)?;
+    let curve = KaplanMeier::new(waits)?;
     curve.quantile(0.1).zip(curve.quantile(0.9))
 }
 

@@ -33,7 +33,7 @@ const VERSION: u32 = 1;
 /// How the name of a checkpoint ends.
 const SUFFIX: &str = ".state";
 /// Bytes of the first line, fewer than which it has.
-const MOST: u64 = 1 << 12;
+const MAX: u64 = 1 << 12;
 /// Bytes of the checksum at the end.
 const CHECKSUM: u64 = 4;
 
@@ -42,7 +42,7 @@ const LOOK_EVERY: u32 = 16;
 /// At most one part in so many of a run's time goes into its checkpoints.
 const SHARE: u32 = 100;
 /// A run that is told to stop loses less than this, if it is asked for checkpoints at all.
-const LEAST: Duration = Duration::from_secs(10);
+const MIN: Duration = Duration::from_secs(10);
 
 /// How often the state of a run is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -317,7 +317,7 @@ impl RunCheckpoints<'_> {
         let due = match self.all.interval {
             Interval::Never => false,
             Interval::Ticks(every) => tick - at.min(tick) >= every || (is_stopped && tick > at),
-            Interval::Time(_) if is_stopped => clock::now() - then >= self.wait.get().min(LEAST),
+            Interval::Time(_) if is_stopped => clock::now() - then >= self.wait.get().min(MIN),
             Interval::Time(_) => {
                 self.calls.set(self.calls.get() + 1);
                 self.calls.get().is_multiple_of(LOOK_EVERY)
@@ -478,7 +478,7 @@ fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static
     let mut line = Vec::new();
     let mut from = file;
     from.seek(SeekFrom::Start(0))?;
-    BufReader::new(from.take(MOST)).read_until(b'\n', &mut line)?;
+    BufReader::new(from.take(MAX)).read_until(b'\n', &mut line)?;
     let begins = line.len() as u64;
     let header = line
         .strip_suffix(b"\n")

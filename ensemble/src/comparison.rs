@@ -112,7 +112,7 @@ pub struct Pair {
 
 impl Comparison {
     /// Draws up the figures of finished runs.
-    pub fn of<'a>(
+    pub fn new<'a>(
         manifest: &Manifest,
         finished: impl IntoIterator<Item = &'a Finished>,
     ) -> Comparison {
@@ -195,7 +195,7 @@ impl<'a> ComparisonTally<'a> {
         };
         ComparisonTally {
             manifest,
-            clock: TimeUnit::of(manifest.programs.iter()),
+            clock: TimeUnit::common(manifest.programs.iter()),
             programs: manifest.programs.iter().map(tally).collect(),
         }
     }
@@ -246,7 +246,7 @@ impl<'a> ComparisonTally<'a> {
                 varied: &program.varied,
                 chosen: &program.chosen,
                 identity: Some(manifest.runs_identity(program)),
-                runs: Runs::of(manifest.seed, tally.times, self.clock.tick(program)),
+                runs: Runs::new(manifest.seed, tally.times, self.clock.tick(program)),
             })
             .collect();
         let name = |i: usize| manifest.programs[i].name.clone();
@@ -292,7 +292,7 @@ impl Time {
     }
 
     /// Sums up times of which some may be cut short; `None`: there are none.
-    pub fn of(observations: &[Observation]) -> Option<Time> {
+    pub fn new(observations: &[Observation]) -> Option<Time> {
         Time::beside(observations, 0.0)
     }
 
@@ -304,7 +304,7 @@ impl Time {
             .filter(|o| o.is_completed())
             .map(|o| o.time)
             .collect();
-        let summary = Summary::of(&completed);
+        let summary = Summary::from_values(&completed);
         let incomplete = observations.len() - completed.len();
         if incomplete == 0 {
             let summary = summary?;
@@ -321,11 +321,11 @@ impl Time {
                 cv: summary.cv(),
             });
         }
-        let curve = KaplanMeier::of(observations)?;
+        let curve = KaplanMeier::new(observations)?;
         let horizon = curve.last().max(horizon);
         let mean = curve.restricted_mean(horizon);
         // As where all are known: an interval of another kind would jump with the first run that is stopped.
-        let spread = Summary::of(&curve.contributions(observations, horizon));
+        let spread = Summary::from_values(&curve.contributions(observations, horizon));
         Some(Time {
             completed: completed.len(),
             incomplete,
@@ -375,7 +375,7 @@ impl ProgramTally {
                 .map(|(i, phase)| PhaseTime {
                     name: phase.name.clone(),
                     number: i,
-                    time: Time::of(&self.phase_times[i].to_vec()),
+                    time: Time::new(&self.phase_times[i].to_vec()),
                 })
                 .collect(),
         }
@@ -390,10 +390,10 @@ mod tests {
     #[test]
     fn an_interval_is_of_one_kind_whether_or_not_a_run_is_stopped() {
         let times = [310.0, 420.0, 500.0, 760.0, 980.0];
-        let all = Time::of(&times.map(Observation::completed)).unwrap();
+        let all = Time::new(&times.map(Observation::completed)).unwrap();
         let mut some = times.map(Observation::completed);
         some[4] = Observation::censored(980.0);
-        let some = Time::of(&some).unwrap();
+        let some = Time::new(&some).unwrap();
         assert!((some.mean - all.mean).abs() < 1e-9);
         let [half, known] = [some.half_width, all.half_width].map(Option::unwrap);
         assert!((half - known).abs() < 1e-9 * known, "{half} {known}");

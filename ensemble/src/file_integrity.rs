@@ -26,7 +26,7 @@ impl Integrity {
         matches!(self, Integrity::Damaged(_))
     }
 
-    pub(super) fn of(damage: Vec<String>, is_protected: bool) -> Integrity {
+    pub(super) fn new(damage: Vec<String>, is_protected: bool) -> Integrity {
         match (damage.is_empty(), is_protected) {
             (false, _) => Integrity::Damaged(damage),
             (true, true) => Integrity::Sound,

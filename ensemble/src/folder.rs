@@ -142,7 +142,7 @@ impl Folder {
         manifest: &Manifest,
         resume: Resume,
     ) -> Result<Folder, FolderError> {
-        let io = FolderError::of(path);
+        let io = FolderError::at(path);
         // Before anything is created: the folder may be somebody else's.
         survey(path)?;
         atomic::make_folder(path).map_err(&io)?;
@@ -204,7 +204,7 @@ impl Folder {
         atomic::clear_partial(path).map_err(&io)?;
         let recordings = path.join(RECORDINGS);
         if recordings.is_dir() {
-            atomic::clear_partial(&recordings).map_err(FolderError::of(&recordings))?;
+            atomic::clear_partial(&recordings).map_err(FolderError::at(&recordings))?;
         }
         let builds = match done == total {
             true => stored.builds.clone(),
@@ -297,7 +297,7 @@ impl Folder {
     }
 
     fn in_checkpoints(&self, source: io::Error) -> FolderError {
-        FolderError::of(self.path.join(CHECKPOINTS))(source)
+        FolderError::at(self.path.join(CHECKPOINTS))(source)
     }
 
     /// The states of its runs, if they are kept.
@@ -362,7 +362,7 @@ impl Folder {
     /// Those of the file system.
     pub(super) fn journal(&self) -> Result<Journal, FolderError> {
         self.write_manifest()?;
-        let header = JournalHeader::of(&self.manifest.identity());
+        let header = JournalHeader::new(&self.manifest.identity());
         let journal = Journal::open(&self.path.join(JOURNAL), &header, self.whole)?;
         atomic::sync_folder(&self.path).map_err(JournalError::Io)?;
         Ok(journal)
@@ -396,7 +396,7 @@ impl Folder {
         let mut sums = tables(&self.path, &self.manifest, finished, Replaces::Ordinary)?;
         for (name, content) in (self.further.0)(&self.manifest, finished)? {
             replace(&self.path, &name, &content)?;
-            sums.push((name, Sum::of(&content)));
+            sums.push((name, Sum::from_bytes(&content)));
         }
         write_checksums(&self.path, &sums)
     }
@@ -411,7 +411,7 @@ pub fn write_tables(
     manifest: &Manifest,
     finished: &Records,
 ) -> Result<(), FolderError> {
-    atomic::make_folder(path).map_err(FolderError::of(path))?;
+    atomic::make_folder(path).map_err(FolderError::at(path))?;
     let ours = Replaces::Ours(|file| atomic::ends_with(file, b"stochc.table"));
     tables(path, manifest, finished, ours).map(drop)
 }
@@ -424,10 +424,10 @@ fn tables(
     replaces: Replaces,
 ) -> Result<Vec<(String, Sum)>, FolderError> {
     let begin = |name: &str| Ok(Summed::new(Draft::new(&path.join(name), replaces)?));
-    let tables = parquet::write(manifest, finished, begin, FolderError::of(path))?;
+    let tables = parquet::write(manifest, finished, begin, FolderError::at(path))?;
     let keep = |(name, table): (String, Summed<Draft>)| {
         let (draft, sum) = table.finish();
-        draft.keep().map_err(FolderError::of(path.join(&name)))?;
+        draft.keep().map_err(FolderError::at(path.join(&name)))?;
         Ok((name, sum))
     };
     tables.into_iter().map(keep).collect()
@@ -445,7 +445,7 @@ pub(super) fn write_manifest(path: &Path, manifest: &Manifest) -> Result<(), Fol
 pub(super) fn write_checksums(path: &Path, files: &[(String, Sum)]) -> Result<(), FolderError> {
     let mut checksums = FolderChecksums::default();
     for name in [MANIFEST, JOURNAL] {
-        let io = FolderError::of(path.join(name));
+        let io = FolderError::at(path.join(name));
         match files::open(&path.join(name)) {
             Ok(file) => checksums.note(name, of_file(file, u64::MAX).map_err(&io)?),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
@@ -474,7 +474,7 @@ fn not_cut(path: &Path) -> Result<(), FolderError> {
 /// If it is of another ensemble, or the file system refuses.
 pub(super) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
     let journal = path.join(JOURNAL);
-    let of = || FolderError::of(&journal);
+    let of = || FolderError::at(&journal);
     // Nothing is sound of what is no file.
     let text = match journal.is_file() {
         true => {
@@ -484,7 +484,7 @@ pub(super) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), F
         false => None,
     };
     let damaged = path.join(DAMAGED);
-    atomic::move_aside(&journal, &damaged).map_err(FolderError::of(&damaged))?;
+    atomic::move_aside(&journal, &damaged).map_err(FolderError::at(&damaged))?;
     match text {
         Some(text) => atomic::replace(&journal, &text, Replaces::Nothing).map_err(of()),
         None => Ok(()),
@@ -513,7 +513,7 @@ fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
 fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
     match disk::remove(&path.join(name)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            Err(FolderError::of(path.join(name))(error))
+            Err(FolderError::at(path.join(name))(error))
         }
         _ => Ok(()),
     }
@@ -539,14 +539,14 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         Err(error) if error.kind() == io::ErrorKind::NotADirectory => {
             return Err(FolderError::NotAFolder(path.to_owned()));
         }
-        Err(error) => return Err(FolderError::of(path)(error)),
+        Err(error) => return Err(FolderError::at(path)(error)),
     };
     let mut foreign = false;
     for entry in entries {
         let name = entry.file_name().unwrap_or_default();
         if name == MANIFEST {
             let file = path.join(MANIFEST);
-            let bytes = files::read_file(&file, budget::MANIFEST).map_err(FolderError::of(file))?;
+            let bytes = files::read_file(&file, budget::MANIFEST).map_err(FolderError::at(file))?;
             as_written(path)?;
             let json = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
             return Manifest::from_json(&json).map(Some).map_err(unreadable);
@@ -597,7 +597,7 @@ pub(super) fn without_manifest(
 
 pub(super) fn lock(path: &Path) -> Result<FileLock, FolderError> {
     let lock = path.join(LOCK);
-    let io = FolderError::of(&lock);
+    let io = FolderError::at(&lock);
     let mut options = OpenOptions::new();
     let options = options.create(true).truncate(false).write(true);
     let file = files::open_own(&lock, options).map_err(&io)?;
@@ -608,7 +608,7 @@ pub(super) fn lock(path: &Path) -> Result<FileLock, FolderError> {
 /// Writes a file of a folder of results, in the place of an earlier one.
 pub(super) fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), FolderError> {
     let path = path.join(name);
-    atomic::replace(&path, content, Replaces::Ordinary).map_err(FolderError::of(path))
+    atomic::replace(&path, content, Replaces::Ordinary).map_err(FolderError::at(path))
 }
 
 /// The builds of a folder, after one more has made runs.

@@ -139,7 +139,7 @@ pub enum FolderError {
 
 impl FolderError {
     /// What the system says of a file or a folder.
-    pub(super) fn of(path: impl Into<PathBuf>) -> impl Fn(io::Error) -> FolderError {
+    pub(super) fn at(path: impl Into<PathBuf>) -> impl Fn(io::Error) -> FolderError {
         let path = path.into();
         move |source| FolderError::Io {
             path: path.clone(),

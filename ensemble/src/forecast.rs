@@ -153,7 +153,7 @@ mod tests {
         let program = EnsembleProgram::new("one", Vec::new(), executable);
         let settings = Settings {
             max_ticks: Some(max_ticks),
-            ..Settings::of(Model::Rigid, 1)
+            ..Settings::new(Model::Rigid, 1)
         };
         Manifest::new(settings, 1, 400, vec![program])
     }

@@ -47,7 +47,7 @@ pub(super) struct JournalHeader {
 }
 
 impl JournalHeader {
-    pub fn of(identity: &str) -> JournalHeader {
+    pub fn new(identity: &str) -> JournalHeader {
         JournalHeader {
             ensemble: identity.to_owned(),
             journal: JOURNAL,
@@ -60,7 +60,7 @@ impl JournalHeader {
     pub fn of_piece(identity: &str, piece: PieceHeader) -> JournalHeader {
         JournalHeader {
             piece: Some(piece),
-            ..JournalHeader::of(identity)
+            ..JournalHeader::new(identity)
         }
     }
 }
@@ -120,7 +120,7 @@ pub(super) fn read(
     let (mut shortest, mut damage) = (Shortest::default(), Vec::new());
     let most = most_line(manifest);
     let validator = RecordValidator::new(manifest);
-    let header = JournalHeader::of(identity);
+    let header = JournalHeader::new(identity);
     stored.whole = read_lines(path, &header, most, |line| {
         match run(line.text, &validator) {
             Ok(finished) => {
@@ -222,12 +222,12 @@ pub(super) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
 }
 
 /// Bytes of the first line of a journal, fewer than which it has.
-pub(super) const MOST_HEADER: u64 = 1 << 12;
+pub(super) const MAX_HEADER: u64 = 1 << 12;
 
 /// The first line of a journal with its end, or as much of it as it may have.
 pub(super) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
-    file.take(MOST_HEADER).read_until(b'\n', &mut line)?;
+    file.take(MAX_HEADER).read_until(b'\n', &mut line)?;
     Ok(line)
 }
 
@@ -254,7 +254,7 @@ pub(super) fn salvaged(
     identity: &str,
 ) -> io::Result<Option<Vec<u8>>> {
     let mut file = BufReader::new(files::open(path)?);
-    let mut text = line(&JournalHeader::of(identity)).into_bytes();
+    let mut text = line(&JournalHeader::new(identity)).into_bytes();
     let mut next = Vec::new();
     // A sound first line names the ensemble of the others; a corrupted one does not.
     let most = most_line(manifest);

@@ -19,7 +19,7 @@
 //! let executable = checked.programs.remove(0).into_executable().ok_or("it is wrong")?;
 //! let program = EnsembleProgram::new("pair", Vec::new(), executable);
 //!
-//! let settings = Settings::of(Model::Shuffle, /* substeps */ 1);
+//! let settings = Settings::new(Model::Shuffle, /* substeps */ 1);
 //! let manifest = Manifest::new(settings, /* seed */ 1, /* runs */ 10, vec![program]);
 //! let progress = Progress::new(&manifest, NonZeroUsize::MIN);
 //! let stop = AtomicBool::new(false);
@@ -29,7 +29,7 @@
 //!     let record = program.run(&manifest.settings_of(program), (manifest.seed, number), &mut told);
 //!     record.map_err(|_| RunCancelled)
 //! })?;
-//! let comparison = Comparison::of(&manifest, &results.finished.to_vec()?);
+//! let comparison = Comparison::new(&manifest, &results.finished.to_vec()?);
 //! assert_eq!(comparison.programs[0].completed, 10);
 //! # Ok(())
 //! # }
@@ -95,7 +95,7 @@ pub use folder_error::FolderError;
 pub use forecast::{CpuForecast, forecast_cpu_time};
 pub use journal_error::JournalError;
 pub use manifest::{
-    ChosenSetting, Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, Source, Varied,
+    ChosenSetting, Compiled, EnsembleProgram, FORMAT, MAX_RUNS, Manifest, Source, Varied,
 };
 pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pairwise_tests};
 pub use parquet::{

@@ -53,7 +53,7 @@ pub enum PairwiseResult {
 
 impl TimeUnit {
     /// The unit that all of these programs have in common.
-    pub fn of<'a>(programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
+    pub fn common<'a>(programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
         let mut ticks = programs.map(|program| program.scene.tick);
         let first = ticks.next();
         match ticks.all(|tick| Some(tick) == first) {

@@ -125,7 +125,7 @@ pub fn run(
             let pending = PendingRuns::all(manifest, 0..manifest.total(), None);
             let Ok(()) = new_runs(pending, (progress, None), stop, simulate, keep);
             let all = all.into_inner().expect("every thread has ended well");
-            Ok(Results::of(manifest, all.into()))
+            Ok(Results::from_records(manifest, all.into()))
         }
         Destination::Folder(mut folder) => {
             folder.leave_foul_lines()?;
@@ -145,13 +145,13 @@ pub fn run(
             folder.clear_checkpoints(known)?;
             folder.write_tables(known)?;
             let (manifest, kept) = folder.close();
-            Ok(Results::of(&manifest, finished.unwrap_or(kept)))
+            Ok(Results::from_records(&manifest, finished.unwrap_or(kept)))
         }
     }
 }
 
 impl Results {
-    fn of(manifest: &Manifest, finished: Records) -> Results {
+    fn from_records(manifest: &Manifest, finished: Records) -> Results {
         Results {
             complete: finished.len() as u64 == manifest.total(),
             finished,

@@ -24,7 +24,7 @@ pub use super::file_names::DAMAGED;
 /// # Errors
 /// When there are no results, or they cannot be looked at, for want of memory as well.
 pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
-    let in_manifest = FolderError::of(path.join(MANIFEST));
+    let in_manifest = FolderError::at(path.join(MANIFEST));
     let mut files = Vec::new();
     let mut report = |name: &str, health| {
         let name = name.to_owned();
@@ -38,7 +38,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     if checksums.is_some() || damage.is_some() {
         report(
             CHECKSUMS_FILE,
-            Integrity::of(damage.into_iter().collect(), true),
+            Integrity::new(damage.into_iter().collect(), true),
         );
     }
     let checksums = checksums.unwrap_or_default();
@@ -55,11 +55,11 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         true => read,
         false => saved(path).map_err(in_manifest)?,
     };
-    report(MANIFEST, Integrity::of(damage, checksums.knows(MANIFEST)));
+    report(MANIFEST, Integrity::new(damage, checksums.knows(MANIFEST)));
     let known = checksums.names().filter(|it| *it != MANIFEST);
     let by_checksum = |name: &str| {
         let damage = checksums.damage(path, name, name == JOURNAL);
-        Integrity::of(damage.into_iter().collect(), true)
+        Integrity::new(damage.into_iter().collect(), true)
     };
     let Ok(manifest) = manifest else {
         // Nothing else can be held against them.
@@ -76,10 +76,10 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
                     damage.extend(checksums.damage(path, JOURNAL, true));
                 }
                 finished = stored.finished;
-                Integrity::of(damage, true)
+                Integrity::new(damage, true)
             }
             Err(JournalError::Io(error)) if is_short_of_memory(&error) => {
-                return Err(FolderError::of(journal)(error));
+                return Err(FolderError::at(journal)(error));
             }
             Err(error) => Integrity::Damaged(vec![error.to_string()]),
         };
@@ -110,7 +110,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     for (program, run) in recordings(&manifest, path) {
         let name = format!("{RECORDINGS}/{program}-{run}.rec");
         let health = recording(path, &manifest, &finished, (program, run));
-        report(&name, health.map_err(FolderError::of(path.join(&name)))?);
+        report(&name, health.map_err(FolderError::at(path.join(&name)))?);
     }
     Ok(files)
 }
@@ -122,7 +122,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
 /// # Errors
 /// When the manifest cannot be saved, another process writes to the folder, or the file system refuses.
 pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
-    let of = |name: &str| FolderError::of(path.join(name));
+    let of = |name: &str| FolderError::at(path.join(name));
     let health = verify(path)?;
     let is_damaged =
         |name: &str| (health.iter()).any(|file| file.name == name && file.health.is_damaged());

@@ -28,7 +28,7 @@ fn found(scene: &Scene, truth: &Rates, runs: u64) -> Rates {
     let settings = Settings {
         rates: vec![truth.clone()],
         max_ticks: Some(60_000),
-        ..Settings::of(Model::Rate, 1)
+        ..Settings::new(Model::Rate, 1)
     };
     let mut calibration = Calibration::new(scene, truth.profile.clone());
     let mut watch = |_, _| ControlFlow::Continue(());

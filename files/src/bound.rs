@@ -8,7 +8,7 @@ pub struct ImportFolders(Vec<PathBuf>);
 
 impl ImportFolders {
     /// The folder of a program, and further ones as [`folder`] gives them.
-    pub fn of(program: &str, further: &[PathBuf]) -> ImportFolders {
+    pub fn new(program: &str, further: &[PathBuf]) -> ImportFolders {
         let own = Path::new(program).parent().unwrap_or(Path::new(""));
         let own = std::iter::once(resolved(own));
         ImportFolders(own.chain(further.iter().cloned()).collect())
@@ -105,7 +105,7 @@ mod tests {
             "missing.sa",
         ];
         for program in ["in/own.sa", "same/own.sa"] {
-            let bound = ImportFolders::of(&at(program), &[]);
+            let bound = ImportFolders::new(&at(program), &[]);
             for path in inside {
                 assert_eq!(bound.outside(&at(path)), None, "{path}");
             }
@@ -114,15 +114,15 @@ mod tests {
             }
         }
         let allowed = super::folder(Path::new(&at("in/link"))).unwrap();
-        let bound = ImportFolders::of(&at("in/own.sa"), &[allowed]);
+        let bound = ImportFolders::new(&at("in/own.sa"), &[allowed]);
         assert_eq!(bound.outside(&at("in/b.sa")), None);
         assert!(bound.outside(&at("missing.sa")).is_some());
         assert!(super::folder(Path::new(&at("in/own.sa"))).is_err());
         assert!(
-            ImportFolders::of("own.sa", &[])
+            ImportFolders::new("own.sa", &[])
                 .outside("/etc/passwd")
                 .is_some()
         );
-        assert_eq!(ImportFolders::of("own.sa", &[]).outside("deep/x.sa"), None);
+        assert_eq!(ImportFolders::new("own.sa", &[]).outside("deep/x.sa"), None);
     }
 }

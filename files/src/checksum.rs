@@ -22,7 +22,7 @@ pub struct Sum {
 
 impl Sum {
     /// Of some bytes.
-    pub fn of(bytes: &[u8]) -> Sum {
+    pub fn from_bytes(bytes: &[u8]) -> Sum {
         Sum {
             bytes: bytes.len() as u64,
             crc32: crc32(bytes),

@@ -98,7 +98,7 @@ pub fn read(bytes: &[u8]) {
         0 => Model::Shuffle,
         _ => Model::Rigid,
     };
-    let settings = Settings::of(model, 1).resolved();
+    let settings = Settings::new(model, 1).resolved();
     let mut watch = Resumed {
         state: Some(state),
         left: TICKS,

@@ -21,7 +21,7 @@ pub fn read(bytes: &[u8]) {
             continue;
         }
         for model in [Model::Shuffle, Model::Rigid] {
-            let mut settings = Settings::of(model, 1);
+            let mut settings = Settings::new(model, 1);
             settings.max_ticks = Some(5);
             let mut watch = |tick, _| match tick > 5 {
                 true => ControlFlow::Break(()),

@@ -12,7 +12,7 @@ pub struct CellBounds {
 
 impl CellBounds {
     /// Those of some cells; `None` if there are none.
-    pub fn of(cells: impl IntoIterator<Item = Cell>) -> Option<CellBounds> {
+    pub fn enclosing(cells: impl IntoIterator<Item = Cell>) -> Option<CellBounds> {
         let mut cells = cells.into_iter();
         let first = cells.next()?;
         let bounds = CellBounds {

@@ -1,7 +1,7 @@
 //! The nearest known word to an unknown one.
 
 /// Words that are compared at most, so that a large program with many errors stays quick.
-const MOST: usize = 5_000;
+const MAX: usize = 5_000;
 
 /// A known word that an unknown one is probably meant to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub fn nearest<S: AsRef<str>>(
     // The distance of the nearest word but one.
     let mut second = usize::MAX;
     let mut count = 0;
-    for word in known.into_iter().take(MOST) {
+    for word in known.into_iter().take(MAX) {
         count += 1;
         if word.as_ref() == unknown || is_far(unknown, word.as_ref()) {
             continue;
@@ -60,7 +60,7 @@ pub fn nearest<S: AsRef<str>>(
     let near =
         distance <= longest.div_ceil(3) && distance < longest || unknown.eq_ignore_ascii_case(word);
     near.then(|| Suggestion {
-        clear: count < MOST && is_slip(unknown, word, distance, second),
+        clear: count < MAX && is_slip(unknown, word, distance, second),
         word: word.to_owned(),
     })
 }

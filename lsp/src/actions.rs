@@ -68,7 +68,7 @@ mod tests {
         let path = documents.open("file:///x/a.sa".to_owned(), text.to_owned(), 1);
         let mut reader = |path: &str| documents.read(path, Encoding::Utf16);
         let never = Cancellation::NEVER;
-        let analysis = Analysis::of(&path, &mut reader, Encoding::Utf16, never);
+        let analysis = Analysis::new(&path, &mut reader, Encoding::Utf16, never);
         let mut analysis = analysis.unwrap();
         let at = |start, end| SourceLocation {
             file: stochc_compiler::FileId(0),

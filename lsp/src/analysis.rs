@@ -27,14 +27,14 @@ impl Analysis {
     /// # Errors
     ///
     /// [`Cancelled`] if it is not.
-    pub fn of(
+    pub fn new(
         path: &str,
         reader: &mut dyn Reader,
         encoding: Encoding,
         cancellation: Cancellation<'_>,
     ) -> Result<Analysis, Cancelled> {
         let checked = check_cancellable(path, reader, Limits::EDITOR, cancellation)?;
-        let names = Names::of(&checked, cancellation)?;
+        let names = Names::new(&checked, cancellation)?;
         let files = checked.sources.files().iter();
         let lines = files.map(|file| line_starts(&file.text)).collect();
         Ok(Analysis {

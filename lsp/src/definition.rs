@@ -57,7 +57,7 @@ fn introductions(
     let place = (FileId(0), at as u32);
     for located in blocks_at(&analysis.checked, place, Limits::EDITOR, cancellation)? {
         let program = &analysis.checked.programs[located.program];
-        let ancestry = Ancestry::of(program);
+        let ancestry = Ancestry::new(program);
         for role in located.roles {
             let seeds = program.plan.seeds.iter().filter(|seed| seed.role == role);
             locations.extend(seeds.map(|seed| seed.location));

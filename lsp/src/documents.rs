@@ -174,7 +174,7 @@ mod tests {
                     character: u32::from(character % 10),
                 });
                 all.push(partial(Range { start, end }, text));
-                let lines = LineIndex::of(&plain, encoding);
+                let lines = LineIndex::new(&plain, encoding);
                 let (a, b) = (lines.offset(start), lines.offset(end));
                 plain.replace_range(a.min(b)..a.max(b), text);
             }

@@ -17,11 +17,11 @@ use super::analysis::Analysis;
 use super::scene;
 
 /// Blocks that are described in full, and those that are listed at most.
-const MOST_DESCRIBED: usize = 3;
-const MOST_LISTED: usize = 12;
+const MAX_DESCRIBED: usize = 3;
+const MAX_LISTED: usize = 12;
 
 /// Events of a program whose times are estimated, at most: nobody waits for more.
-const MOST_ESTIMATED: usize = 10_000;
+const MAX_ESTIMATED: usize = 10_000;
 
 /// What is known of the name at a byte, and where that stands.
 ///
@@ -56,11 +56,11 @@ pub fn hover(
 
 fn blocks(analysis: &Analysis, located: &Located) -> String {
     let program = &analysis.checked.programs[located.program];
-    let ancestry = Ancestry::of(program);
+    let ancestry = Ancestry::new(program);
     let cost = times(program);
     let roles = &located.roles;
     let mut text = String::new();
-    for &role in roles.iter().take(MOST_DESCRIBED) {
+    for &role in roles.iter().take(MAX_DESCRIBED) {
         text.push_str(&block(analysis, program, (&ancestry, cost.as_ref()), role));
         if let Some(tables) = &program.tables {
             let duties = duties_text(tables, role);
@@ -69,11 +69,11 @@ fn blocks(analysis: &Analysis, located: &Located) -> String {
             }
         }
     }
-    let listed = roles.iter().skip(MOST_DESCRIBED).take(MOST_LISTED);
+    let listed = roles.iter().skip(MAX_DESCRIBED).take(MAX_LISTED);
     for &role in listed {
         text.push_str(&block(analysis, program, (&ancestry, cost.as_ref()), role));
     }
-    let rest = roles.len().saturating_sub(MOST_DESCRIBED + MOST_LISTED);
+    let rest = roles.len().saturating_sub(MAX_DESCRIBED + MAX_LISTED);
     if rest > 0 {
         let _ = writeln!(text, "\nand more blocks of this name");
     }
@@ -140,7 +140,7 @@ fn block(
         plan.events.iter().enumerate().filter(|(_, event)| {
             event.role == role && event.sound && event.kind == EventKind::Release
         });
-    for (number, _) in releases.take(MOST_LISTED) {
+    for (number, _) in releases.take(MAX_LISTED) {
         let phase = phase_name(program, EventId(number as u32));
         let _ = writeln!(text, "- released in phase `{phase}`");
     }
@@ -152,7 +152,7 @@ fn block(
 fn times(program: &Program) -> Option<Cost> {
     let scene = program.scene.as_ref()?;
     let rates = Rates::known_or_guessed(&[], scene)?;
-    let is_small = program.plan.events.len() <= MOST_ESTIMATED;
+    let is_small = program.plan.events.len() <= MAX_ESTIMATED;
     is_small.then(|| estimate(program, Some(&*rates))).flatten()
 }
 
@@ -245,7 +245,7 @@ fn phases(analysis: &Analysis, location: SourceLocation) -> String {
         let named = phases.filter(|(_, phase)| {
             phase.location.file == location.file && phase.location.span.start == location.span.start
         });
-        let named: Vec<_> = named.take(MOST_LISTED).collect();
+        let named: Vec<_> = named.take(MAX_LISTED).collect();
         let cost = (!named.is_empty()).then(|| times(program)).flatten();
         for (number, phase) in named {
             let measured = measure(program, number, phase);

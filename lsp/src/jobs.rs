@@ -9,10 +9,10 @@ use std::thread::{self, JoinHandle};
 use stochc_compiler::Cancellation;
 
 /// Jobs that run at once, at most: each may hold a program of the size that [`stochc_compiler::Limits::EDITOR`] allows.
-const MOST: usize = 4;
+const MAX: usize = 4;
 
 /// Of these, the jobs that nobody has asked for.
-const MOST_UNASKED: usize = 2;
+const MAX_UNASKED: usize = 2;
 
 /// Bytes of a thread's stack: as deep as expressions and patterns may be nested, twice over.
 const STACK: usize = 16 << 20;
@@ -59,8 +59,8 @@ impl<T: 'static> Jobs<T> {
     pub fn has_room(&self, wanted: JobTrigger) -> bool {
         self.running.len()
             < match wanted {
-                JobTrigger::Requested => MOST,
-                JobTrigger::Background => MOST_UNASKED,
+                JobTrigger::Requested => MAX,
+                JobTrigger::Background => MAX_UNASKED,
             }
     }
 

@@ -44,7 +44,7 @@ use event::ServerEvent;
 use wire::Incoming;
 
 /// Messages that wait for their turn, at most; then the client has to.
-const MOST_WAITING: usize = 256;
+const MAX_WAITING: usize = 256;
 
 /// Serves a client over a pair of streams until it says goodbye; whether it did so properly.
 ///
@@ -54,12 +54,12 @@ pub fn serve(
     input: impl std::io::Read + Send + 'static,
     output: impl Write,
 ) -> std::io::Result<bool> {
-    let (sender, receiver) = mpsc::sync_channel(MOST_WAITING);
+    let (sender, receiver) = mpsc::sync_channel(MAX_WAITING);
     let events = sender.clone();
     // It ends with the stream, or with the process.
     let reader = std::thread::Builder::new();
     reader.spawn(move || {
-        let mut messages = wire::MessageStream::of(BufReader::new(input));
+        let mut messages = wire::MessageStream::new(BufReader::new(input));
         loop {
             let incoming = messages.read();
             let is_end = matches!(incoming, Incoming::End);

@@ -36,7 +36,7 @@ pub struct LineIndex<'t> {
 
 impl<'t> LineIndex<'t> {
     /// Finds the lines of a text.
-    pub fn of(text: &'t str, encoding: Encoding) -> LineIndex<'t> {
+    pub fn new(text: &'t str, encoding: Encoding) -> LineIndex<'t> {
         LineIndex::known(text, line_starts(text), encoding)
     }
 
@@ -118,7 +118,7 @@ mod tests {
     fn characters_are_counted_as_agreed() {
         let at = |text: &str| TEXT.find(text).unwrap();
         for (encoding, b, x) in [(Encoding::Utf16, 2, 2), (Encoding::Utf8, 3, 4)] {
-            let lines = LineIndex::of(TEXT, encoding);
+            let lines = LineIndex::new(TEXT, encoding);
             let place = |text| {
                 let position = lines.position(at(text));
                 (position.line, position.character)
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn every_byte_is_found_again_and_no_position_is_too_far() {
         for encoding in [Encoding::Utf8, Encoding::Utf16] {
-            let lines = LineIndex::of(TEXT, encoding);
+            let lines = LineIndex::new(TEXT, encoding);
             for (at, c) in TEXT.char_indices().filter(|(_, c)| !"\r\n".contains(*c)) {
                 assert_eq!(lines.offset(lines.position(at)), at, "{c:?}");
             }

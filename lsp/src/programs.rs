@@ -218,14 +218,14 @@ fn check(
     encoding: Encoding,
     cancellation: Cancellation<'_>,
 ) -> Option<CheckedProgram> {
-    let bound = ImportFolders::of(path, folders);
+    let bound = ImportFolders::new(path, folders);
     let mut reader = ProgramReader {
         documents,
         encoding,
         reads,
         bound,
     };
-    let analysis = Analysis::of(path, &mut reader, encoding, cancellation).ok()?;
+    let analysis = Analysis::new(path, &mut reader, encoding, cancellation).ok()?;
     Some(CheckedProgram {
         found: diagnostics::of(&analysis, path, documents),
         analysis: Arc::new(analysis),

@@ -137,7 +137,7 @@ fn stays_the_same(
         None => Err("not read before".to_owned()),
     };
     let new = check_cancellable(&root.name, &mut reader, Limits::EDITOR, cancellation)?;
-    let names = Names::of(&new, cancellation)?;
+    let names = Names::new(&new, cancellation)?;
     let is_same_structure = same_structure(&analysis.names, &names);
     let (before, after) = (scenes(old), scenes(&new));
     // Another scene brings other warnings, so this comes before the comparison of codes.

@@ -184,7 +184,7 @@ impl Query {
     /// # Errors
     ///
     /// If that cannot be understood.
-    pub fn of(method: &str, raw: Value) -> Result<Query, RequestFailure> {
+    pub fn parse(method: &str, raw: Value) -> Result<Query, RequestFailure> {
         Ok(match method {
             "textDocument/hover" => {
                 let it: HoverParams = params(raw)?;
@@ -283,7 +283,7 @@ impl Query {
                 Query::new(&it.text_document.uri.0, Needs::Text, |context| {
                     let document = context.documents.get(&context.path).ok_or_else(not_open)?;
                     let text = document.program_text(context.encoding);
-                    let lines = LineIndex::of(&text, context.encoding);
+                    let lines = LineIndex::new(&text, context.encoding);
                     value(formatting::edits(&text, &lines)?)
                 })
             }

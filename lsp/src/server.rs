@@ -193,7 +193,7 @@ impl<W: Write> Server<W> {
     }
 
     fn query(&self, method: &str, params: Value) -> Result<Query, RequestFailure> {
-        let query = Query::of(method, params)?;
+        let query = Query::parse(method, params)?;
         match self.documents.get(&query.path) {
             Some(_) => Ok(query),
             None => Err(requests::not_open()),

@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 use stochc_compiler::Cancelled;
 
 /// Bytes of one message, at most.
-const MOST_BYTES: u64 = 1 << 28;
+const MAX_BYTES: u64 = 1 << 28;
 
 /// Bytes of one line of a message's head, at most.
-const MOST_HEAD: u64 = 1 << 12;
+const MAX_HEAD: u64 = 1 << 12;
 
 /// A message from the client.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +45,7 @@ pub struct MessageStream<R> {
 
 impl<R: BufRead> MessageStream<R> {
     /// Those that come in from now on.
-    pub fn of(input: R) -> MessageStream<R> {
+    pub fn new(input: R) -> MessageStream<R> {
         MessageStream { input, lost: false }
     }
 
@@ -120,25 +120,25 @@ impl<R: BufRead> MessageStream<R> {
         };
         Ok(if lengths.iter().any(|other| other != &Ok(*length)) {
             Err("a message with two lengths")
-        } else if *length > MOST_BYTES {
+        } else if *length > MAX_BYTES {
             Err("a message of more than 256 MiB")
         } else {
             Ok(*length)
         })
     }
 
-    /// The next line with its end, or the last [`MOST_HEAD`] bytes of a longer one.
+    /// The next line with its end, or the last [`MAX_HEAD`] bytes of a longer one.
     fn line(&mut self) -> io::Result<Vec<u8>> {
         let mut line = Vec::new();
         loop {
-            let mut part = self.input.by_ref().take(MOST_HEAD);
+            let mut part = self.input.by_ref().take(MAX_HEAD);
             if part.read_until(b'\n', &mut line)? == 0 {
                 return Err(io::ErrorKind::UnexpectedEof.into());
             }
             if line.last() == Some(&b'\n') {
                 return Ok(line);
             }
-            line.drain(..line.len().saturating_sub(MOST_HEAD as usize));
+            line.drain(..line.len().saturating_sub(MAX_HEAD as usize));
         }
     }
 }
@@ -236,7 +236,7 @@ mod tests {
     use super::*;
 
     fn all(text: &str) -> Vec<String> {
-        let mut messages = MessageStream::of(text.as_bytes());
+        let mut messages = MessageStream::new(text.as_bytes());
         let mut seen = Vec::new();
         loop {
             seen.push(match messages.read() {
@@ -316,7 +316,7 @@ mod tests {
         let mut bytes = Vec::new();
         let message = json!({ "id": 3, "method": "m\u{b5}", "params": [1] });
         write(&mut bytes, &message).unwrap();
-        let Incoming::Message(read) = MessageStream::of(bytes.as_slice()).read() else {
+        let Incoming::Message(read) = MessageStream::new(bytes.as_slice()).read() else {
             panic!();
         };
         assert_eq!((read.id, read.method.as_str()), (Some(json!(3)), "m\u{b5}"));

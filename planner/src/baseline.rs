@@ -195,7 +195,7 @@ mod tests {
         let cells = (0..27).map(|i| Cell::new(i % 3, i / 3 % 3, i / 9 + 1));
         let plate = Plate { width: 3, depth: 3 };
         let target = Target::new(cells.collect(), plate, None, 100).unwrap();
-        let sites = Sites::of(&target);
+        let sites = Sites::new(&target);
         let hardware = Hardware {
             faces: 1,
             attracts_always: false,

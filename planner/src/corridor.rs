@@ -33,7 +33,7 @@ impl Corridors {
     ///
     /// # Errors
     /// [`Cancelled`] if nobody waits for it.
-    pub fn of(
+    pub fn new(
         sites: &Sites<'_>,
         disassembly: &Disassembly,
         cancellation: Cancellation<'_>,

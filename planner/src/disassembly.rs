@@ -48,7 +48,7 @@ pub fn disassemble(
     keys: &[f32],
     cancellation: Cancellation<'_>,
 ) -> Result<Disassembly, TargetError> {
-    let support = Support::of(sites);
+    let support = Support::new(sites);
     let level: Vec<u32> = (0..sites.len() as u32)
         .map(|site| support.level(site))
         .collect();
@@ -273,8 +273,8 @@ mod tests {
             let Some(target) = held(cells, &plate) else {
                 return Ok(());
             };
-            let sites = Sites::of(&target);
-            let spaces = || [FreeSpace::of(&sites, 2).with_gaps(has_gaps), FreeSpace::of(&sites, 1)];
+            let sites = Sites::new(&target);
+            let spaces = || [FreeSpace::new(&sites, 2).with_gaps(has_gaps), FreeSpace::new(&sites, 1)];
             let keys = vec![0.5; sites.len()];
             let disassembly = disassemble(&sites, spaces(), &keys, Cancellation::NEVER);
             // Whatever hangs together can be built.

@@ -10,13 +10,13 @@ use crate::precedence::Why;
 use crate::target_error::listed_cells;
 
 /// Captures that decide the time, as told.
-const MOST_TOLD: usize = 6;
+const MAX_TOLD: usize = 6;
 
 /// Cells of a picture along x, at most.
 const WIDEST: i32 = 24;
 
 /// Layers of a picture, at most.
-const MOST_LAYERS: i32 = 12;
+const MAX_LAYERS: i32 = 12;
 
 /// What a plan does, in which order, what limits it, and what the alternatives would cost.
 pub fn explanation(plan: &BuildPlan) -> String {
@@ -85,7 +85,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
     let weight = |capture: &Capture| f64::from(capture.decides) * capture.wait;
     critical.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
     out += "what decides when a run ends: in how many runs, and the mean wait\n";
-    for capture in critical.iter().take(MOST_TOLD) {
+    for capture in critical.iter().take(MAX_TOLD) {
         let _ = writeln!(
             out,
             "  {:<14} {:>4.0} %  {:>6.0} ticks",
@@ -142,11 +142,12 @@ pub fn race_to_text(race: &[RaceTimes]) -> String {
 
 /// The place of each cell in the order, layer by layer; nothing for what is too large.
 fn picture(captures: &[Capture]) -> String {
-    let Some(CellBounds { low, high }) = CellBounds::of(captures.iter().map(|it| it.cell)) else {
+    let Some(CellBounds { low, high }) = CellBounds::enclosing(captures.iter().map(|it| it.cell))
+    else {
         return String::new();
     };
     let (width, depth, height) = (high.x - low.x, high.y - low.y, high.z - low.z);
-    if width >= WIDEST || depth >= WIDEST || height >= MOST_LAYERS {
+    if width >= WIDEST || depth >= WIDEST || height >= MAX_LAYERS {
         return String::new();
     }
     let mut order: Vec<(Cell, usize)> = captures

@@ -38,7 +38,7 @@ enum PlaceReach {
 
 impl FreeSpace {
     /// For a cube of `size` sides, with all of a target standing.
-    pub fn of(sites: &Sites<'_>, size: i32) -> FreeSpace {
+    pub fn new(sites: &Sites<'_>, size: i32) -> FreeSpace {
         let cells = sites.target.cells();
         let mut space = FreeSpace {
             size,

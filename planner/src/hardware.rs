@@ -14,8 +14,8 @@ pub struct Hardware {
 
 impl Hardware {
     /// That of a scene.
-    pub fn of(scene: &Scene) -> Hardware {
-        let attracts_always = BondKind::of(scene).is_passive();
+    pub fn from_scene(scene: &Scene) -> Hardware {
+        let attracts_always = BondKind::from_scene(scene).is_passive();
         Hardware {
             faces: if attracts_always {
                 6

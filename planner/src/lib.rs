@@ -48,7 +48,7 @@ pub use capture::Capture;
 pub use emit::{Naming, PLANNED_MARK, continuation, declaration, draft, program};
 pub use explanation::{explanation, race_to_text};
 pub use hardware::Hardware;
-pub use limits::{FARTHEST, MOST_CELLS};
+pub use limits::{FARTHEST, MAX_CELLS};
 pub use makespan::{Objective, PlanEstimate};
 pub use plan::{Alternative, BuildPlan, Plans, RaceTimes, baseline_plans, plan};
 pub use precedence::Why;

@@ -92,7 +92,7 @@ pub fn plan(
     waits: &RateLaw<'_>,
     how: PlanSearch<'_>,
 ) -> Result<Plans, TargetError> {
-    let sites = Sites::of(target);
+    let sites = Sites::new(target);
     let scaffolds = may_have_scaffolds(target, hardware, how);
     let mut search_plain = how;
     if scaffolds.is_ok() {
@@ -123,12 +123,12 @@ pub fn baseline_plans(
     waits: &RateLaw<'_>,
     seed: u64,
 ) -> Vec<(Baseline, BuildPlan)> {
-    let sites = Sites::of(target);
+    let sites = Sites::new(target);
     let plans = Baseline::ALL.into_iter().map(|baseline| {
         let (schedule, waiting) = baseline.schedule(&sites, hardware, waits);
         (
             baseline,
-            BuildPlan::of(&sites, hardware, &schedule, &waiting, (&[], &[]), seed),
+            BuildPlan::new(&sites, hardware, &schedule, &waiting, (&[], &[]), seed),
         )
     });
     plans.collect()
@@ -146,8 +146,8 @@ impl BuildPlan {
             union,
             found,
         } = it;
-        let sites = Sites::of(&union);
-        let roles = SiteRoles::of(&sites, &scaffolding);
+        let sites = Sites::new(&union);
+        let roles = SiteRoles::new(&sites, &scaffolding);
         let job = found.job(&sites, hardware, waits).with_roles(&roles);
         let mut plan = BuildPlan::of_found(&job, &found, how.seed);
         for capture in &mut plan.captures {
@@ -155,7 +155,7 @@ impl BuildPlan {
         }
         let rest = plan.captures.split_off(found.schedule.first_phase);
         BuildPlan {
-            dismantling: Some(Dismantling::of(&scaffolding, rest, how.keeps_scaffolds)),
+            dismantling: Some(Dismantling::new(&scaffolding, rest, how.keeps_scaffolds)),
             ..plan
         }
     }
@@ -190,12 +190,12 @@ impl BuildPlan {
         let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
         BuildPlan {
             rounds: found.rounds,
-            ..BuildPlan::of(job.sites, job.hardware, schedule, &waiting, ways, seed)
+            ..BuildPlan::new(job.sites, job.hardware, schedule, &waiting, ways, seed)
         }
     }
 
     /// A schedule; of its ways in, what lies in that of each site, and how its block comes to it.
-    fn of(
+    fn new(
         sites: &Sites<'_>,
         hardware: Hardware,
         schedule: &Schedule,

@@ -90,7 +90,7 @@ impl Ancestors {
 
     /// Whether one of `from` waits for `to`, directly or not; a long way may be missed.
     fn reach(&mut self, edges: &[Vec<u32>], from: &[u32], to: u32) -> bool {
-        const MOST: usize = 300;
+        const MAX: usize = 300;
         self.search += 1;
         self.open.clear();
         self.open.extend(from);
@@ -106,7 +106,7 @@ impl Ancestors {
                     self.open.push(before);
                 }
             }
-            if seen > MOST {
+            if seen > MAX {
                 return false;
             }
         }

@@ -56,7 +56,7 @@ const STEPS: f64 = 100.0;
 impl<'a> RateLaw<'a> {
     /// For a scene, by given rates, those that come with the program, or a first guess; where there is none, typical rates rank plans,
     /// though they may be off by a factor.
-    pub fn of(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
+    pub fn for_scene(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
         RateLaw {
             has_passable_gaps: Rates::pass_gaps(scene),
             ..RateLaw::new(Rates::known_or_guessed(known, scene))
@@ -224,7 +224,7 @@ mod tests {
                 ..around(
                     cell,
                     way,
-                    Neighbourhood::of(cell, |near| is_full(near) || (with && is_awaited(near))),
+                    Neighbourhood::new(cell, |near| is_full(near) || (with && is_awaited(near))),
                     |near| (!with && is_awaited(near)).then_some(way),
                 )
             };

@@ -454,12 +454,12 @@ pub(crate) fn with_job<T>(
     free: u32,
     look: impl FnOnce(&SchedulingJob<'_>) -> T,
 ) -> T {
-    let sites = Sites::of(target);
-    let spaces = [2, 1].map(|side| crate::free_space::FreeSpace::of(&sites, side));
+    let sites = Sites::new(target);
+    let spaces = [2, 1].map(|side| crate::free_space::FreeSpace::new(&sites, side));
     let keys = vec![0.5; sites.len()];
     let disassembly = crate::disassembly::disassemble(&sites, spaces, &keys, Cancellation::NEVER);
     let disassembly = disassembly.unwrap();
-    let corridors = Corridors::of(&sites, &disassembly, Cancellation::NEVER).unwrap();
+    let corridors = Corridors::new(&sites, &disassembly, Cancellation::NEVER).unwrap();
     let hardware = Hardware {
         faces: 1,
         attracts_always: false,

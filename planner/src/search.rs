@@ -92,11 +92,11 @@ struct Spaces<'a> {
 }
 
 impl<'a> Spaces<'a> {
-    fn of(sites: &'a Sites<'a>) -> Spaces<'a> {
+    fn new(sites: &'a Sites<'a>) -> Spaces<'a> {
         Spaces {
             sites,
-            wide: FreeSpace::of(sites, 2),
-            narrow: FreeSpace::of(sites, 1),
+            wide: FreeSpace::new(sites, 2),
+            narrow: FreeSpace::new(sites, 1),
         }
     }
 
@@ -110,7 +110,7 @@ impl<'a> Spaces<'a> {
         let wide = self.wide.clone().with_gaps(has_gaps);
         let spaces = [wide, self.narrow.clone()];
         let disassembly = disassemble(self.sites, spaces, keys, wanted)?;
-        let corridors = Corridors::of(self.sites, &disassembly, wanted)?;
+        let corridors = Corridors::new(self.sites, &disassembly, wanted)?;
         Ok((disassembly, corridors))
     }
 }
@@ -160,7 +160,7 @@ const PRIORITIES: u64 = 150;
 const STARTS: u64 = 8;
 
 /// Schedules that are tried with the ways in that look worse, at most.
-const MOST_FIRST: u64 = 1500;
+const MAX_FIRST: u64 = 1500;
 
 /// The part by which a schedule may take longer than the best and is gone on from, at first; of larger targets less, as a change of theirs changes
 /// less.
@@ -181,7 +181,7 @@ pub fn search(
 ) -> Result<FoundSchedule, TargetError> {
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
-    let spaces = Spaces::of(sites);
+    let spaces = Spaces::new(sites);
     let candidate = |order: Vec<f32>,
                      priorities: Priorities,
                      has_gaps: bool,
@@ -236,7 +236,7 @@ pub fn search(
     // The better one comes last, and has all the time that is left.
     best.sort_by(|a, b| b.value.total_cmp(&a.value));
     let left = search.rounds.saturating_sub(rounds);
-    let share = (left / (best.len() as u64 + 1)).min(MOST_FIRST);
+    let share = (left / (best.len() as u64 + 1)).min(MAX_FIRST);
     let reschedule = |best: ScheduleCandidate, rounds: &mut u64, most: u64, rng: &mut _| {
         let job = SchedulingJob::new(sites, &best.disassembly, &best.corridors, hardware, waits);
         let search = PlanSearch {
@@ -307,7 +307,7 @@ pub fn search(
 
 /// Keys by which a target is taken apart in another order: a few others, or in the order in which blocks come, but for chance.
 fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
-    const MOST: usize = 4;
+    const MAX: usize = 4;
     /// Waits by which chance moves a block.
     const CHANCE: f32 = 3.0;
     let sites = of.order.len();
@@ -320,7 +320,7 @@ fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
             *key = 0.5 * (place - *level as f32);
         }
     } else {
-        for _ in 0..rng.random_range(1..=MOST) {
+        for _ in 0..rng.random_range(1..=MAX) {
             order[rng.random_range(0..sites)] += rng.random::<f32>() * 3.0 - 1.5;
         }
     }

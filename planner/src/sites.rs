@@ -72,7 +72,7 @@ impl Default for Number {
 
 impl<'a> Sites<'a> {
     /// The cells of a target, in their order.
-    pub fn of(target: &'a Target) -> Sites<'a> {
+    pub fn new(target: &'a Target) -> Sites<'a> {
         let cells = target.cells();
         let mut number = Grid::around(cells, 3);
         for (i, &cell) in cells.iter().enumerate() {

@@ -16,7 +16,7 @@ pub struct Support {
 
 impl Support {
     /// All of a target.
-    pub fn of(sites: &Sites<'_>) -> Support {
+    pub fn new(sites: &Sites<'_>) -> Support {
         let mut level = vec![NONE; sites.len()];
         let mut queue: VecDeque<u32> = (0..sites.len() as u32)
             .filter(|&site| sites.is_root(site) && !sites.is_inert(site))
@@ -227,8 +227,8 @@ mod tests {
             let Some(target) = held(cells, &plate) else {
                 return Ok(());
             };
-            let sites = Sites::of(&target);
-            let mut support = Support::of(&sites);
+            let sites = Sites::new(&target);
+            let mut support = Support::new(&sites);
             let mut order = order;
             loop {
                 let is_cut = support.articulation_points(&sites);

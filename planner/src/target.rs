@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
-use crate::limits::{FARTHEST, MOST_CELLS};
+use crate::limits::{FARTHEST, MAX_CELLS};
 use crate::target_error::{LoosePart, TargetError};
 
 /// Maximum number of cells that the search for one bridge visits, and that all searches of a target visit.
@@ -87,7 +87,7 @@ impl Target {
         if !below.is_empty() {
             return Err(TargetError::BelowPlate(below));
         }
-        if cells.len() > MOST_CELLS.min(free as usize) {
+        if cells.len() > MAX_CELLS.min(free as usize) {
             let needed = cells.len();
             return Err(TargetError::TooFewBlocks { needed, free });
         }

@@ -48,11 +48,11 @@ impl LoosePart {
 }
 
 /// Cells that are told of, at most.
-const MOST_TOLD: usize = 8;
+const MAX_TOLD: usize = 8;
 
 /// Lists cells: `(0, 0, 1), (1, 0, 1) and 5 more`.
 pub fn listed_cells(cells: &[Cell]) -> String {
-    let told: Vec<String> = cells.iter().take(MOST_TOLD).map(Cell::to_string).collect();
+    let told: Vec<String> = cells.iter().take(MAX_TOLD).map(Cell::to_string).collect();
     listed(&told, cells.len())
 }
 
@@ -69,7 +69,7 @@ fn loose(parts: &[LoosePart]) -> String {
         let told = listed_cells(&part.cells);
         return format!("{} of the target, {told}, {verb} {HOLDER}", cells(all));
     }
-    let told: Vec<String> = (parts.iter().take(MOST_TOLD))
+    let told: Vec<String> = (parts.iter().take(MAX_TOLD))
         .map(|part| match &part.cells[..] {
             [cell] => cell.to_string(),
             several => format!("{} at {}", cells(several.len()), several[0]),

@@ -258,7 +258,7 @@ impl PythonProgram {
     ) -> PyResult<Option<String>> {
         let entry = self.0.clone();
         call(py, None, move |_| {
-            let text = KeptText::of(&entry, &LintLevels::default());
+            let text = KeptText::new(&entry, &LintLevels::default());
             let program = text.program();
             Ok(program.and_then(|program| say(program, &text.checked)))
         })

@@ -170,7 +170,7 @@ mod tests {
     const HIGH: Cell = Cell::new(0, 0, 50);
 
     fn with(cell: Cell, way: Face, full: &[Cell]) -> f64 {
-        unobstructed(way, Neighbourhood::of(cell, |cell| full.contains(&cell)))
+        unobstructed(way, Neighbourhood::new(cell, |cell| full.contains(&cell)))
     }
 
     #[test]

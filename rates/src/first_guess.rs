@@ -94,10 +94,10 @@ impl Rates {
             return None;
         }
         let typical = Rates::shipped().first()?;
-        let units = BlockUnits::of(scene);
+        let units = BlockUnits::from_scene(scene);
         let rms = units.speed(speed(scene).rms.filter(|rms| *rms > 0.0)?);
-        let usual = Gas::of(&typical.scene)?.density;
-        let density = Gas::of(scene)?.density;
+        let usual = Gas::from_scene(&typical.scene)?.density;
+        let density = Gas::from_scene(scene)?.density;
         let reached = 4.0
             * PI
             * RADIUS

@@ -11,11 +11,11 @@ const PART_BITS: u32 = 5;
 const WITHIN_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PART_BITS;
 
 /// The values of the table; larger ones need none.
-const LEAST: f64 = 1.0 / 128.0;
-const MOST: f64 = 8.0;
+const MIN: f64 = 1.0 / 128.0;
+const MAX: f64 = 8.0;
 
 /// Parts between them.
-const PARTS: usize = part(MOST) - part(LEAST);
+const PARTS: usize = part(MAX) - part(MIN);
 
 /// By how much the table may be off, of itself: thirty times what it is.
 const ERROR: f64 = 1e-7;
@@ -25,11 +25,11 @@ const HUGE: f64 = 1e6;
 
 /// A polynomial for each part.
 static CUBICS: LazyLock<[[f64; 4]; PARTS]> =
-    LazyLock::new(|| std::array::from_fn(|number| cubic(part(LEAST) + number)));
+    LazyLock::new(|| std::array::from_fn(|number| cubic(part(MIN) + number)));
 
 /// Bounds of [`when_summed`].
 pub(crate) fn bounds(value: f64) -> (f64, f64) {
-    if (LEAST..HUGE).contains(&value) {
+    if (MIN..HUGE).contains(&value) {
         let time = about_when_summed(value);
         (time * (1.0 - ERROR), time * (1.0 + ERROR))
     } else {
@@ -40,9 +40,9 @@ pub(crate) fn bounds(value: f64) -> (f64, f64) {
 
 /// [`when_summed`], to [`ERROR`] of itself.
 pub(crate) fn about_when_summed(value: f64) -> f64 {
-    if (LEAST..MOST).contains(&value) {
+    if (MIN..MAX).contains(&value) {
         near(value)
-    } else if (MOST..HUGE).contains(&value) {
+    } else if (MAX..HUGE).contains(&value) {
         // Nobody is left who has come and not docked.
         value + 1.0
     } else {
@@ -52,7 +52,7 @@ pub(crate) fn about_when_summed(value: f64) -> f64 {
 
 /// About [`when_summed`], of a value of the table.
 fn near(value: f64) -> f64 {
-    let [a, b, c, d] = CUBICS[part(value) - part(LEAST)];
+    let [a, b, c, d] = CUBICS[part(value) - part(MIN)];
     let within = value.to_bits() & ((1 << WITHIN_BITS) - 1);
     let one_and = f64::from_bits(1.0_f64.to_bits() | within << PART_BITS);
     let u = one_and - 1.0;
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn the_table_is_much_better_than_its_bounds() {
-        let values = (0..200_000).map(|i| LEAST + (MOST - LEAST) * f64::from(i) / 200_000.0);
+        let values = (0..200_000).map(|i| MIN + (MAX - MIN) * f64::from(i) / 200_000.0);
         let error = |value| (near(value) / when_summed(value) - 1.0).abs();
         let most = values.map(error).fold(0.0, f64::max);
         assert!(most < ERROR / 30.0, "{most}");

@@ -161,8 +161,8 @@ impl Parameters {
         (
             [
                 1.0,
-                libm::log(of.open + LEAST_OPEN),
-                libm::log(of.density.max(LEAST_DENSITY)),
+                libm::log(of.open + MIN_OPEN),
+                libm::log(of.density.max(MIN_DENSITY)),
                 beside,
                 parent,
                 indicator(of.corner),
@@ -172,7 +172,7 @@ impl Parameters {
                 f64::from(of.rivals.around) / 2.0,
                 indicator(of.ahead),
                 indicator(of.near_parent),
-                libm::log(of.free.max(LEAST_FREE)),
+                libm::log(of.free.max(MIN_FREE)),
             ],
             [
                 1.0,
@@ -190,7 +190,7 @@ impl Parameters {
         let part = part.max(0.0);
         match self.0[DEPLETION] {
             0.0 => part,
-            beyond => part * libm::pow(part.max(LEAST_FREE), beyond.max(-1.0)),
+            beyond => part * libm::pow(part.max(MIN_FREE), beyond.max(-1.0)),
         }
     }
 
@@ -212,13 +212,13 @@ impl Parameters {
 const DEPLETION: usize = 12;
 
 /// The least part of the blocks that is free by which `depletion` counts.
-const LEAST_FREE: f64 = 1e-3;
+const MIN_FREE: f64 = 1e-3;
 
 /// What is added to the open part, so that a face in a pit still captures sometimes.
-const LEAST_OPEN: f64 = 0.02;
+const MIN_OPEN: f64 = 0.02;
 
 /// The least density over the mean that the law is asked for.
-const LEAST_DENSITY: f64 = 1e-3;
+const MIN_DENSITY: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {

@@ -9,7 +9,7 @@
 //!
 //! let wait = |is_full: &dyn Fn(Cell) -> bool| {
 //!     let cell = Cell::new(0, 0, 9);
-//!     let near = Neighbourhood::of(cell, is_full);
+//!     let near = Neighbourhood::new(cell, is_full);
 //!     Parameters::TYPICAL.wait(&around(cell, Face::Up, near, |_| None)).mean()
 //! };
 //! let tower = |cell: Cell| (cell.x, cell.y) == (0, 0) && cell.z < 9;

@@ -31,7 +31,7 @@ impl Neighbourhood {
     pub const EMPTY: Neighbourhood = Neighbourhood(0);
 
     /// That of a cell, by which cells above the plate are full: everything below is ground.
-    pub fn of(cell: Cell, is_full: impl Fn(Cell) -> bool) -> Neighbourhood {
+    pub fn new(cell: Cell, is_full: impl Fn(Cell) -> bool) -> Neighbourhood {
         Neighbourhood::of_interest(Neighbourhood::of_cells(all()), cell, is_full)
     }
 
@@ -147,7 +147,7 @@ mod tests {
         for z in 1..5 {
             let cell = Cell::new(7, -3, z);
             let is_full = |near: Cell| (near.x + 2 * near.y + 3 * near.z) % 5 == 0;
-            let found = Neighbourhood::of(cell, is_full);
+            let found = Neighbourhood::new(cell, is_full);
             for [dx, dy, dz] in all() {
                 let near = Cell::new(7 + dx, dy - 3, z + dz);
                 let expected = near.z < 1 || is_full(near);
@@ -162,7 +162,7 @@ mod tests {
             assert_eq!(part, found.within(some));
         }
         let edge = Cell::new(i32::MAX, i32::MIN, i32::MAX);
-        let found = Neighbourhood::of(edge, |_| true);
+        let found = Neighbourhood::new(edge, |_| true);
         assert!(found.is_blocked([-1, 1, -1]) && !found.is_blocked([1, 0, 0]));
     }
 }

@@ -249,13 +249,13 @@ impl TryFrom<Stored> for Rates {
             return Err("a parameter is out of range".to_owned());
         }
         let is_density = |value: &f64| (0.0..=1e6).contains(value);
-        if profile.is_empty() || profile.len() > MOST_LAYERS || !profile.iter().all(is_density) {
+        if profile.is_empty() || profile.len() > MAX_LAYERS || !profile.iter().all(is_density) {
             return Err("its profile makes no sense".to_owned());
         }
         let is_start = |start: &HeadStart| {
             (0.0..=1.0).contains(&start.probability) && (0.0..=1e9).contains(&start.ticks)
         };
-        if head_starts.len() > MOST_HEAD_STARTS || !head_starts.iter().all(is_start) {
+        if head_starts.len() > MAX_HEAD_STARTS || !head_starts.iter().all(is_start) {
             return Err("its head starts make no sense".to_owned());
         }
         let others = [coverage.least_open, coverage.least_free];
@@ -283,10 +283,10 @@ impl TryFrom<Stored> for Rates {
 }
 
 /// Layers of a profile, at most.
-const MOST_LAYERS: usize = 1000;
+const MAX_LAYERS: usize = 1000;
 
 /// Squared distances of head starts, at most.
-const MOST_HEAD_STARTS: usize = 100;
+const MAX_HEAD_STARTS: usize = 100;
 
 #[cfg(test)]
 mod tests {

@@ -116,7 +116,7 @@ mod tests {
     fn a_face_of_the_plate_has_ground_beside_its_parent() {
         let around =
             |cell, way, is_full: &dyn Fn(Cell) -> bool, open: &dyn Fn(Cell) -> Option<Face>| {
-                around(cell, way, Neighbourhood::of(cell, is_full), open)
+                around(cell, way, Neighbourhood::new(cell, is_full), open)
             };
         let seen = around(Cell::new(0, 0, 1), Face::Up, &|_| false, &|_| None);
         assert!(seen.beside_parent && !seen.beside && seen.rivals == Rivals::default());
@@ -145,7 +145,7 @@ mod tests {
                 .next()
                 .expect("it has four");
             let seen = |full: &[Cell], open: &[Cell]| {
-                let near = Neighbourhood::of(cell, |cell| full.contains(&cell));
+                let near = Neighbourhood::new(cell, |cell| full.contains(&cell));
                 around(cell, way, near, |cell| open.contains(&cell).then_some(way))
             };
             let corner = seen(&corners[..1], &corners[1..]);
@@ -168,7 +168,7 @@ mod tests {
             let parent = way.opposite().normal();
             let seen = |full: &[Cell]| {
                 let near =
-                    Neighbourhood::of(cell, |near| near == at(parent) || full.contains(&near));
+                    Neighbourhood::new(cell, |near| near == at(parent) || full.contains(&near));
                 around(cell, way, near, |_| None).near_parent
             };
             let near: Vec<Cell> = at_distance(2, way, parent).map(at).collect();
@@ -187,7 +187,7 @@ mod tests {
         }
         let on_arm = |z: i32| {
             let cell = Cell::new(1, 0, z);
-            let near = Neighbourhood::of(cell, |near| near == Cell::new(0, 0, z));
+            let near = Neighbourhood::new(cell, |near| near == Cell::new(0, 0, z));
             around(cell, Face::East, near, |_| None).near_parent
         };
         assert_eq!([1, 2, 3].map(on_arm), [false, true, false]);

@@ -26,7 +26,7 @@ pub struct Times {
 
 impl Times {
     /// Of some times in any order, beside cases in which it `never` ends; `None`: those are more than nine tenths, or there are no cases.
-    pub fn of(mut times: Vec<f64>, never: usize) -> Option<Times> {
+    pub fn new(mut times: Vec<f64>, never: usize) -> Option<Times> {
         times.sort_unstable_by(f64::total_cmp);
         let count = times.len() as f64;
         let mean = times.iter().sum::<f64>() / count;
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn intervals_are_those_of_order_statistics() {
         let n = 4000;
-        let times = Times::of((0..n).map(|i| f64::from(i) / f64::from(n)).collect(), 0).unwrap();
+        let times = Times::new((0..n).map(|i| f64::from(i) / f64::from(n)).collect(), 0).unwrap();
         let root = f64::from(n).sqrt();
         for (found, error) in [
             (times.p10_half_width, 0.3),
@@ -141,12 +141,12 @@ mod tests {
         }
         let of_mean = 1.96 / 12_f64.sqrt() / root;
         assert!((times.half_width.unwrap() / of_mean - 1.0).abs() < 1e-2);
-        assert_eq!(Times::of(Vec::new(), 0), None);
+        assert_eq!(Times::new(Vec::new(), 0), None);
     }
 
     #[test]
     fn of_a_few_values_nothing_is_known_of_the_outer_quantiles() {
-        let times = Times::of((0..20).map(f64::from).collect(), 0).unwrap();
+        let times = Times::new((0..20).map(f64::from).collect(), 0).unwrap();
         assert_eq!((times.p10_half_width, times.p90_half_width), (None, None));
         assert!(times.median_half_width.is_some());
     }
@@ -154,7 +154,7 @@ mod tests {
     /// 70 times of 1 to 70 beside 30 that never come: quantiles are those of all hundred, and there is no mean.
     #[test]
     fn cases_that_never_end_are_slower_than_all_others() {
-        let times = Times::of((1..=70).map(f64::from).collect(), 30).unwrap();
+        let times = Times::new((1..=70).map(f64::from).collect(), 30).unwrap();
         assert_eq!((times.mean, times.half_width), (None, None));
         assert!((times.p10.unwrap() - 10.9).abs() < 1e-9);
         assert!((times.median.unwrap() - 50.5).abs() < 1e-9);
@@ -164,7 +164,7 @@ mod tests {
             times.in_words(LowerBoundReasons::default()),
             "at most 11 ticks in one, at most 50 ticks in five of ten runs"
         );
-        let most = Times::of((1..=5).map(f64::from).collect(), 95);
+        let most = Times::new((1..=5).map(f64::from).collect(), 95);
         assert_eq!(most, None);
     }
 }

@@ -19,7 +19,7 @@ fn waits(rates: &Rates) -> [f64; 5] {
         let seen = rates.surroundings(
             Cell::new(x, 0, z),
             way,
-            Neighbourhood::of(Cell::new(x, 0, z), is_full),
+            Neighbourhood::new(Cell::new(x, 0, z), is_full),
             |_| None,
         );
         rates.wait(&seen).mean()

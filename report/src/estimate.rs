@@ -122,8 +122,8 @@ fn times(seen: &[Observation]) -> Option<Times> {
         return None;
     }
     // Student's interval, as that of a table of the same runs.
-    let half_width = Summary::of(&times).and_then(|summary| summary.half_width);
-    let times = Times::of(times, never)?;
+    let half_width = Summary::from_values(&times).and_then(|summary| summary.half_width);
+    let times = Times::new(times, never)?;
     Some(Times {
         half_width: half_width.filter(|_| times.mean.is_some()),
         ..times
@@ -132,7 +132,7 @@ fn times(seen: &[Observation]) -> Option<Times> {
 
 /// Who was waited for along the critical paths.
 fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
-    let events = Events::of(program);
+    let events = Events::new(program);
     let mut ticks = vec![0.0; events.events.len()];
     for record in records {
         for segment in critical_path(&events, record, &moments(&events, record)) {

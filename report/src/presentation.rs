@@ -66,7 +66,7 @@ impl Presentation {
     pub fn unit<'a>(&self, programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
         match self.in_seconds {
             true => TimeUnit::Seconds,
-            false => TimeUnit::of(programs),
+            false => TimeUnit::common(programs),
         }
     }
 }

@@ -22,8 +22,8 @@ fn main() {
     println!("                     rms speed           collisions a tick, away from the floor");
     println!("scene                expected  measured  expected  measured");
     for (name, scene, substeps) in scenes() {
-        let units = BlockUnits::of(&scene);
-        let (Some(rms), Some(gas)) = (speed(&scene).rms, Gas::of(&scene)) else {
+        let units = BlockUnits::from_scene(&scene);
+        let (Some(rms), Some(gas)) = (speed(&scene).rms, Gas::from_scene(&scene)) else {
             continue;
         };
         let (rms, seen) = (units.speed(rms), observe(&scene, substeps));
@@ -92,15 +92,17 @@ fn observe(scene: &Scene, substeps: u32) -> Seen {
     let plate = Plate { width: 3, depth: 3 };
     let settings = Settings {
         substeps,
-        ..Settings::of(Model::Rapier, 1)
+        ..Settings::new(Model::Rapier, 1)
     };
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     let Some(Agitation::Kicks { speed: (_, most) }) = scene.agitation else {
         panic!("the scene is agitated");
     };
     let most = units.speed(most) * 1.001;
     let radius = (1.5 / std::f64::consts::PI * f64::from(scene.free.count)
-        / Gas::of(scene).expect("there are free blocks").density)
+        / Gas::from_scene(scene)
+            .expect("there are free blocks")
+            .density)
         .cbrt();
     let (mut square, mut count) = (0.0, 0.0);
     let (mut met, mut apart) = (0.0, 0.0);

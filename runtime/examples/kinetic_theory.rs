@@ -81,7 +81,7 @@ fn observe(scene: &Scene) -> Gas {
     let mut samples = 0.0;
     let mut dockings = Vec::new();
     for run in 0..RUNS {
-        let mut world = RapierWorld::new(scene, &plate, &Settings::of(Model::Rapier, 1), 1, run)
+        let mut world = RapierWorld::new(scene, &plate, &Settings::new(Model::Rapier, 1), 1, run)
             .expect("the default scene fits");
         for tick in 0..WARM_UP + TICKS {
             world

@@ -106,7 +106,7 @@ fn scale(scene: &mut Scene, number: &str, factor: f64) {
 
 fn observe(scene: &Scene, settings: &Settings, ticks: usize) -> Counts {
     let radius = match &scene.enclosure {
-        Some(Enclosure::Hemisphere { radius, .. }) => BlockUnits::of(scene).length(*radius),
+        Some(Enclosure::Hemisphere { radius, .. }) => BlockUnits::from_scene(scene).length(*radius),
         _ => f64::INFINITY,
     };
     let plate = Plate { width: 3, depth: 3 };

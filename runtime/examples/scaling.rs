@@ -108,7 +108,7 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
         width: side,
         depth: side,
     };
-    let world = RigidWorld::new(&scene, &plate, &Settings::of(Model::Rigid, 1), 1, 0);
+    let world = RigidWorld::new(&scene, &plate, &Settings::new(Model::Rigid, 1), 1, 0);
     (side, world.expect("a sound scene"))
 }
 

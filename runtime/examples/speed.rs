@@ -27,7 +27,7 @@ fn main() {
         } else {
             Precision::Single
         },
-        ..Settings::of(Model::Rapier, substeps)
+        ..Settings::new(Model::Rapier, substeps)
     };
     let (ns, rms) = time(scene, count, ticks, &settings);
     println!(

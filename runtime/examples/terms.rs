@@ -16,7 +16,7 @@ fn main() {
     let args: Vec<String> = std::env::args().collect();
     let ticks: u64 = args[2].parse().expect("a number of ticks");
     let (scene, blocks) = (scene(&args[1]), lattice());
-    let settings = Settings::of(Model::Rigid, 1);
+    let settings = Settings::new(Model::Rigid, 1);
     let mut world = RigidWorld::with_blocks(&scene, &PLATE, &settings, 1, 0, &blocks)
         .expect("a scene that this build computes");
     for face in Face::ALL {

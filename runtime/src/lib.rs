@@ -15,7 +15,7 @@
 //! let mut checked = stochc_compiler::check("pair.sa", &mut reader, Default::default());
 //! let program = checked.programs.remove(0).into_executable().ok_or("it is wrong")?;
 //!
-//! let settings = Settings::of(Model::Rigid, /* substeps */ 1);
+//! let settings = Settings::new(Model::Rigid, /* substeps */ 1);
 //! let mut watch = |_tick, _phase| ControlFlow::Continue(());
 //! let record = run(&program.tables, &program.scene, &settings, /* seed */ 1, /* run */ 0, &mut watch)?;
 //! let capture = &record.bonds[0];

@@ -210,7 +210,7 @@ impl Precision {
 
 impl Settings {
     /// So many steps per tick of a model, and nothing else out of the ordinary.
-    pub const fn of(model: Model, substeps: u32) -> Settings {
+    pub const fn new(model: Model, substeps: u32) -> Settings {
         Settings {
             model,
             substeps,
@@ -356,7 +356,7 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings::of(Model::Rigid, 1).with_steps(Substeps::DEFAULT)
+        Settings::new(Model::Rigid, 1).with_steps(Substeps::DEFAULT)
     }
 }
 

@@ -89,7 +89,7 @@ fn restitution(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
         .as_ref()
         .and_then(|fluid| fluid.viscosity)
         .is_none();
-    let speed = BlockUnits::of(scene).speed(speed(scene).rms?);
+    let speed = BlockUnits::from_scene(scene).speed(speed(scene).rms?);
     let compliant = matches!(contact.law, ContactLaw::Compliant { .. });
     if !compliant || !is_free || speed.is_nan() || speed <= 0.0 {
         return None;
@@ -127,7 +127,7 @@ fn docking(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     let Some(Bond::Attract { pull, .. }) = &scene.bond else {
         return None;
     };
-    let reach = BlockUnits::of(scene).length(pull.within);
+    let reach = BlockUnits::from_scene(scene).length(pull.within);
     let start = 0.5 + reach * (0.25 + 0.7 * phase);
     // Of which each step is a tick, in which dockings are told.
     let alone = Scene {
@@ -175,6 +175,6 @@ fn surroundings_of_none(scene: &Scene) -> Scene {
 
 fn world(scene: &Scene, steps: u32, blocks: &[BodyState]) -> Option<RigidWorld> {
     let plate = Plate { width: 1, depth: 1 };
-    let settings = Settings::of(Model::Rigid, steps);
+    let settings = Settings::new(Model::Rigid, steps);
     RigidWorld::with_blocks(scene, &plate, &settings, 0, 0, blocks).ok()
 }

@@ -1,7 +1,7 @@
 //! `stochc estimate`.
 use clap::Args;
 use serde_json::json;
-use stochc_ensemble::MOST_RUNS;
+use stochc_ensemble::MAX_RUNS;
 use stochc_report::estimate::CompletionEstimate;
 use stochc_report::tables::estimates_to_text;
 
@@ -28,7 +28,7 @@ pub struct EstimateArguments {
     rates: RatesOption,
     /// Make N runs by rates of each program (2 to 10,000,000), by the seed, instead of adding up the waits of its
     /// captures, which always has the same random numbers
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_RUNS))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
     runs: Option<u64>,
     /// Show so many of the captures that decide the time
     #[arg(long, value_name = "N", default_value_t = SHOWN)]

@@ -149,9 +149,9 @@ const WIDTH: usize = 100;
 
 fn columns(terminal: &Term) -> Option<usize> {
     /// With fewer than this, a break by the terminal itself is easier to read.
-    const LEAST: usize = 40;
+    const MIN: usize = 40;
     let (_, columns) = terminal.size_checked()?;
-    Some(usize::from(columns).max(LEAST))
+    Some(usize::from(columns).max(MIN))
 }
 
 #[cfg(test)]

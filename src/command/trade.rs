@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use stochc_ensemble::MOST_RUNS;
+use stochc_ensemble::MAX_RUNS;
 use stochc_ensemble::text::share;
 use stochc_ensemble::trade::FINEST;
 use stochc_report::tables::trade_to_text;
@@ -31,7 +31,7 @@ pub struct TradeArguments {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
     /// Runs of each program at each setting [default: 30; at most 10000 with `--budget` or `--until`]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_RUNS))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
     runs: Option<u64>,
     /// Start no run after this time, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", value_parser = time)]

@@ -4,7 +4,7 @@ use stochc_compiler::{Checked, FileId};
 use stochc_ir::counted;
 
 /// Findings that are drawn at most; the rest are counted.
-const MOST_DRAWN: usize = 50;
+const MAX_DRAWN: usize = 50;
 
 /// Draws all diagnostics of a file, errors first.
 pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
@@ -25,11 +25,11 @@ fn draw(
     let renderer = Renderer::new(colour, width);
     let mut out = String::new();
     let drawn = || checked.diagnostics.iter().filter(|it| is_drawn(it));
-    for diagnostic in drawn().take(MOST_DRAWN) {
+    for diagnostic in drawn().take(MAX_DRAWN) {
         out.push_str(&renderer.render(diagnostic, &checked.sources));
         out.push('\n');
     }
-    let rest = drawn().skip(MOST_DRAWN).count();
+    let rest = drawn().skip(MAX_DRAWN).count();
     if rest > 0 {
         let diagnostics = counted(rest, "more finding");
         let file = stochc_ir::visible(&checked.sources.file(FileId(0)).name);

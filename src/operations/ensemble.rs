@@ -170,7 +170,7 @@ impl FoundWarning<'_> {
 
 /// Returns the level of a warning about the scene of a program, as its text says or else the command line.
 fn level(program: &EnsembleProgram, code: Code, levels: &LintLevels) -> Level {
-    let checked = KeptText::of(program, levels).checked;
+    let checked = KeptText::new(program, levels).checked;
     let mut allowed = checked.allowed.iter().map(|it| it.diagnostic.code);
     let mut reported = checked.diagnostics.iter();
     match reported.find(|it| it.code == code) {

@@ -19,8 +19,8 @@ use crate::host::Host;
 const DRAWN: u64 = 1_000_000;
 
 /// Runs of a program, at most and at least.
-const MOST: u64 = 2000;
-const LEAST: u64 = 20;
+const MAX: u64 = 2000;
+const MIN: u64 = 20;
 
 /// How programs are estimated.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +72,7 @@ pub fn estimates(
 
 /// The plan of a program, with the words of that; `None`: it is compiled already, and its text not at hand.
 pub fn planned(program: &EnsembleProgram) -> Option<(Planned, Symbols)> {
-    KeptText::of(program, &LintLevels::default()).into_program()
+    KeptText::new(program, &LintLevels::default()).into_program()
 }
 
 /// From the waits of its captures, added up along its graph.
@@ -124,13 +124,13 @@ fn of_runs(
             None => of_scenes(known, &programs, how.threads, host)?,
         },
         max_ticks: Some(how.max_ticks),
-        ..Settings::of(Model::Rate, 1)
+        ..Settings::new(Model::Rate, 1)
     };
     let is_compiled = programs[0].sources.is_empty();
     let lower_bound = Rates::known(&settings.rates, &programs[0].scene)
         .map(|rates| programs[0].lower_bound(rates))
         .unwrap_or_default();
-    let runs = (how.runs).unwrap_or((DRAWN / programs[0].captures().max(1)).clamp(LEAST, MOST));
+    let runs = (how.runs).unwrap_or((DRAWN / programs[0].captures().max(1)).clamp(MIN, MAX));
     let manifest = Manifest::new(settings, how.seed, runs, programs);
     manifest.within_limits().map_err(Failure::usage)?;
     let results = all_runs(&manifest, how.threads, "nothing was estimated", host)?;

@@ -282,7 +282,7 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
                 // Further away, a polynomial would bend for what does not matter any more.
                 let near = points.iter().filter(|point| point.is_within(&ends));
                 let near: Vec<Simulated> = near.cloned().collect();
-                Emulator::of(&near, program.measurement.horizon())
+                Emulator::new(&near, program.measurement.horizon())
             })
             .collect();
         let Some(emulators) = emulators else {
@@ -298,7 +298,7 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
                 emulator,
             })
             .collect();
-        let found = Posterior::of(&ends, &known, points.seed);
+        let found = Posterior::new(&ends, &known, points.seed);
         let surroundings = found.surroundings().into_iter().zip(priors);
         ends = surroundings
             .map(|(ends, prior)| prior.surroundings(ends))

@@ -14,7 +14,7 @@ pub struct KeptText<'a> {
 
 impl<'a> KeptText<'a> {
     /// Compiles the texts of a program, with the numbers that a sweep has chosen for it.
-    pub fn of(kept: &'a EnsembleProgram, levels: &LintLevels) -> KeptText<'a> {
+    pub fn new(kept: &'a EnsembleProgram, levels: &LintLevels) -> KeptText<'a> {
         KeptText::varied(kept, &kept.varied, levels)
     }
 

@@ -72,14 +72,14 @@ fn to(
 }
 
 /// Events beyond which their places are not looked for.
-const MOST_STATEMENTS: usize = 50_000;
+const MAX_STATEMENTS: usize = 50_000;
 
 /// Where each event of the graph is written; nothing, if the texts of the program are not here, or another compiler's.
 fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
-    if program.sources.is_empty() || program.compiled.graph.events.len() > MOST_STATEMENTS {
+    if program.sources.is_empty() || program.compiled.graph.events.len() > MAX_STATEMENTS {
         return Vec::new();
     }
-    let text = KeptText::of(program, &LintLevels::default());
+    let text = KeptText::new(program, &LintLevels::default());
     let Some(plan) = text.same_program().map(|program| &program.plan) else {
         return Vec::new();
     };

@@ -91,7 +91,7 @@ struct Failed {
 }
 
 impl Failed {
-    fn of(done: &Finished) -> Option<Failed> {
+    fn from_run(done: &Finished) -> Option<Failed> {
         let record = &done.record;
         let Outcome::Failed { phase, reason } = &record.outcome else {
             return None;
@@ -124,7 +124,7 @@ pub fn ensemble_results<'a>(
     };
     let mut failure = None;
     let told = finished.each(|done| {
-        failure = failure.take().or_else(|| Failed::of(done));
+        failure = failure.take().or_else(|| Failed::from_run(done));
         comparison.add(done);
         sweep.iter_mut().for_each(|sweep| sweep.add(done));
         trade.iter_mut().for_each(|trade| trade.add(done));

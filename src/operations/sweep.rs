@@ -3,9 +3,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use stochc_compiler::LintLevels;
-use stochc_ensemble::sweep::{Axis, MOST_POINTS, Sweep, points as combine};
+use stochc_ensemble::sweep::{Axis, MAX_POINTS, Sweep, points as combine};
 use stochc_ensemble::trade::Trade;
-use stochc_ensemble::{Compiled, EnsembleProgram, FurtherFiles, MOST_RUNS, Manifest, Records};
+use stochc_ensemble::{Compiled, EnsembleProgram, FurtherFiles, MAX_RUNS, Manifest, Records};
 use stochc_ir::Executable;
 use stochc_ir::visible;
 use stochc_report::figures::{Figures, sweep as pictures, trade as trade_picture};
@@ -49,16 +49,16 @@ pub fn points(
         }
     }
     let count = at_points.len();
-    if count > MOST_POINTS {
+    if count > MAX_POINTS {
         return Err(Failure::usage(format!(
-            "--sweep: these are {count} points of {} programs, and {MOST_POINTS} is the most; ask for fewer \
+            "--sweep: these are {count} points of {} programs, and {MAX_POINTS} is the most; ask for fewer \
              values",
             programs.len()
         )));
     }
-    if runs.saturating_mul(count as u64) > MOST_RUNS {
+    if runs.saturating_mul(count as u64) > MAX_RUNS {
         return Err(Failure::usage(format!(
-            "--sweep: {runs} runs at each of {count} points are more than {MOST_RUNS}; lower `--runs`"
+            "--sweep: {runs} runs at each of {count} points are more than {MAX_RUNS}; lower `--runs`"
         )));
     }
     let mut wrong = Vec::new();
@@ -124,7 +124,7 @@ pub(crate) fn at_point(
     levels: &LintLevels,
     host: &dyn Host,
 ) -> Result<(), Failure> {
-    let text = KeptText::of(entry, levels);
+    let text = KeptText::new(entry, levels);
     if text.checked.has_errors() {
         let name = visible(&entry.name);
         let drawn = host.draw(&text.checked);
@@ -169,7 +169,7 @@ pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
 /// # Errors
 /// Where the runs cannot be read again, or a figure cannot be written.
 pub fn files(manifest: &Manifest, finished: &Records, figures: &Figures) -> FurtherFiles {
-    let Some(sweep) = Sweep::of(manifest, finished)? else {
+    let Some(sweep) = Sweep::from_records(manifest, finished)? else {
         return Ok(Vec::new());
     };
     let mut files = vec![

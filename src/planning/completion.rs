@@ -88,7 +88,7 @@ impl Completion {
     ///
     /// # Errors
     /// If there is none, or it cannot be completed there.
-    pub fn of(checked: &Checked, shape: Option<&str>) -> Result<Completion, NotCompleted> {
+    pub fn new(checked: &Checked, shape: Option<&str>) -> Result<Completion, NotCompleted> {
         let untrue = untrue_claims(checked).ok_or(NotCompleted::Wrong)?;
         let claim = unbuilt(checked, shape)?;
         let (program, symbols) = (claim.program, &checked.symbols);
@@ -121,7 +121,7 @@ impl Completion {
         for (cell, role) in called.chain(seeds.iter().map(|seed| (seed.cell, seed.role))) {
             names.insert(cell, program.plan.roles.name(role, symbols));
         }
-        let hardware = Hardware::of(&scene);
+        let hardware = Hardware::from_scene(&scene);
         let target = Target::with_existing(
             claim.cells.clone(),
             (
@@ -189,7 +189,7 @@ impl Completion {
     /// # Errors
     /// If it cannot be built, or the program is wrong with it in other ways than by other claims that are not true yet.
     pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
-        let law = RateLaw::of(&self.scene, rates);
+        let law = RateLaw::for_scene(&self.scene, rates);
         let found = plan(&self.target, self.hardware, &law, search).map_err(Unplanned::Refused)?;
         let mut plan = found.plain;
         let name = |cell: Cell| self.names.get(&cell).cloned();
@@ -248,7 +248,7 @@ pub fn untrue_claims(checked: &Checked) -> Option<usize> {
 
 /// The first claim that is not true.
 fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, NotCompleted> {
-    let shapes = DeclaredShapes::of(checked);
+    let shapes = DeclaredShapes::new(checked);
     let mut is_claimed = false;
     for program in &checked.programs {
         for (number, phase) in program.plan.phases.iter().enumerate() {

@@ -88,7 +88,7 @@ pub enum Unplanned {
 const NAME: &str = "planned.sa";
 
 /// Cells of a shape for which plans that need no thought are looked at as well, at most.
-const MOST_COMPARED: usize = 1000;
+const MAX_COMPARED: usize = 1000;
 
 /// Findings behind which others may not be told of.
 const MANY: usize = 100;
@@ -164,7 +164,7 @@ impl Goal {
             // The words live as long as the file.
             names.collect()
         };
-        let declared = DeclaredShapes::of(checked);
+        let declared = DeclaredShapes::new(checked);
         let known: Vec<&str> = (declared.all().iter())
             .map(|it| symbols.word(it.shape.name.symbol))
             .collect();
@@ -250,7 +250,7 @@ impl Goal {
             scene: assembly.and_then(scene_of),
             assembly: None,
             shape: Some(printed(item, symbols)),
-            scenes: WrittenScenes::of(checked),
+            scenes: WrittenScenes::new(checked),
             repair: Repair::default(),
             compiled: OnceLock::new(),
         })
@@ -276,7 +276,7 @@ impl Goal {
     /// Builds it in a scene of this name, which the text declares.
     pub fn declare_scene(&mut self, name: &str, text: &str) {
         self.scene = Some(name.to_owned());
-        self.scenes = WrittenScenes::of(&check_text(NAME, text));
+        self.scenes = WrittenScenes::new(&check_text(NAME, text));
         self.compiled = OnceLock::new();
     }
 
@@ -285,7 +285,7 @@ impl Goal {
     /// # Errors
     /// If that program has no scene of this name, or several and none is named: with their names.
     pub fn take_scene(&mut self, from: &Checked, name: Option<&str>) -> Result<(), Vec<String>> {
-        let scenes = WrittenScenes::of(from);
+        let scenes = WrittenScenes::new(from);
         let names: Vec<&str> = scenes.names().collect();
         let chosen = match (name, &names[..]) {
             (Some(name), _) => names.contains(&name).then_some(name),
@@ -371,9 +371,9 @@ impl Goal {
     /// If it cannot be built, or not there.
     pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
-        let hardware = Hardware::of(&scene);
+        let hardware = Hardware::from_scene(&scene);
         let target = self.target(hardware).map_err(Unplanned::Refused)?;
-        let law = RateLaw::of(&scene, rates);
+        let law = RateLaw::for_scene(&scene, rates);
         let found = plan(&target, hardware, &law, search).map_err(Unplanned::Refused)?;
         let mut best = self.accepted(&target, found.plain, hardware, &law)?;
         if let Some(scaffolded) = found.scaffolded
@@ -393,7 +393,7 @@ impl Goal {
             };
         }
         let mut alternatives = Vec::new();
-        if self.cells.len() <= MOST_COMPARED && self.repair == Repair::default() {
+        if self.cells.len() <= MAX_COMPARED && self.repair == Repair::default() {
             let objective = search.objective;
             for (baseline, mut plan) in baseline_plans(&target, hardware, &law, search.seed) {
                 let checked = self.check(&target, &plan, &[]);
@@ -435,9 +435,9 @@ impl Goal {
         seed: u64,
     ) -> Result<Vec<Planned>, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
-        let hardware = Hardware::of(&scene);
+        let hardware = Hardware::from_scene(&scene);
         let target = self.target(hardware).map_err(Unplanned::Refused)?;
-        let law = RateLaw::of(&scene, rates);
+        let law = RateLaw::for_scene(&scene, rates);
         let plans = baseline_plans(&target, hardware, &law, seed).into_iter();
         let accepted = plans.filter_map(|(baseline, plan)| {
             let plan = BuildPlan {

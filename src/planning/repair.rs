@@ -39,7 +39,7 @@ pub struct Repair {
 
 impl ExistingStructure {
     /// What stands at the end of a run.
-    pub fn of(tables: &Tables, record: &RunRecord) -> ExistingStructure {
+    pub fn from_record(tables: &Tables, record: &RunRecord) -> ExistingStructure {
         // At one tick a name is free before it is taken again.
         let captures = record
             .bonds
@@ -142,7 +142,7 @@ impl Goal {
         let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
         let claimed = claims.last().map(|&(name, _)| checked.symbols.word(name));
         let mut goal = match shape.or(claimed) {
-            Some(shape) => match DeclaredShapes::of(checked).seen_from(plan, shape) {
+            Some(shape) => match DeclaredShapes::new(checked).seen_from(plan, shape) {
                 Some(known) => Goal::of_shape(checked, known, Some(program))?,
                 None => Goal::of_program(checked, Some(shape))?,
             },
@@ -151,7 +151,7 @@ impl Goal {
                 let built = last.map_or(Vec::new(), |last| existing(program, last));
                 let cells = built.into_iter().map(|(block, _)| block.cell);
                 Goal {
-                    scenes: WrittenScenes::of(checked),
+                    scenes: WrittenScenes::new(checked),
                     ..Goal::of_cells(&plan.name, cells.collect())
                 }
             }

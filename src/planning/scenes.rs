@@ -17,7 +17,7 @@ struct WrittenScene {
 
 impl WrittenScenes {
     /// Those of all files of a program.
-    pub(super) fn of(checked: &Checked) -> WrittenScenes {
+    pub(super) fn new(checked: &Checked) -> WrittenScenes {
         let scenes = declared_scenes(checked).into_iter().map(|it| WrittenScene {
             name: checked.symbols.word(it.scene.name.symbol).to_owned(),
             base: it.base,

@@ -268,7 +268,7 @@ fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
         std::fs::write(&file, tank(wall, density, "")).unwrap();
         let program = stochc::check(&file).programs.remove(0);
         let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
-        let mut settings = Settings::of(Model::Rigid, 1);
+        let mut settings = Settings::new(Model::Rigid, 1);
         settings.max_ticks = Some(200_000);
         let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
         let mut last = Last::default();

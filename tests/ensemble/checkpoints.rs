@@ -162,7 +162,7 @@ fn runs_of_rapier_have_no_checkpoints() {
         stopped(other.path(), &manifest);
         fs::read(checkpoint(other.path())).unwrap()
     };
-    manifest.settings = Settings::of(Model::Rapier, 1);
+    manifest.settings = Settings::new(Model::Rapier, 1);
     let tables = undisturbed(&manifest);
     let opened = Folder::open(folder.path(), &manifest, false).unwrap();
     let opened = opened.with_checkpoints(EVERY).unwrap();

@@ -76,7 +76,7 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(call: Call) -> Kind {
+    fn from_call(call: Call) -> Kind {
         match call {
             Call::Open | Call::Read | Call::List | Call::Look | Call::Lock => Kind::Reads,
             Call::Write(_) => Kind::Writes,
@@ -258,7 +258,7 @@ impl Double for Faulty {
             return CallDecision::Fail(Error::from_raw_os_error(5));
         }
         let number = state.calls.len();
-        state.calls.push(Kind::of(call));
+        state.calls.push(Kind::from_call(call));
         if let Some((at, fault)) = self.plan {
             let lasts = fault == Fault::NoSpace && number > at;
             if number == at || lasts {

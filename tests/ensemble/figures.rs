@@ -58,7 +58,7 @@ fn both() -> (Manifest, Vec<Finished>) {
 #[test]
 fn two_programs_without_censoring() {
     let (manifest, finished) = both();
-    let comparison = Comparison::of(&manifest, &finished);
+    let comparison = Comparison::new(&manifest, &finished);
     assert_snapshot!(comparison_to_text(&comparison, 100));
     let difference = comparison.pairs[0].difference.as_ref().unwrap();
     // The two runs of `left` that `right` has not made are left out.
@@ -81,7 +81,7 @@ fn censored_runs_are_not_averaged_away() {
         record: record(6, failed, Vec::new(), 1),
         cpu: None,
     });
-    let comparison = Comparison::of(&manifest, &finished);
+    let comparison = Comparison::new(&manifest, &finished);
     assert_snapshot!(comparison_to_text(&comparison, 100));
     let left = comparison.programs[0].time.as_ref().unwrap();
     let all: Vec<f64> = LEFT.iter().map(|&ticks| ticks as f64).collect();
@@ -97,7 +97,7 @@ fn a_difference_is_called_one() {
     let slow: Vec<u64> = RIGHT.iter().map(|ticks| ticks * 4).collect();
     let mut finished = [at(0, &slow), at(1, &RIGHT)].concat();
     let text = |finished: &[Finished]| {
-        let text = comparison_to_text(&Comparison::of(&manifest, finished), 200);
+        let text = comparison_to_text(&Comparison::new(&manifest, finished), 200);
         text.lines().last().unwrap().to_owned()
     };
     let known = text(&finished);
@@ -111,7 +111,7 @@ fn no_run_and_no_completed_run() {
     let manifest = manifest(3);
     let mut never = at(1, &[900, 900, 900]);
     limit(&mut never, 500);
-    assert_snapshot!(comparison_to_text(&Comparison::of(&manifest, &never), 100));
+    assert_snapshot!(comparison_to_text(&Comparison::new(&manifest, &never), 100));
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn many_programs_with_long_names_go_below_each_other() {
         at(program, &times)
     };
     let finished: Vec<_> = (0..4).flat_map(turned).collect();
-    let text = comparison_to_text(&Comparison::of(&manifest, &finished), 78);
+    let text = comparison_to_text(&Comparison::new(&manifest, &finished), 78);
     assert!(
         text.lines()
             .take_while(|l| !l.is_empty())
@@ -137,7 +137,7 @@ fn many_programs_with_long_names_go_below_each_other() {
 #[test]
 fn one_program_has_no_pairs() {
     let manifest = Manifest::new(Settings::default(), 1, 6, vec![program("line")]);
-    let comparison = Comparison::of(&manifest, &at(0, &RIGHT));
+    let comparison = Comparison::new(&manifest, &at(0, &RIGHT));
     assert!(comparison.pairs.is_empty());
     assert_snapshot!(comparison_to_text(&comparison, 100));
 }

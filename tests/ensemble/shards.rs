@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use stochc::ensemble::shards::{
-    MOST_SHARDS, Piece, PieceState, Prepared, ShardError, merge, prepare, status,
+    MAX_SHARDS, Piece, PieceState, Prepared, ShardError, merge, prepare, status,
 };
 use stochc::ensemble::verify::{Integrity, repair, verify};
 use stochc::ensemble::{Destination, Folder, FolderError, Manifest, this_build};
@@ -431,7 +431,7 @@ fn what_cannot_be_cut_is_refused() {
         assert!(matches!(told, ShardError::Uncuttable { .. }), "{told}");
         assert!(!place.exists());
     }
-    let many = prepare(&place, &manifest(10_000_000), MOST_SHARDS + 1);
+    let many = prepare(&place, &manifest(10_000_000), MAX_SHARDS + 1);
     assert!(many.is_err() && !place.exists());
     cut(&place, 4);
     assert_eq!(

@@ -101,7 +101,7 @@ fn a_dead_block_is_a_hang_and_nothing_worse() {
         assert!(violation.trace.iter().any(|line| line.ends_with(" dies")));
     }
     for tables in programs() {
-        let expected = ProgramGoals::of(&tables);
+        let expected = ProgramGoals::new(&tables);
         let mut exploration =
             Exploration::new(&tables, &expected, ExplorationBounds::default(), dead);
         exploration.hangs_allowed = true;
@@ -162,7 +162,7 @@ fn a_stray_that_sticks_stands_in_the_way_or_stays() {
             phase only { M.up -> A.up -> B  A.east -> C }
         }",
     );
-    let (expected, bounds) = (ProgramGoals::of(&corner), ExplorationBounds::default());
+    let (expected, bounds) = (ProgramGoals::new(&corner), ExplorationBounds::default());
     let exploration = Exploration::new(&corner, &expected, bounds, stuck);
     let violations: Vec<Violation> = (0..200)
         .filter_map(|seed| {

@@ -31,7 +31,7 @@ fn assemble(tables: &Tables, duties: Vec<LooseDuty>) -> Tables {
 
 /// Explores tables that are meant to do what others do, in full and reduced.
 fn explore_twice(mutant: &Tables, original: &Tables) -> [ExplorationReport; 2] {
-    let (expected, bounds) = (ProgramGoals::of(original), ExplorationBounds::default());
+    let (expected, bounds) = (ProgramGoals::new(original), ExplorationBounds::default());
     let faults = Faults::default();
     [true, false].map(|reduce| {
         let mut exploration = Exploration::new(mutant, &expected, bounds, faults);

@@ -150,7 +150,7 @@ fn bounds_are_kept() {
 fn chance_tries_what_is_too_much() {
     let tables = tables(BUSY);
     let (expected, bounds, faults) = (
-        ProgramGoals::of(&tables),
+        ProgramGoals::new(&tables),
         ExplorationBounds::default(),
         Faults::default(),
     );
@@ -171,7 +171,7 @@ proptest! {
     ) {
         let declared = declare(choices, faces);
         let tables = declared.tables();
-        let expected = ProgramGoals::of(&tables);
+        let expected = ProgramGoals::new(&tables);
         let built: std::collections::BTreeMap<_, _> = expected
             .structure(PhaseId(tables.phases.len() as u32 - 1))
             .iter()

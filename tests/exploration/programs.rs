@@ -36,7 +36,7 @@ pub fn fixed_cases(number: u32) -> TestRunner {
 
 /// Explores tables, after something about the exploration has been changed.
 pub fn explore_as(tables: &Tables, change: impl Fn(&mut Exploration)) -> ExplorationReport {
-    let expected = ProgramGoals::of(tables);
+    let expected = ProgramGoals::new(tables);
     let (bounds, faults) = (ExplorationBounds::default(), Faults::default());
     let mut exploration = Exploration::new(tables, &expected, bounds, faults);
     change(&mut exploration);

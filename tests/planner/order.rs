@@ -37,7 +37,7 @@ struct Captures {
 }
 
 impl Captures {
-    fn of(goal: &Goal) -> Captures {
+    fn new(goal: &Goal) -> Captures {
         let planned = tried(goal, 6).unwrap();
         let checked = check_text("planned.sa", &planned.text);
         let graph = checked.programs[0].event_graph();
@@ -90,7 +90,7 @@ fn goals() -> impl Iterator<Item = Goal> {
 fn no_three_faces_of_a_square_are_open_together_in_any_order() {
     let (mut seen, mut open) = (0, 0);
     for goal in goals() {
-        let captures = Captures::of(&goal);
+        let captures = Captures::new(&goal);
         for (a, b) in captures.pairs([0, 1, 1]) {
             let are_open = captures.are_together(a, b);
             open += usize::from(are_open);
@@ -115,7 +115,7 @@ fn where_corners_jam_no_two_faces_across_one_are_open_together_in_any_order() {
     let mut seen = 0;
     for mut goal in goals() {
         goal.scene = Some("hemisphere_soft".to_owned());
-        let captures = Captures::of(&goal);
+        let captures = Captures::new(&goal);
         for (a, b) in captures.pairs([0, 1, 1]) {
             if !captures.between((a, b)).is_empty() {
                 seen += 1;
@@ -130,7 +130,7 @@ fn where_corners_jam_no_two_faces_across_one_are_open_together_in_any_order() {
 fn no_two_faces_of_the_plate_side_by_side_are_open_together_in_any_order() {
     let mut seen = 0;
     for goal in goals() {
-        let captures = Captures::of(&goal);
+        let captures = Captures::new(&goal);
         let is_of_plate =
             |event: usize| captures.cells[event].z == 1 && captures.ways[event] == Face::Up;
         for (a, b) in captures.pairs([0, 0, 1]) {

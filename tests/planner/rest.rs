@@ -44,7 +44,7 @@ assembly castle {
 ";
 
 fn completed(text: &str) -> Result<Planned, NotCompleted> {
-    let completion = Completion::of(&check_text("part.sa", text), None)?;
+    let completion = Completion::new(&check_text("part.sa", text), None)?;
     let planned = completion.plan(&[], PlanSearch::default());
     Ok(planned.expect("it can be built"))
 }
@@ -65,7 +65,7 @@ fn executable(checked: Checked) -> Executable {
 fn ran(executable: &Executable, model: Model, max_ticks: Option<u64>) -> RunRecord {
     let settings = Settings {
         max_ticks,
-        ..Settings::of(model, 1)
+        ..Settings::new(model, 1)
     };
     let mut watch = |_, _| ControlFlow::Continue(());
     let (tables, scene) = (&executable.tables, &executable.scene);
@@ -300,7 +300,10 @@ fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
     let goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
     let executable = executable(checked);
     let record = ran(&executable, Model::Rate, Some(max_ticks));
-    (goal, ExistingStructure::of(&executable.tables, &record))
+    (
+        goal,
+        ExistingStructure::from_record(&executable.tables, &record),
+    )
 }
 
 /// A mast from which something hangs where a wall is to stand.
@@ -406,7 +409,7 @@ proptest! {
         let mut goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
         let executable = executable(checked);
         let record = ran(&executable, Model::Rate, Some(ticks));
-        let structure = ExistingStructure::of(&executable.tables, &record);
+        let structure = ExistingStructure::from_record(&executable.tables, &record);
         let names: Vec<&str> = structure.names().collect();
         let dead: BTreeSet<&str> = match names.is_empty() {
             true => BTreeSet::new(),

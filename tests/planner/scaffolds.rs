@@ -30,7 +30,7 @@ fn executed(planned: &Planned, model: Model, runs: u64) -> f64 {
     let checked = check_text("planned.sa", &planned.text);
     assert!(checked.diagnostics.is_empty(), "{:?}", checked.diagnostics);
     let executables = stochc::compile(checked).unwrap();
-    let settings = Settings::of(model, 1);
+    let settings = Settings::new(model, 1);
     let ticks = (0..runs).map(|run| {
         let record = stochc::simulate(&executables[0], &settings, 23, run).unwrap();
         assert_eq!(record.outcome, Outcome::Completed);

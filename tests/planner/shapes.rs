@@ -46,7 +46,7 @@ fn shapes_are_planned_accepted_and_built_in_several_orders() {
             "{name}"
         );
         let executables = stochc::compile(checked).unwrap();
-        let settings = Settings::of(Model::Shuffle, 1);
+        let settings = Settings::new(Model::Shuffle, 1);
         for run in 0..3 {
             let record = stochc::simulate(&executables[0], &settings, 1, run).unwrap();
             assert_eq!(record.outcome, Outcome::Completed, "{name}");

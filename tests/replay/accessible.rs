@@ -53,7 +53,7 @@ fn nothing_breaks_wcag_aa() {
 
 /// The page of a run of a program, on a wide and on a narrow screen, in either theme.
 fn check(browser: &mut Browser, axe: &str, program: &str, [wide, narrow]: [&str; 2]) {
-    let results = Results::of(program, "--record 0");
+    let results = Results::from_records(program, "--record 0");
     let page = results.page(0);
     for theme in ["dark", "light"] {
         let wanted = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });

@@ -115,7 +115,7 @@ struct Moment {
 }
 
 impl Moment {
-    fn of(recording: &Recording, tick: u64) -> Moment {
+    fn new(recording: &Recording, tick: u64) -> Moment {
         let mut moment = Moment {
             structure: BTreeMap::new(),
             pulled: BTreeSet::new(),
@@ -162,7 +162,7 @@ fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) 
             .rposition(|it| it[0] == "arc" && number(&it[4]) > 20.0);
         let drawn = &drawn[last.unwrap()..];
         let unit = number(&drawn[0][4]) / radius;
-        let moment = Moment::of(recording, frame.tick);
+        let moment = Moment::new(recording, frame.tick);
         let dots: Vec<([f64; 2], &str)> = (drawn.iter())
             .filter(|it| it[0] == "fillRect")
             .map(|it| {
@@ -436,7 +436,7 @@ fn check_strokes(page: &mut impl Page, recording: &Recording) {
 
 /// The program's target is the structure that the compiler says stands in the end.
 fn check_target(page: &mut impl Page, program: &str) {
-    let results = Results::of(program, "--record 0");
+    let results = Results::from_records(program, "--record 0");
     page.open(&results.page(0), "");
     let checked = stochc::check(program);
     let built = &checked.programs[0];
@@ -477,6 +477,6 @@ fn what_is_around_the_arena_is_right_at_its_tick() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    check_all(&mut browser, &Results::of(PROGRAM, "--record 0"));
+    check_all(&mut browser, &Results::from_records(PROGRAM, "--record 0"));
     assert_eq!(browser.complaints, [""; 0]);
 }

@@ -31,7 +31,7 @@ const ROUNDED: f64 = 1.0 / 1024.0;
 
 #[test]
 fn a_table_has_every_block_at_every_tick() {
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     let file = export(&results, "--format parquet --every 40", "ways.parquet");
     let recording = results.recording(0);
     let frames = recorded(&results, 40);
@@ -142,7 +142,7 @@ impl Glb {
 
 #[test]
 fn an_animation_moves_every_block_as_the_run_did() {
-    let results = Results::of(PROGRAM, "--record 0 --record-every 40");
+    let results = Results::from_records(PROGRAM, "--record 0 --record-every 40");
     let glb = Glb::read(&export(&results, "--format gltf --every 40", "ways.glb"));
     let recording = results.recording(0);
     // Both keep every 40th tick, and those that change the structure.
@@ -202,7 +202,7 @@ fn an_animation_moves_every_block_as_the_run_did() {
 
 #[test]
 fn what_cannot_be_written_is_told() {
-    let results = Results::of("tests/fixtures/dense.sa", "");
+    let results = Results::from_records("tests/fixtures/dense.sa", "");
     for form in ["parquet", "gltf"] {
         let line = format!("export --run 0 --format {form} --out /nowhere/at/all");
         let said = stochc(&line, &[&results.path()]);

@@ -216,7 +216,7 @@ fn firefox_shows_the_same() {
     let Some(mut firefox) = Firefox::start() else {
         return;
     };
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     firefox.open(&results.page(0), "");
     let recording = results.recording(0);
     let frame = recording.frames().nth(500).unwrap();
@@ -256,7 +256,7 @@ fn firefox_shows_the_same() {
     firefox.open(&results.page(0), "");
     page::check_faces(&mut firefox, &recording, &results.tables());
     drawn::check_all(&mut firefox, &results);
-    grouped::check_all(&mut firefox, &Results::of(SWARM, "--record 0"));
+    grouped::check_all(&mut firefox, &Results::from_records(SWARM, "--record 0"));
     hostile::check(&mut firefox);
     unreadable::check(&mut firefox);
 }
@@ -266,7 +266,7 @@ fn firefox_is_used_the_same_way() {
     let Some(mut firefox) = Firefox::start() else {
         return;
     };
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     firefox.size(1000, 700);
     page::check_moves(&mut firefox, &results);
     telling::check_all(&mut firefox);

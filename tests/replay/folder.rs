@@ -44,7 +44,7 @@ pub fn stochc(line: &str, more: &[&Path]) -> Said {
 
 impl Results {
     /// Two runs of a program by the fast model, with more options.
-    pub fn of(program: &str, options: &str) -> Results {
+    pub fn from_records(program: &str, options: &str) -> Results {
         let folder = tempfile::tempdir().unwrap();
         let line = format!("simulate --substeps 1 --runs 2 --quiet {options} {program} --out");
         let said = stochc(&line, &[&folder.path().join("results")]);

@@ -239,6 +239,6 @@ fn groups_are_those_of_the_recording() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    check_all(&mut browser, &Results::of(SWARM, "--record 0"));
+    check_all(&mut browser, &Results::from_records(SWARM, "--record 0"));
     assert_eq!(browser.complaints, [""; 0]);
 }

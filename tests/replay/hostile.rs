@@ -20,7 +20,7 @@ fn hostile_names_are_shown_as_text() {
 
 /// A page of names that are none is the page that it was made to be.
 pub fn check(browser: &mut impl Page) {
-    let results = Results::of("tests/fixtures/dense.sa", "--record 0");
+    let results = Results::from_records("tests/fixtures/dense.sa", "--record 0");
     let page = results.page(0);
     // The compiler takes no such names; a manifest that somebody has edited may have them.
     let manifest = std::fs::read_to_string(results.path().join("manifest.json")).unwrap();

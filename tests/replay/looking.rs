@@ -40,7 +40,7 @@ fn in_chromium(which: std::ops::Range<usize>) {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     for (check, hash) in &checks()[which] {
         browser.size(1000, 700);
         browser.open(&results.page(0), hash);

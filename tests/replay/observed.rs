@@ -34,7 +34,7 @@ fn observed(file: &str, model: Model) -> (RunRecord, RunRecord, Notes) {
     let program = stochc::check(file).programs.remove(0);
     let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
     // Who enters and leaves within a tick is seen by nobody who looks at its end.
-    let settings = Settings::of(model, 1);
+    let settings = Settings::new(model, 1);
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
     let mut notes = Notes::default();
     let alone = run(&tables, &scene, &settings, 5, 3, &mut watch).unwrap();
@@ -244,7 +244,7 @@ fn bonds_among_free_blocks_are_those_of_the_groups() {
             let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
             let settings = Settings {
                 max_ticks: Some(4000),
-                ..Settings::of(model, 2)
+                ..Settings::new(model, 2)
             };
             let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
             let mut groups = Groups::default();

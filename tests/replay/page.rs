@@ -41,7 +41,7 @@ fn the_page_shows_what_was_recorded() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     let page = results.page(0);
     let (recording, tables) = (results.recording(0), results.tables());
     browser.open(&page, "");
@@ -111,7 +111,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     let recording = results.recording(0);
     browser.open(&results.page(0), "");
     // Without the cloud and the names, nothing stands in the way.
@@ -181,7 +181,7 @@ fn what_was_attached_by_hand_did_not_wait() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    let results = Results::of(PASSED_ON, "--record 0");
+    let results = Results::from_records(PASSED_ON, "--record 0");
     let attached = results.recording(0).record().bonds[0].body;
     let page = results.page(0);
     let mut told = |hash: &str| {
@@ -210,7 +210,7 @@ fn faces_and_pulled_blocks_are_those_of_the_recording() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     browser.open(&results.page(0), "");
     check_faces(&mut browser, &results.recording(0), &results.tables());
 }
@@ -306,7 +306,7 @@ fn keys_links_and_fingers_move_it() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    check_moves(&mut browser, &Results::of(PROGRAM, "--record 0"));
+    check_moves(&mut browser, &Results::from_records(PROGRAM, "--record 0"));
     assert_eq!(browser.complaints, [""; 0]);
 }
 

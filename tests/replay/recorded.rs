@@ -12,7 +12,8 @@ const DENSE: &str = "tests/fixtures/dense.sa";
 
 #[test]
 fn a_recording_made_afterwards_is_the_same_to_the_bit() {
-    let [at_once, later] = ["--record all", ""].map(|options| Results::of(DENSE, options));
+    let [at_once, later] =
+        ["--record all", ""].map(|options| Results::from_records(DENSE, options));
     assert!(!later.recording_path(1).exists());
     later.page(1);
     let [first, second] = [&at_once, &later].map(|of| fs::read(of.recording_path(1)).unwrap());
@@ -32,7 +33,7 @@ fn a_recording_made_afterwards_is_the_same_to_the_bit() {
 
 #[test]
 fn only_the_runs_that_were_asked_for_are_recorded() {
-    let results = Results::of(DENSE, "--record 1");
+    let results = Results::from_records(DENSE, "--record 1");
     assert_eq!(
         fs::read_dir(results.path().join("recordings"))
             .unwrap()
@@ -46,7 +47,7 @@ fn only_the_runs_that_were_asked_for_are_recorded() {
 
 #[test]
 fn a_recording_holds_every_tick_of_note() {
-    let results = Results::of(PROGRAM, "--record 0 --record-every 10");
+    let results = Results::from_records(PROGRAM, "--record 0 --record-every 10");
     let recording = results.recording(0);
     let ticks: Vec<u64> = recording.frames().map(|frame| frame.tick).collect();
     let mut wanted: Vec<u64> = (recording.events().iter())
@@ -72,7 +73,7 @@ fn a_recording_holds_every_tick_of_note() {
 
 #[test]
 fn anchored_blocks_are_where_their_cells_are() {
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     let recording = results.recording(0);
     let tables = results.tables();
     for frame in recording.frames() {
@@ -96,7 +97,7 @@ fn anchored_blocks_are_where_their_cells_are() {
 
 #[test]
 fn an_ensemble_that_goes_on_records_what_it_makes() {
-    let results = Results::of(DENSE, "--record 1");
+    let results = Results::from_records(DENSE, "--record 1");
     let left = results.path().join("recordings/.stochc-partial-left");
     fs::write(&left, "by a kill").unwrap();
     let line =
@@ -127,7 +128,7 @@ fn sections(bytes: &[u8]) -> Vec<(&str, &[u8])> {
 
 #[test]
 fn a_long_run_is_written_piece_by_piece() {
-    let results = Results::of(PROGRAM, "--record 0 --record-every 1");
+    let results = Results::from_records(PROGRAM, "--record 0 --record-every 1");
     let bytes = fs::read(results.recording_path(0)).unwrap();
     let sections = sections(&bytes);
     let ticks: Vec<usize> = (sections.iter())
@@ -147,7 +148,7 @@ fn a_long_run_is_written_piece_by_piece() {
 
 #[test]
 fn bonds_among_free_blocks_are_recorded() {
-    let results = Results::of(SWARM, "--record 0");
+    let results = Results::from_records(SWARM, "--record 0");
     let recording = results.recording(0);
     let rows: usize = (recording.events().iter())
         .filter(|happening| matches!(happening.event, ObservedEvent::Bonded { .. }))
@@ -174,7 +175,7 @@ fn bonds_among_free_blocks_are_recorded() {
 
 #[test]
 fn no_damage_is_more_than_a_message() {
-    let results = Results::of(DENSE, "--record 0");
+    let results = Results::from_records(DENSE, "--record 0");
     let bytes = fs::read(results.recording_path(0)).unwrap();
     let tables = results.tables();
     for at in (0..400).chain((400..bytes.len()).step_by(bytes.len() / 199)) {
@@ -202,7 +203,7 @@ fn error(results: &Results) -> String {
 
 #[test]
 fn a_recording_that_cannot_be_used_is_told_of() {
-    let results = Results::of(DENSE, "--record all");
+    let results = Results::from_records(DENSE, "--record all");
     let path = results.recording_path(0);
     let whole = fs::read(&path).unwrap();
     let with = |change: &dyn Fn(&mut Vec<u8>)| {
@@ -231,7 +232,7 @@ fn a_recording_that_cannot_be_used_is_told_of() {
 
 #[test]
 fn a_program_that_has_changed_is_refused() {
-    let results = Results::of(DENSE, "");
+    let results = Results::from_records(DENSE, "");
     let manifest = results.path().join("manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
     // What stands in the folder counts, and all of it belongs together.
@@ -256,7 +257,7 @@ fn a_program_that_has_changed_is_refused() {
 
 #[test]
 fn a_run_that_does_not_come_out_as_it_did_is_refused() {
-    let results = Results::of(DENSE, "");
+    let results = Results::from_records(DENSE, "");
     let journal = results.path().join("journal.jsonl");
     let text = fs::read_to_string(&journal).unwrap();
     // With the checksums that another build would have written.
@@ -274,7 +275,7 @@ fn a_run_that_does_not_come_out_as_it_did_is_refused() {
 
 #[test]
 fn what_is_asked_wrongly_is_told() {
-    let results = Results::of(DENSE, "");
+    let results = Results::from_records(DENSE, "");
     let said = stochc("replay --run 2", &[&results.path()]);
     assert_eq!(said.status, 2);
     assert!(
@@ -313,7 +314,7 @@ fn what_is_asked_wrongly_is_told() {
 
 #[test]
 fn a_folder_that_cannot_be_written_to_is_shown_too() {
-    let results = Results::of(DENSE, "");
+    let results = Results::from_records(DENSE, "");
     // A file in the place of the folder for recordings, for those who may write everywhere.
     fs::write(results.path().join("recordings"), "").unwrap();
     let page = results.page(0);

@@ -40,7 +40,7 @@ fn two_runs_share_a_page() {
 }
 
 fn check_two_runs(browser: &mut impl Page) {
-    let results = Results::of(PROGRAM, "--record all");
+    let results = Results::from_records(PROGRAM, "--record all");
     let folder = results.path();
     let said = stochc("replay --run 0 --against 1", &[&folder]);
     assert_eq!(said.status, 0, "{}", said.err);
@@ -97,7 +97,7 @@ fn a_tour_goes_through_what_decided_the_time() {
 }
 
 fn check_tour(browser: &mut impl Page) {
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     let folder = results.path();
     let page = folder.join("tour.html");
     let said = stochc("replay --run 0 --tour --out", &[&page, &folder]);
@@ -150,7 +150,7 @@ fn views_pictures_and_films_are_taken_along() {
 }
 
 fn check_taken_along(browser: &mut impl Page) {
-    let results = Results::of(PROGRAM, "--record 0");
+    let results = Results::from_records(PROGRAM, "--record 0");
     let page = results.page(0);
     browser.open(&page, "#tick=9000");
     browser.value("replay.look([0.3, 0.5, 12, 1, 0, 2])");

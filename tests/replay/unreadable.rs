@@ -29,7 +29,7 @@ fn what_is_wrong_with_a_page_is_told() {
 
 /// Pages of other versions, damaged ones, and those that were cut short.
 pub fn check(browser: &mut impl Page) {
-    let results = Results::of("tests/fixtures/dense.sa", "--record 0");
+    let results = Results::from_records("tests/fixtures/dense.sa", "--record 0");
     let page = results.page(0);
     let text = fs::read_to_string(&page).unwrap();
     let start = text.find("id=\"recording\">").unwrap() + "id=\"recording\">".len();
@@ -84,7 +84,7 @@ fn a_browser_without_graphics_says_so() {
     let Some(mut browser) = browser(&["--disable-3d-apis"]) else {
         return;
     };
-    let results = Results::of("tests/fixtures/dense.sa", "--record 0");
+    let results = Results::from_records("tests/fixtures/dense.sa", "--record 0");
     let page = results.page(0);
     let text = fs::read_to_string(&page).unwrap();
     let said = message(&mut browser, &page, &text);

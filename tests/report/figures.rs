@@ -116,7 +116,7 @@ fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
             failed: 0,
             share: Some(1.0),
             share_interval: Some((0.44, 1.0)),
-            time: Time::of(&times),
+            time: Time::new(&times),
             captures: 3,
             released: None,
             time_per_capture: Some(mean),

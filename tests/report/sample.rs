@@ -64,7 +64,7 @@ pub fn manifest(friction: f64, runs: u64) -> Manifest {
         jam_risks: Vec::new(),
     };
     let program = EnsembleProgram::new("pair", vec![source], executable);
-    Manifest::new(Settings::of(Model::Rigid, 1), 7, runs, vec![program])
+    Manifest::new(Settings::new(Model::Rigid, 1), 7, runs, vec![program])
 }
 
 /// One run: the waits for C, E, D and F; F's face is magnetized when the first phase ends. Without

@@ -115,7 +115,7 @@ fn a_report_says_what_the_tables_say() {
     assert_eq!((runs.len(), bonds.len()), (6, 90));
 
     let ticks: Vec<f64> = runs.values().map(|&ticks| ticks as f64).collect();
-    let expected = Summary::of(&ticks).unwrap();
+    let expected = Summary::from_values(&ticks).unwrap();
     let whole = &csv(&out, "means.csv")[0];
     close(&whole["mean"], expected.mean);
     close(&whole["half_width"], expected.half_width.unwrap());
@@ -127,7 +127,7 @@ fn a_report_says_what_the_tables_say() {
         let same = |bond: &&Bond| bond.capture == row["capture"] && bond.phase == row["phase"];
         let of = |value: fn(&Bond) -> u64| {
             let values: Vec<f64> = bonds.iter().filter(same).map(|b| value(b) as f64).collect();
-            Summary::of(&values).unwrap()
+            Summary::from_values(&values).unwrap()
         };
         let wait = of(|bond| bond.docked - bond.magnetized);
         close(&row["wait"], wait.mean);
@@ -201,7 +201,7 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
             }
         });
         let times: Vec<Observation> = times.collect();
-        let expected = Time::of(&times).unwrap();
+        let expected = Time::new(&times).unwrap();
         assert_eq!(told["wait"], serde_json::json!(expected), "{what}");
         let row = waits
             .iter()

@@ -17,7 +17,7 @@ const MARGIN: f64 = 1.0;
 const SIDE: f64 = 0.2;
 
 /// Least spacing of the lattice \[side\].
-const LEAST_SPACING: f64 = 1.1;
+const MIN_SPACING: f64 = 1.1;
 
 /// Radius of the half ball \[side\]: that of `hemisphere` for 300 blocks, at the same density.
 pub fn radius(blocks: u32) -> f64 {
@@ -99,7 +99,7 @@ pub fn start(blocks: u32) -> Vec<[f64; 3]> {
     let count = blocks as usize;
     // Rounded as by way of metres, like in the project: the bisection ends elsewhere for another radius.
     let radius = SIDE * radius(blocks) / SIDE - MARGIN;
-    let (mut fits, mut fails) = (LEAST_SPACING, 2.0 * radius + 2.0);
+    let (mut fits, mut fails) = (MIN_SPACING, 2.0 * radius + 2.0);
     for _ in 0..60 {
         let middle = 0.5 * (fits + fails);
         if lattice(radius, middle).len() >= count {

@@ -13,7 +13,7 @@ use super::waits::CaptureWait;
 const POINTS: usize = 1024;
 
 /// Different branches of a phase at most, and phases that take time, each of which takes a convolution.
-const MOST: usize = 400;
+const MAX: usize = 400;
 
 /// The probability that may lie beyond the last multiple.
 const BEYOND: f64 = 1e-9;
@@ -40,7 +40,7 @@ pub fn exact_times(
     waits: &[Option<CaptureWait>],
 ) -> Option<(Vec<Times>, Times)> {
     let lasting = phases.iter().filter(|steps| takes_time(steps, waits));
-    if lasting.count() > MOST {
+    if lasting.count() > MAX {
         return None;
     }
     let phases = phases.iter().zip(timeouts).map(|(steps, timeout)| {
@@ -74,7 +74,7 @@ fn of_phase(steps: &[Step], waits: &[Option<CaptureWait>]) -> Option<Distributio
     if !takes_time(steps, waits) {
         return Some(Distribution::none());
     }
-    let forest = Forest::of(steps, waits)?;
+    let forest = Forest::new(steps, waits)?;
     let mut range = forest.range().max(1.0);
     for _ in 0..TRIES {
         let mut found = forest.latest(range / POINTS as f64);
@@ -105,7 +105,7 @@ struct Branch {
 }
 
 impl Forest {
-    fn of(steps: &[Step], waits: &[Option<CaptureWait>]) -> Option<Forest> {
+    fn new(steps: &[Step], waits: &[Option<CaptureWait>]) -> Option<Forest> {
         let place: FxHashMap<u32, usize> = (steps.iter().enumerate())
             .map(|(i, step)| (step.event, i))
             .collect();
@@ -131,7 +131,7 @@ impl Forest {
                     branches.push(Branch { wait, next });
                     branches.len() as u32 - 1
                 });
-            if branches.len() > MOST {
+            if branches.len() > MAX {
                 return None;
             }
             match before.first() {
@@ -170,7 +170,7 @@ impl Forest {
             done.push(match *wait {
                 Some(wait) => {
                     let own = known.entry(bits(wait));
-                    let own = own.or_insert_with(|| Distribution::of(wait, step));
+                    let own = own.or_insert_with(|| Distribution::new(wait, step));
                     own.plus(&rest, POINTS)
                 }
                 None => rest,
@@ -200,7 +200,7 @@ impl Distribution {
     }
 
     /// Of a wait: what lies between two multiples is shared out so that the mean is kept.
-    fn of(wait: Wait, step: f64) -> Distribution {
+    fn new(wait: Wait, step: f64) -> Distribution {
         // The mean probability to wait longer, within each step: by Gauss's rule of three points, in parts.
         const PARTS: usize = 4;
         const NODES: [(f64, f64); 3] = [
@@ -389,7 +389,7 @@ mod tests {
     /// Phases that take no time change nothing, and of too many that do there is no sum.
     #[test]
     fn phases_are_added_up_unless_there_are_too_many() {
-        let waits = vec![exponential(100.0); MOST + 1];
+        let waits = vec![exponential(100.0); MAX + 1];
         let phases = |events: &[u32]| -> Vec<Vec<Step>> {
             let step = |&event: &u32| {
                 vec![Step {
@@ -413,7 +413,7 @@ mod tests {
         assert_eq!(total(&among_empty), total(&five));
         close(total(&five).unwrap().mean, 500.0, 1e-3);
         assert_eq!(total(&empty().collect::<Vec<_>>()).unwrap().mean, Some(0.0));
-        let all: Vec<u32> = (0..=MOST as u32).collect();
+        let all: Vec<u32> = (0..=MAX as u32).collect();
         assert!(total(&phases(&all[1..])).is_some());
         assert!(total(&phases(&all)).is_none());
     }

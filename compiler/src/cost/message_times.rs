@@ -13,7 +13,7 @@ use crate::graph::{LocatedDependency, anchored_by};
 use crate::plan::{EventId, EventKind, PlanPhase};
 
 /// Of news for the top of a tower that is captured meanwhile, blocks that it may have to wait for: those below stand for long.
-const MOST_HANDED: usize = 64;
+const MAX_HANDED: usize = 64;
 
 /// A block: the capture that anchored it; `None`: the plate.
 type Block = Option<EventId>;
@@ -65,7 +65,7 @@ struct HopTime {
 }
 
 impl HopTime {
-    fn of(messages: &Messages) -> HopTime {
+    fn new(messages: &Messages) -> HopTime {
         HopTime {
             whole: f64::from(messages.hop),
             loss: messages.loss.unwrap_or(0.0),
@@ -92,7 +92,7 @@ impl HopTime {
 struct MessagePath {
     /// The hops between blocks that are there.
     hops: u32,
-    /// Then, one after the other, the captures of the phase that anchor the last blocks on the way, [`MOST_HANDED`] at most: where
+    /// Then, one after the other, the captures of the phase that anchor the last blocks on the way, [`MAX_HANDED`] at most: where
     /// nobody has a name yet, news waits at the block that will capture it.
     handed_to: Vec<u32>,
 }
@@ -114,9 +114,9 @@ pub struct MessageTimes<'a> {
 
 impl<'a> MessageTimes<'a> {
     /// `None`: messages take no time in the scene.
-    pub fn of(program: &'a Program) -> Option<MessageTimes<'a>> {
+    pub fn new(program: &'a Program) -> Option<MessageTimes<'a>> {
         let messages = program.scene.as_ref()?.messages.as_ref()?;
-        let hop = HopTime::of(messages);
+        let hop = HopTime::new(messages);
         if hop.whole <= 0.0 && hop.loss <= 0.0 {
             return None;
         }
@@ -227,7 +227,7 @@ impl<'a> MessageTimes<'a> {
         let on_the_way = std::iter::successors(to, |&id| self.parent(id));
         let mut handed_to: Vec<u32> = on_the_way
             .take_while(|&id| Some(id) != common && phase.events.contains(&id.0))
-            .take(MOST_HANDED)
+            .take(MAX_HANDED)
             .map(|id| id.0)
             .collect();
         handed_to.reverse();

@@ -126,7 +126,7 @@ fn estimate_within(program: &Program, rates: Option<&Rates>, timeouts: &[f64]) -
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
     let never = sampled.draws.len() - complete.len();
-    cost.total = Times::of(complete, never);
+    cost.total = Times::new(complete, never);
     cost.draws = sampled.draws;
     for (phase, sampled) in cost.phases.iter_mut().zip(sampled.phases) {
         phase.times = sampled.times;

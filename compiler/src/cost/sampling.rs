@@ -17,8 +17,8 @@ use crate::Program;
 const DRAWN: usize = 200_000;
 
 /// Times that a program is gone through: more often if it is small.
-const LEAST: usize = 20;
-const MOST: usize = 4000;
+const MIN: usize = 20;
+const MAX: usize = 4000;
 
 /// The numbers are the same whenever a program is asked for.
 const SEED: u64 = 0;
@@ -36,7 +36,7 @@ impl SampledPhase {
         let reached = durations.len() + timed_out;
         SampledPhase {
             timed_out: timed_out as f64 / reached.max(1) as f64,
-            times: Times::of(durations, timed_out),
+            times: Times::new(durations, timed_out),
         }
     }
 }
@@ -47,7 +47,7 @@ pub struct Sampled {
     pub phases: Vec<SampledPhase>,
     /// Of the whole program.
     pub draws: Vec<Draw>,
-    /// Whether two captures in cells beside each other wait at the same time, in one of the first [`LEAST`] draws.
+    /// Whether two captures in cells beside each other wait at the same time, in one of the first [`MIN`] draws.
     pub has_race: bool,
     /// For every event, the part of all time in which nothing else is waited for.
     pub shares: Vec<f64>,
@@ -64,13 +64,13 @@ pub fn sample(
     scarce: Option<Vec<ScarceBlocks<'_>>>,
 ) -> Sampled {
     let count = waits.iter().flatten().count().max(1);
-    let times = (DRAWN / count).clamp(LEAST, MOST);
+    let times = (DRAWN / count).clamp(MIN, MAX);
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let neighbours = neighbours(program, waits);
     let mut scarce = scarce.map(Vec::into_iter);
     let timed = steps.iter().map(|steps| {
         let scarce = scarce.as_mut().and_then(Iterator::next);
-        TimedPhase::of(steps, waits, scarce)
+        TimedPhase::new(steps, waits, scarce)
     });
     let timed: Vec<Option<TimedPhase<'_>>> = timed.collect();
     let mut drawn = DrawnTimes::new(waits.len());
@@ -124,7 +124,7 @@ pub fn sample(
             total = latest.0;
         }
         let DrawnTimes { starts, ends, .. } = &drawn;
-        has_race |= number < LEAST
+        has_race |= number < MIN
             && neighbours.iter().any(|&(one, other)| {
                 starts[one] < ends[other]
                     && starts[other] < ends[one]

@@ -40,7 +40,7 @@ impl Step {
 /// The events of each phase, each behind what it waits for.
 pub fn steps(program: &Program, order: &Order) -> Vec<Vec<Step>> {
     let phases = &program.plan.phases;
-    let messages = MessageTimes::of(program);
+    let messages = MessageTimes::new(program);
     let mut steps: Vec<Vec<Step>> = phases.iter().map(|_| Vec::new()).collect();
     for &id in &order.events {
         let Some(phase) = program.plan.phase_of(id) else {

@@ -77,7 +77,7 @@ struct RemainingBlocks<'a, 'b> {
 
 impl<'a> TimedPhase<'a> {
     /// `None`: no released block has a head start in it, and there are enough free blocks.
-    pub fn of(
+    pub fn new(
         steps: &'a [Step],
         waits: &'a [Option<CaptureWait>],
         scarce: Option<ScarceBlocks<'a>>,

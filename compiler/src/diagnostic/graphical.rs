@@ -30,7 +30,7 @@ impl Renderer {
     /// One finding, ending in a newline.
     pub fn render(&self, diagnostic: &Diagnostic, sources: &Sources) -> String {
         let mut out = String::new();
-        for picture in Picture::of(diagnostic, sources) {
+        for picture in Picture::new(diagnostic, sources) {
             // Writing to a string cannot fail; a span that cannot be shown leaves the title.
             if self.handler.render_report(&mut out, &picture).is_err() {
                 return format!("{}: {}\n", diagnostic.code, diagnostic.message());
@@ -53,7 +53,7 @@ struct Picture<'a> {
 
 impl<'a> Picture<'a> {
     /// The finding in the file that it is of, and then what it points at in others.
-    fn of(diagnostic: &'a Diagnostic, sources: &'a Sources) -> impl Iterator<Item = Picture<'a>> {
+    fn new(diagnostic: &'a Diagnostic, sources: &'a Sources) -> impl Iterator<Item = Picture<'a>> {
         let home = diagnostic.labels.first().map(|label| label.location.file);
         let mut elsewhere: Vec<FileId> = (diagnostic.labels.iter())
             .map(|label| label.location.file)

@@ -75,18 +75,18 @@ pub struct Label {
 }
 
 /// Errors of one assembly that are told, at most, and as many warnings.
-const MOST_FINDINGS: usize = 1_000;
+const MAX_FINDINGS: usize = 1_000;
 
 /// Whether so many findings of this severity are told that no more are, which has been told as well.
 pub(crate) fn is_full(diagnostics: &[Diagnostic], severity: Severity) -> bool {
     let note = too_many(severity);
     let mut last_first = diagnostics.iter().rev();
-    diagnostics.len() > MOST_FINDINGS && last_first.any(|it| it.code == note)
+    diagnostics.len() > MAX_FINDINGS && last_first.any(|it| it.code == note)
 }
 
 /// Whether there are as many errors as are told.
 pub(crate) fn has_enough_errors(diagnostics: &[Diagnostic]) -> bool {
-    diagnostics.len() >= MOST_FINDINGS && count(diagnostics, Severity::Error) >= MOST_FINDINGS
+    diagnostics.len() >= MAX_FINDINGS && count(diagnostics, Severity::Error) >= MAX_FINDINGS
 }
 
 /// What says that there are more findings of this severity.
@@ -105,15 +105,15 @@ fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
 
 /// Findings among which words are looked for that unknown ones may be meant to be: that takes time, again whenever a fix is
 /// tried, and whoever has more of them fixes the first ones and checks again.
-const MOST_MEANT: usize = 200;
+const MAX_MEANT: usize = 200;
 
-/// The known word that an unknown one is probably meant to be; nobody looks for it behind [`MOST_MEANT`] findings.
+/// The known word that an unknown one is probably meant to be; nobody looks for it behind [`MAX_MEANT`] findings.
 pub(crate) fn meant<S: AsRef<str>>(
     diagnostics: &[Diagnostic],
     unknown: &str,
     known: impl IntoIterator<Item = S>,
 ) -> Option<Suggestion> {
-    let is_asked = diagnostics.len() < MOST_MEANT;
+    let is_asked = diagnostics.len() < MAX_MEANT;
     is_asked.then(|| nearest(unknown, known)).flatten()
 }
 
@@ -124,7 +124,7 @@ pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) 
     if is_full(diagnostics, severity) || is_repeated(diagnostics, &diagnostic) {
         return;
     }
-    if diagnostics.len() < MOST_FINDINGS || count(diagnostics, severity) < MOST_FINDINGS {
+    if diagnostics.len() < MAX_FINDINGS || count(diagnostics, severity) < MAX_FINDINGS {
         diagnostics.push(diagnostic);
         return;
     }
@@ -132,7 +132,7 @@ pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) 
         Severity::Error => "errors",
         Severity::Warning => "warnings",
     };
-    let title = format!("more than {MOST_FINDINGS} {what}; the rest is not told");
+    let title = format!("more than {MAX_FINDINGS} {what}; the rest is not told");
     let labels = diagnostic.labels.into_iter().take(1);
     let mut last =
         Diagnostic::new(too_many(severity), title).help("fix the first few and check again");

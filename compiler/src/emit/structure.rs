@@ -33,7 +33,7 @@ fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) ->
         );
     }
     for (phase, blocks) in plan.phases.iter().zip(placed_blocks(plan, layout)) {
-        let bounds = CellBounds::of(blocks.iter().map(|block| block.cell));
+        let bounds = CellBounds::enclosing(blocks.iter().map(|block| block.cell));
         let (low, high) = bounds.map_or_else(Default::default, |it| (it.low, it.high));
         let ((west, east), (south, north)) = ((low.x, high.x), (low.y, high.y));
         let layers = low.z.max(1)..=high.z;
@@ -105,7 +105,7 @@ pub fn structure_json<'a>(
 }
 
 /// Blocks that a picture can show before it is of no use.
-const MOST_BLOCKS: usize = 20_000;
+const MAX_BLOCKS: usize = 20_000;
 
 /// The structures to be drawn; `None`: too many blocks for a picture.
 pub fn built_structure(
@@ -115,7 +115,7 @@ pub fn built_structure(
 ) -> Option<BuiltStructure> {
     let plate = plan.plate.width as usize * plan.plate.depth as usize;
     let most = *layout.sizes.iter().max()? as usize + plate;
-    if most.saturating_mul(plan.phases.len()) > MOST_BLOCKS {
+    if most.saturating_mul(plan.phases.len()) > MAX_BLOCKS {
         return None;
     }
     let block = |block: PlacedBlock| BuiltBlock {

@@ -625,7 +625,7 @@ impl<'a> Expander<'a, '_> {
 
     fn timeout(&mut self, quantity: Option<&Quantity>) -> Option<Timeout> {
         let quantity = quantity?;
-        let timeout = Timeout::of(quantity);
+        let timeout = Timeout::from_quantity(quantity);
         if timeout.is_none() {
             let lacks_unit = quantity.unit.is_empty() && quantity.value != 0.0;
             let (title, label, help) = if lacks_unit {

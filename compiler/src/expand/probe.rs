@@ -15,7 +15,7 @@ pub struct Probe {
 }
 
 /// Names that are kept of one place; in a loop it may stand for millions.
-const MOST_KEYS: usize = 64;
+const MAX_KEYS: usize = 64;
 
 impl Probe {
     /// Notes the blocks of a place if it is the one in question.
@@ -33,7 +33,7 @@ impl Probe {
             return;
         }
         for key in keys {
-            if self.keys.len() == MOST_KEYS {
+            if self.keys.len() == MAX_KEYS {
                 break;
             }
             if !self.keys.contains(&key) {

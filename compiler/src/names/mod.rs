@@ -157,7 +157,7 @@ impl Names {
     /// # Errors
     ///
     /// [`Cancelled`] if nobody waits for it.
-    pub fn of(checked: &Checked, cancellation: Cancellation<'_>) -> Result<Names, Cancelled> {
+    pub fn new(checked: &Checked, cancellation: Cancellation<'_>) -> Result<Names, Cancelled> {
         Names::of_trees(checked.trees(), Keep::All, cancellation)
     }
 
@@ -256,7 +256,7 @@ mod tests {
                 .ok_or_else(|| "none".to_owned())
         };
         let checked = check(files[0].0, &mut reader, Limits::default());
-        let names = Names::of(&checked, Cancellation::NEVER).unwrap();
+        let names = Names::new(&checked, Cancellation::NEVER).unwrap();
         let mut seen: Vec<Definition> = Vec::new();
         let mut shown = Vec::new();
         for occurrence in names.all() {

@@ -34,7 +34,7 @@ pub struct NarrowCaptures {
 }
 
 /// Captures of a phase that are described.
-const MOST_SHOWN: usize = 5;
+const MAX_SHOWN: usize = 5;
 
 /// Cells looked at to measure one gap. The length of a longer gap is of no use.
 const FARTHEST: usize = 1_000;
@@ -74,7 +74,7 @@ impl ReachAnalysis<'_> {
         }
         let count = found.len();
         found.sort_unstable();
-        found.truncate(MOST_SHOWN);
+        found.truncate(MAX_SHOWN);
         let worst = (found.into_iter())
             .map(|(open, capture)| NarrowCapture {
                 capture,

@@ -9,10 +9,10 @@ use crate::diagnostic::{Code, Diagnostic, report};
 use crate::plan::EventId;
 
 /// Captures of a phase that are shown, at most.
-const MOST_SHOWN: usize = 5;
+const MAX_SHOWN: usize = 5;
 
 /// Squares of four cells that are looked at in a phase, at most: what is crowded in more is crowded enough.
-const MOST_SQUARES: usize = 10_000;
+const MAX_SQUARES: usize = 10_000;
 
 impl ReachAnalysis<'_> {
     /// Tells of three or more faces that may be open at the same time towards cells of one square of four.
@@ -39,7 +39,7 @@ impl ReachAnalysis<'_> {
         };
         let mut diagnostic = Diagnostic::new(Code::CrowdedCaptures, title)
             .label(plan.event(*first).location, format!("`{}`", name(*first)));
-        for &id in crowded[1..].iter().take(MOST_SHOWN - 1) {
+        for &id in crowded[1..].iter().take(MAX_SHOWN - 1) {
             diagnostic = diagnostic.label(plan.event(id).location, format!("`{}`", name(id)));
         }
         let help = "three faces in a square attract blocks that jam each other, and the captures may take long: let one wait for \
@@ -61,7 +61,7 @@ impl ReachAnalysis<'_> {
             };
             for square in squares(cell, &at) {
                 looked_at += 1;
-                if looked_at > MOST_SQUARES || self.warning.is_spent() {
+                if looked_at > MAX_SQUARES || self.warning.is_spent() {
                     break 'events;
                 }
                 for left_out in 0..4 {

@@ -12,9 +12,9 @@ use super::{Cell, EventId, ReachAnalysis, all_before, before, picture};
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
 
 /// Blocks of a wall that are labelled.
-const MOST_WALLS: usize = 6;
+const MAX_WALLS: usize = 6;
 /// Events of an order that are written out.
-const MOST_EVENTS: usize = 12;
+const MAX_EVENTS: usize = 12;
 
 /// Captures of one phase that are described. The others are only counted.
 const MAX_DESCRIBED: usize = 100;
@@ -175,7 +175,7 @@ impl ReachAnalysis<'_> {
             }
             SealedOutcome::Doubtful => {}
         }
-        for &wall in walls.iter().take(MOST_WALLS) {
+        for &wall in walls.iter().take(MAX_WALLS) {
             let wall = plan.event(wall);
             let name = plan.roles.name(wall.role, subject.symbols);
             diagnostic = diagnostic.label(wall.location, format!("`{name}` is part of the wall"));
@@ -324,7 +324,7 @@ impl ReachAnalysis<'_> {
         let names: Vec<String> = (events.into_iter())
             .map(|id| self.subject.plan.describe(id, self.subject.symbols))
             .collect();
-        let more = names.len().saturating_sub(MOST_EVENTS);
+        let more = names.len().saturating_sub(MAX_EVENTS);
         let mut text = names[..names.len() - more].join(", ");
         if more > 0 {
             text.push_str(&format!(", and {more} more"));
@@ -341,7 +341,7 @@ impl ReachAnalysis<'_> {
             .iter()
             .filter(|event| event.location == location);
         made.take(2).count() == 1
-            && CaptureStatement::of(&self.subject, id).is_some_and(|it| it.is_first())
+            && CaptureStatement::new(&self.subject, id).is_some_and(|it| it.is_first())
     }
 
     /// Counts further captures of a phase, from `first` on.

@@ -17,7 +17,7 @@ pub struct CaptureStatement<'a> {
 
 impl<'a> CaptureStatement<'a> {
     /// The statement of the program's own file that a capture comes from.
-    pub fn of(subject: &SoundProgram<'a>, capture: EventId) -> Option<CaptureStatement<'a>> {
+    pub fn new(subject: &SoundProgram<'a>, capture: EventId) -> Option<CaptureStatement<'a>> {
         let SourceLocation { file, span } = subject.plan.event(capture).location;
         if file != subject.file {
             return None;
@@ -103,7 +103,7 @@ impl<'a> CaptureStatement<'a> {
                             (cost + extra + again, format!("{name}{begin}{index}{end}"))
                         })
                     })
-                    .take(MOST_NAMES)
+                    .take(MAX_NAMES)
                     .collect();
             }
         }
@@ -174,7 +174,7 @@ impl<'a> CaptureStatement<'a> {
 }
 
 /// Names that are made up for one block, at most.
-const MOST_NAMES: usize = 64;
+const MAX_NAMES: usize = 64;
 
 /// The link of a chain that stands in a place.
 fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {

@@ -30,9 +30,9 @@ struct DelayedStatement<'a> {
 }
 
 /// Lists of captures that are tried for one cell.
-const MOST_LISTS: usize = 6;
+const MAX_LISTS: usize = 6;
 /// Ways to write the name that are tried for one list.
-const MOST_WRITINGS: usize = 16;
+const MAX_WRITINGS: usize = 16;
 /// Writings that are tried after one that helps, for one that helps more.
 const MAX_BETTER: usize = 3;
 /// Events that a trial counts for, besides those of the program.
@@ -58,7 +58,7 @@ impl<'a> ReachAnalysis<'a> {
         let plan = self.subject.plan;
         let mut lists = first;
         let mut barred: Vec<SourceLocation> = Vec::new();
-        for i in 0..MOST_LISTS {
+        for i in 0..MAX_LISTS {
             let later = lists.get(i)?;
             // The writing that leaves the fewest errors, the likeliest first.
             let mut best: Option<(Vec<ReportedFinding>, Vec<DelayedStatement<'a>>)> = None;
@@ -116,7 +116,7 @@ impl<'a> ReachAnalysis<'a> {
             if statements.iter().any(|(_, known, _)| *known == location) {
                 continue;
             }
-            let Some(statement) = CaptureStatement::of(&self.subject, other) else {
+            let Some(statement) = CaptureStatement::new(&self.subject, other) else {
                 return Vec::new();
             };
             let names = statement.names(&self.subject, other, role);
@@ -126,7 +126,7 @@ impl<'a> ReachAnalysis<'a> {
             statements.push((statement, location, names));
         }
         let most = statements.iter().map(|(.., names)| names.len()).max();
-        (0..most.unwrap_or(0).min(MOST_WRITINGS))
+        (0..most.unwrap_or(0).min(MAX_WRITINGS))
             .map(|choice| {
                 let delayed = |(statement, location, names): &(
                     CaptureStatement<'a>,

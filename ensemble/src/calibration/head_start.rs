@@ -9,7 +9,7 @@ use super::observation::{History, LATELY, NEAR, WaitingFace};
 const LATEST: u64 = 2 * LATELY;
 
 /// Releases of which there have to be so many for a place to count.
-const LEAST: u32 = 10;
+const MIN: u32 = 10;
 
 /// Ticks after which a face is no longer a moment late: messages that take no time are there in one.
 const A_MOMENT: u64 = 2;
@@ -61,7 +61,7 @@ impl HeadStartTally {
         let known = self
             .0
             .iter()
-            .filter(|(_, (all, docked, _))| *all >= LEAST && *docked > 0);
+            .filter(|(_, (all, docked, _))| *all >= MIN && *docked > 0);
         known
             .map(
                 |(&(late, squared_distance, before), &(all, docked, ticks))| HeadStart {

@@ -67,14 +67,14 @@ impl std::fmt::Display for TooFew {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "only {} captures were observed, and rates need {LEAST}; more runs, or a larger `--max-ticks`, give more",
+            "only {} captures were observed, and rates need {MIN}; more runs, or a larger `--max-ticks`, give more",
             self.captures
         )
     }
 }
 
 /// Captures that a calibration needs.
-const LEAST: u64 = 100;
+const MIN: u64 = 100;
 
 impl Calibration {
     /// Nothing yet, of a scene with this [`profile`] of its gas.
@@ -89,7 +89,7 @@ impl Calibration {
 
     /// Takes a run into account.
     pub fn observe(&mut self, record: &RunRecord) {
-        let history = observation::History::of(record);
+        let history = observation::History::from_record(record);
         self.observations
             .add(&history, &self.profile, self.scene.free.count);
         self.head_starts.add(&history);
@@ -101,7 +101,7 @@ impl Calibration {
     /// If the runs say too little.
     pub fn rates(&self, settings: &Settings, seed: u64) -> Result<Rates, TooFew> {
         let captures = self.observations.captures();
-        if captures < LEAST {
+        if captures < MIN {
             return Err(TooFew { captures });
         }
         let (parameters, covariance) = likelihood::fit(&self.observations.without_jams());

@@ -44,7 +44,7 @@ pub(super) struct WaitingFace {
 
 impl History {
     /// What a record says.
-    pub fn of(record: &RunRecord) -> History {
+    pub fn from_record(record: &RunRecord) -> History {
         let mut moves: Vec<Move> = Vec::new();
         let mut waits = Vec::new();
         for bond in &record.bonds {
@@ -214,7 +214,7 @@ impl Observations {
                 ..around(
                     wait.cell,
                     wait.way,
-                    Neighbourhood::of(wait.cell, |cell| full.contains(&cell)),
+                    Neighbourhood::new(wait.cell, |cell| full.contains(&cell)),
                     open,
                 )
             };

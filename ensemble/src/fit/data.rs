@@ -10,7 +10,7 @@ use crate::statistics::Observation;
 use crate::text::number;
 
 /// A number of a table, at most: of larger ones squares, and their sums, are not known to their digits.
-const MOST: f64 = 1e15;
+const MAX: f64 = 1e15;
 
 /// What times are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -165,7 +165,7 @@ fn positive(record: &StringRecord, column: usize) -> Result<f64, String> {
     let text = record.get(column).unwrap_or_default();
     let value: Option<f64> = text.parse().ok();
     value
-        .filter(|value| *value > 0.0 && *value <= MOST)
+        .filter(|value| *value > 0.0 && *value <= MAX)
         .ok_or_else(|| format!("`{text}` is not a number above 0 and up to 1e15"))
 }
 

@@ -69,10 +69,10 @@ impl Emulator {
 
     /// Fits polynomials to the statistics of simulated points, of times cut at a `horizon` if there is one. `None`: there are
     /// too few points (two more than [`Emulator::terms`] are needed), or they lie in a line.
-    pub fn of(points: &[Simulated], horizon: Option<f64>) -> Option<Emulator> {
+    pub fn new(points: &[Simulated], horizon: Option<f64>) -> Option<Emulator> {
         let numbers = points.first()?.at.len();
         let known: Vec<(&Simulated, TimeStatistics)> = (points.iter())
-            .filter_map(|point| Some((point, TimeStatistics::of(point, horizon)?)))
+            .filter_map(|point| Some((point, TimeStatistics::new(point, horizon)?)))
             .collect();
         let terms = Emulator::terms(numbers);
         if known.len() < terms + 2 {
@@ -225,7 +225,7 @@ mod tests {
     fn a_quadratic_is_found_again() {
         let law =
             |at: &[f64]| (5.0 + 0.8 * at[0] - 0.3 * at[1] * at[0] + 0.2 * at[1] * at[1]).exp();
-        let emulator = Emulator::of(&points(law), None).unwrap();
+        let emulator = Emulator::new(&points(law), None).unwrap();
         for at in [[0.5, 0.5], [0.1, 0.9], [0.0, 0.0]] {
             let found = emulator.estimate(&at).of[0];
             assert!((found - law(&at).ln()).abs() < 0.01, "{at:?}: {found}");
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn the_truth_is_likelier_than_what_is_beside_it() {
         let law = |at: &[f64]| (5.0 + 0.8 * at[0]).exp();
-        let emulator = Emulator::of(&points(law), None).unwrap();
+        let emulator = Emulator::new(&points(law), None).unwrap();
         let mean = law(&[0.5, 0.0]);
         let likelihood = emulator.log_likelihood(vec![mean.ln(), (mean / 2.0).ln()], 100.0);
         let likelihood = |x| likelihood(&[x, 0.5]);
@@ -255,8 +255,8 @@ mod tests {
         let smooth = |at: &[f64]| (5.0 + 0.5 * at[0]).exp();
         let error = |emulator: &Emulator| emulator.estimate(&[0.5, 0.5]).variance[0].sqrt();
         let [rough, smooth] = [
-            Emulator::of(&points(rough), None),
-            Emulator::of(&points(smooth), None),
+            Emulator::new(&points(rough), None),
+            Emulator::new(&points(smooth), None),
         ];
         assert!(error(&rough.unwrap()) > 0.2);
         assert!(error(&smooth.unwrap()) < 0.1);
@@ -265,8 +265,8 @@ mod tests {
     #[test]
     fn too_few_points_say_nothing() {
         let all = points(|_| 100.0);
-        assert!(Emulator::of(&all[..7], None).is_none());
-        assert!(Emulator::of(&all[..8], None).is_some());
-        assert!(Emulator::of(&[], None).is_none());
+        assert!(Emulator::new(&all[..7], None).is_none());
+        assert!(Emulator::new(&all[..8], None).is_some());
+        assert!(Emulator::new(&[], None).is_none());
     }
 }

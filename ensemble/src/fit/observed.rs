@@ -45,7 +45,7 @@ impl Observed {
         let stopped = runs.iter().filter(|run| !run.is_completed()).count();
         if stopped == 0 {
             let times: Vec<f64> = runs.iter().map(|run| run.time).collect();
-            let summary = Summary::of(&times)?;
+            let summary = Summary::from_values(&times)?;
             let sd = summary.sd.filter(|sd| *sd > 0.0)?;
             return Some(Observed::from_summary(summary.n, summary.mean, sd));
         }
@@ -60,7 +60,7 @@ impl Observed {
                 false => *run,
             })
             .collect();
-        let curve = KaplanMeier::of(&cut)?;
+        let curve = KaplanMeier::new(&cut)?;
         let n = runs.len() as f64;
         let mean = curve.restricted_mean(end).mean;
         let variance = (second_moment(&curve) - mean * mean).max(0.0);
@@ -94,7 +94,7 @@ impl Observed {
 ///
 /// `None`: enough of them were followed to their end. Where all runs have the same limit, it is that.
 fn horizon(runs: &[Observation]) -> Option<f64> {
-    let curve = KaplanMeier::of(runs)?;
+    let curve = KaplanMeier::new(runs)?;
     let mut stops: Vec<f64> = (runs.iter().filter(|run| !run.is_completed()))
         .map(|run| run.time)
         .collect();

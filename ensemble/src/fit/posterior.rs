@@ -16,7 +16,7 @@ const MOVES: usize = 12;
 
 /// No box is narrower than this part of a prior, so that a polynomial has something to go by. Where in it a number is, is not
 /// always known.
-const LEAST: f64 = 0.1;
+const MIN: f64 = 0.1;
 
 /// Draws from a posterior: each is a share of the prior for every number.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,11 +98,11 @@ impl Posterior {
         let near = |end: f64| {
             shares
                 .iter()
-                .filter(|share| (*share - end).abs() < LEAST)
+                .filter(|share| (*share - end).abs() < MIN)
                 .count()
         };
         // Evenly distributed, a tenth would be there; three times as many are a push.
-        let is_crowded = |end| near(end) as f64 > 3.0 * LEAST * shares.len() as f64;
+        let is_crowded = |end| near(end) as f64 > 3.0 * MIN * shares.len() as f64;
         let (low, high) = prior.outward((low, high));
         Marginal {
             of: prior.of.clone(),
@@ -121,7 +121,7 @@ impl Posterior {
             let shares: Vec<f64> = self.draws.iter().map(|draw| draw[i]).collect();
             let at = |share| quantile(&shares, share).unwrap_or(0.5);
             let (low, high) = (at(0.005), at(0.995));
-            let room = (0.25 * (high - low)).max((LEAST - (high - low)) / 2.0);
+            let room = (0.25 * (high - low)).max((MIN - (high - low)) / 2.0);
             ((low - room).max(0.0), (high + room).min(1.0))
         };
         (0..numbers).map(ends).collect()

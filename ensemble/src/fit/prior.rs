@@ -22,7 +22,7 @@ pub struct Prior {
 }
 
 /// From the least to the most of whole numbers that a polynomial can go by.
-const LEAST_SPAN: f64 = 4.0;
+const MIN_SPAN: f64 = 4.0;
 
 impl Prior {
     /// Reads `NAME=FROM..TO`, such as `bond.pull=2..12 N` or `drag.rate=0.1..10 /s log`.
@@ -69,7 +69,7 @@ impl Prior {
         for end in [self.from, self.to] {
             varied(number, end, &self.unit)?;
         }
-        if number.is_whole() && self.to - self.from < LEAST_SPAN {
+        if number.is_whole() && self.to - self.from < MIN_SPAN {
             return Err(format!(
                 "`{}` is a whole number, and a fit needs a range of five of them at least; `simulate --sweep` tries a few",
                 self.of
@@ -124,10 +124,10 @@ impl Prior {
             return (low, high);
         }
         let [from, to] = [low, high].map(|share| self.value(share).round());
-        let lacking = (LEAST_SPAN - (to - from)).max(0.0);
+        let lacking = (MIN_SPAN - (to - from)).max(0.0);
         let from = (from - (lacking / 2.0).ceil()).max(self.from);
-        let to = to.max(from + LEAST_SPAN).min(self.to);
-        (self.share((to - LEAST_SPAN).min(from)), self.share(to))
+        let to = to.max(from + MIN_SPAN).min(self.to);
+        (self.share((to - MIN_SPAN).min(from)), self.share(to))
     }
 
     /// The value there, for a scene.

@@ -72,7 +72,7 @@ impl Interval {
         (self.low..=self.high).contains(&value)
     }
 
-    fn of(values: &[f64]) -> Interval {
+    fn from_values(values: &[f64]) -> Interval {
         let at = |share| quantile(values, share).unwrap_or(f64::NAN);
         Interval {
             median: at(0.5),
@@ -148,7 +148,7 @@ impl Observed {
 impl Posterior {
     /// The posterior of numbers by the programs that are fitted, within the box that their emulators are of: beyond it these know
     /// so little that anything might be there.
-    pub fn of(ends: &[(f64, f64)], programs: &[FittedProgram], seed: u64) -> Posterior {
+    pub fn new(ends: &[(f64, f64)], programs: &[FittedProgram], seed: u64) -> Posterior {
         let fitted = programs.iter().filter(|it| it.measurement.is_fitted);
         let likelihoods: Vec<_> = fitted
             .filter_map(|it| {
@@ -178,7 +178,7 @@ impl Posterior {
                     estimate.of[which] + sd * normal_at(share)
                 })
                 .collect();
-            Interval::of(&values)
+            Interval::from_values(&values)
         };
         let (mean, sd, incomplete) = match measurement.horizon() {
             None => (
@@ -284,12 +284,12 @@ mod tests {
             }));
             let near = points.iter().filter(|point| point.is_within(&ends));
             let near: Vec<Simulated> = near.cloned().collect();
-            let emulator = Emulator::of(&near, measurement.horizon()).unwrap();
+            let emulator = Emulator::new(&near, measurement.horizon()).unwrap();
             let measured = FittedProgram {
                 measurement: &measurement,
                 emulator: &emulator,
             };
-            let posterior = Posterior::of(&ends, std::slice::from_ref(&measured), seed);
+            let posterior = Posterior::new(&ends, std::slice::from_ref(&measured), seed);
             ends = posterior.surroundings();
             let prior = Prior::parse("x=0..1").unwrap();
             found = Some((posterior.marginal(0, &prior), posterior.predict(&measured)));

@@ -18,11 +18,11 @@ pub struct TimeStatistics {
 }
 
 /// The variance below which no share is known. It keeps covariances invertible where all runs are stopped.
-const LEAST_VARIANCE: f64 = 1e-8;
+const MIN_VARIANCE: f64 = 1e-8;
 
 impl TimeStatistics {
     /// `None`: there are fewer than three times, or no spread.
-    pub fn of(simulated: &Simulated, horizon: Option<f64>) -> Option<TimeStatistics> {
+    pub fn new(simulated: &Simulated, horizon: Option<f64>) -> Option<TimeStatistics> {
         match horizon {
             None => TimeStatistics::logarithms(&simulated.times),
             Some(horizon) => TimeStatistics::means(simulated, horizon),
@@ -79,7 +79,7 @@ impl TimeStatistics {
         let n = all as f64;
         let zero = DVector::zeros(3);
         let mean = figures.iter().fold(zero, |sum, it| sum + it) / n;
-        let least = DMatrix::from_diagonal_element(3, 3, LEAST_VARIANCE);
+        let least = DMatrix::from_diagonal_element(3, 3, MIN_VARIANCE);
         let scatter = figures.iter().fold(DMatrix::zeros(3, 3), |sum, it| {
             sum + (it - &mean) * (it - &mean).transpose()
         });
@@ -102,7 +102,7 @@ mod tests {
             times: vec![10.0, 30.0, 90.0],
             incomplete: 1,
         };
-        let found = TimeStatistics::of(&simulated, Some(40.0)).unwrap();
+        let found = TimeStatistics::new(&simulated, Some(40.0)).unwrap();
         let expected = [
             (0.25 + 0.75 + 2.0) / 4.0,
             (0.0625 + 0.5625 + 2.0) / 4.0,
@@ -119,7 +119,7 @@ mod tests {
             incomplete: 4,
             ..simulated
         };
-        let none = TimeStatistics::of(&none, Some(40.0)).unwrap();
+        let none = TimeStatistics::new(&none, Some(40.0)).unwrap();
         assert_eq!(none.of.as_slice(), [1.0, 1.0, 1.0]);
         assert!(none.unit_covariance.try_inverse().is_some());
     }

@@ -144,7 +144,7 @@ mod tests {
             ("reduce", "spheres"),
         ];
         let chosen = written.map(|(of, value)| ChosenSetting::new(of, value).unwrap());
-        let mut settings = Settings::of(Model::Rapier, 1);
+        let mut settings = Settings::new(Model::Rapier, 1);
         for choice in &chosen {
             choice.apply(&mut settings).unwrap();
         }

@@ -93,10 +93,10 @@ pub struct Source {
 }
 
 /// Runs of each program, at most.
-pub const MOST_RUNS: u64 = 10_000_000;
+pub const MAX_RUNS: u64 = 10_000_000;
 
 /// Programs that are compared with each other, at most: each pair of them is.
-pub const MOST_PROGRAMS: usize = 1_000;
+pub const MAX_PROGRAMS: usize = 1_000;
 
 /// The part of a manifest that decides what a run with a given number does.
 #[derive(Serialize)]
@@ -230,10 +230,10 @@ impl Manifest {
         if self.programs.is_empty() || self.runs == 0 {
             return Err("it has no programs, or no runs".to_owned());
         }
-        if self.runs > MOST_RUNS {
+        if self.runs > MAX_RUNS {
             let runs = self.runs;
             return Err(format!(
-                "{runs} runs of each program; at most {MOST_RUNS} are possible"
+                "{runs} runs of each program; at most {MAX_RUNS} are possible"
             ));
         }
         let mut together: BTreeMap<String, usize> = BTreeMap::new();
@@ -241,8 +241,8 @@ impl Manifest {
             *together.entry(program.point()).or_default() += 1;
         }
         match together.into_values().max() {
-            Some(count) if count > MOST_PROGRAMS => Err(format!(
-                "{count} programs that are all compared with each other; at most {MOST_PROGRAMS} are possible"
+            Some(count) if count > MAX_PROGRAMS => Err(format!(
+                "{count} programs that are all compared with each other; at most {MAX_PROGRAMS} are possible"
             )),
             _ => Ok(()),
         }

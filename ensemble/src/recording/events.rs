@@ -27,7 +27,7 @@ pub(super) struct Seeds {
 }
 
 impl Seeds {
-    pub fn of(tables: &Tables) -> Seeds {
+    pub fn new(tables: &Tables) -> Seeds {
         let roles: BTreeMap<_, _> = tables.seeds().map(|(role, cell)| (cell, role.0)).collect();
         let cells = roles.iter().map(|(&cell, &role)| (role, cell)).collect();
         Seeds { roles, cells }

@@ -147,7 +147,7 @@ fn walk(
     each: &mut dyn FnMut(&RecordingHeader, Content) -> Result<(), RecordingError>,
 ) -> Result<Outline, RecordingError> {
     let header = read_header(&mut from)?;
-    let seeds = Seeds::of(tables);
+    let seeds = Seeds::new(tables);
     let most = budget::record(tables.captures() as u64);
     // The last tick with places, and of anything.
     let (mut last, mut latest) = (None, 0);

@@ -19,10 +19,10 @@ const ENOUGH: usize = 1 << 19;
 /// With very many blocks more is collected, because a chunk of few ticks compresses badly.
 const FEWEST_TICKS: usize = 16;
 /// With very few blocks less.
-const MOST_TICKS: usize = 512;
+const MAX_TICKS: usize = 512;
 
 /// Events of a part, so that it keeps to its budget: none has 128 bytes.
-const MOST_EVENTS: usize = 1 << 20;
+const MAX_EVENTS: usize = 1 << 20;
 
 /// Where a recording goes.
 pub trait Output: Write {
@@ -82,7 +82,7 @@ impl<W: Output> Recorder<W> {
             out,
             every: header.every.max(1).into(),
             bodies: header.bodies as usize,
-            seeds: Seeds::of(tables),
+            seeds: Seeds::new(tables),
             ticks: Vec::new(),
             places: Vec::new(),
             rows: Vec::new(),
@@ -108,10 +108,10 @@ impl<W: Output> Recorder<W> {
     fn is_full(&self) -> bool {
         let ticks = self.ticks.len();
         let next = unpacked(self.bodies as u32, ticks as u32 + 1);
-        ticks >= MOST_TICKS
+        ticks >= MAX_TICKS
             || (self.places.len() >= ENOUGH && ticks >= FEWEST_TICKS)
             || next > RECORDING_PART
-            || self.rows.len() >= MOST_EVENTS
+            || self.rows.len() >= MAX_EVENTS
     }
 
     /// The events come before the places of the same ticks.

@@ -9,7 +9,7 @@ use stochc_files::budget::SHARDS as SHARDS_BUDGET;
 use stochc_files::checksum::{self, LineIntegrity, Sum};
 use stochc_files::read_file;
 
-use super::{MOST_SHARDS, ShardError};
+use super::{MAX_SHARDS, ShardError};
 use crate::build::other_build;
 use crate::file_names::{JOURNAL, SHARDS, SHARDS_FILE};
 use crate::folder::{replace, survey, write_checksums};
@@ -48,7 +48,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
         shards,
     };
     let runs = manifest.total();
-    if shards == 0 || shards > MOST_SHARDS.min(runs) {
+    if shards == 0 || shards > MAX_SHARDS.min(runs) {
         let asked = shards;
         return Err(ShardError::Uncuttable { asked, runs });
     }
@@ -79,7 +79,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     folder.leave_foul_lines()?;
     folder.write_manifest()?;
     let pieces = path.join(SHARDS);
-    make_own_folder(&pieces).map_err(FolderError::of(pieces))?;
+    make_own_folder(&pieces).map_err(FolderError::at(pieces))?;
     cut.write(path)?;
     Ok(Prepared::New)
 }
@@ -101,7 +101,7 @@ impl Cut {
     ///
     /// # Errors
     /// When there is no ensemble, or it is not cut.
-    pub(crate) fn of(path: &Path) -> Result<(Manifest, Cut), ShardError> {
+    pub(crate) fn require(path: &Path) -> Result<(Manifest, Cut), ShardError> {
         let manifest = survey(path)?.ok_or_else(|| FolderError::Absent(path.to_owned()))?;
         let Some(cut) = Cut::read(path)? else {
             let identity = manifest.identity();
@@ -116,7 +116,7 @@ impl Cut {
         if (&cut.ensemble, cut.runs) != (&manifest.identity(), manifest.runs) {
             return Err(unreadable(path, "it belongs to another ensemble"));
         }
-        if cut.shards == 0 || cut.shards > MOST_SHARDS.min(manifest.total()) {
+        if cut.shards == 0 || cut.shards > MAX_SHARDS.min(manifest.total()) {
             return Err(unreadable(path, "it says an impossible number of pieces"));
         }
         Ok((manifest, cut))
@@ -140,7 +140,7 @@ impl Cut {
     pub(crate) fn write(&self, path: &Path) -> Result<(), FolderError> {
         let text = journal_line(self);
         replace(path, SHARDS_FILE, text.as_bytes())?;
-        let sum = Sum::of(text.as_bytes());
+        let sum = Sum::from_bytes(text.as_bytes());
         write_checksums(path, &[(SHARDS_FILE.to_owned(), sum)])
     }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use stochc_files::shell::file as shell_file;
 use stochc_ir::listed;
 
-use super::MOST_SHARDS;
+use super::MAX_SHARDS;
 use crate::{EnsembleError, FolderError, JournalError};
 
 /// Why something was refused; whatever was there is as it was.
@@ -12,7 +12,7 @@ use crate::{EnsembleError, FolderError, JournalError};
 pub enum ShardError {
     /// A number of pieces that cannot be.
     #[error(
-        "{asked} pieces of {runs} runs; a piece has one run at least, and {MOST_SHARDS} pieces are the most that are possible"
+        "{asked} pieces of {runs} runs; a piece has one run at least, and {MAX_SHARDS} pieces are the most that are possible"
     )]
     Uncuttable {
         /// How many were asked for.

@@ -22,10 +22,10 @@ use crate::{Folder, FolderError, Further, Manifest, Resume, slurm_folder};
 /// # Errors
 /// When a piece is missing, damaged, or of something else; the folder is as it was then.
 pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
-    let (_, cut) = Cut::of(path)?;
+    let (_, cut) = Cut::require(path)?;
     let lock = lock(path)?;
     // Again, now that nobody else can change the answer.
-    let (manifest, _) = Cut::of(path)?;
+    let (manifest, _) = Cut::require(path)?;
     if !is_joined(path, &manifest)? {
         join(path, &manifest, &cut)?;
     }
@@ -39,9 +39,9 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
 
 /// Writes the journal.
 fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
-    let io = FolderError::of(path.join(JOURNAL));
+    let io = FolderError::at(path.join(JOURNAL));
     let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(&io)?;
-    let header = JournalHeader::of(&manifest.identity());
+    let header = JournalHeader::new(&manifest.identity());
     draft
         .write_all(journal_line(&header).as_bytes())
         .map_err(&io)?;

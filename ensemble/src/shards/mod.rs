@@ -27,4 +27,4 @@ pub(super) use cut::same_build;
 pub(super) use status::health;
 
 /// Pieces of an ensemble, at most: each is a file.
-pub const MOST_SHARDS: u64 = 100_000;
+pub const MAX_SHARDS: u64 = 100_000;

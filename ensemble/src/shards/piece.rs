@@ -57,7 +57,7 @@ impl Piece {
     /// # Errors
     /// Every error leaves the folder as it was.
     pub fn open(path: &Path, number: u64) -> Result<Piece, ShardError> {
-        let (manifest, cut) = Cut::of(path)?;
+        let (manifest, cut) = Cut::require(path)?;
         same_build(path, &manifest)?;
         if number >= cut.shards {
             let last = cut.shards - 1;
@@ -116,7 +116,7 @@ impl Piece {
             is_of_it && !self.is_made && !self.kept.contains(program, run)
         };
         let opened = Checkpoints::open(&self.path, &self.manifest, every, wants);
-        let io = FolderError::of(self.path.join(CHECKPOINTS));
+        let io = FolderError::at(self.path.join(CHECKPOINTS));
         self.checkpoints = Some(opened.map_err(io)?);
         Ok(self)
     }
@@ -187,7 +187,7 @@ impl Piece {
         let part = new_own(&folder, &format!("{}.part-", self.number)).map_err(io)?;
         sync_folder(&folder).map_err(io)?;
         let of_part = |error| match error {
-            JournalError::Io(source) => FolderError::of(&part)(source),
+            JournalError::Io(source) => FolderError::at(&part)(source),
             error => FolderError::Journal(error),
         };
         let journal = Journal::open(&part, &self.header, 0).map_err(of_part)?;
@@ -386,7 +386,7 @@ pub(super) fn parts_of(path: &Path, number: u64) -> io::Result<Vec<PathBuf>> {
 }
 
 pub(super) fn in_folder(path: &Path, source: io::Error) -> FolderError {
-    FolderError::of(path.join(SHARDS))(source)
+    FolderError::at(path.join(SHARDS))(source)
 }
 
 #[cfg(test)]

@@ -64,7 +64,7 @@ impl ShardStatus {
 /// # Errors
 /// When it is not cut into any, or cannot be read.
 pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
-    let (manifest, cut) = Cut::of(path)?;
+    let (manifest, cut) = Cut::require(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
     // `merge` may have been stopped when it had begun to remove them.
     let is_joined = is_joined(path, &manifest)?;

@@ -56,7 +56,7 @@ impl SlurmEnsemble {
     /// # Errors
     /// If it is not sharded, or was made by another build, which could not run its shards here.
     pub fn open(path: &Path) -> Result<Opened, ShardError> {
-        let (manifest, cut) = match Cut::of(path) {
+        let (manifest, cut) = match Cut::require(path) {
             Err(ShardError::NotCut { done, total, .. }) if done == total => {
                 return Ok(Opened::Merged(total));
             }
@@ -167,6 +167,6 @@ impl SlurmEnsemble {
     }
 
     fn io(&self, name: &str) -> impl Fn(io::Error) -> FolderError {
-        FolderError::of(self.file(name))
+        FolderError::at(self.file(name))
     }
 }

@@ -99,7 +99,7 @@ pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
         half_width: t_quantile(freedom) * error,
         p,
         p_holm: p,
-        longer: Longer::of(difference, p),
+        longer: Longer::from_p(difference, p),
         runs_for_5_percent,
     })
 }
@@ -146,12 +146,12 @@ pub fn correct<'a>(differences: impl Iterator<Item = &'a mut Difference>) {
     let p: Vec<f64> = differences.iter().map(|it| it.p).collect();
     for (it, p_holm) in differences.into_iter().zip(holm(&p)) {
         it.p_holm = p_holm;
-        it.longer = Longer::of(it.difference, p_holm);
+        it.longer = Longer::from_p(it.difference, p_holm);
     }
 }
 
 impl Longer {
-    fn of(difference: f64, p: f64) -> Longer {
+    fn from_p(difference: f64, p: f64) -> Longer {
         match p < SIGNIFICANT {
             true if difference > 0.0 => Longer::First,
             true => Longer::Second,
@@ -166,7 +166,7 @@ type DifferenceEstimate = (Test, f64, f64, f64);
 /// Student, Biometrika 6 (1908), 1-25: only the pairs have to be independent of each other.
 fn paired(first: &[f64], second: &[f64]) -> Option<DifferenceEstimate> {
     let differences: Vec<f64> = first.iter().zip(second).map(|(a, b)| a - b).collect();
-    let summary = Summary::of(&differences)?;
+    let summary = Summary::from_values(&differences)?;
     let error = summary.sd? / (summary.n as f64).sqrt();
     let test = Test::Paired { pairs: summary.n };
     Some((test, (summary.n - 1) as f64, summary.mean, error))
@@ -174,7 +174,7 @@ fn paired(first: &[f64], second: &[f64]) -> Option<DifferenceEstimate> {
 
 /// B. L. Welch, Biometrika 34 (1947), 28-35.
 fn welch(first: &[f64], second: &[f64]) -> Option<DifferenceEstimate> {
-    let (a, b) = (Summary::of(first)?, Summary::of(second)?);
+    let (a, b) = (Summary::from_values(first)?, Summary::from_values(second)?);
     let (va, vb) = (a.sd?.powi(2) / a.n as f64, b.sd?.powi(2) / b.n as f64);
     let variance = va + vb;
     if variance <= 0.0 {

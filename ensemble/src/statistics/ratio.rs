@@ -32,8 +32,8 @@ struct MeanEstimate {
 pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relative> {
     let both = comparable(first, second)?;
     let [a, b] = both.values;
-    let a = MeanEstimate::of(&a, both.unseen[0])?;
-    let b = MeanEstimate::of(&b, both.unseen[1])?;
+    let a = MeanEstimate::from_values(&a, both.unseen[0])?;
+    let b = MeanEstimate::from_values(&b, both.unseen[1])?;
     let ratio = a.mean / b.mean;
     if !ratio.is_finite() {
         return None;
@@ -57,8 +57,8 @@ pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relativ
 }
 
 impl MeanEstimate {
-    fn of(values: &[f64], unseen: f64) -> Option<MeanEstimate> {
-        let summary = Summary::of(values)?;
+    fn from_values(values: &[f64], unseen: f64) -> Option<MeanEstimate> {
+        let summary = Summary::from_values(values)?;
         Some(MeanEstimate {
             mean: summary.mean,
             error: summary

@@ -14,7 +14,7 @@ pub struct Runs {
 
 impl Runs {
     /// Times in ticks, of which each has so many of the unit.
-    pub fn of(seed: u64, mut times: Vec<(u64, Observation)>, tick: f64) -> Runs {
+    pub fn new(seed: u64, mut times: Vec<(u64, Observation)>, tick: f64) -> Runs {
         for (_, time) in &mut times {
             time.time *= tick;
         }
@@ -51,7 +51,7 @@ pub(super) struct Comparable {
 /// Values whose means are those of both samples, restricted to the last time up to which both are
 /// known, and to the last one seen in either if some runs never complete; `None`: a sample is empty.
 pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Option<Comparable> {
-    let curves = [KaplanMeier::of(first)?, KaplanMeier::of(second)?];
+    let curves = [KaplanMeier::new(first)?, KaplanMeier::new(second)?];
     let reach = curves.iter().map(KaplanMeier::reach);
     let mut horizon = reach.fold(f64::INFINITY, f64::min);
     let mut all = first.iter().chain(second);

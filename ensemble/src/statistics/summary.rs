@@ -27,7 +27,7 @@ pub struct Summary {
 
 impl Summary {
     /// Summarizes finite values; `None`: there are none.
-    pub fn of(values: &[f64]) -> Option<Summary> {
+    pub fn from_values(values: &[f64]) -> Option<Summary> {
         let n = values.len();
         let median = median(values)?;
         let min = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -80,7 +80,7 @@ mod tests {
         let sample = [
             2948.0, 6611.0, 5120.0, 7303.0, 14496.0, 4410.0, 3999.0, 6120.0,
         ];
-        let summary = Summary::of(&sample).unwrap();
+        let summary = Summary::from_values(&sample).unwrap();
         assert_eq!((summary.n, summary.mean), (8, 6375.875));
         assert!((summary.sd.unwrap() - 3580.8716990420085).abs() < 1e-8);
         assert!((summary.half_width.unwrap() - 2993.6836580708496).abs() < 1e-6);
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn equal_values_have_no_spread() {
-        let summary = Summary::of(&[0.05; 300]).unwrap();
+        let summary = Summary::from_values(&[0.05; 300]).unwrap();
         assert_eq!(
             (summary.mean, summary.sd, summary.half_width),
             (0.05, Some(0.0), Some(0.0))
@@ -100,9 +100,9 @@ mod tests {
 
     #[test]
     fn one_value_has_no_spread_and_none_has_no_summary() {
-        let one = Summary::of(&[3.0]).unwrap();
+        let one = Summary::from_values(&[3.0]).unwrap();
         assert_eq!((one.mean, one.sd, one.half_width), (3.0, None, None));
-        assert_eq!(Summary::of(&[]), None);
-        assert_eq!(Summary::of(&[0.0, 0.0]).unwrap().cv(), None);
+        assert_eq!(Summary::from_values(&[]), None);
+        assert_eq!(Summary::from_values(&[0.0, 0.0]).unwrap().cv(), None);
     }
 }

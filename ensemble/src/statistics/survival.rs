@@ -57,7 +57,7 @@ pub struct RestrictedMean {
 
 impl KaplanMeier {
     /// Estimates from observations in any order; `None`: there are none.
-    pub fn of(observations: &[Observation]) -> Option<KaplanMeier> {
+    pub fn new(observations: &[Observation]) -> Option<KaplanMeier> {
         let mut sorted = observations.to_vec();
         sorted.sort_by(|a, b| a.at_risk_until().total_cmp(&b.at_risk_until()));
         let last = observations.iter().map(|o| o.time).max_by(f64::total_cmp)?;
@@ -250,7 +250,7 @@ mod tests {
     }
 
     fn treated() -> KaplanMeier {
-        KaplanMeier::of(&observed()).unwrap()
+        KaplanMeier::new(&observed()).unwrap()
     }
 
     /// Greenwood's standard error of the restricted mean: without censoring the SD over sqrt n, with n in the SD's denominator.
@@ -314,14 +314,14 @@ mod tests {
     #[test]
     fn where_all_have_completed_there_is_no_interval() {
         let both = [1.0, 2.0].map(Observation::completed);
-        let curve = KaplanMeier::of(&both).unwrap().curve();
+        let curve = KaplanMeier::new(&both).unwrap().curve();
         assert!(curve[0].interval.is_some());
         assert_eq!((curve[1].incomplete, curve[1].interval), (0.0, None));
     }
 
     #[test]
     fn when_everything_is_censored_there_is_a_bound_and_no_median() {
-        let curve = KaplanMeier::of(&[Observation::censored(40.0); 3]).unwrap();
+        let curve = KaplanMeier::new(&[Observation::censored(40.0); 3]).unwrap();
         assert_eq!(curve.median(), None);
         let mean = curve.restricted_mean(f64::INFINITY);
         let error = error(&curve, &[Observation::censored(40.0); 3], f64::INFINITY);
@@ -334,7 +334,7 @@ mod tests {
         let of = |censored: &[f64]| {
             let completed = (1..=9).map(|i| Observation::completed(f64::from(i)));
             let censored = censored.iter().copied().map(Observation::censored);
-            let curve = KaplanMeier::of(&completed.chain(censored).collect::<Vec<_>>()).unwrap();
+            let curve = KaplanMeier::new(&completed.chain(censored).collect::<Vec<_>>()).unwrap();
             [0.1, 0.5, 0.9].map(|share| curve.quantile(share))
         };
         assert_eq!(of(&[]), [Some(1.0), Some(5.0), Some(9.0)]);
@@ -349,7 +349,7 @@ mod tests {
         let fast = [6.0, 7.0, 8.0, 9.0, 10.0].map(Observation::completed);
         let of = |slow: Observation| {
             let runs: Vec<_> = fast.into_iter().chain([slow; 5]).collect();
-            let curve = KaplanMeier::of(&runs).unwrap();
+            let curve = KaplanMeier::new(&runs).unwrap();
             (curve.incomplete(10.0), curve.restricted_mean(10.0).mean)
         };
         assert_eq!(of(Observation::competing(5.0)), (0.5, 9.0));
@@ -362,11 +362,11 @@ mod tests {
             runs in prop::collection::vec(observation(1..60), 1..40), horizon in 1_u32..80,
         ) {
             let known: Vec<_> = runs.into_iter().filter(|o| o.status != Status::Censored).collect();
-            let Some(curve) = KaplanMeier::of(&known) else { return Ok(()) };
+            let Some(curve) = KaplanMeier::new(&known) else { return Ok(()) };
             let times: Vec<f64> = known.iter().map(|o| o.at_risk_until()).collect();
             let mean = curve.restricted_mean(horizon.into());
             let cut: Vec<f64> = times.iter().map(|time| time.min(mean.horizon)).collect();
-            prop_assert!((mean.mean - Summary::of(&cut).unwrap().mean).abs() < 1e-9);
+            prop_assert!((mean.mean - Summary::from_values(&cut).unwrap().mean).abs() < 1e-9);
             let mut sorted = times;
             sorted.sort_by(f64::total_cmp);
             let (low, high) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
@@ -383,8 +383,8 @@ mod tests {
         ) {
             let times: Vec<f64> = times.into_iter().map(f64::from).collect();
             let observations: Vec<_> = times.iter().copied().map(Observation::completed).collect();
-            let curve = KaplanMeier::of(&observations).unwrap();
-            let summary = Summary::of(&times).unwrap();
+            let curve = KaplanMeier::new(&observations).unwrap();
+            let summary = Summary::from_values(&times).unwrap();
             let mean = curve.restricted_mean(curve.last());
             prop_assert!((curve.median().unwrap() - median(&times).unwrap()).abs() < 1e-6);
             prop_assert!((mean.mean - summary.mean).abs() < 1e-6);
@@ -400,10 +400,10 @@ mod tests {
         ) {
             let mut observations: Vec<_> =
                 times.into_iter().map(|t| Observation::completed(f64::from(t))).collect();
-            let before = KaplanMeier::of(&observations).unwrap();
+            let before = KaplanMeier::new(&observations).unwrap();
             let i = which.index(observations.len());
             observations[i].status = Status::Censored;
-            let after = KaplanMeier::of(&observations).unwrap();
+            let after = KaplanMeier::new(&observations).unwrap();
             for t in 0..100 {
                 let t = f64::from(t);
                 prop_assert!(after.incomplete(t) >= before.incomplete(t) - 1e-12);
@@ -415,7 +415,7 @@ mod tests {
     fn contributions_of_known_times_are_the_times() {
         let times = [5.0, 1.0, 4.0, 4.0, 9.0];
         let runs = times.map(Observation::completed);
-        let found = KaplanMeier::of(&runs)
+        let found = KaplanMeier::new(&runs)
             .unwrap()
             .contributions(&runs, f64::INFINITY);
         for (found, time) in found.iter().zip(times) {
@@ -429,7 +429,7 @@ mod tests {
             runs in proptest::collection::vec(observation(1..60), 2..40),
             share in 0.2_f64..1.2,
         ) {
-            let curve = KaplanMeier::of(&runs).unwrap();
+            let curve = KaplanMeier::new(&runs).unwrap();
             let horizon = curve.last() * share;
             let known = curve.restricted_mean(horizon);
             let parts = curve.contributions(&runs, horizon);

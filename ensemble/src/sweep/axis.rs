@@ -5,7 +5,7 @@ use stochc_ir::scene::units::WrittenQuantity;
 use crate::{ChosenSetting, Varied};
 
 /// Values of one axis at most.
-const MOST: u32 = 400;
+const MAX: u32 = 400;
 
 /// A scene parameter or a setting, and the values that it gets one after the other.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,7 +152,7 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
 /// In words, when the number may not have it.
 pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, String> {
     let given = format!("{said} {unit}");
-    let mut quantity = WrittenQuantity::of(&given)?.to_si();
+    let mut quantity = WrittenQuantity::parse(&given)?.to_si();
     // Zero is the same in every unit.
     if said == 0.0 && unit.is_empty() {
         quantity.1 = number.kind.dimension;
@@ -217,8 +217,8 @@ fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, Stri
         ));
     };
     let n = (n.parse().ok())
-        .filter(|n| (2..=MOST).contains(n))
-        .ok_or_else(|| format!("a range is of 2 to {MOST} values, not {n}"))?;
+        .filter(|n| (2..=MAX).contains(n))
+        .ok_or_else(|| format!("a range is of 2 to {MAX} values, not {n}"))?;
     let (first, last) = (value(from)?, value(to)?);
     let unit = common(&[first.clone(), last.clone()])?;
     let (from, to) = (first.0, last.0);
@@ -240,7 +240,7 @@ fn list(text: &str) -> Result<(AxisValues, String), String> {
 
 /// A number, and its unit as text.
 pub(crate) fn value(text: &str) -> Result<(f64, String), String> {
-    let WrittenQuantity { value, unit, .. } = WrittenQuantity::of(text)?;
+    let WrittenQuantity { value, unit, .. } = WrittenQuantity::parse(text)?;
     Ok((value, unit.to_owned()))
 }
 

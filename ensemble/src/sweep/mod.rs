@@ -11,4 +11,4 @@ pub use axis::Axis;
 pub(crate) use axis::{common, digits, logarithmic, value, varied};
 pub use outcome::{PointTally, Sweep, SweepPoint, SweepTally, SweptNumber, SweptValue};
 pub(crate) use points::number;
-pub use points::{MOST_POINTS, Point, points};
+pub use points::{MAX_POINTS, Point, points};

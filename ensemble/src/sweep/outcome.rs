@@ -186,7 +186,10 @@ impl Sweep {
     ///
     /// # Errors
     /// Where the runs cannot be read again.
-    pub fn of(manifest: &Manifest, finished: &Records) -> Result<Option<Sweep>, JournalError> {
+    pub fn from_records(
+        manifest: &Manifest,
+        finished: &Records,
+    ) -> Result<Option<Sweep>, JournalError> {
         let Some(mut tally) = SweepTally::new(manifest) else {
             return Ok(None);
         };

@@ -7,7 +7,7 @@ use super::Axis;
 use crate::{ChosenSetting, Varied};
 
 /// Programs that an ensemble may have by sweeping.
-pub const MOST_POINTS: usize = 400;
+pub const MAX_POINTS: usize = 400;
 
 /// A value for every axis of a sweep.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,7 +36,7 @@ impl Point {
 ///
 /// # Errors
 /// In words, when the scene has no such number or may not have such a value, and when there are more
-/// than [`MOST_POINTS`].
+/// than [`MAX_POINTS`].
 pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, String> {
     let mut all = vec![Point::default()];
     let mut seen: Vec<&str> = Vec::new();
@@ -71,10 +71,10 @@ fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), String> 
 /// Rejects so many points with so many further values each.
 fn few(points: usize, values: usize) -> Result<(), String> {
     let count = points.saturating_mul(values);
-    match count > MOST_POINTS {
+    match count > MAX_POINTS {
         false => Ok(()),
         true => Err(format!(
-            "these are {count} points or more, and {MOST_POINTS} is the most; ask for fewer values"
+            "these are {count} points or more, and {MAX_POINTS} is the most; ask for fewer values"
         )),
     }
 }
@@ -96,7 +96,7 @@ mod tests {
 
     use super::*;
 
-    fn of(axes: &[&str]) -> Result<Vec<String>, String> {
+    fn combined(axes: &[&str]) -> Result<Vec<String>, String> {
         let axes: Vec<Axis> = axes.iter().map(|axis| Axis::parse(axis).unwrap()).collect();
         let points = points(&axes, &built_in("hemisphere").unwrap())?;
         let text = |point: Point| {
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn every_value_meets_every_other() {
         assert_eq!(
-            of(&["free=50,60", "agitation=1..2 m/s/2"]).unwrap(),
+            combined(&["free=50,60", "agitation=1..2 m/s/2"]).unwrap(),
             [
                 "free=50 agitation.speed=1 m/s",
                 "free=50 agitation.speed=2 m/s",
@@ -119,7 +119,7 @@ mod tests {
             ]
         );
         assert_eq!(
-            of(&["substeps=1,2", "free=50,60"]).unwrap(),
+            combined(&["substeps=1,2", "free=50,60"]).unwrap(),
             [
                 "free=50 substeps=1",
                 "free=60 substeps=1",
@@ -127,18 +127,18 @@ mod tests {
                 "free=60 substeps=2"
             ]
         );
-        let told = of(&["model=rigid", "model=rate"]).unwrap_err();
+        let told = combined(&["model=rigid", "model=rate"]).unwrap_err();
         assert_eq!(told, "`model` is swept twice");
     }
 
     #[test]
     fn too_many_points_and_names_twice_are_refused() {
-        assert!(of(&["free=1..400/400"]).is_ok());
-        let told = of(&["free=1..400/400", "tick=1,2 ms"]).unwrap_err();
+        assert!(combined(&["free=1..400/400"]).is_ok());
+        let told = combined(&["free=1..400/400", "tick=1,2 ms"]).unwrap_err();
         assert!(told.contains("800 points"), "{told}");
-        let told = of(&["agitation=1 m/s", "agitation.speed=2 m/s"]).unwrap_err();
+        let told = combined(&["agitation=1 m/s", "agitation.speed=2 m/s"]).unwrap_err();
         assert_eq!(told, "`agitation.speed` is swept twice");
-        let told = of(&["gravitty=1"]).unwrap_err();
+        let told = combined(&["gravitty=1"]).unwrap_err();
         assert!(told.contains("it has tick, block.side"), "{told}");
     }
 }

@@ -52,10 +52,10 @@ pub fn seconds(seconds: f64) -> String {
 /// Decimals of a value with half the width of its interval: those of the value, and more where the half would be 0.
 fn decimals_within(value: f64, half: f64) -> usize {
     /// More say nothing to anybody.
-    const MOST: usize = 6;
+    const MAX: usize = 6;
     let shows = |&digits: &usize| (half * 10f64.powi(digits as i32)).round() > 0.0;
     let least = decimals(value);
-    (least..=MOST).find(shows).unwrap_or(least)
+    (least..=MAX).find(shows).unwrap_or(least)
 }
 
 /// A time with half the width of its interval, in one unit: `158 ± 21 s`.

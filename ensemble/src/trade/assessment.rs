@@ -208,7 +208,7 @@ fn candidate(row: &Row, reference: Option<&Row>, ranking: Vec<Ranked>) -> Candid
 
 fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
     let times = &sample.times[..];
-    let time = Time::of(times);
+    let time = Time::new(times);
     ProgramResult {
         runs: times.len() + sample.failed,
         completed: sample.count(Status::Completed),

@@ -38,7 +38,7 @@ fn settings(finest: u32) -> Vec<Settings> {
     // Iterations of `rapier` are internal steps: a quarter, and twice the default.
     all.extend([1, 8].map(|iterations| with(rapier(1), iterations)));
     all.extend(doubled().take_while(|&it| it <= 8).map(rapier));
-    all.push(Settings::of(Model::Rate, 1));
+    all.push(Settings::new(Model::Rate, 1));
     all
 }
 
@@ -51,11 +51,11 @@ fn usual(finest: u32) -> Settings {
 }
 
 fn rigid(substeps: u32) -> Settings {
-    Settings::of(Model::Rigid, substeps)
+    Settings::new(Model::Rigid, substeps)
 }
 
 fn rapier(substeps: u32) -> Settings {
-    Settings::of(Model::Rapier, substeps)
+    Settings::new(Model::Rapier, substeps)
 }
 
 /// Returns whether the reference is one of these settings: `rigid` with uniform steps, and nothing else chosen.
@@ -127,7 +127,7 @@ mod tests {
             ("rigid 2".into(), "--model rigid --substeps 2".into())
         );
         assert_eq!(
-            written(&Settings::of(Model::Rate, 1)),
+            written(&Settings::new(Model::Rate, 1)),
             ("rate".into(), "--model rate".into())
         );
         let all = Settings {

@@ -139,8 +139,8 @@ fn explain(window: &str, base: usize, mode: Mode) -> Unreadable {
 
 /// What is wrong with an index or an `after` that follows a statement: without it, that is whole.
 pub fn sharpen(text: &str, base: usize, error: Unreadable) -> Unreadable {
-    const MOST: usize = 1 << 12;
-    let window = &text[base..cut(text, base.saturating_add(MOST))];
+    const MAX: usize = 1 << 12;
+    let window = &text[base..cut(text, base.saturating_add(MAX))];
     let rule = if window.starts_with('[') {
         Rule::index
     } else if words::found(text, base) == "after" {

@@ -95,7 +95,7 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
 
 /// What stands at a byte of the text, in few letters; empty at the end of the file.
 pub fn found(text: &str, at: usize) -> &str {
-    const MOST: usize = 24;
+    const MAX: usize = 24;
     let rest = &text[at..];
     let mut chars = rest.char_indices();
     let Some((_, first)) = chars.next() else {
@@ -110,7 +110,7 @@ pub fn found(text: &str, at: usize) -> &str {
             .unwrap_or(&rest[..first.len_utf8()]);
     }
     let end = chars
-        .take(MOST)
+        .take(MAX)
         .take_while(|&(_, c)| is_word(c))
         .last()
         .map_or(first.len_utf8(), |(i, c)| i + c.len_utf8());

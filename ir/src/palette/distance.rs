@@ -1,6 +1,6 @@
 //! How far colours are apart, for all kinds of sight: CIEDE2000 (Sharma, Wu and Dalal 2005) of what is left of them without one
 //! kind of cone (Machado, Oliveira and Fernandes 2009, at full severity).
-use super::{DARK, LEAST, LIGHT, PHASES, Rgb, Theme, sequential};
+use super::{DARK, LIGHT, MIN, PHASES, Rgb, Theme, sequential};
 
 type ColourMatrix = [[f64; 3]; 3];
 
@@ -162,7 +162,7 @@ fn colours_are_told_apart_with_any_sight() {
         for (pair, one, other) in pairs(theme) {
             for (sight, matrix) in &SIGHTS {
                 let apart = distance(lab(one, matrix), lab(other, matrix));
-                if apart < LEAST {
+                if apart < MIN {
                     close.push(format!("{name}: {pair} with {sight}: {apart:.1}"));
                 }
             }
@@ -181,7 +181,7 @@ fn the_scale_of_groups_is_ordered_with_any_sight() {
                 .groups
                 .map(|colour| (lightness(colour) - behind).abs());
             assert!(
-                apart.is_sorted_by(|a, b| a + LEAST <= *b),
+                apart.is_sorted_by(|a, b| a + MIN <= *b),
                 "{sight}: {apart:?}"
             );
         }

@@ -1,6 +1,6 @@
 //! The colours of all that is shown: replays, reports, structures and scenes of other programs.
 //!
-//! What has to be told apart by its colour differs by [`LEAST`] at least, with normal sight and without one kind of cone; the
+//! What has to be told apart by its colour differs by [`MIN`] at least, with normal sight and without one kind of cone; the
 //! tests beside this file hold every such pair.
 #[cfg(test)]
 mod distance;
@@ -57,7 +57,7 @@ impl Rgb {
 }
 
 /// Colours that differ by this much (CIEDE2000) are told apart.
-pub const LEAST: f64 = 10.0;
+pub const MIN: f64 = 10.0;
 
 /// Of the phases, in turn; the same everywhere, on light and on dark.
 pub const PHASES: [Rgb; 8] = [

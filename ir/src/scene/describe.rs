@@ -162,7 +162,7 @@ fn collect_laws(entry: &SchemaEntry, scene: &Scene, out: &mut Vec<DescribedLaw>)
 }
 
 fn law(equation: &Equation, scene: &Scene) -> Option<DescribedLaw> {
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     let value = |symbol: &EquationSymbol| {
         let (kind, symbol, name, si) = match symbol {
             EquationSymbol::Number(it) => (it.kind, it.symbol, it.label, it.get(scene)?),

@@ -10,7 +10,7 @@ use crate::plate::Plate;
 pub const MARGIN: f64 = 1.0;
 
 /// Least spacing of the lattice \[side\]: below it, blocks would touch.
-pub const LEAST_SPACING: f64 = 1.1;
+pub const MIN_SPACING: f64 = 1.1;
 
 /// Why the free blocks of a scene are nowhere at tick 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +97,7 @@ impl Interior {
                 if self.is_roomy(count) {
                     return Ok(());
                 }
-                let sites = self.lattice(LEAST_SPACING).take(count as usize);
+                let sites = self.lattice(MIN_SPACING).take(count as usize);
                 match sites.count() as u32 {
                     fits if fits < count => Err(NoRoom::DoesNotFit { count, fits }),
                     _ => Ok(()),
@@ -106,7 +106,7 @@ impl Interior {
             Arrangement::Ring { radius } => {
                 let (radius, height) = (radius / side, self.halfway());
                 let apart = 2.0 * radius * (TAU / f64::from(count) / 2.0).sin();
-                let touches = count > 1 && apart < LEAST_SPACING * SQRT_2;
+                let touches = count > 1 && apart < MIN_SPACING * SQRT_2;
                 let is_outside = radius.hypot(height - self.height) > self.radius;
                 match touches || is_outside || height < MARGIN {
                     true => Err(NoRoom::OnRing { count }),
@@ -120,7 +120,7 @@ impl Interior {
     /// enclosure at the least spacing may be more than memory holds.
     fn is_roomy(&self, count: u32) -> bool {
         let radius = self.radius - MARGIN;
-        let along = |length: f64| (length / LEAST_SPACING - 1.0).max(0.0);
+        let along = |length: f64| (length / MIN_SPACING - 1.0).max(0.0);
         along(radius).powi(2) * along(radius / 2.0 - MARGIN) > f64::from(count)
     }
 }
@@ -138,7 +138,7 @@ impl Scene {
         let Some(enclosure) = &self.enclosure else {
             return Err(NoRoom::NoEnclosure { count });
         };
-        let (side, units) = (self.block.side, BlockUnits::of(self));
+        let (side, units) = (self.block.side, BlockUnits::from_scene(self));
         let interior = Interior {
             radius: units.length(enclosure.reach(side)),
             height: units.length(enclosure.centre_height(plate, side)),

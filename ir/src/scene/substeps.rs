@@ -14,7 +14,7 @@ pub struct Substeps {
 
 impl Substeps {
     /// The most steps a tick that are taken.
-    pub const MOST: u32 = 1000;
+    pub const MAX: u32 = 1000;
 
     /// The default: the cheapest that keep the times of the default scene (docs/trade.md).
     pub const DEFAULT: Substeps = Substeps {
@@ -41,7 +41,7 @@ impl Substeps {
 
     /// Whether there are steps, not too many, and whole numbers of short ones in a long one.
     pub fn are_sound(self) -> bool {
-        (1..=Substeps::MOST).contains(&self.near)
+        (1..=Substeps::MAX).contains(&self.near)
             && (self.away).is_none_or(|away| away > 0 && self.near.is_multiple_of(away))
     }
 }
@@ -76,7 +76,7 @@ impl std::str::FromStr for Substeps {
             format!(
                 "say from 1 to {} steps a tick, such as `4`, or `1/8` for one away from magnetized faces and \
                  eight near them, which have to be a multiple",
-                Substeps::MOST
+                Substeps::MAX
             )
         })
     }

@@ -111,7 +111,7 @@ fn resolving<'a>(
     exceeded: impl Iterator<Item = &'a DimensionlessGroup>,
     taken: Substeps,
 ) -> Substeps {
-    let allowed = |needed: &u32| *needed <= Substeps::MOST;
+    let allowed = |needed: &u32| *needed <= Substeps::MAX;
     let mut steps = taken;
     for group in exceeded {
         let Some(needed) = group.substeps().filter(allowed) else {
@@ -150,7 +150,7 @@ fn no_agitation(scene: &Scene) -> Option<SceneWarning> {
 
 /// Warns of a structure at heights where weight or lift leaves few free blocks.
 fn buoyant(scene: &Scene, layers: RangeInclusive<i32>) -> Option<SceneWarning> {
-    let settling = Settling::of(scene)?;
+    let settling = Settling::from_scene(scene)?;
     let layer = if settling.is_floating {
         *layers.start()
     } else {
@@ -184,7 +184,7 @@ fn coarse(
     let (symbol, value) = (group.symbol, short(group.value));
     let most = short(limit.most);
     let remedy = match group.substeps() {
-        Some(needed) if needed <= Substeps::MOST && resolving.are_sound() => {
+        Some(needed) if needed <= Substeps::MAX && resolving.are_sound() => {
             format!("`--substeps {resolving}` resolves it")
         }
         _ => "no number of substeps that is allowed resolves it".to_owned(),

@@ -3,7 +3,7 @@ use crate::scene::{BondKind, Scene};
 
 impl BondKind {
     /// That of a scene; the default one, if nothing bonds there.
-    pub fn of(scene: &Scene) -> BondKind {
+    pub fn from_scene(scene: &Scene) -> BondKind {
         let bond = scene.bond.as_ref();
         bond.map_or(BondKind::default(), |bond| bond.kind())
     }

@@ -9,7 +9,7 @@ impl Tables {
     /// # Errors
     /// Which field does not go with the scene, in words.
     pub fn validate_in(&self, scene: &Scene) -> Result<(), String> {
-        let bond = BondKind::of(scene);
+        let bond = BondKind::from_scene(scene);
         if self.bond != bond {
             let (own, bond) = (self.bond.name(), bond.name());
             return Err(format!(

@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 
 use stochc_ir::{Cell, Face};
 
-use super::loop_nest::{COUNTERS, LEAST};
+use super::loop_nest::{COUNTERS, MIN};
 use super::statement::{Called, NameWords};
 use crate::capture::Capture;
 use crate::scaffold::{Dismantling, HandOver, Mast};
@@ -69,7 +69,7 @@ fn row(rest: &[HandOver]) -> usize {
     // What the first one waits for has to be the cell before.
     let begins = rest[0].after == rest[0].cell.across(rest[0].way.opposite());
     match 1 + rest.windows(2).take_while(goes_on).count() {
-        length if begins && length >= LEAST => length,
+        length if begins && length >= MIN => length,
         _ => 1,
     }
 }

@@ -22,13 +22,13 @@ struct Loop {
 }
 
 /// Places that are worth a loop.
-pub(super) const LEAST: usize = 3;
+pub(super) const MIN: usize = 3;
 
 /// What is counted along x, y and z.
 pub(super) const COUNTERS: [&str; 3] = ["x", "y", "z"];
 
 impl LoopNest {
-    pub(super) fn of(base: Cell) -> LoopNest {
+    pub(super) fn new(base: Cell) -> LoopNest {
         LoopNest {
             base,
             loops: [None; 3],
@@ -143,7 +143,7 @@ pub(super) fn runs<'a>(
             let step = |i: usize| places[i + 1].0 - places[i].0;
             let further = (from + 1..places.len() - 1).take_while(|&i| step(i) == step(from));
             let end = from + 2 + further.count();
-            if end - from >= LEAST {
+            if end - from >= MIN {
                 runs.push(places[from..end].iter().map(|&(_, i)| i).collect());
                 from = end;
             } else {

@@ -43,7 +43,7 @@ pub const PLANNED_MARK: &str =
     "A block is called by its cell, and a block of the plate by its place there.";
 
 /// Statements of a program in which each wait is explained, at most.
-const MOST_EXPLAINED: usize = 200;
+const MAX_EXPLAINED: usize = 200;
 
 /// The program of a plan, laid out.
 ///
@@ -168,7 +168,7 @@ impl ExplainedComments {
         out: &mut String,
     ) {
         let repeated = repeated(statements);
-        let is_explained = repeated.len() <= MOST_EXPLAINED;
+        let is_explained = repeated.len() <= MAX_EXPLAINED;
         for Repeated { first, nest } in &repeated {
             let first: &Statement = first;
             if is_explained {

@@ -18,7 +18,7 @@ pub struct Repeated<'a> {
 pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
     let seeds = statements.iter().filter_map(Statement::seed);
     let mut nests: Vec<LoopNest> = seeds
-        .map(|(x, y)| LoopNest::of(Cell::new(x, y, 0)))
+        .map(|(x, y)| LoopNest::new(Cell::new(x, y, 0)))
         .collect();
     nests.sort_by_key(|nest| (nest.base.y, nest.base.x));
     for axis in 0..2 {
@@ -50,7 +50,7 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
         RepeatedItem {
             at,
             kind: *kinds.entry(statement.signature()).or_insert(next),
-            nest: LoopNest::of(statement.base()),
+            nest: LoopNest::new(statement.base()),
             members: vec![at],
         }
     });

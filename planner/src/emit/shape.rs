@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use stochc_ir::Cell;
 
 /// Cells of a shape's layers, empty ones as well, at most.
-const MOST: u64 = 40_000_000;
+const MAX: u64 = 40_000_000;
 
 /// The declaration of a shape with these cells, which are sorted; `None` if it would be too large.
 pub fn declaration(name: &str, cells: &[Cell]) -> Option<String> {
@@ -23,7 +23,7 @@ pub fn declaration(name: &str, cells: &[Cell]) -> Option<String> {
             area = area
                 .saturating_add(length)
                 .saturating_add((north + 1 - rows.len()) as u64);
-            if area > MOST {
+            if area > MAX {
                 return None;
             }
             rows.resize(north, ".".to_owned());
@@ -46,7 +46,7 @@ pub fn declaration(name: &str, cells: &[Cell]) -> Option<String> {
         let signs: usize = rows.iter().map(|row| row.len().div_ceil(2)).sum();
         levels(*low, *high) * signs as u64
     });
-    if in_all.sum::<u64>() > MOST {
+    if in_all.sum::<u64>() > MAX {
         return None;
     }
     let at = match (west, south) {

@@ -42,7 +42,7 @@ impl NameWords<'_> {
 }
 
 impl Called {
-    fn of(capture: &Capture) -> Called {
+    fn from_capture(capture: &Capture) -> Called {
         if capture.is_temporary {
             Called::Scaffold
         } else {
@@ -112,11 +112,13 @@ pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) 
             rows: vec![(capture.way, 1)],
             after: after(capture, |cell| {
                 let found = place.get(&cell);
-                found.map_or(Called::Block, |&at| Called::of(&captures[at]))
+                found.map_or(Called::Block, |&at| Called::from_capture(&captures[at]))
             }),
             called: [
-                parent.map_or(Called::Block, |parent| Called::of(&captures[parent])),
-                Called::of(capture),
+                parent.map_or(Called::Block, |parent| {
+                    Called::from_capture(&captures[parent])
+                }),
+                Called::from_capture(capture),
             ],
             follows: before.map(|before| within[before]),
         };

@@ -43,7 +43,7 @@ pub struct Mast {
 
 impl Dismantling {
     /// Of scaffolds, with the captures that follow.
-    pub fn of(scaffolding: &Scaffolding, captures: Vec<Capture>, are_kept: bool) -> Dismantling {
+    pub fn new(scaffolding: &Scaffolding, captures: Vec<Capture>, are_kept: bool) -> Dismantling {
         // What is captured in this phase, and the last hand-over to each block.
         let mut new: FxHashSet<Cell> = captures.iter().map(|capture| capture.cell).collect();
         let mut last: FxHashMap<Cell, Cell> = FxHashMap::default();

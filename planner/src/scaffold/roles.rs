@@ -39,7 +39,7 @@ pub struct SitePiece {
 
 impl SiteRoles {
     /// Of the sites of a target together with its masts.
-    pub fn of(sites: &Sites<'_>, scaffolding: &Scaffolding) -> SiteRoles {
+    pub fn new(sites: &Sites<'_>, scaffolding: &Scaffolding) -> SiteRoles {
         let mut part = vec![SitePart::Own; sites.len()];
         let mut way = vec![None; sites.len()];
         let masts = scaffolding.masts();

@@ -50,16 +50,16 @@ struct ScaffoldCandidate {
 const RUNS: usize = 200;
 
 /// Tries without which nothing but the first plan is wanted.
-const LEAST: u64 = 8;
+const MIN: u64 = 8;
 
 /// Cells of a target for which scaffolds are looked for, at most.
-const MOST_CELLS: usize = 300;
+const MAX_CELLS: usize = 300;
 
 /// The part by which an estimate has to get shorter.
 const WORTH: f64 = 0.005;
 
 /// Captures from the plate that are too few to need a mast.
-const LEAST_LIMIT: usize = 2;
+const MIN_LIMIT: usize = 2;
 
 /// Tries of one search; where there are more, others are made with other chances.
 const TRIES: u64 = 3000;
@@ -97,10 +97,10 @@ pub fn may_have_scaffolds(
     has_place(target)?;
     let cells = target.cells().len();
     match () {
-        () if cells > MOST_CELLS => Err(NoScaffolds::TooLarge),
+        () if cells > MAX_CELLS => Err(NoScaffolds::TooLarge),
         () if cells >= hardware.free as usize => Err(NoScaffolds::NoSpareBlocks),
         () if hardware.attracts_always => Err(NoScaffolds::AttractsAlways),
-        () if how.rounds < LEAST => Err(NoScaffolds::FewTries),
+        () if how.rounds < MIN => Err(NoScaffolds::FewTries),
         () => Ok(()),
     }
 }
@@ -123,7 +123,7 @@ pub fn scaffolded(
         all: 0,
         tries: 0,
     };
-    let growth = GrowthSchedule::of(sites, &without.schedule, &Scaffolding::default());
+    let growth = GrowthSchedule::new(sites, &without.schedule, &Scaffolding::default());
     let samples = trials.samples.of(sites);
     let job = without.job(sites, hardware, waits);
     let estimate = trials.estimated(&job, &samples, &without.schedule);
@@ -134,7 +134,7 @@ pub fn scaffolded(
         trials.before += trials.all;
         trials.all = (how.rounds - trials.before).min(TRIES);
         trials.tries = trials.all;
-        if trials.all < LEAST || how.enough.is_cancelled() {
+        if trials.all < MIN || how.enough.is_cancelled() {
             break;
         }
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -200,7 +200,7 @@ impl ScaffoldTrials<'_> {
     ) -> Option<ScaffoldCandidate> {
         let deepest = growth.far_first().first()?.1;
         let mut best: Option<ScaffoldCandidate> = None;
-        for limit in (LEAST_LIMIT..deepest).cycle() {
+        for limit in (MIN_LIMIT..deepest).cycle() {
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.value);
             if !self.may_try(EXCHANGES, least.min(value)) {
                 break;
@@ -243,8 +243,8 @@ impl ScaffoldTrials<'_> {
 
     /// With some pieces less and some others more.
     fn neighbour(&self, of: &ScaffoldCandidate, rng: &mut ChaCha8Rng) -> Option<ScaffoldCandidate> {
-        let sites = Sites::of(&of.union);
-        let growth = GrowthSchedule::of(&sites, &of.schedule, &of.scaffolding);
+        let sites = Sites::new(&of.union);
+        let growth = GrowthSchedule::new(&sites, &of.schedule, &of.scaffolding);
         let mut scaffolding = of.scaffolding.clone();
         if rng.random_range(0..3) == 0 {
             for _ in 0..rng.random_range(1..=2) {
@@ -292,16 +292,16 @@ impl ScaffoldTrials<'_> {
             cells.chain(scaffolding.cells()).collect(),
             self.hardware.free,
         )?;
-        let sites = Sites::of(&union);
-        let spaces = [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
+        let sites = Sites::new(&union);
+        let spaces = [FreeSpace::new(&sites, 2), FreeSpace::new(&sites, 1)];
         if !masts_get_away(&sites, &spaces[0], &scaffolding) {
             return None;
         }
-        let roles = SiteRoles::of(&sites, &scaffolding);
+        let roles = SiteRoles::new(&sites, &scaffolding);
         let holders = growth.holders(&sites, &roles);
         let times = growth.times(&sites, &scaffolding);
         let disassembly = peel_leaves(&sites, spaces, &holders, &times)?;
-        let corridors = Corridors::of(&sites, &disassembly, how.enough).ok()?;
+        let corridors = Corridors::new(&sites, &disassembly, how.enough).ok()?;
         let job = SchedulingJob::new(&sites, &disassembly, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
         let even = Priorities::even(sites.len());
@@ -330,8 +330,8 @@ impl ScaffoldTrials<'_> {
             estimate,
             ..
         } = best;
-        let sites = Sites::of(&union);
-        let roles = SiteRoles::of(&sites, &scaffolding);
+        let sites = Sites::new(&union);
+        let roles = SiteRoles::new(&sites, &scaffolding);
         let job = SchedulingJob::new(&sites, &disassembly, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
         let samples = self.samples.of(&sites);

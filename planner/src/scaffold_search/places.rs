@@ -45,7 +45,11 @@ pub fn has_place(target: &Target) -> Result<(), NoScaffolds> {
 
 impl GrowthSchedule {
     /// By a schedule of a target, with these scaffolds.
-    pub fn of(sites: &Sites<'_>, schedule: &Schedule, scaffolding: &Scaffolding) -> GrowthSchedule {
+    pub fn new(
+        sites: &Sites<'_>,
+        schedule: &Schedule,
+        scaffolding: &Scaffolding,
+    ) -> GrowthSchedule {
         let pieces = scaffolding.pieces.iter();
         let in_the_end: FxHashMap<Cell, Face> = pieces.flat_map(MastPiece::handed_over).collect();
         let cells = schedule.order.iter().map(|&site| {

@@ -3,7 +3,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::MOST_CELLS;
+use super::MAX_CELLS;
 
 /// Whether scaffolds were tried, and their gain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -71,7 +71,7 @@ impl NoScaffolds {
             NoScaffolds::NoPlace => {
                 "the plate has no room for them, a larger plate has (`--seed-plate`)".to_owned()
             }
-            NoScaffolds::TooLarge => format!("the target has more than {MOST_CELLS} cells"),
+            NoScaffolds::TooLarge => format!("the target has more than {MAX_CELLS} cells"),
             NoScaffolds::NoSpareBlocks => "the target takes all free blocks (`--free`)".to_owned(),
             NoScaffolds::AttractsAlways => "every face attracts all the time".to_owned(),
             NoScaffolds::FewTries => "the search makes too few tries (`--budget`)".to_owned(),

@@ -60,14 +60,14 @@ impl Priorities {
         may_be_serial: bool,
         rng: &mut ChaCha8Rng,
     ) -> Priorities {
-        const MOST: usize = 4;
+        const MAX: usize = 4;
         /// One change in so many is of a way, and one in so many of how sites are placed, or of whose means count.
         const WAYS: u32 = 4;
         const PLACING: u32 = 8;
         let mut other = self.clone();
         other.is_serial ^= may_be_serial && rng.random_range(0..PLACING) == 0;
         other.is_settled ^= may_be_serial && rng.random_range(0..PLACING) == 0;
-        for _ in 0..rng.random_range(1..=MOST) {
+        for _ in 0..rng.random_range(1..=MAX) {
             let site = critical_site(critical, rng) as usize;
             if rng.random_range(0..WAYS) == 0 {
                 let skipped = &mut other.skipped[site];
@@ -87,13 +87,13 @@ impl Priorities {
 /// than tails ever do, so that what comes last by them may come first.
 fn key(sites: usize, rng: &mut ChaCha8Rng) -> f32 {
     const OFTENEST: u32 = 4;
-    const MOST: f32 = 7.0;
-    const LEAST: f32 = -0.45;
+    const MAX: f32 = 7.0;
+    const MIN: f32 = -0.45;
     let is_far = sites <= SMALL && rng.random_ratio(1, OFTENEST.max(sites as u32));
     match is_far {
         false => rng.random(),
-        true if rng.random() => 1.0 + MOST * rng.random::<f32>(),
-        true => LEAST * rng.random::<f32>(),
+        true if rng.random() => 1.0 + MAX * rng.random::<f32>(),
+        true => MIN * rng.random::<f32>(),
     }
 }
 

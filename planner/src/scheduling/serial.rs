@@ -14,7 +14,7 @@ use crate::schedule::Schedule;
 use crate::sites::NONE;
 
 /// Sites for which it is worth it, at most.
-const MOST_SERIAL: usize = 400;
+const MAX_SERIAL: usize = 400;
 
 struct SerialState<'a> {
     job: &'a SchedulingJob<'a>,
@@ -31,7 +31,7 @@ struct SerialState<'a> {
 impl SchedulingJob<'_> {
     /// Whether [`SchedulingJob::serial`] makes schedules of this.
     pub fn has_serial(&self) -> bool {
-        self.roles.is_none() && self.hardware.faces == 1 && self.sites.len() <= MOST_SERIAL
+        self.roles.is_none() && self.hardware.faces == 1 && self.sites.len() <= MAX_SERIAL
     }
 
     /// A schedule in which urgent sites are placed early; `None`: not all can be.

@@ -2,7 +2,7 @@
 use stochc_ir::{counted, listed};
 use thiserror::Error;
 
-use crate::limits::{FARTHEST, MAX_VOXEL_PARTS, MOST_CELLS};
+use crate::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};
 
 /// Why a file holds no target.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -110,7 +110,7 @@ pub enum UnreadableVoxels {
         node: u32,
     },
     /// There are too many.
-    #[error("a target has at most {MOST_CELLS} cells")]
+    #[error("a target has at most {MAX_CELLS} cells")]
     TooLarge,
     /// A row has another character than those of blocks and of none.
     #[error("line {line}: {character:?} is neither `#`, a block, nor `.`, none")]

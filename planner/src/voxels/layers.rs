@@ -2,7 +2,7 @@
 use stochc_ir::Cell;
 
 use super::{UnreadableVoxels, at_the_plate};
-use crate::limits::MOST_CELLS;
+use crate::limits::MAX_CELLS;
 
 /// Reads cells drawn as text.
 ///
@@ -36,7 +36,7 @@ pub fn layers(text: &str) -> Result<Vec<Cell>, UnreadableVoxels> {
         for (y, row) in rows.iter().rev().enumerate() {
             let full = row.iter().enumerate().filter(|(_, is_full)| **is_full);
             cells.extend(full.map(|(x, _)| Cell::new(x as i32, y as i32, z as i32)));
-            if cells.len() > MOST_CELLS {
+            if cells.len() > MAX_CELLS {
                 return Err(UnreadableVoxels::TooLarge);
             }
         }

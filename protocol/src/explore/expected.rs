@@ -49,7 +49,7 @@ pub struct Meant {
 
 impl ProgramGoals {
     /// Reads tables as a list of captures and releases that wait for whatever their conditions say.
-    pub fn of(tables: &Tables) -> ProgramGoals {
+    pub fn new(tables: &Tables) -> ProgramGoals {
         let mut events = Vec::new();
         for duty in tables.duties() {
             for (place, rule) in duty.rules().enumerate() {

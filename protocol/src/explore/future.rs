@@ -115,7 +115,7 @@ struct Forecast<'a, 't> {
 
 impl Future {
     /// What may happen in the phase that is running if none of `without` does.
-    pub fn of<'t>(
+    pub fn new<'t>(
         context: &ExplorationContext<'t>,
         captors: &PhaseCaptors,
         state: &ProgramState<'t>,

@@ -75,7 +75,7 @@ impl Default for ExplorationBounds {
 pub struct Exploration<'a> {
     /// The tables that run.
     pub tables: &'a Tables,
-    /// What they are meant to do; [`ProgramGoals::of`] the tables, unless these are in doubt.
+    /// What they are meant to do; [`ProgramGoals::new`] the tables, unless these are in doubt.
     pub expected: &'a ProgramGoals,
     /// How far to go.
     pub bounds: ExplorationBounds,
@@ -157,6 +157,6 @@ impl<'a> Exploration<'a> {
 
 /// Explores tables in every order of events.
 pub fn explore(tables: &Tables, bounds: &ExplorationBounds, faults: &Faults) -> ExplorationReport {
-    let expected = ProgramGoals::of(tables);
+    let expected = ProgramGoals::new(tables);
     Exploration::new(tables, &expected, *bounds, *faults).run()
 }

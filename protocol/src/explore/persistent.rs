@@ -159,7 +159,7 @@ impl<'t> PersistentSets<'t> {
             prints.push(self.footprint(state, captors, transition));
         }
         loop {
-            let future = Future::of(&self.context, captors, state, &set)?;
+            let future = Future::new(&self.context, captors, state, &set)?;
             self.work += future.looked_at;
             if !self.conflict(state, &prints, &future) {
                 return Some(set);

@@ -35,7 +35,7 @@ struct Groups<T> {
 
 impl<T: Copy> Groups<T> {
     /// Those of a group stay in their order. There are `groups` of them.
-    fn of(groups: usize, values: &[(u32, T)]) -> Groups<T> {
+    fn new(groups: usize, values: &[(u32, T)]) -> Groups<T> {
         let mut starts = vec![0; groups + 1];
         for (group, _) in values {
             starts[*group as usize + 1] += 1;
@@ -64,7 +64,7 @@ impl<T: Copy> Groups<T> {
 }
 
 impl Captors {
-    fn of(tables: &Tables) -> Captors {
+    fn new(tables: &Tables) -> Captors {
         let mut captures = Vec::new();
         for duty in tables.duties() {
             let given = duty.rules().filter_map(|rule| match rule.then {
@@ -74,7 +74,7 @@ impl Captors {
             captures.extend(given.map(|child| (child.0, (duty.phase, duty.role))));
         }
         captures.sort_unstable_by_key(|&(_, captor)| captor);
-        Captors(Groups::of(tables.roles.len(), &captures))
+        Captors(Groups::new(tables.roles.len(), &captures))
     }
 
     /// Those of a role, by phase.
@@ -102,7 +102,7 @@ pub(super) struct Beginning {
 }
 
 impl Beginning {
-    fn of(tables: &Tables, duty: Duty<'_>) -> Beginning {
+    fn new(tables: &Tables, duty: Duty<'_>) -> Beginning {
         let rules = duty.range();
         let first = (rules.count() > 0).then(|| tables.rule(rules, 0));
         let at_once = first.filter(|first| first.when.is_empty());
@@ -128,7 +128,7 @@ impl Index {
                 *first = FirstDuty {
                     when: Some((duty.phase, duty.trigger)),
                     numbers: (number, number),
-                    begins: Beginning::of(tables, duty),
+                    begins: Beginning::new(tables, duty),
                 };
             }
             first.numbers.1 = number + 1;
@@ -139,7 +139,7 @@ impl Index {
         let seeds = (0..).map(BlockSlot).zip(seeds);
         Index {
             first_duty,
-            starting: Groups::of(tables.phases.len(), &starting),
+            starting: Groups::new(tables.phases.len(), &starting),
             seeds: seeds.map(|(slot, cell)| (*cell, slot)).collect(),
             captors: OnceLock::new(),
         }
@@ -174,7 +174,7 @@ impl Index {
 
     /// The first role that captures `child` in a phase.
     pub fn captor(&self, tables: &Tables, phase: PhaseId, child: RoleId) -> Option<RoleId> {
-        let captors = self.captors.get_or_init(|| Captors::of(tables));
+        let captors = self.captors.get_or_init(|| Captors::new(tables));
         let of_role = captors.of_role(child);
         let first = of_role.partition_point(|&(when, _)| when < phase);
         let &(when, captor) = of_role.get(first)?;
@@ -193,7 +193,7 @@ fn later_beginning(
         let duty = tables.duty_at(middle as usize);
         match (duty.phase, duty.trigger).cmp(&when) {
             Ordering::Less => low = middle + 1,
-            Ordering::Equal => return Beginning::of(tables, duty),
+            Ordering::Equal => return Beginning::new(tables, duty),
             Ordering::Greater => high = middle,
         }
     }

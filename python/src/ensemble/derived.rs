@@ -56,7 +56,7 @@ pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<Python
     read.map_err(Failure::usage)?;
     let mut steps = Vec::new();
     for (program, times) in manifest.programs.iter().zip(&times) {
-        let curve = KaplanMeier::of(&times.to_vec());
+        let curve = KaplanMeier::new(&times.to_vec());
         let curve = curve.map(|it| it.curve()).unwrap_or_default();
         steps.extend(
             curve

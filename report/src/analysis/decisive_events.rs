@@ -14,7 +14,7 @@ pub(crate) struct DecisiveEvents {
 }
 
 impl DecisiveEvents {
-    pub fn of(events: &Events) -> DecisiveEvents {
+    pub fn new(events: &Events) -> DecisiveEvents {
         let count = events.events.len();
         DecisiveEvents {
             spent: vec![0.0; count],

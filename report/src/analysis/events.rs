@@ -47,7 +47,7 @@ pub(crate) fn awaited(wait: &WaitRecord) -> EventAction {
 
 impl Events {
     /// The events of a program.
-    pub fn of(program: &EnsembleProgram) -> Events {
+    pub fn new(program: &EnsembleProgram) -> Events {
         let graph = &program.compiled.graph;
         let mut order = side_by_side(graph);
         order.retain(|&id| !program.is_planted(graph.event(EventId(id)).phase));

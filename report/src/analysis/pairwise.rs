@@ -9,7 +9,7 @@ use super::reported_program::ReportedProgram;
 pub(crate) fn pairwise_tests(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<PairwiseTest> {
     let side = |subject: &ReportedProgram| {
         let tick = clock.tick(subject.program);
-        Runs::of(subject.manifest.seed, subject.times.clone(), tick)
+        Runs::new(subject.manifest.seed, subject.times.clone(), tick)
     };
     let sides: Vec<ComparedProgram> = (subjects.iter())
         .map(|subject| ComparedProgram {

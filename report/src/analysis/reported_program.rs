@@ -91,7 +91,7 @@ pub(crate) struct FinishedRun {
 }
 
 impl FinishedRun {
-    pub fn of(events: &Events, record: &RunRecord) -> FinishedRun {
+    pub fn from_record(events: &Events, record: &RunRecord) -> FinishedRun {
         let moments = moments(events, record);
         FinishedRun {
             critical_path: critical_path(events, record, &moments),
@@ -122,7 +122,7 @@ pub(crate) fn subjects<'a>(
                 sweep.add(done);
             }
             let subject: &mut ReportedProgram = &mut subjects[first + done.program];
-            let run = FinishedRun::of(&subject.events, &done.record);
+            let run = FinishedRun::from_record(&subject.events, &done.record);
             each(subject, &run)?;
             subject.add(&run);
             Ok::<_, ReportError>(())
@@ -177,7 +177,7 @@ impl<'a> ReportedProgram<'a> {
             programs.any(|p| p.name == program.name)
         };
         let is_shared = inputs.iter().filter(same).count() > 1;
-        let events = Events::of(program);
+        let events = Events::new(program);
         ReportedProgram {
             label: match is_shared {
                 true => format!(
@@ -199,7 +199,7 @@ impl<'a> ReportedProgram<'a> {
             dots: Dots::default(),
             point: PointTally::new(clock.tick(program)),
             waits: WaitsTally::default(),
-            decisive: DecisiveEvents::of(&events),
+            decisive: DecisiveEvents::new(&events),
             phase_times: vec![TimeSample::default(); program.phases().len()],
             size_times: vec![TimeSample::default(); program.phases().len()],
             example_runs: Vec::new(),
@@ -262,7 +262,7 @@ impl<'a> ReportedProgram<'a> {
         for (what, place) in places {
             if let Some(done) = finished.get(self.number, runs[place].0)? {
                 self.example_runs
-                    .push((what, FinishedRun::of(&self.events, &done.record)));
+                    .push((what, FinishedRun::from_record(&self.events, &done.record)));
             }
         }
         Ok(())
@@ -414,10 +414,10 @@ impl Default for Dots {
 
 impl Dots {
     fn add(&mut self, entries: f64, docking: f64) {
-        const MOST: usize = 1 << 17;
+        const MAX: usize = 1 << 17;
         self.most = (self.most.0.max(entries), self.most.1.max(docking));
         if self.count.is_multiple_of(self.every) {
-            if self.kept.len() == MOST {
+            if self.kept.len() == MAX {
                 let mut number = 0;
                 self.kept.retain(|_| {
                     number += 1;

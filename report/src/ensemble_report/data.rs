@@ -103,7 +103,7 @@ fn sizes(subjects: &[ReportedProgram]) -> String {
 
 /// A row for each step of a curve, which begins with what it is of.
 fn add_curve(table: &mut CsvTable, of: [&str; 2], times: &[Observation]) {
-    let Some(estimate) = KaplanMeier::of(times) else {
+    let Some(estimate) = KaplanMeier::new(times) else {
         return;
     };
     for point in estimate.curve() {
@@ -180,7 +180,7 @@ fn means(subjects: &[ReportedProgram], (clock, last): (TimeUnit, f64)) -> String
         let last = last / clock.tick(subject.program);
         add(&subject.label, "", Time::beside(&subject.times(), last));
         for (i, phase) in subject.program.phases().iter().enumerate() {
-            let time = Time::of(&subject.phase_times(i));
+            let time = Time::new(&subject.phase_times(i));
             add(&subject.label, &phase.name, time);
         }
     }

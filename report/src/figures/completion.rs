@@ -19,7 +19,7 @@ pub fn completion(
     }
     let mut times = vec![Vec::new(); manifest.programs.len()];
     finished.each(|done| times[done.program].extend(completion_time(&done.record)))?;
-    let clock = TimeUnit::of(manifest.programs.iter());
+    let clock = TimeUnit::common(manifest.programs.iter());
     let curves: Vec<SurvivalCurve> = (manifest.programs.iter().zip(times))
         .map(|(program, mut times)| {
             let tick = clock.tick(program);

@@ -36,7 +36,7 @@ pub(crate) fn survival(
     /// Marks that a browser draws without delay.
     const MARKS: usize = 2000;
     let known: Vec<_> = (curves.iter().enumerate())
-        .filter_map(|(i, curve)| Some((i, curve, KaplanMeier::of(&curve.times)?)))
+        .filter_map(|(i, curve)| Some((i, curve, KaplanMeier::new(&curve.times)?)))
         .collect();
     let last = known.iter().map(|(_, _, estimate)| estimate.last());
     let last = last.fold(0.0, f64::max);

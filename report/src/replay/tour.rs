@@ -8,13 +8,13 @@ use crate::analysis::reported_program::FinishedRun;
 use crate::ensemble_report::narrative::{NarrativeContext, item};
 
 /// Steps of a tour, at most: of a longer path those that took longest.
-const MOST: usize = 200;
+const MAX: usize = 200;
 
 /// `[{ from, to, cell, html }]`: the waits that met end to end, in ticks, where each happened, and the sentence of a report that tells
 /// it.
 pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
-    let events = Events::of(program);
-    let run = FinishedRun::of(&events, record);
+    let events = Events::new(program);
+    let run = FinishedRun::from_record(&events, record);
     let context = NarrativeContext {
         program,
         events: &events,
@@ -27,7 +27,7 @@ pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
         .collect();
     lengths.sort_unstable_by(|a, b| b.cmp(a));
     // What took no time is told by what waited for it.
-    let least = lengths.get(MOST).map_or(1, |&ticks| ticks + 1);
+    let least = lengths.get(MAX).map_or(1, |&ticks| ticks + 1);
     let told = run
         .critical_path
         .iter()

@@ -97,7 +97,7 @@ impl Cell {
             substeps: self.substeps,
             solver_iterations: self.iterations,
             max_ticks: Some(200_000),
-            ..Settings::of(Model::Rigid, 1)
+            ..Settings::new(Model::Rigid, 1)
         };
         match self.model {
             Model::Rapier => self.run::<RapierWorld>(&settings, seed, run),

@@ -27,7 +27,7 @@ pub fn page(case: &Case, samples: &[Sample]) -> String {
     let usual = |model: Model| {
         Settings {
             model,
-            ..Settings::of(Model::Rigid, 1)
+            ..Settings::new(Model::Rigid, 1)
         }
         .iterations()
     };

@@ -19,14 +19,14 @@ use super::parameters::{
 impl WorldParameters {
     /// The terms of a scene around a plate.
     pub fn new(scene: &Scene, plate: &Plate) -> Result<WorldParameters, SceneError> {
-        let units = Units::of(scene)?;
+        let units = Units::from_scene(scene)?;
         let shell = made(&scene.enclosure, |enclosure| units.shell(enclosure, plate))?;
         let (mut kicks, mut thermal) = (None, None);
         match &scene.agitation {
             Some(Agitation::Kicks { speed: (low, high) }) => {
                 let speed = (
-                    units.number(&KICKS_LEAST, *low)?,
-                    units.number(&KICKS_MOST, *high)?,
+                    units.number(&KICKS_MIN, *low)?,
+                    units.number(&KICKS_MAX, *high)?,
                 );
                 kicks = Some(Kicks { speed });
             }
@@ -68,8 +68,8 @@ fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> SceneResult<B>) -> Scen
 }
 
 impl Units {
-    fn of(scene: &Scene) -> SceneResult<Units> {
-        let of = BlockUnits::of(scene);
+    fn from_scene(scene: &Scene) -> SceneResult<Units> {
+        let of = BlockUnits::from_scene(scene);
         positive(&BLOCK_SIDE, of.side)?;
         positive(&BLOCK_MASS, of.mass)?;
         positive(&TICK, of.tick)?;

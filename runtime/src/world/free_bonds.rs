@@ -52,7 +52,7 @@ impl FreeBonds {
                 continue;
             }
             let (first, second) = (blocks.pose(a), blocks.pose(b));
-            let pair = FacePair::of(&first, &second);
+            let pair = FacePair::new(&first, &second);
             let Some(pushes) = pair.pushes(&self.magnet, &first, &second) else {
                 continue;
             };
@@ -122,7 +122,7 @@ impl FreeBonds {
             let (a, b) = (places[i].0, places[j].0);
             let (first, second) = (blocks.pose(a), blocks.pose(b));
             let (one, other) = (blocks.motion(a), blocks.motion(b));
-            let pair = FacePair::of(&first, &second);
+            let pair = FacePair::new(&first, &second);
             if pair.bonds(&self.magnet, [(&first, &one), (&second, &other)], dt) {
                 // A pair that has been torn is let bond again when it parts no faster than its magnets can stop
                 // in a step, of which drag takes its part.

@@ -1,6 +1,6 @@
 //! Where the free blocks are at tick 0.
 use nalgebra::Vector3;
-use stochc_ir::scene::room::{Interior, LEAST_SPACING, MARGIN, NoRoom};
+use stochc_ir::scene::room::{Interior, MARGIN, MIN_SPACING, NoRoom};
 use stochc_ir::scene::{Arrangement, Scene};
 use stochc_ir::table::Plate;
 
@@ -43,7 +43,7 @@ fn uniform(inside: Interior, count: u32) -> Vec<BodyState> {
     let fits_all = |spacing| inside.lattice(spacing).take(count).count() == count;
     // The number of sites is not quite monotonic in the spacing, so that the bisection finds one
     // of several nearly equal solutions; always the same one.
-    let (mut fits, mut fails) = (LEAST_SPACING, 2.0 * (inside.radius - MARGIN) + 2.0);
+    let (mut fits, mut fails) = (MIN_SPACING, 2.0 * (inside.radius - MARGIN) + 2.0);
     for _ in 0..60 {
         let middle = 0.5 * (fits + fails);
         if fits_all(middle) {

@@ -5,7 +5,7 @@ use super::Fault;
 use super::real::Real;
 
 /// A faster block \[side / tick, rad / tick\] is a fault.
-const MOST_SPEED: f64 = 100.0;
+const MAX_SPEED: f64 = 100.0;
 
 /// Where blocks collide, one that moves farther \[side\] in a step is a fault: it could pass through
 /// another one, or through the ground, unseen.
@@ -29,11 +29,11 @@ impl MotionLimits {
         let step = FARTHEST_STEP * f64::from(substeps);
         MotionLimits {
             speed: if collide {
-                step.min(MOST_SPEED)
+                step.min(MAX_SPEED)
             } else {
-                MOST_SPEED
+                MAX_SPEED
             },
-            spin: MOST_SPEED,
+            spin: MAX_SPEED,
             far: FARTHEST,
         }
     }
@@ -77,7 +77,7 @@ impl MotionLimits {
         let [speed, spin, far] = [velocity, spin, position].map(|vector| vector.norm().double());
         // What is not a number is not below anything.
         let sound = |value: f64, most: f64| value < most;
-        let what = if !sound(speed, MOST_SPEED) {
+        let what = if !sound(speed, MAX_SPEED) {
             format!("its speed is {speed} sides per tick")
         } else if !sound(speed, self.speed) {
             format!(

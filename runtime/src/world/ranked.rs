@@ -118,7 +118,7 @@ pub(super) struct RankedSet {
 
 impl From<Vec<u128>> for RankedSet {
     fn from(leaves: Vec<u128>) -> RankedSet {
-        RankedSet::of(&leaves)
+        RankedSet::new(&leaves)
     }
 }
 
@@ -132,7 +132,7 @@ impl From<RankedSet> for Vec<u128> {
 impl RankedSet {
     /// None of `n` numbers.
     pub fn empty(n: usize) -> RankedSet {
-        RankedSet::of(&vec![0; n.div_ceil(LEAF)])
+        RankedSet::new(&vec![0; n.div_ceil(LEAF)])
     }
 
     /// All of `n` numbers.
@@ -141,10 +141,10 @@ impl RankedSet {
         if let Some(last) = leaves.last_mut().filter(|_| !n.is_multiple_of(LEAF)) {
             *last >>= LEAF - n % LEAF;
         }
-        RankedSet::of(&leaves)
+        RankedSet::new(&leaves)
     }
 
-    fn of(leaves: &[u128]) -> RankedSet {
+    fn new(leaves: &[u128]) -> RankedSet {
         let mut counts: Vec<u32> = leaves.iter().map(|leaf| leaf.count_ones()).collect();
         let leaf = |leaf: &u128| {
             let bytes = leaf.to_le_bytes();

@@ -50,7 +50,11 @@ fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: A
     let mut scene = empty();
     // A magnet without force that never anchors.
     scene.bond = attract(0.0, 0.0);
-    let mut world: W = world(&scene, &Settings::of(Model::Rapier, 1), &gas(count, radius));
+    let mut world: W = world(
+        &scene,
+        &Settings::new(Model::Rapier, 1),
+        &gas(count, radius),
+    );
     let face = Face::Up;
     for site in 0..9 {
         let body = Body::Seed(Cell::new(site % 3, site / 3, 0));
@@ -81,7 +85,11 @@ fn arrivals_at_the_shell_are_a_quarter_of_density_speed_and_area<W: Arena>() {
     let (count, radius, ticks) = (4000, 20.0, 100);
     let mut scene = empty();
     scene.enclosure = hemisphere(radius, 0.04);
-    let mut world: W = world(&scene, &Settings::of(Model::Rapier, 1), &gas(count, radius));
+    let mut world: W = world(
+        &scene,
+        &Settings::new(Model::Rapier, 1),
+        &gas(count, radius),
+    );
     let mut outside = vec![false; count];
     let mut found = 0.0;
     for _ in 0..ticks {

@@ -120,7 +120,7 @@ fn blocks_that_are_too_fast_do_not_bond<W: Arena>() {
             BodyState::at_rest(at(0.0, 0.0, 10.0)),
             moving(at(1.02, 0.0, 10.0), at(-speed, 0.0, 0.0)),
         ];
-        let settings = Settings::of(Model::Rapier, 40);
+        let settings = Settings::new(Model::Rapier, 40);
         let mut world: W = crate::scenes::world(&reject(hold, 0.0), &settings, &blocks);
         dockings(&mut world, 1);
         assert_eq!(world.groups().is_empty(), !bonds, "{speed}");
@@ -182,7 +182,7 @@ fn a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step<W: Arena>
     let exact = along * arm * speed / (along * arm * arm + about);
     for substeps in [1, 4, 16] {
         let blocks = [at(-0.5, 0.0, 10.0), at(0.5, 0.0, 10.0)].map(BodyState::at_rest);
-        let settings = Settings::of(Model::Rapier, substeps);
+        let settings = Settings::new(Model::Rapier, substeps);
         let mut world: W = crate::scenes::world(&scene, &settings, &blocks);
         dockings(&mut world, 20);
         assert_eq!(world.groups(), [[0, 1]]);
@@ -210,7 +210,7 @@ fn heat_tears_no_bond_however_short_the_steps<W: Arena>() {
     });
     for substeps in [4, 256] {
         let blocks = [at(-0.5, 0.0, 10.0), at(0.5, 0.0, 10.0)].map(BodyState::at_rest);
-        let settings = Settings::of(Model::Rapier, substeps);
+        let settings = Settings::new(Model::Rapier, substeps);
         let mut world: W = crate::scenes::world(&scene, &settings, &blocks);
         dockings(&mut world, 1);
         for tick in 0..20 {

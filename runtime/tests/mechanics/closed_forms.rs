@@ -40,7 +40,7 @@ fn free_flight_is_exact<W: Arena>() {
     for substeps in [1, 4] {
         let settings = Settings {
             substeps,
-            ..Settings::of(Model::Rapier, 1)
+            ..Settings::new(Model::Rapier, 1)
         };
         let mut world: W = world(&empty(), &settings, &[start]);
         pass(&mut world, 256);
@@ -59,7 +59,7 @@ fn kicks_make_a_random_walk_of_the_velocity<W: Arena>() {
     for substeps in [1, 3] {
         let settings = Settings {
             substeps,
-            ..Settings::of(Model::Rapier, 1)
+            ..Settings::new(Model::Rapier, 1)
         };
         let mut world: W = world(
             &scene,
@@ -96,7 +96,7 @@ fn drag_makes_the_velocity_stationary_and_normal<W: Arena>() {
     let mut scene = empty();
     scene.agitation = kicks(rms);
     scene.drag = Some(Drag { rate });
-    let settings = Settings::of(Model::Rapier, 1);
+    let settings = Settings::new(Model::Rapier, 1);
     let mut world: W = world(
         &scene,
         &settings,
@@ -127,7 +127,7 @@ fn drag_and_kicks_make_blocks_diffuse<W: Arena>() {
     let mut scene = empty();
     scene.agitation = kicks(rms);
     scene.drag = Some(Drag { rate });
-    let settings = Settings::of(Model::Rapier, 1);
+    let settings = Settings::new(Model::Rapier, 1);
     let start = vec![BodyState::at_rest(Vector3::zeros()); blocks];
     let mut world: W = world(&scene, &settings, &start);
     pass(&mut world, ticks);
@@ -152,7 +152,7 @@ fn elastic_collisions_keep_momentum_and_energy<W: Arena>() {
     scene.contact = contact(1.0, 0.0);
     let settings = Settings {
         substeps: 8,
-        ..Settings::of(Model::Rapier, 1)
+        ..Settings::new(Model::Rapier, 1)
     };
     let energy = |b: &BodyState| 0.5 * b.velocity.norm_squared() + b.spin.norm_squared() / 12.0;
     let mut changes = Vec::new();
@@ -200,7 +200,7 @@ fn the_shell_is_a_spring<W: Arena>() {
     for substeps in [1, 4] {
         let settings = Settings {
             substeps,
-            ..Settings::of(Model::Rapier, 1)
+            ..Settings::new(Model::Rapier, 1)
         };
         let mut world: W = world(&scene, &settings, &[start]);
         let (mut outside, mut deepest) = (0.0, 0.0f64);
@@ -230,7 +230,7 @@ fn an_absent_term_is_not_there<W: Arena>() {
         ..BodyState::at_rest(at(0.0, 0.0, z))
     };
     let blocks = [towards(4.0, -0.25), towards(-4.0, 0.25)];
-    let mut through: W = world(&scene, &Settings::of(Model::Rapier, 1), &blocks);
+    let mut through: W = world(&scene, &Settings::new(Model::Rapier, 1), &blocks);
     pass(&mut through, 64);
     assert_eq!(through.state(0).position, at(0.0, 0.0, -12.0));
     assert_eq!(through.state(1).position, at(0.0, 0.0, 12.0));
@@ -238,7 +238,7 @@ fn an_absent_term_is_not_there<W: Arena>() {
     scene.contact = contact(0.0, 0.2);
     scene.enclosure = hemisphere(25.0, 0.01);
     scene.bond = attract(0.03, 0.005);
-    let mut held: W = world(&scene, &Settings::of(Model::Rapier, 1), &blocks[..1]);
+    let mut held: W = world(&scene, &Settings::new(Model::Rapier, 1), &blocks[..1]);
     pass(&mut held, 64);
     assert!(held.state(0).position.z > 0.4);
 }
@@ -247,7 +247,7 @@ fn an_absent_term_is_not_there<W: Arena>() {
 fn magnetized<W: Arena>(block: BodyState) -> BodyState {
     let mut scene = empty();
     scene.bond = attract(PULL, 0.0);
-    let mut world: W = world(&scene, &Settings::of(Model::Rapier, 1), &[block]);
+    let mut world: W = world(&scene, &Settings::new(Model::Rapier, 1), &[block]);
     let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
     world.magnetize(BlockFace { body, face });
     pass(&mut world, 1);

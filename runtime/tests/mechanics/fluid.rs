@@ -42,7 +42,7 @@ fn fluid(density: Option<f64>, viscosity: Option<f64>) -> Scene {
 }
 
 fn settings(substeps: u32) -> Settings {
-    Settings::of(Model::Rapier, substeps)
+    Settings::new(Model::Rapier, substeps)
 }
 
 /// A viscosity at which the velocity decays at this rate.

@@ -29,7 +29,7 @@ fn an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step<W
                 ..reject(1e-7, way * rate)
             };
             let blocks = [at(1.0, 0.0, 0.5), at(0.0, 5.0, 5.0)].map(BodyState::at_rest);
-            let settings = Settings::of(Model::Rapier, substeps);
+            let settings = Settings::new(Model::Rapier, substeps);
             let mut world: W = crate::scenes::world(&scene, &settings, &blocks);
             world.plant(SEED).expect("a free block");
             assert_eq!(dockings(&mut world, 1).len(), 1);

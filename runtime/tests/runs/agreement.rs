@@ -24,7 +24,7 @@ fn waits(model: Model, runs: u64) -> Vec<f64> {
     let settings = Settings {
         model,
         substeps: 8,
-        ..Settings::of(Model::Rapier, 1)
+        ..Settings::new(Model::Rapier, 1)
     };
     let (tables, _) = chain(&[Face::Up]);
     let seed = model as u64;

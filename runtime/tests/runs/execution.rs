@@ -56,7 +56,7 @@ fn three_phases() -> Tables {
 #[test]
 fn a_small_tower_grows() {
     let (tables, roles) = chain(&[Face::Up, Face::Up, Face::East]);
-    let record = record(&tables, &crowd(), &Settings::of(Model::Rapier, 1), 0);
+    let record = record(&tables, &crowd(), &Settings::new(Model::Rapier, 1), 0);
     assert_eq!(record.outcome, Outcome::Completed);
     assert_eq!(record.phase_ticks, [record.ticks]);
     for (bond, &(role, cell)) in record.bonds.iter().zip(&roles[1..]) {
@@ -72,7 +72,7 @@ fn a_small_tower_grows() {
 #[test]
 fn a_run_is_the_same_alone_in_sequence_and_on_any_thread() {
     let (tables, scene) = (three_phases(), crowd());
-    let settings = Settings::of(Model::Rapier, 1);
+    let settings = Settings::new(Model::Rapier, 1);
     let sequence: Vec<RunRecord> = (0..4)
         .map(|number| record(&tables, &scene, &settings, number))
         .collect();
@@ -108,7 +108,7 @@ fn waits_under_way_are_those_that_the_whole_run_ends() {
     }
     let (tables, scene) = (draft.tables(), crowd());
     for model in [Model::Rapier, Model::Rigid] {
-        let mut settings = Settings::of(model, 1);
+        let mut settings = Settings::new(model, 1);
         let whole = record(&tables, &scene, &settings, 0);
         assert_eq!(whole.outcome, Outcome::Completed);
         assert_eq!((whole.bonds.len(), &whole.waiting[..]), (4, &[][..]));
@@ -149,7 +149,7 @@ fn counted<W: Arena>(model: Model) {
     let (tables, _) = chain(&[Face::Up]);
     let mut scene = empty();
     scene.bond = attract(0.0, 0.05);
-    let settings = Settings::of(model, 1);
+    let settings = Settings::new(model, 1);
     let near = [BodyState::at_rest(Vector3::new(0.0, 0.0, 0.8))];
     let mut world =
         W::with_blocks(&scene, &tables.plate, &settings, 9, 0, &near).expect("a sound scene");
@@ -162,7 +162,7 @@ fn counted<W: Arena>(model: Model) {
 #[test]
 fn releases_are_recorded() {
     let (tables, scene) = (three_phases(), crowd());
-    let record = record(&tables, &scene, &Settings::of(Model::Rigid, 1), 0);
+    let record = record(&tables, &scene, &Settings::new(Model::Rigid, 1), 0);
     let captured = |child| {
         let found = record.bonds.iter().find(|bond| bond.child == child);
         found.expect("it was captured")
@@ -190,7 +190,7 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
         spin: Vector3::new(0.0, 0.0, 0.01),
         ..BodyState::at_rest(Vector3::new(1.02, 1.0, 0.6))
     };
-    let mut world: RapierWorld = world(&scene, &Settings::of(Model::Rapier, 1), &[start]);
+    let mut world: RapierWorld = world(&scene, &Settings::new(Model::Rapier, 1), &[start]);
     let (body, face) = (Body::Seed(Cell::new(2, 2, 0)), Face::Up);
     world.magnetize(BlockFace { body, face });
     let mut dockings = Vec::new();
@@ -225,7 +225,7 @@ fn of_two_blocks_the_closer_one_docks_and_no_block_docks_twice() {
     scene.bond = attract(0.0, 0.6);
     let above = |x: f64, z: f64| BodyState::at_rest(Vector3::new(x, 0.0, z));
     let blocks = [above(-0.9, 0.75), above(-0.9, 0.7), above(0.45, 0.6)];
-    let mut world: RapierWorld = world(&scene, &Settings::of(Model::Rapier, 1), &blocks);
+    let mut world: RapierWorld = world(&scene, &Settings::new(Model::Rapier, 1), &blocks);
     let site = |x| BlockFace {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,
@@ -248,7 +248,7 @@ fn physics_that_breaks_down_is_a_failed_run() {
     scene.agitation = Some(Agitation::Kicks {
         speed: (1e30, 1e30),
     });
-    let record = record(&tables, &scene, &Settings::of(Model::Rapier, 1), 0);
+    let record = record(&tables, &scene, &Settings::new(Model::Rapier, 1), 0);
     let phase = PhaseId(0);
     let Outcome::Failed { phase: p, reason } = record.outcome else {
         panic!("{:?}", record.outcome);
@@ -278,7 +278,7 @@ fn found_at_once<W: Arena>() {
         |state| state.velocity.y = 1e6,
     ];
     for spoil in spoils {
-        let mut world: W = world(&scene, &Settings::of(Model::Rapier, 1), &blocks);
+        let mut world: W = world(&scene, &Settings::new(Model::Rapier, 1), &blocks);
         pass(&mut world, 3);
         let mut state = world.state(1);
         spoil(&mut state);
@@ -296,7 +296,7 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
         let result = run(
             &tables,
             scene,
-            &Settings::of(Model::Rapier, 1),
+            &Settings::new(Model::Rapier, 1),
             0,
             0,
             &mut watch,
@@ -332,7 +332,7 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
 #[test]
 fn blocks_start_evenly_spread_and_apart() {
     let scene = paper();
-    let settings = Settings::of(Model::Rapier, 1);
+    let settings = Settings::new(Model::Rapier, 1);
     let world = RapierWorld::new(&scene, &crate::scenes::PLATE, &settings, 0, 0).expect("they fit");
     let at: Vec<_> = (0..world.count())
         .map(|id| world.state(id).position)
@@ -378,7 +378,7 @@ fn only_dimensionless_groups_matter() {
     }
     anchor.within *= length;
     let tables = three_phases();
-    let settings = Settings::of(Model::Rapier, 1);
+    let settings = Settings::new(Model::Rapier, 1);
     assert_eq!(
         record(&tables, &small, &settings, 2),
         record(&tables, &crowd(), &settings, 2)

@@ -57,7 +57,7 @@ fn records(text: &str, runs: u64) -> (Vec<RunRecord>, Rates) {
     let rates = rates_of(&scene);
     let settings = Settings {
         rates: vec![rates.clone()],
-        ..Settings::of(Model::Rate, 1)
+        ..Settings::new(Model::Rate, 1)
     };
     let mut watch = |_, _| ControlFlow::Continue(());
     let records = (0..runs).map(|number| {
@@ -164,7 +164,7 @@ fn a_wait_goes_on_where_its_surroundings_change() {
         let mut after = rates.surroundings(
             second.cell,
             Face::Up,
-            Neighbourhood::of(second.cell, |cell| cell == first.cell),
+            Neighbourhood::new(second.cell, |cell| cell == first.cell),
             |_| None,
         );
         after.cold = true;
@@ -206,7 +206,7 @@ fn a_block_two_cells_from_the_one_that_captures_changes_a_wait() {
             let mut seen = rates.surroundings(
                 top.cell,
                 Face::Up,
-                Neighbourhood::of(top.cell, is_full),
+                Neighbourhood::new(top.cell, is_full),
                 |_| None,
             );
             assert_eq!(seen.near_parent, is_there);
@@ -335,7 +335,7 @@ fn what_the_law_does_not_know_is_refused() {
     let other = "scene other from hemisphere { free 77 uniform }
         assembly single in other { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }";
     let (tables, scene) = compiled(other);
-    let settings = Settings::of(Model::Rate, 1);
+    let settings = Settings::new(Model::Rate, 1);
     let refused = |tables: &Tables, scene: &Scene, settings: &Settings| {
         let mut watch = |_, _| ControlFlow::Continue(());
         let error = run(tables, scene, settings, 1, 0, &mut watch).unwrap_err();

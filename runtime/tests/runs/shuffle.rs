@@ -217,7 +217,7 @@ impl Towers {
         reason = "the test compares times of one process"
     )]
     fn time_per_event(&self) -> f64 {
-        let settings = Settings::of(Model::Shuffle, 1);
+        let settings = Settings::new(Model::Shuffle, 1);
         let mut go = |_, _: PhaseId| ControlFlow::Continue(());
         let start = Instant::now();
         let record = run(&self.tables, &self.scene, &settings, 1, 0, &mut go);

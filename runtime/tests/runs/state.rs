@@ -136,7 +136,7 @@ fn resumed_everywhere(of: &Executable, settings: &Settings, every: u64) -> usize
 fn rigid() -> Settings {
     Settings {
         max_ticks: Some(700),
-        ..Settings::of(Model::Rigid, 1)
+        ..Settings::new(Model::Rigid, 1)
     }
 }
 
@@ -173,7 +173,7 @@ fn rapier_restores_no_state() {
     let program = programs(include_str!("../../../examples/microns.sa")).remove(0);
     let settings = Settings {
         max_ticks: Some(50),
-        ..Settings::of(Model::Rapier, 1)
+        ..Settings::new(Model::Rapier, 1)
     };
     assert!(!settings.model.has_state());
     assert!(made(&program, &settings, &mut Keeper::default()).is_ok());
@@ -191,7 +191,7 @@ fn cells() {
     for model in [Model::Rate, Model::Shuffle] {
         ways.push(Settings {
             max_ticks: Some(5000),
-            ..Settings::of(model, 1)
+            ..Settings::new(model, 1)
         });
     }
     everywhere(TOWER, &ways[..1], 997);
@@ -202,7 +202,7 @@ fn cells() {
 fn messages_that_take_time_and_get_lost() {
     let settings = Settings {
         max_ticks: Some(5000),
-        ..Settings::of(Model::Shuffle, 1)
+        ..Settings::new(Model::Shuffle, 1)
     };
     for mut program in programs(TOWER) {
         program.scene.messages = Some(Messages {
@@ -234,7 +234,7 @@ fn an_aggregate_without_physics() {
     let program = programs(text).remove(0);
     let settings = Settings {
         max_ticks: Some(200),
-        ..Settings::of(Model::Shuffle, 1)
+        ..Settings::new(Model::Shuffle, 1)
     };
     assert!(resumed_everywhere(&program, &settings, 3) > 0);
 }

@@ -208,7 +208,7 @@ impl Kind for Reference {
     const ROUNDING: f64 = SINGLE;
     const REFERENCE: bool = true;
     fn settings() -> Settings {
-        Settings::of(Model::Rapier, 1)
+        Settings::new(Model::Rapier, 1)
     }
 }
 
@@ -218,7 +218,7 @@ impl Kind for Single {
     fn settings() -> Settings {
         Settings {
             model: Model::Rigid,
-            ..Settings::of(Model::Rapier, 1)
+            ..Settings::new(Model::Rapier, 1)
         }
     }
 }
@@ -259,7 +259,7 @@ macro_rules! in_either_precision {
 
 /// In four steps a tick.
 pub fn in_steps<W: Arena>(scene: &Scene, blocks: &[BodyState]) -> W {
-    world(scene, &Settings::of(Model::Rapier, 4), blocks)
+    world(scene, &Settings::new(Model::Rapier, 4), blocks)
 }
 
 /// The upper face of the middle of the plate.

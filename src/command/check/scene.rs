@@ -78,7 +78,7 @@ impl<'a> InForce<'a> {
     /// The listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed, groups, warnings,
     /// step_errors }`.
     pub fn json(&self) -> Json {
-        let units = BlockUnits::of(self.scene);
+        let units = BlockUnits::from_scene(self.scene);
         let warning = |warning: &SceneWarning| {
             json!({
                 "code": Code::from(warning.kind),
@@ -294,7 +294,7 @@ impl<'a> InForce<'a> {
         let Some(rms) = self.speed.rms else {
             return format!("v: {from}");
         };
-        let block = BlockUnits::of(self.scene).speed(rms);
+        let block = BlockUnits::from_scene(self.scene).speed(rms);
         format!(
             "v = {}, {}: {from}",
             in_unit(rms, "m/s"),

@@ -5,7 +5,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use stochc_ensemble::recording::{EVERY, Selection};
 use stochc_ensemble::sweep::Axis;
 use stochc_ensemble::text::share;
-use stochc_ensemble::{Interval, MOST_RUNS};
+use stochc_ensemble::{Interval, MAX_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
 use super::super::figures::FigureOptions;
@@ -18,7 +18,7 @@ use super::super::show::ResultsFormat;
 pub const RUNS: u64 = 50;
 
 /// The most of them with `--until`, unless the user says otherwise.
-pub const MOST_UNTIL: u64 = 10_000;
+pub const MAX_UNTIL: u64 = 10_000;
 
 /// Ticks after which a run is stopped, unless the user says otherwise.
 pub const MAX_TICKS: u64 = 1_000_000;
@@ -44,7 +44,7 @@ pub struct SimulateArguments {
     pub manifest: Option<PathBuf>,
     /// Number of runs of each program; with `--until` the most there may be [default: 50; 10000 with `--until`; else of what
     /// is repeated or gone on with, as many as it has]
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=MOST_RUNS))]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
     pub runs: Option<u64>,
     /// Make runs until half of the 95 % interval of every program's mean is at most PERCENT of it, such as 3%
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["shards", "run", "record", "watch"])]

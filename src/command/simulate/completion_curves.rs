@@ -46,7 +46,7 @@ fn curves(manifest: &Manifest, finished: &Records) -> Result<Vec<Strip>, Journal
         time.into_iter().for_each(|it| times[done.program].push(it));
     })?;
     let strip = |(program, times): (&EnsembleProgram, &TimeSample)| {
-        let estimate = KaplanMeier::of(&times.to_vec())?;
+        let estimate = KaplanMeier::new(&times.to_vec())?;
         let steps = estimate.curve().into_iter();
         Some(Strip {
             name: program.name.clone(),

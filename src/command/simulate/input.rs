@@ -9,7 +9,7 @@ use stochc_runtime::rates::Rates;
 use stochc_runtime::{Model, Setting, Settings, Substeps};
 
 use super::SimulateArguments;
-use super::arguments::{MOST_UNTIL, RUNS};
+use super::arguments::{MAX_UNTIL, RUNS};
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::programs::programs;
@@ -23,7 +23,7 @@ pub fn prepare(options: &SimulateArguments, host: &dyn Host) -> Result<Manifest,
         (None, Some(out)) if options.files.is_empty() => from_folder(out)?,
         _ => from_files(options, host)?,
     };
-    let most = options.runs.or(options.until.map(|_| MOST_UNTIL));
+    let most = options.runs.or(options.until.map(|_| MAX_UNTIL));
     manifest.runs = most.unwrap_or(manifest.runs);
     manifest.within_limits().map_err(Failure::usage)?;
     Ok(manifest)

@@ -162,7 +162,7 @@ impl Entrant {
     }
 
     fn race_times(&self) -> RaceTimes {
-        let summary = Summary::of(&self.times);
+        let summary = Summary::from_values(&self.times);
         let (mean, error) = summary.map_or((0.0, None), |it| (it.mean, it.half_width));
         RaceTimes {
             baseline: self.planned.plan.baseline,
@@ -176,7 +176,7 @@ impl Entrant {
     /// Returns the number to make small.
     fn value(&self, objective: Objective) -> f64 {
         let value = match objective {
-            Objective::Mean => Summary::of(&self.times).map(|it| it.mean),
+            Objective::Mean => Summary::from_values(&self.times).map(|it| it.mean),
             Objective::P90 => quantile(&self.times, 0.9),
         };
         value.unwrap_or(f64::INFINITY)

@@ -34,7 +34,7 @@ pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completi
         return Err(Failure::usage(wrong).into());
     }
     let checked = target::checked(options)?;
-    Completion::of(&checked, options.shape).map_err(|error| match error {
+    Completion::new(&checked, options.shape).map_err(|error| match error {
         NotCompleted::Wrong => {
             host.report_findings(&checked);
             Failure::silent(verdict(&checked)).into()
@@ -60,7 +60,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
     })?;
     let entry = chosen.entry();
     refuse_aggregate(entry)?;
-    let structure = ExistingStructure::of(entry.tables(), record);
+    let structure = ExistingStructure::from_record(entry.tables(), record);
     let dead: BTreeSet<&str> = end.dead.iter().map(String::as_str).collect();
     if let Some(unknown) = dead
         .iter()

@@ -24,16 +24,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let settings = Settings {
         precision,
-        ..Settings::of(Model::Rigid, 1)
+        ..Settings::new(Model::Rigid, 1)
     };
     let mut gas: Box<dyn Gas> = match engine.as_str() {
         "as-the-project" => Box::new(Rapier::as_the_project(blocks, kick)),
-        "rapier-world" => Own::of(
+        "rapier-world" => Own::new(
             RapierWorld::new(&scene, &PLATE, &settings, SEED, 0)?,
             blocks,
         ),
         "rigid-world" | "rigid-world-double" => {
-            Own::of(RigidWorld::new(&scene, &PLATE, &settings, SEED, 0)?, blocks)
+            Own::new(RigidWorld::new(&scene, &PLATE, &settings, SEED, 0)?, blocks)
         }
         _ => return Err("unknown engine".into()),
     };
@@ -64,7 +64,7 @@ struct Own<W> {
 }
 
 impl<W: Arena + 'static> Own<W> {
-    fn of(world: W, blocks: u32) -> Box<dyn Gas> {
+    fn new(world: W, blocks: u32) -> Box<dyn Gas> {
         Box::new(Own {
             world,
             blocks,

@@ -320,7 +320,7 @@ fn added_mass_slows_motion_and_changes_no_balance_of_forces() {
 #[test]
 fn sinking_is_held_against_what_stirs() {
     let mut scene = microns();
-    assert_eq!(Settling::of(&scene), None, "without gravity");
+    assert_eq!(Settling::from_scene(&scene), None, "without gravity");
     scene.gravity = Some(9.81);
     scene.fluid = Some(Fluid {
         density: Some(1000.0),
@@ -328,7 +328,7 @@ fn sinking_is_held_against_what_stirs() {
         added_mass: None,
     });
     // k T / (m' g) with m' = 0.05 ng.
-    let settling = Settling::of(&scene).unwrap();
+    let settling = Settling::from_scene(&scene).unwrap();
     assert!(
         close(settling.height, 4.045302e-21 / (5e-14 * 9.81)),
         "{settling:?}"
@@ -343,10 +343,10 @@ fn sinking_is_held_against_what_stirs() {
         "heat lifts all"
     );
     scene.block.mass = 0.95e-12;
-    assert!(Settling::of(&scene).unwrap().is_floating);
+    assert!(Settling::from_scene(&scene).unwrap().is_floating);
     scene.block.mass = 1e-12;
     assert!(
-        Settling::of(&scene).is_none_or(|it| it.height > 1.0),
+        Settling::from_scene(&scene).is_none_or(|it| it.height > 1.0),
         "as heavy as the fluid"
     );
 
@@ -361,18 +361,18 @@ fn sinking_is_held_against_what_stirs() {
     };
     kicked.contact = bounce(1.0);
     let height = 0.53989_f64.powi(2) / 3.0 / 2.0;
-    assert!(close(Settling::of(&kicked).unwrap().height, height));
+    assert!(close(Settling::from_scene(&kicked).unwrap().height, height));
     // Inelastic landings take most of it: 0.221403 v² + 0.797885 * 0.004 v = 0.044² / 9 in sides a tick.
     kicked.contact = bounce(0.0);
     let vertical: f64 = 0.0247851;
     let height = (vertical * 10.0).powi(2) / 2.0;
-    let told = Settling::of(&kicked).unwrap();
+    let told = Settling::from_scene(&kicked).unwrap();
     assert!(
         (told.height / height - 1.0).abs() < 1e-3,
         "{told:?} {height}"
     );
     kicked.contact = None;
-    assert_eq!(Settling::of(&kicked), None, "there is no floor");
+    assert_eq!(Settling::from_scene(&kicked), None, "there is no floor");
 
     // Eddies against the terminal speed of 10 g in a wake: ρ a² w² / 2 = m' g.
     let mut tank = built_in("suction_tank").unwrap();
@@ -386,7 +386,7 @@ fn sinking_is_held_against_what_stirs() {
     };
     turbulence.strength = Strength::Speed(0.1);
     assert!(matches!(tank.flow, Some(Flow::Jets(_))));
-    let settling = Settling::of(&tank).unwrap();
+    let settling = Settling::from_scene(&tank).unwrap();
     let sinking = (0.01 * 9.81 / 5.0_f64).sqrt();
     assert!(close(settling.speeds.unwrap(), sinking / 0.1));
     // An eddy of 16 cm lasts 1.6 s, and is left after 0.16 m / √(0.1² + 0.14007²) m/s.
@@ -405,7 +405,7 @@ fn sinking_is_held_against_what_stirs() {
         panic!("eddies stir it");
     };
     turbulence.vertical = 0.0;
-    assert_eq!(Settling::of(&tank).unwrap().above(0.0), 0.0);
+    assert_eq!(Settling::from_scene(&tank).unwrap().above(0.0), 0.0);
 }
 
 /// Collisions take energy there as well, from blocks that have twice the room.

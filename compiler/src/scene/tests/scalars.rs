@@ -277,7 +277,7 @@ fn names_that_a_scene_does_not_have_are_told_with_those_it_has() {
 fn a_value_of_another_dimension_is_told_with_the_right_one() {
     let of = |name, text| {
         let scalar = find(&scene(0), name).unwrap();
-        scalar.accept(WrittenQuantity::of(text).unwrap().to_si())
+        scalar.accept(WrittenQuantity::parse(text).unwrap().to_si())
     };
     assert_eq!(of("block.side", "20cm"), Ok(0.2));
     let told = |name, text| of(name, text).unwrap_err().to_string();

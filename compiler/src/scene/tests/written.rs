@@ -88,7 +88,7 @@ fn a_value_that_stands_alone_is_read_as_the_grammar_reads_it() {
     ];
     texts.extend(odd.map(str::to_owned));
     for text in texts {
-        let alone = WrittenQuantity::of(&text).map(|it| it.to_si());
+        let alone = WrittenQuantity::parse(&text).map(|it| it.to_si());
         assert_eq!(
             alone.clone().ok(),
             in_scene(text.trim()),

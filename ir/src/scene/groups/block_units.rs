@@ -14,7 +14,7 @@ pub struct BlockUnits {
 
 impl BlockUnits {
     /// Those of a scene.
-    pub fn of(scene: &Scene) -> BlockUnits {
+    pub fn from_scene(scene: &Scene) -> BlockUnits {
         BlockUnits {
             side: scene.block.side,
             mass: scene.inertial_mass(),

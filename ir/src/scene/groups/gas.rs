@@ -23,12 +23,12 @@ pub struct Gas {
 impl Gas {
     /// `None` without free blocks or without an enclosure around them. A sphere is a whole one, without the little that its plate cuts
     /// off.
-    pub fn of(scene: &Scene) -> Option<Gas> {
+    pub fn from_scene(scene: &Scene) -> Option<Gas> {
         let enclosure = scene.enclosure.as_ref()?;
         if scene.free.count == 0 {
             return None;
         }
-        let radius = BlockUnits::of(scene).length(enclosure.reach(scene.block.side));
+        let radius = BlockUnits::from_scene(scene).length(enclosure.reach(scene.block.side));
         let ball = 4.0 / 3.0 * PI * radius.powi(3);
         let (volume, floor) = match enclosure {
             Enclosure::Hemisphere { .. } => (ball / 2.0, 1.5 / radius),

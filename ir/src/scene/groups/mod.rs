@@ -90,10 +90,10 @@ impl DimensionlessGroup {
 
 /// The least number from 1 on for which a question that stays answered is; `None`: for none that fits.
 fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
-    const MOST: u32 = u32::MAX / 2;
+    const MAX: u32 = u32::MAX / 2;
     let mut enough = 1;
     while !is_enough(enough) {
-        enough = enough.checked_mul(2).filter(|&n| n <= MOST)?;
+        enough = enough.checked_mul(2).filter(|&n| n <= MAX)?;
     }
     let mut few = enough / 2;
     while enough - few > 1 {
@@ -108,12 +108,12 @@ fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
 
 /// The groups of a scene, of those terms that it has.
 pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     let v = speed(scene).rms.map(|rms| units.speed(rms));
     let v = v.filter(|&v| v > 0.0);
     let energetic = speed::energetic(scene).map(|rms| units.speed(rms));
     let energetic = energetic.filter(|&v| v > 0.0);
-    let push = Push::of(scene);
+    let push = Push::from_scene(scene);
     let mut out = Vec::new();
     if let Some(v) = v {
         out.push(
@@ -214,7 +214,7 @@ struct Push {
 }
 
 impl Push {
-    fn of(scene: &Scene) -> Push {
+    fn from_scene(scene: &Scene) -> Push {
         Push {
             drag: speed::viscous(scene),
         }
@@ -274,7 +274,7 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     let Some(fluid) = &scene.fluid else {
         return;
     };
-    let (units, side) = (BlockUnits::of(scene), scene.block.side);
+    let (units, side) = (BlockUnits::from_scene(scene), scene.block.side);
     let Some(viscosity) = fluid.viscosity else {
         return;
     };
@@ -341,7 +341,7 @@ fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
     let ContactLaw::Compliant { stiffness, damping } = contact.law else {
         return;
     };
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     let (stiffness, damping) = (units.stiffness(stiffness), units.damping(damping));
     out.push(push.spring(
         ["k τ² / m, contact", "φ k τ² / m, contact"],
@@ -374,7 +374,7 @@ fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
 }
 
 fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
-    let Some(gas) = Gas::of(scene) else {
+    let Some(gas) = Gas::from_scene(scene) else {
         return;
     };
     out.push(DimensionlessGroup::new(
@@ -400,10 +400,10 @@ fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
 }
 
 fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
-    let Some(settling) = Settling::of(scene) else {
+    let Some(settling) = Settling::from_scene(scene) else {
         return;
     };
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     if let Some(speeds) = settling.speeds {
         let meaning = "speed of sinking against the vertical speed of the eddies";
         out.push(DimensionlessGroup::new("w / α σ", meaning, speeds));

@@ -25,7 +25,7 @@ impl Settling {
     /// Returns how weight and agitation spread blocks.
     ///
     /// `None` without weight, without agitation, and for sinking blocks without a floor.
-    pub fn of(scene: &Scene) -> Option<Settling> {
+    pub fn from_scene(scene: &Scene) -> Option<Settling> {
         let down = down(scene);
         if down > 0.0 && scene.contact.is_none() {
             return None;
@@ -136,7 +136,7 @@ pub fn down(scene: &Scene) -> f64 {
 /// takes (1 - e²) of the 2 v² that those have who land. No more than in an even gas, where blocks
 /// take energy from each other.
 fn kicked(scene: &Scene, weight: f64) -> f64 {
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     let gain = speed::kick(scene).powi(2) / 3.0;
     // Of `drag`, which acts at the end of a tick; a fluid takes 2 γ τ v² in it on the average.
     let lost = 1.0 / speed::left_by_drag(scene) - 1.0 + 2.0 * speed::viscous(scene);

@@ -55,7 +55,7 @@ const MAX_MOVING: f64 = 1.0;
 
 /// Adds the depths that forces and speeds lead to.
 pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     let down = settling::down(scene);
     let weight = units.acceleration(down.abs());
     let lies_on_floor = down > 0.0 && scene.contact.is_some();

@@ -39,7 +39,7 @@ pub fn speed(scene: &Scene) -> Speed {
 }
 
 fn speed_in(scene: &Scene, steps: f64) -> Speed {
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     if let Some(speed) = of_fluid(scene, steps) {
         return speed;
     }
@@ -72,7 +72,7 @@ fn speed_in(scene: &Scene, steps: f64) -> Speed {
 /// The part of the square of a speed that `drag` leaves of it in a tick.
 pub(super) fn left_by_drag(scene: &Scene) -> f64 {
     let rate = scene.drag.as_ref().map_or(0.0, |drag| drag.rate);
-    (-2.0 * BlockUnits::of(scene).rate(rate)).exp()
+    (-2.0 * BlockUnits::from_scene(scene).rate(rate)).exp()
 }
 
 /// φ: the mean over a step of what a viscous drag leaves of a velocity, of which it takes so much in it.
@@ -145,7 +145,7 @@ pub(super) fn energetic(scene: &Scene) -> Option<f64> {
 pub(super) fn viscous(scene: &Scene) -> f64 {
     let viscosity = scene.fluid.as_ref().and_then(|fluid| fluid.viscosity);
     viscosity.map_or(0.0, |viscosity| {
-        BlockUnits::of(scene).damping(Fluid::friction(viscosity, scene.block.side))
+        BlockUnits::from_scene(scene).damping(Fluid::friction(viscosity, scene.block.side))
     })
 }
 
@@ -161,7 +161,7 @@ pub(super) fn in_steps(scene: &Scene, steps: f64) -> Option<f64> {
 ///
 /// Where turning has as much energy as moving has, as collisions and heat make it: m side² ω² / 6 = m v².
 pub fn turn_in_steps(scene: &Scene, steps: f64) -> Option<f64> {
-    let way = BlockUnits::of(scene).speed(in_steps(scene, steps)?) / steps;
+    let way = BlockUnits::from_scene(scene).speed(in_steps(scene, steps)?) / steps;
     Some(6.0_f64.sqrt() * way)
 }
 
@@ -197,7 +197,7 @@ pub fn kick(scene: &Scene) -> f64 {
     let Some(Agitation::Kicks { speed: (low, high) }) = scene.agitation else {
         return 0.0;
     };
-    let units = BlockUnits::of(scene);
+    let units = BlockUnits::from_scene(scene);
     rms_of_range(units.speed(low), units.speed(high))
 }
 
@@ -213,7 +213,7 @@ pub(in crate::scene) fn rms_of_range(low: f64, high: f64) -> f64 {
 /// approaching speed of what meets has the mean square 2 T / (effective mass). Two blocks share the
 /// loss, at the floor one bears it. Without friction.
 fn collisions(scene: &Scene) -> f64 {
-    let (Some(gas), Some(contact)) = (Gas::of(scene), &scene.contact) else {
+    let (Some(gas), Some(contact)) = (Gas::from_scene(scene), &scene.contact) else {
         return 0.0;
     };
     let lost = |pair| 1.0 - restitution(scene, contact, pair).powi(2);
@@ -238,7 +238,7 @@ pub(super) fn restitution(scene: &Scene, contact: &Contact, pair: bool) -> f64 {
     match contact.law {
         ContactLaw::Rigid { restitution } => restitution,
         ContactLaw::Compliant { stiffness, damping } => {
-            let units = BlockUnits::of(scene);
+            let units = BlockUnits::from_scene(scene);
             let ratio = damping_ratio(units.stiffness(stiffness), units.damping(damping));
             // Two blocks meet like one of half the mass and something fixed.
             rebound(if pair { ratio * 2f64.sqrt() } else { ratio })

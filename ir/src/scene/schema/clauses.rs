@@ -189,7 +189,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
     ])
     .absent(NoTermWhere("the fluid is at rest on the average", |s| s.fluid.is_some())),
     kinds!("agitation" [
-        braces!("kicks" [field(&KICKS_MOST, &[SchemaPart::Range { low: &KICKS_LEAST, high: &KICKS_MOST }])])
+        braces!("kicks" [field(&KICKS_MAX, &[SchemaPart::Range { low: &KICKS_MIN, high: &KICKS_MAX }])])
             .means("an impulse through the centre of every free block, once a tick")
             .make(|s| s.agitation = Some(Agitation::Kicks { speed: (UNSAID, UNSAID) }))
             .equations(&[&KICKS]),

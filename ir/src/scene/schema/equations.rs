@@ -93,7 +93,7 @@ derived! {
     REVOLUTIONS NUMBER "Ω / 2π" "turns a second": |s| Some(stir(s)?.rate / std::f64::consts::TAU);
     STIR_POWER POWER "P" "power, F r Ω": |s| stir(s)?.power();
     JET_SPEED SPEED "U" "speed at a tube": |s| jets(s).map(Jets::speed);
-    KICKS_RMS SPEED "j" "rms change of speed": |s| Some(rms_of_range(KICKS_LEAST.get(s)?, KICKS_MOST.get(s)?));
+    KICKS_RMS SPEED "j" "rms change of speed": |s| Some(rms_of_range(KICKS_MIN.get(s)?, KICKS_MAX.get(s)?));
     EDDY_RMS SPEED "σ" "rms speed in a level direction": |s| Some(eddies(s)?.1);
     EDDY_LIFE TIME "T" "time of an eddy": |s| {
         let (eddies, speed) = eddies(s)?;
@@ -147,7 +147,7 @@ equations! {
     JETS "round turbulent jets from the wall to the middle, evenly around"
         Some("u = U min(1, 6.2 D / s) exp(-ln 2 (q / max(0.094 s, D / 2))²)"); [N(&JETS_COUNT), N(&JETS_FLOW), N(&JETS_NOZZLE), D(&JET_SPEED)];
     KICKS "an impulse through the centre of every free block, once a tick"
-        Some("v += s n, s uniform in [u, w], n isotropic; j² = (u² + u w + w²) / 3"); [N(&KICKS_LEAST), N(&KICKS_MOST), D(&KICKS_RMS)];
+        Some("v += s n, s uniform in [u, w], n isotropic; j² = (u² + u w + w²) / 3"); [N(&KICKS_MIN), N(&KICKS_MAX), D(&KICKS_RMS)];
     EDDIES "the fluid moves in eddies without sources, which come and go by chance"
         Some("<u(x, t) u(x, t + s)> = σ² exp(-s / T), wave length 2 ℓ, Gaussian"); [D(&EDDY_RMS), N(&EDDY_LENGTH), N(&EDDY_VERTICAL), D(&EDDY_LIFE)];
     HEAT "fluctuations that balance the viscous drag, of place and of orientation"

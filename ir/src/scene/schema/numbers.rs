@@ -63,8 +63,8 @@ numbers! {
     JETS_FLOW ["flow.flow" "flow"] FLOW Positive, "Q" "flow through all": "through all of them together", |s| of!(s.flow.as_mut()?, Flow::Jets(jets) => &mut jets.flow);
     JETS_NOZZLE ["flow.nozzle"] LENGTH Positive, "D" "diameter of a tube": "diameter of a tube", |s| of!(s.flow.as_mut()?, Flow::Jets(jets) => &mut jets.nozzle);
 
-    KICKS_MOST ["agitation.speed" "agitation"] SPEED AtLeast(0.0), "w" "most change of speed": "change of a free block's velocity in each tick, drawn evenly from this range, in any direction; a single value is that value always", |s| of!(s.agitation.as_mut()?, Agitation::Kicks { speed } => High(speed));
-    KICKS_LEAST ["agitation.speed.low"] SPEED AtLeast(0.0), "u" "least change of speed": "the lower end of the range", |s| of!(s.agitation.as_mut()?, Agitation::Kicks { speed } => Low(speed));
+    KICKS_MAX ["agitation.speed" "agitation"] SPEED AtLeast(0.0), "w" "most change of speed": "change of a free block's velocity in each tick, drawn evenly from this range, in any direction; a single value is that value always", |s| of!(s.agitation.as_mut()?, Agitation::Kicks { speed } => High(speed));
+    KICKS_MIN ["agitation.speed.low"] SPEED AtLeast(0.0), "u" "least change of speed": "the lower end of the range", |s| of!(s.agitation.as_mut()?, Agitation::Kicks { speed } => Low(speed));
     EDDY_SPEED ["agitation.speed" "agitation"] SPEED Positive, "σ" "rms speed in a level direction": "rms in each level direction", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(Turbulence { strength: Strength::Speed(speed), .. }) => speed);
     EDDY_INTENSITY ["agitation.intensity" "agitation"] NUMBER AtLeast(0.0), "" "part of the speed of the flow": "the same, as a part of the speed of the `flow`: of the ring's rods, or at a tube's end", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(Turbulence { strength: Strength::Intensity(part), .. }) => part);
     EDDY_LENGTH ["agitation.length"] LENGTH Positive, "ℓ" "size of an eddy": "size of an eddy, half a wave length", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(eddies) => &mut eddies.length);

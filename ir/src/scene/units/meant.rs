@@ -179,7 +179,7 @@ mod tests {
             let suggested = words.iter().filter_map(|word| unit_meant(word, &[*kind]));
             for meant in suggested {
                 let text = format!("1 {}", meant.word);
-                let (_, dimension) = WrittenQuantity::of(&text).unwrap().to_si();
+                let (_, dimension) = WrittenQuantity::parse(&text).unwrap().to_si();
                 assert_eq!(dimension, kind.dimension, "{text} for {}", kind.noun);
             }
         }

@@ -17,7 +17,7 @@ impl<'a> WrittenQuantity<'a> {
     ///
     /// # Errors
     /// In words, when it is none.
-    pub fn of(text: &'a str) -> Result<WrittenQuantity<'a>, String> {
+    pub fn parse(text: &'a str) -> Result<WrittenQuantity<'a>, String> {
         let text = text.trim();
         let none = || format!("`{text}` is no value; write a number and its unit, such as `4.5 N`");
         let (number, behind) = text.split_at(number(text));
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn values_are_those_of_the_language() {
-        let si = |text: &str| WrittenQuantity::of(text).unwrap().to_si();
+        let si = |text: &str| WrittenQuantity::parse(text).unwrap().to_si();
         assert_eq!(si("20cm"), (0.2, Dimension::LENGTH));
         assert_eq!(si(" 5 N s/m "), (5.0, Dimension::DAMPING));
         assert_eq!(si("300"), (300.0, Dimension::NUMBER));
@@ -161,7 +161,7 @@ mod tests {
                 "{micro}"
             );
         }
-        assert_eq!(WrittenQuantity::of(" 5 N s/m ").unwrap().unit, "N s/m");
+        assert_eq!(WrittenQuantity::parse(" 5 N s/m ").unwrap().unit, "N s/m");
     }
 
     #[test]
@@ -179,10 +179,10 @@ mod tests {
             "1\n2",
             "∞",
         ] {
-            let told = WrittenQuantity::of(text).unwrap_err();
+            let told = WrittenQuantity::parse(text).unwrap_err();
             assert!(told.contains("is no value"), "{text}: {told}");
         }
-        let told = |text| WrittenQuantity::of(text).unwrap_err();
+        let told = |text| WrittenQuantity::parse(text).unwrap_err();
         assert_eq!(
             told("3 newton"),
             "`newton` is not a unit; did you mean `N`?"

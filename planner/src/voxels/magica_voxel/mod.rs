@@ -11,7 +11,7 @@ mod tests;
 use stochc_ir::Cell;
 
 use super::{UnreadableVoxels, at_the_plate};
-use crate::limits::{FARTHEST, MAX_VOXEL_PARTS, MOST_CELLS};
+use crate::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};
 use bytes::Bytes;
 use graph::{Instance, SceneGraph};
 use placement::Placement;
@@ -184,7 +184,7 @@ impl<'a> VoxFile<'a> {
         hidden.dedup();
         let lengths = shown.iter().map(|&(_, model, _)| model as usize);
         let lengths = lengths.map(|model| self.models[model].voxels.len());
-        if lengths.sum::<usize>() > MOST_CELLS {
+        if lengths.sum::<usize>() > MAX_CELLS {
             return Err(UnreadableVoxels::TooLarge);
         }
         let mut cells = Vec::new();

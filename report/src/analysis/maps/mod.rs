@@ -34,7 +34,7 @@ const WIDEST: i32 = 40;
 const HALF_SLICE: f64 = 1.0;
 
 /// Captures beyond which there is no map of their faces.
-const MOST_CAPTURES: usize = 2000;
+const MAX_CAPTURES: usize = 2000;
 
 /// Reads the recording of a run: of a folder, of a program in there, and its own number; `None`: there is none.
 pub type RecordingReader<'a> = dyn Fn(usize, usize, u64) -> Option<io::Result<Box<dyn Read>>> + 'a;
@@ -160,7 +160,7 @@ pub(crate) fn maps(
         let Some(known) = input.finished.get(program, run)? else {
             continue;
         };
-        let place = first.get_or_insert_with(|| MapPlaces::of(subject));
+        let place = first.get_or_insert_with(|| MapPlaces::new(subject));
         // Nothing of a run counts before its recording has been read as far as its end.
         match file
             .map_err(RecordingError::from)
@@ -255,7 +255,7 @@ struct MapPlaces {
 }
 
 impl MapPlaces {
-    fn of(subject: &ReportedProgram) -> MapPlaces {
+    fn new(subject: &ReportedProgram) -> MapPlaces {
         let tables = subject.program.tables();
         let events = &subject.program.compiled.graph.events;
         let captured = events.iter().filter_map(|event| match event.action {
@@ -273,7 +273,7 @@ impl MapPlaces {
         let captured: Vec<(LocatedCapture, EventAction, Cell)> = captured.collect();
         let named = captured
             .iter()
-            .take_while(|_| captured.len() <= MOST_CAPTURES);
+            .take_while(|_| captured.len() <= MAX_CAPTURES);
         let captures = named.map(|(capture, action, cell)| {
             let text = action.describe(|role| subject.program.role(role).to_owned());
             (*capture, (*cell, text))
@@ -339,7 +339,7 @@ impl MapPlaces {
         file: Box<dyn Read>,
     ) -> Result<RunCounts, RecordingError> {
         let record = &known.record;
-        let held = StructureMembership::of(record);
+        let held = StructureMembership::from_record(record);
         let mut wanted = wanted(record, &held);
         let mut counts = RunCounts {
             before: Default::default(),
@@ -455,8 +455,8 @@ impl MapPlaces {
 /// The cells of the plate.
 fn plate(tables: &Tables) -> Vec<Cell> {
     /// A larger one is only a floor.
-    const MOST: u32 = 64;
-    let (width, depth) = (tables.plate.width.min(MOST), tables.plate.depth.min(MOST));
+    const MAX: u32 = 64;
+    let (width, depth) = (tables.plate.width.min(MAX), tables.plate.depth.min(MAX));
     let cells = (0..width).flat_map(|x| (0..depth).map(move |y| (x, y)));
     cells
         .map(|(x, y)| Cell::new(x as i32, y as i32, 0))

@@ -13,7 +13,7 @@ pub(super) struct StructureMembership {
 }
 
 impl StructureMembership {
-    pub fn of(record: &RunRecord) -> StructureMembership {
+    pub fn from_record(record: &RunRecord) -> StructureMembership {
         let mut stretches: BTreeMap<u32, Vec<(u64, u64)>> = BTreeMap::new();
         for bond in &record.bonds {
             let all = stretches.entry(bond.body).or_default();
@@ -108,7 +108,7 @@ mod tests {
             }],
             ..RunRecord::without_bonds(0, Outcome::Completed, 1200)
         };
-        let held = StructureMembership::of(&record);
+        let held = StructureMembership::from_record(&record);
         let ticks = [299, 300, 499, 500, 1199, 1200];
         let expected = [false, true, true, false, false, true];
         assert_eq!(ticks.map(|tick| held.is_held(7, tick)), expected);

@@ -121,7 +121,7 @@ fn sizes(
     show(parts, out, drawings, figure, caption, &["sizes.csv"]);
     let rows = curves.iter().enumerate().map(|(number, curve)| {
         let observed = subject.size_times(number);
-        let time = Time::of(&observed);
+        let time = Time::new(&observed);
         let mut row = vec![HtmlCell::Marked(name(&curve.name))];
         let count = |completed: bool| {
             let times = observed.iter();
@@ -198,7 +198,7 @@ pub(super) fn phases(
     let rows = phases.iter().enumerate().map(|(number, phase)| {
         let observed = times(number);
         let spent: f64 = observed.iter().map(|time| time.time).sum();
-        let time = Time::of(&observed);
+        let time = Time::new(&observed);
         let mut row = vec![HtmlCell::Marked(code(&phase.name))];
         let count = |completed: bool| {
             let count = observed

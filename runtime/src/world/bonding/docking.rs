@@ -289,7 +289,7 @@ impl<R: Real> Faces<R> {
     fn solve(&mut self) {
         if let (Attraction::Suction(suction), None) = (self.magnet.law, &self.pressures) {
             let open = self.active.iter().map(|active| active.site);
-            self.pressures = Some(Pressures::of(&suction, open, &self.holds));
+            self.pressures = Some(Pressures::new(&suction, open, &self.holds));
         }
     }
 

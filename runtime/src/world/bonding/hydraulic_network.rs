@@ -27,7 +27,7 @@ struct Chamber {
 
 impl Pressures {
     /// Of the structure with these open faces and these joints.
-    pub fn of(
+    pub fn new(
         suction: &Suction,
         open: impl Iterator<Item = BlockFace>,
         holds: &BTreeMap<BlockFace, u32>,
@@ -127,7 +127,7 @@ mod tests {
 
     fn pressures(open: &[BlockFace], holds: &[(BlockFace, u32)]) -> Pressures {
         let holds = holds.iter().copied().collect();
-        Pressures::of(&SUCTION, open.iter().copied(), &holds)
+        Pressures::new(&SUCTION, open.iter().copied(), &holds)
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub(crate) struct FacePair {
 
 impl FacePair {
     /// The face of each that points most towards the other's centre.
-    pub fn of(first: &Pose, second: &Pose) -> FacePair {
+    pub fn new(first: &Pose, second: &Pose) -> FacePair {
         let face = AttractingFace::<f64>::facing(first.position, first.rotation, second.position);
         let target = AttractingFace::turned(first.position, first.rotation, face);
         let other = AttractingFace::<f64>::facing(second.position, second.rotation, first.position);
@@ -156,7 +156,7 @@ mod tests {
     }
 
     fn pushes(a: &Pose, b: &Pose) -> [VelocityChange<f64>; 2] {
-        let pair = FacePair::of(a, b);
+        let pair = FacePair::new(a, b);
         pair.pushes(&magnet(), a, b).expect("in reach")
     }
 
@@ -167,7 +167,7 @@ mod tests {
             velocity: spin.cross(&pose.position),
             spin,
         });
-        FacePair::of(a, b).bonds(&magnet(), [(a, &first), (b, &second)], 1.0)
+        FacePair::new(a, b).bonds(&magnet(), [(a, &first), (b, &second)], 1.0)
     }
 
     fn rest(a: &Pose, b: &Pose) -> bool {
@@ -193,7 +193,7 @@ mod tests {
                 pose(0.0, 0.0, 0.0, Vector3::zeros()),
                 pose(1.0 + gap, 0.0, 0.0, turn),
             );
-            let pair = FacePair::of(&a, &b);
+            let pair = FacePair::new(&a, &b);
             let force = if gap == 0.0 {
                 0.0
             } else {
@@ -264,7 +264,7 @@ mod tests {
             position: a.position + off,
             rotation: a.rotation * twist,
         };
-        let pair = FacePair::of(&a, &b);
+        let pair = FacePair::new(&a, &b);
         assert_eq!(pair.face, Face::North);
         let seat = seat(&a, pair.face, &b, pair.other);
         assert!((seat.position - b.position).norm() < 0.03);

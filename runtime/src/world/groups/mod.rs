@@ -210,7 +210,7 @@ impl BlockGroups {
                 continue;
             };
             let before = group.motions(blocks);
-            let compound = RigidMotion::of(&before, response);
+            let compound = RigidMotion::new(&before, response);
             let worst = bond_load::worst(group, &before, &compound, response, dt);
             if let Some((bond, load)) = worst
                 && load > hold
@@ -234,7 +234,7 @@ impl BlockGroups {
     pub fn stiffen(&self, blocks: &mut impl Blocks, response: Response) {
         for group in self.groups.values() {
             let before = group.motions(blocks);
-            group.stiffen(&RigidMotion::of(&before, response), &before, blocks);
+            group.stiffen(&RigidMotion::new(&before, response), &before, blocks);
         }
     }
 

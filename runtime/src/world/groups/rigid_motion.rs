@@ -19,7 +19,7 @@ pub(super) struct RigidMotion {
 
 impl RigidMotion {
     /// Of cubes of side 1 and mass 1; at least one.
-    pub fn of(cubes: &[Motion], response: Response) -> RigidMotion {
+    pub fn new(cubes: &[Motion], response: Response) -> RigidMotion {
         let (mut compound, turning) = RigidMotion::momenta(cubes, response);
         let arms = (cubes.iter()).map(|cube| cube.position - compound.middle);
         compound.spin = spin(turning, arms, response);
@@ -74,7 +74,7 @@ pub(super) fn without_drift(ways: &[[Pose; 2]]) -> impl Iterator<Item = Pose> {
         spin: (to.rotation * from.rotation.inverse()).scaled_axis(),
     };
     let motions: Vec<Motion> = ways.iter().map(way).collect();
-    let whole = RigidMotion::of(&motions, Response::FREE);
+    let whole = RigidMotion::new(&motions, Response::FREE);
     let from = Pose {
         position: whole.middle + whole.velocity,
         rotation: UnitQuaternion::identity(),
@@ -91,7 +91,7 @@ pub(crate) fn lost(cubes: &[Motion]) -> f64 {
     let energy = |velocity: Vector3<f64>, spin: Vector3<f64>| {
         (velocity.norm_squared() + spin.norm_squared() / INVERSE_INERTIA) / 2.0
     };
-    let compound = RigidMotion::of(cubes, Response::FREE);
+    let compound = RigidMotion::new(cubes, Response::FREE);
     let each = |cube: &Motion| {
         let (velocity, spin) = compound.at(cube.position);
         energy(cube.velocity, cube.spin) - energy(velocity, spin)

@@ -5,7 +5,7 @@ use stochc_ir::{Cell, Face};
 use crate::world::lattice::faces;
 
 /// Blocks in a run of them, at most.
-const MOST: usize = 256;
+const MAX: usize = 256;
 
 /// Some faces of some blocks, in the order of the blocks' cells: runs of blocks, each with the number of its faces.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -55,8 +55,8 @@ impl ExposedFaces {
         }
         if run.is_empty() {
             self.runs.remove(at);
-        } else if run.len() > MOST {
-            let second = run.split_off(MOST / 2);
+        } else if run.len() > MAX {
+            let second = run.split_off(MAX / 2);
             let faces = second
                 .iter()
                 .map(|exposed| exposed.faces.count_ones())

@@ -105,7 +105,7 @@ fn a_bonded_pair_sinks_however_slowly() {
         impulse: 0.0,
     });
     let blocks = [-0.5, 0.5].map(|x| BodyState::at_rest(Vector3::new(x, 0.0, 600.0)));
-    let settings = Settings::of(Model::Rigid, 1);
+    let settings = Settings::new(Model::Rigid, 1);
     let mut world =
         RigidWorld::with_blocks(&scene, &PLATE, &settings, 1, 0, &blocks).expect("sound");
     for _ in 0..3000 {
@@ -175,7 +175,7 @@ single precision begins to hold it, and Rapier at ten times as much. `check --sc
 }
 
 fn in_all(tick: f64, far: f64) -> [Brownian; 3] {
-    let single = Settings::of(Model::Rigid, 1);
+    let single = Settings::new(Model::Rigid, 1);
     let double = Settings {
         precision: Precision::Double,
         ..single.clone()

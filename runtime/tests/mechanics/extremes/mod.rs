@@ -89,7 +89,7 @@ fn fate<W: Arena>(
     ticks: u64,
     setup: impl Fn(&mut W),
 ) -> Fate {
-    let settings = Settings::of(Model::Rapier, substeps);
+    let settings = Settings::new(Model::Rapier, substeps);
     let mut world = match W::new(scene, plate, &settings, 1, 0) {
         Ok(world) => world,
         Err(error) => return Fate::Refused(error.to_string()),
@@ -366,7 +366,7 @@ fn quiet(count: u32) -> Scene {
 
 fn a_block_released_under_another<W: Arena>() {
     let mut world =
-        W::new(&quiet(5), &PLATE, &Settings::of(Model::Rapier, 1), 1, 0).expect("it fits");
+        W::new(&quiet(5), &PLATE, &Settings::new(Model::Rapier, 1), 1, 0).expect("it fits");
     let up = |body| BlockFace {
         body,
         face: Face::Up,
@@ -413,7 +413,7 @@ fn a_block_released_under_another<W: Arena>() {
 
 fn two_magnets_fight_for_one_block<W: Arena>() {
     let mut world =
-        W::new(&quiet(3), &PLATE, &Settings::of(Model::Rapier, 1), 1, 0).expect("it fits");
+        W::new(&quiet(3), &PLATE, &Settings::new(Model::Rapier, 1), 1, 0).expect("it fits");
     let up = |x| BlockFace {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,
@@ -464,7 +464,7 @@ fn left_of_the_energy(substeps: u32) -> f64 {
     let wall = 25.0 * scene.tick * scene.tick / scene.block.mass;
     let settings = Settings {
         substeps,
-        ..Settings::of(Model::Rapier, 1)
+        ..Settings::new(Model::Rapier, 1)
     };
     let mut world = RigidWorld::new(&scene, &PLATE, &settings, 1, 0).expect("it fits");
     let mut dice = crate::scenes::Dice::new(5);
