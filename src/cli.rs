@@ -81,9 +81,10 @@ pub enum Command {
 pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
     if !error.use_stderr() {
         let help = error.render();
-        match output_has_colour() {
-            true => print_drawn(&help.ansi().to_string())?,
-            false => print_drawn(&help.to_string())?,
+        if output_has_colour() {
+            print_drawn(&help.ansi().to_string())?
+        } else {
+            print_drawn(&help.to_string())?
         }
         return Ok(Exit::Success);
     }

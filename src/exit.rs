@@ -22,9 +22,10 @@ pub enum Exit {
 impl Exit {
     /// How a command ends whose runs, or what stands for them, were all successful, or were not.
     pub const fn of_runs(are_successful: bool) -> Exit {
-        match are_successful {
-            true => Exit::Success,
-            false => Exit::UnsuccessfulRun,
+        if are_successful {
+            Exit::Success
+        } else {
+            Exit::UnsuccessfulRun
         }
     }
 

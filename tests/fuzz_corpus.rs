@@ -121,9 +121,10 @@ fn changed_files_are_read_or_refused() {
         let kept: Vec<Vec<u8>> = (kept(folder).iter())
             .map(|path| std::fs::read(path).unwrap())
             .collect();
-        let changes = match is_of_programs(folder) {
-            true => changes / 10,
-            false => changes,
+        let changes = if is_of_programs(folder) {
+            changes / 10
+        } else {
+            changes
         };
         for seed in 0..changes {
             let mut numbers = Numbers(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));

@@ -15,9 +15,12 @@ fn report<'a>(checks: impl IntoIterator<Item = (&'a str, Checked)>) -> Value {
 }
 
 fn checked(path: &str, text: &str, levels: &LintLevels) -> Checked {
-    let mut reader = |asked: &str| match asked == path {
-        true => Ok(text.as_bytes().to_vec()),
-        false => Err("no such file".to_owned()),
+    let mut reader = |asked: &str| {
+        if asked == path {
+            Ok(text.as_bytes().to_vec())
+        } else {
+            Err("no such file".to_owned())
+        }
     };
     check_with(path, &mut reader, Limits::default(), levels)
 }

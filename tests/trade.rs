@@ -30,12 +30,13 @@ const SETTINGS: [(&str, [u64; 2], f64); 7] = [
 fn finished(program: usize, number: u64, mean: u64, cpu: f64, limit: u64) -> Finished {
     let turn = [1, 2, 4][mean as usize / 1000 - 1];
     let ticks = mean - 10 + number * turn % 21;
-    let outcome = match ticks > limit {
-        false => Outcome::Completed,
-        true => Outcome::TimedOut {
+    let outcome = if ticks <= limit {
+        Outcome::Completed
+    } else {
+        Outcome::TimedOut {
             phase: PhaseId(0),
             by: Limit::MaxTicks,
-        },
+        }
     };
     Finished {
         program,

@@ -193,12 +193,9 @@ impl Checker<'_> {
                 let mut diagnostic =
                     Diagnostic::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
                         .label(seed.location, "captures nothing")
-                        .help(match self.attracts {
-                            true => {
-                                "it attracts blocks all the same: leave it out only if the plate is to attract nothing there"
-                            }
-                            false => "leave it out: the plate is there without it",
-                        });
+                        .help(if self.attracts {
+                            "it attracts blocks all the same: leave it out only if the plate is to attract nothing there"
+                        } else { "leave it out: the plate is there without it" });
                 // A statement in a loop stands for several seeds, of which others may be used.
                 let alone = named(self.sources, seed.location, &name);
                 let is_idle = alone.is_some() && !self.attracts;

@@ -318,9 +318,10 @@ pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
 
 /// The text of a file without the mark of the byte order, and where it is none.
 fn decode(mut bytes: Vec<u8>) -> (u32, String, Option<usize>) {
-    let mark = match bytes.starts_with(BYTE_ORDER_MARK.as_bytes()) {
-        true => BYTE_ORDER_MARK.len(),
-        false => 0,
+    let mark = if bytes.starts_with(BYTE_ORDER_MARK.as_bytes()) {
+        BYTE_ORDER_MARK.len()
+    } else {
+        0
     };
     bytes.drain(..mark);
     let mark = mark as u32;

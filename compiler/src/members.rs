@@ -20,9 +20,10 @@ impl Members {
     /// Describes which there are of what `noun` calls one.
     pub fn describe(&self, noun: &str) -> String {
         let Members { word, names, .. } = self;
-        match self.is_single {
-            true => format!("the only {noun} called `{word}` is {names}"),
-            false => format!("the {noun}s called `{word}` are {names}"),
+        if self.is_single {
+            format!("the only {noun} called `{word}` is {names}")
+        } else {
+            format!("the {noun}s called `{word}` are {names}")
         }
     }
 }
@@ -79,9 +80,12 @@ impl IndexBounds {
 
     fn indices(&self) -> String {
         let bounds = &self.bounds[..usize::from(self.arity)];
-        let index = |&(first, last): &(i32, i32)| match first == last {
-            true => first.to_string(),
-            false => format!("{first}..{last}"),
+        let index = |&(first, last): &(i32, i32)| {
+            if first == last {
+                first.to_string()
+            } else {
+                format!("{first}..{last}")
+            }
         };
         match bounds {
             [] => String::new(),

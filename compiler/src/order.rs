@@ -115,9 +115,12 @@ pub fn sort(
         return Ok(None);
     }
     order.chains = (plan.phases.iter())
-        .map(|phase| match phase.planted {
-            true => Vec::new(),
-            false => longest_chain(phase.events.clone(), plan, &best),
+        .map(|phase| {
+            if phase.planted {
+                Vec::new()
+            } else {
+                longest_chain(phase.events.clone(), plan, &best)
+            }
         })
         .collect();
     order.unneeded = unneeded;

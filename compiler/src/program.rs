@@ -205,9 +205,10 @@ fn check_all(
         .map(|module| module.tree)
         .unwrap_or_default();
     diagnostics.sort_by_key(Diagnostic::place);
-    let diagnostics = match is_trial {
-        true => diagnostics,
-        false => fold(diagnostics),
+    let diagnostics = if is_trial {
+        diagnostics
+    } else {
+        fold(diagnostics)
     };
     let (mut diagnostics, mut allowed) = file_levels.apply(diagnostics, levels, &sources);
     diagnostics.sort_by_key(|diagnostic| (diagnostic.severity, diagnostic.place()));

@@ -883,13 +883,15 @@ fn looped(choices: &[u32]) -> String {
                 place(Cell::new(0, 0, 5)),
                 place(step)
             );
-            let statement = match y0 == y1 {
-                true => statement,
-                false => format!("for y in {y0}..{y1} {{ {statement} }}"),
+            let statement = if y0 == y1 {
+                statement
+            } else {
+                format!("for y in {y0}..{y1} {{ {statement} }}")
             };
-            let statement = match x0 == x1 {
-                true => statement,
-                false => format!("for x in {x0}..{x1} {{ {statement} }}"),
+            let statement = if x0 == x1 {
+                statement
+            } else {
+                format!("for x in {x0}..{x1} {{ {statement} }}")
             };
             let _ = writeln!(text, "        {statement}");
         }

@@ -433,9 +433,10 @@ pub(super) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Resu
     for file in files(path)? {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let is_ours = name.ends_with(SUFFIX) || name.contains(".draft-");
-        match is_ours && !wanted.contains(&file) {
-            true => gone(disk::remove(&file))?,
-            false => left += 1,
+        if is_ours && !wanted.contains(&file) {
+            gone(disk::remove(&file))?
+        } else {
+            left += 1
         }
     }
     match left {
@@ -493,9 +494,10 @@ fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static
     let mut checksum = [0; CHECKSUM as usize];
     from.seek(SeekFrom::Start(ends))?;
     from.read_exact(&mut checksum)?;
-    match sum.crc32 == u32::from_le_bytes(checksum) {
-        true => Ok(Ok((header, [begins, ends]))),
-        false => damaged,
+    if sum.crc32 == u32::from_le_bytes(checksum) {
+        Ok(Ok((header, [begins, ends])))
+    } else {
+        damaged
     }
 }
 

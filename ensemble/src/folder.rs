@@ -104,9 +104,10 @@ pub enum Resume {
 
 impl From<bool> for Resume {
     fn from(resume: bool) -> Resume {
-        match resume {
-            true => Resume::SameBuild,
-            false => Resume::No,
+        if resume {
+            Resume::SameBuild
+        } else {
+            Resume::No
         }
     }
 }
@@ -206,9 +207,10 @@ impl Folder {
         if recordings.is_dir() {
             atomic::clear_partial(&recordings).map_err(FolderError::at(&recordings))?;
         }
-        let builds = match done == total {
-            true => stored.builds.clone(),
-            false => joined(&stored.builds, &manifest.builds),
+        let builds = if done == total {
+            stored.builds.clone()
+        } else {
+            joined(&stored.builds, &manifest.builds)
         };
         Ok(Folder {
             path: path.to_owned(),
@@ -380,9 +382,10 @@ impl Folder {
 
     /// Writes the manifest if it is not yet the one that the folder has been opened for.
     pub(super) fn write_manifest(&self) -> Result<(), FolderError> {
-        match self.is_changed {
-            true => write_manifest(&self.path, &self.manifest),
-            false => Ok(()),
+        if self.is_changed {
+            write_manifest(&self.path, &self.manifest)
+        } else {
+            Ok(())
         }
     }
 
@@ -476,12 +479,11 @@ pub(super) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), F
     let journal = path.join(JOURNAL);
     let of = || FolderError::at(&journal);
     // Nothing is sound of what is no file.
-    let text = match journal.is_file() {
-        true => {
-            let text = journal::salvaged(&journal, manifest, &manifest.identity()).map_err(of())?;
-            Some(text.ok_or(FolderError::Journal(JournalError::Foreign))?)
-        }
-        false => None,
+    let text = if journal.is_file() {
+        let text = journal::salvaged(&journal, manifest, &manifest.identity()).map_err(of())?;
+        Some(text.ok_or(FolderError::Journal(JournalError::Foreign))?)
+    } else {
+        None
     };
     let damaged = path.join(DAMAGED);
     atomic::move_aside(&journal, &damaged).map_err(FolderError::at(&damaged))?;
@@ -553,9 +555,10 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         }
         foreign |= !is_remnant(&entry);
     }
-    match foreign {
-        false => Ok(None),
-        true => Err(without_manifest(path, FolderError::NotResults)),
+    if !foreign {
+        Ok(None)
+    } else {
+        Err(without_manifest(path, FolderError::NotResults))
     }
 }
 
@@ -574,9 +577,10 @@ pub fn check_manifest(file: &Path) -> Result<(), FolderError> {
 fn as_written(folder: &Path) -> Result<(), FolderError> {
     match FolderChecksums::read(folder) {
         (Some(checksums), _) if checksums.damage(folder, MANIFEST, false).is_some() => {
-            let path = match folder.as_os_str().is_empty() {
-                true => PathBuf::from("."),
-                false => folder.to_owned(),
+            let path = if folder.as_os_str().is_empty() {
+                PathBuf::from(".")
+            } else {
+                folder.to_owned()
             };
             Err(FolderError::Damaged { path })
         }
@@ -589,9 +593,10 @@ pub(super) fn without_manifest(
     path: &Path,
     otherwise: impl FnOnce(PathBuf) -> FolderError,
 ) -> FolderError {
-    match path.join(JOURNAL).is_file() {
-        true => FolderError::NoManifest(path.to_owned()),
-        false => otherwise(path.to_owned()),
+    if path.join(JOURNAL).is_file() {
+        FolderError::NoManifest(path.to_owned())
+    } else {
+        otherwise(path.to_owned())
     }
 }
 

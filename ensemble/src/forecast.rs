@@ -50,9 +50,10 @@ pub fn forecast_cpu_time(
     stop: &AtomicBool,
 ) -> Option<CpuForecast> {
     let programs = &manifest.programs;
-    let max_tried = match manifest.varies_settings() {
-        true => MAX_TRIED_SETTINGS,
-        false => MAX_TRIED,
+    let max_tried = if manifest.varies_settings() {
+        MAX_TRIED_SETTINGS
+    } else {
+        MAX_TRIED
     };
     let tried = programs.len().min(max_tried);
     let mut trials = vec![Trials::default(); tried];

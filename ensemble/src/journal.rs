@@ -135,9 +135,10 @@ pub(super) fn read(
             }
         }
     })?;
-    let files = match places.is_empty() {
-        true => Vec::new(),
-        false => vec![files::open(path)?],
+    let files = if places.is_empty() {
+        Vec::new()
+    } else {
+        vec![files::open(path)?]
     };
     stored.finished = Records::at(places, files, most);
     stored.shortest = shortest.0;

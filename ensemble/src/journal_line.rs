@@ -20,12 +20,11 @@ pub(super) fn line(of: &impl Serialize) -> String {
 /// Those of the file, and of a line of `most` bytes.
 pub(super) fn read_line(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
     let count = file.take(most).read_until(b'\n', line)? as u64;
-    match count < most {
-        true => Ok(count),
-        false => {
-            let size = budget::size(most);
-            Err(budget::too_large(&format!("a line of {size} or more")))
-        }
+    if count < most {
+        Ok(count)
+    } else {
+        let size = budget::size(most);
+        Err(budget::too_large(&format!("a line of {size} or more")))
     }
 }
 

@@ -56,9 +56,10 @@ impl TimeUnit {
     pub fn common<'a>(programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
         let mut ticks = programs.map(|program| program.scene.tick);
         let first = ticks.next();
-        match ticks.all(|tick| Some(tick) == first) {
-            true => TimeUnit::Ticks,
-            false => TimeUnit::Seconds,
+        if ticks.all(|tick| Some(tick) == first) {
+            TimeUnit::Ticks
+        } else {
+            TimeUnit::Seconds
         }
     }
 

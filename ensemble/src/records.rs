@@ -248,9 +248,10 @@ impl LineReader<'_> {
         }
         let (finished, bytes) = read_at(file, self.most, &mut self.line)?;
         *at = Some(place.at + bytes);
-        match (finished.program, finished.record.run) == place.key() {
-            true => Ok(finished),
-            false => Err(JournalError::Changed),
+        if (finished.program, finished.record.run) == place.key() {
+            Ok(finished)
+        } else {
+            Err(JournalError::Changed)
         }
     }
 }

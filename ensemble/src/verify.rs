@@ -51,9 +51,10 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         damage.push(format!("`{MANIFEST}`: {reason}"));
     }
     // What the other files belong to is what it has been.
-    let manifest = match damage.is_empty() {
-        true => read,
-        false => saved(path).map_err(in_manifest)?,
+    let manifest = if damage.is_empty() {
+        read
+    } else {
+        saved(path).map_err(in_manifest)?
     };
     report(MANIFEST, Integrity::new(damage, checksums.knows(MANIFEST)));
     let known = checksums.names().filter(|it| *it != MANIFEST);
@@ -131,16 +132,20 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         moved.map(|_| ()).map_err(of(DAMAGED))
     };
     let lock = lock(path)?;
-    let manifest = match is_damaged(MANIFEST) {
-        false => manifest(path).map_err(of(MANIFEST))?,
-        true => saved(path).map_err(of(MANIFEST))?,
+    let manifest = if !is_damaged(MANIFEST) {
+        manifest(path).map_err(of(MANIFEST))?
+    } else {
+        saved(path).map_err(of(MANIFEST))?
     };
-    let manifest = manifest.map_err(|reason| match is_damaged(MANIFEST) {
-        true => FolderError::LostManifest(path.to_owned()),
-        false => FolderError::Unreadable {
-            path: path.to_owned(),
-            reason,
-        },
+    let manifest = manifest.map_err(|reason| {
+        if is_damaged(MANIFEST) {
+            FolderError::LostManifest(path.to_owned())
+        } else {
+            FolderError::Unreadable {
+                path: path.to_owned(),
+                reason,
+            }
+        }
     })?;
     if is_damaged(MANIFEST) {
         aside(MANIFEST)?;
@@ -195,12 +200,13 @@ fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
         let identity = manifest.identity();
         read_journal(&path.join(JOURNAL), manifest, &identity).is_ok_and(|stored| stored.whole > 0)
     };
-    Ok(
-        manifest(path)?.and_then(|manifest| match belongs(&manifest) {
-            true => Ok(manifest),
-            false => Err("it is not that of the journal; nothing was changed".to_owned()),
-        }),
-    )
+    Ok(manifest(path)?.and_then(|manifest| {
+        if belongs(&manifest) {
+            Ok(manifest)
+        } else {
+            Err("it is not that of the journal; nothing was changed".to_owned())
+        }
+    }))
 }
 
 /// The runs of the folder that have a recording, by the number of their program and their own.
@@ -256,9 +262,10 @@ fn recording(
         Err(error) => return Ok(damaged(&error)),
     };
     Ok(
-        match recording.is_of(manifest, known.as_ref(), program, run) {
-            false => damaged(&"it is the recording of another run"),
-            true => Integrity::Sound,
+        if !recording.is_of(manifest, known.as_ref(), program, run) {
+            damaged(&"it is the recording of another run")
+        } else {
+            Integrity::Sound
         },
     )
 }

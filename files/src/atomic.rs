@@ -239,23 +239,25 @@ fn replaced(target: &Path, replaces: Replaces) -> io::Result<Option<Permissions>
         Replaces::Ordinary | Replaces::Same => true,
         Replaces::Ours(ours) => ours(open(target)?.as_plain())?,
     };
-    match ours {
-        true => Ok(Some(metadata.permissions())),
-        false => Err(io::Error::new(
+    if ours {
+        Ok(Some(metadata.permissions()))
+    } else {
+        Err(io::Error::new(
             io::ErrorKind::AlreadyExists,
             "a file of this name is there, which may be somebody else's; remove it, or choose another name",
-        )),
+        ))
     }
 }
 
 /// Refuses a link.
 pub(super) fn no_link(metadata: &fs::Metadata) -> io::Result<()> {
-    match metadata.is_symlink() {
-        true => Err(io::Error::new(
+    if metadata.is_symlink() {
+        Err(io::Error::new(
             io::ErrorKind::InvalidInput,
             "it is no ordinary file but a link; remove the link, or name the file that it leads to",
-        )),
-        false => Ok(()),
+        ))
+    } else {
+        Ok(())
     }
 }
 

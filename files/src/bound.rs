@@ -30,9 +30,10 @@ impl ImportFolders {
 /// Those of the file system, and of what is no folder.
 pub fn folder(path: &Path) -> io::Result<PathBuf> {
     let path = std::fs::canonicalize(path)?;
-    match path.is_dir() {
-        true => Ok(path),
-        false => Err(io::ErrorKind::NotADirectory.into()),
+    if path.is_dir() {
+        Ok(path)
+    } else {
+        Err(io::ErrorKind::NotADirectory.into())
     }
 }
 

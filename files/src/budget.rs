@@ -72,9 +72,10 @@ impl ReadBudget {
     /// # Errors
     /// Where it has too many.
     pub fn admits(self, bytes: u64) -> io::Result<()> {
-        match bytes < self.bytes {
-            true => Ok(()),
-            false => Err(too_large(&format!("it has {} or more", size(self.bytes)))),
+        if bytes < self.bytes {
+            Ok(())
+        } else {
+            Err(too_large(&format!("it has {} or more", size(self.bytes))))
         }
     }
 
@@ -86,9 +87,10 @@ impl ReadBudget {
         /// A page of a disk.
         const PAGE: usize = 1 << 12;
         let is_hole = |page: &[u8]| page.iter().all(|byte| *byte == 0);
-        match self.is_json && part.chunks_exact(PAGE).any(is_hole) {
-            true => Err(io::Error::new(io::ErrorKind::InvalidData, "it has a hole")),
-            false => Ok(()),
+        if self.is_json && part.chunks_exact(PAGE).any(is_hole) {
+            Err(io::Error::new(io::ErrorKind::InvalidData, "it has a hole"))
+        } else {
+            Ok(())
         }
     }
 }

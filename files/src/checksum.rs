@@ -132,9 +132,10 @@ pub fn check(line: &[u8]) -> LineIntegrity {
     let crc = crc32(body);
     let digits = (0..8).map(|place| b"0123456789abcdef"[(crc >> (28 - 4 * place) & 15) as usize]);
     let expected = digits.chain(*b"\"}");
-    match expected.eq(seal[FIELD.len()..].iter().copied()) {
-        true => LineIntegrity::Sound,
-        false => LineIntegrity::Damaged,
+    if expected.eq(seal[FIELD.len()..].iter().copied()) {
+        LineIntegrity::Sound
+    } else {
+        LineIntegrity::Damaged
     }
 }
 

@@ -42,9 +42,10 @@ impl CsvTable {
 
 /// A cell that no spreadsheet computes: text that would be a formula has an apostrophe in front.
 fn inert(cell: &str) -> Cow<'_, str> {
-    match is_computed(cell) && cell.parse::<f64>().is_err() {
-        true => format!("'{cell}").into(),
-        false => cell.into(),
+    if is_computed(cell) && cell.parse::<f64>().is_err() {
+        format!("'{cell}").into()
+    } else {
+        cell.into()
     }
 }
 

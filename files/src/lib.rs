@@ -133,9 +133,10 @@ fn is_ordinary(metadata: &Metadata) -> io::Result<()> {
     if metadata.is_file() {
         return Ok(());
     }
-    let what = match metadata.is_dir() {
-        true => "it is a folder",
-        false => "it is no ordinary file",
+    let what = if metadata.is_dir() {
+        "it is a folder"
+    } else {
+        "it is no ordinary file"
     };
     Err(io::Error::new(io::ErrorKind::InvalidInput, what))
 }

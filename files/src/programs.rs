@@ -141,9 +141,10 @@ pub fn read(program: &str) -> Result<Vec<u8>, String> {
         STDIN_NAME => INPUT.get_or_init(all).clone(),
         file => super::read(file),
     }?;
-    match Executable::is_file(&text) {
-        true => Err("it is compiled already: name the file of its text".to_owned()),
-        false => Ok(text),
+    if Executable::is_file(&text) {
+        Err("it is compiled already: name the file of its text".to_owned())
+    } else {
+        Ok(text)
     }
 }
 

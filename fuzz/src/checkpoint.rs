@@ -53,9 +53,10 @@ impl Watch for Resumed {
 fn whole(bytes: &[u8]) -> Vec<u8> {
     let mut parts = bytes.splitn(2, |byte| *byte == b'\n');
     let line = String::from_utf8_lossy(parts.next().unwrap_or_default()).into_owned();
-    let line = match line.ends_with('}') {
-        true => sealed(line),
-        false => line,
+    let line = if line.ends_with('}') {
+        sealed(line)
+    } else {
+        line
     };
     let file = [line.as_bytes(), b"\n", parts.next().unwrap_or_default()].concat();
     [&file[..], &crc32(&file).to_le_bytes()].concat()

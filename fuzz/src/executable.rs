@@ -23,9 +23,12 @@ pub fn read(bytes: &[u8]) {
         for model in [Model::Shuffle, Model::Rigid] {
             let mut settings = Settings::new(model, 1);
             settings.max_ticks = Some(5);
-            let mut watch = |tick, _| match tick > 5 {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
+            let mut watch = |tick, _| {
+                if tick > 5 {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
             };
             let _ = stochc_runtime::run(tables, scene, &settings, 1, 0, &mut watch);
         }

@@ -19,9 +19,12 @@ pub fn read(bytes: &[u8]) {
         _ => {
             let header = sealed(format!("{{\"ensemble\":\"{identity}\",\"journal\":1}}"));
             let text = String::from_utf8_lossy(bytes);
-            let lines = text.lines().map(|line| match line.ends_with('}') {
-                true => sealed(line.to_owned()) + "\n",
-                false => line.to_owned() + "\n",
+            let lines = text.lines().map(|line| {
+                if line.ends_with('}') {
+                    sealed(line.to_owned()) + "\n"
+                } else {
+                    line.to_owned() + "\n"
+                }
             });
             (header + "\n" + &lines.collect::<String>()).into_bytes()
         }

@@ -41,9 +41,10 @@ fn ensemble() -> Manifest {
 /// A folder of that ensemble in memory, where there is such a place, and its identity.
 fn folder() -> (tempfile::TempDir, String) {
     let memory = PathBuf::from("/dev/shm");
-    let above = match memory.is_dir() {
-        true => memory,
-        false => std::env::temp_dir(),
+    let above = if memory.is_dir() {
+        memory
+    } else {
+        std::env::temp_dir()
     };
     let folder = tempfile::tempdir_in(above).expect("a folder can be made");
     let manifest = ensemble();

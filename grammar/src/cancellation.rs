@@ -31,9 +31,10 @@ impl<'a> Cancellation<'a> {
     ///
     /// [`Cancelled`] if it is not.
     pub fn check(self) -> Result<(), Cancelled> {
-        match self.is_cancelled() {
-            true => Err(Cancelled),
-            false => Ok(()),
+        if self.is_cancelled() {
+            Err(Cancelled)
+        } else {
+            Ok(())
         }
     }
 }

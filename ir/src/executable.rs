@@ -127,11 +127,13 @@ impl Executable {
     /// # Errors
     /// When it is no such file, one of another format, or damaged.
     pub fn read_all(bytes: &[u8]) -> Result<Vec<Executable>, ExecutableError> {
-        let head: Head =
-            serde_json::from_slice(bytes).map_err(|error| match Executable::is_file(bytes) {
-                true => ExecutableError::Damaged(error.to_string()),
-                false => ExecutableError::OtherFile,
-            })?;
+        let head: Head = serde_json::from_slice(bytes).map_err(|error| {
+            if Executable::is_file(bytes) {
+                ExecutableError::Damaged(error.to_string())
+            } else {
+                ExecutableError::OtherFile
+            }
+        })?;
         if head.kind != KIND {
             return Err(ExecutableError::OtherFile);
         }

@@ -63,9 +63,10 @@ impl Serialize for Json<'_> {
 
 impl fmt::Display for Json<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = match out.alternate() {
-            true => serde_json::to_string_pretty(self),
-            false => serde_json::to_string(self),
+        let text = if out.alternate() {
+            serde_json::to_string_pretty(self)
+        } else {
+            serde_json::to_string(self)
         };
         out.write_str(&text.map_err(|_| fmt::Error)?)
     }

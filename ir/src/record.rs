@@ -231,28 +231,28 @@ enum NumberedOrigin {
 
 impl Serialize for Origin {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        match to.is_human_readable() {
-            true => NamedOrigin::serialize(self, to),
-            false => NumberedOrigin::serialize(self, to),
+        if to.is_human_readable() {
+            NamedOrigin::serialize(self, to)
+        } else {
+            NumberedOrigin::serialize(self, to)
         }
     }
 }
 
 impl<'de> Deserialize<'de> for Origin {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Origin, D::Error> {
-        match from.is_human_readable() {
-            true => {
-                let OriginFields { kind, role, tick } = OriginFields::deserialize(from)?;
-                let missing = <D::Error as serde::de::Error>::missing_field;
-                Ok(match kind {
-                    OriginKind::Free => Origin::Free,
-                    OriginKind::Released => Origin::Released {
-                        role: role.ok_or_else(|| missing("role"))?,
-                        tick: tick.ok_or_else(|| missing("tick"))?,
-                    },
-                })
-            }
-            false => NumberedOrigin::deserialize(from),
+        if from.is_human_readable() {
+            let OriginFields { kind, role, tick } = OriginFields::deserialize(from)?;
+            let missing = <D::Error as serde::de::Error>::missing_field;
+            Ok(match kind {
+                OriginKind::Free => Origin::Free,
+                OriginKind::Released => Origin::Released {
+                    role: role.ok_or_else(|| missing("role"))?,
+                    tick: tick.ok_or_else(|| missing("tick"))?,
+                },
+            })
+        } else {
+            NumberedOrigin::deserialize(from)
         }
     }
 }

@@ -100,9 +100,10 @@ impl<'a> StateWriter<'a> {
     /// Those of both ends, and where there are fewer.
     pub fn copy(&mut self, length: u64, from: impl Read) -> Result<(), StateError> {
         self.0.write_all(&length.to_le_bytes())?;
-        match io::copy(&mut from.take(length), self.0)? == length {
-            true => Ok(()),
-            false => Err(io::Error::from(io::ErrorKind::UnexpectedEof).into()),
+        if io::copy(&mut from.take(length), self.0)? == length {
+            Ok(())
+        } else {
+            Err(io::Error::from(io::ErrorKind::UnexpectedEof).into())
         }
     }
 }
@@ -134,9 +135,10 @@ impl<'a> StateReader<'a> {
         let mut length = [0; 8];
         self.0.read_exact(&mut length)?;
         let length = u64::from_le_bytes(length);
-        match io::copy(&mut (&mut *self.0).take(length), to)? == length {
-            true => Ok(()),
-            false => Err(io::Error::from(io::ErrorKind::UnexpectedEof).into()),
+        if io::copy(&mut (&mut *self.0).take(length), to)? == length {
+            Ok(())
+        } else {
+            Err(io::Error::from(io::ErrorKind::UnexpectedEof).into())
         }
     }
 }

@@ -91,9 +91,10 @@ fn is_far(one: &str, other: &str) -> bool {
 /// A name without its indices and the instances around it.
 fn stem(word: &str) -> &str {
     let bare = word.split('[').next().unwrap_or(word);
-    match word.contains('.') {
-        true => word.rsplit('.').next().map_or(bare, stem),
-        false => bare,
+    if word.contains('.') {
+        word.rsplit('.').next().map_or(bare, stem)
+    } else {
+        bare
     }
 }
 

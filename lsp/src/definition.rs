@@ -41,9 +41,10 @@ pub fn definitions(
         let last = within.max_by_key(|declaration| declaration.span.start);
         locations.extend(last.filter(|last| !locations.contains(last)));
     }
-    Ok(match locations.is_empty() {
-        true => declarations,
-        false => locations,
+    Ok(if locations.is_empty() {
+        declarations
+    } else {
+        locations
     })
 }
 

@@ -168,14 +168,13 @@ fn because(bound: LowerBoundReasons) -> String {
 /// What times are by, in words.
 fn by(program: &Program) -> String {
     let is_known = (program.scene.as_ref()).is_some_and(|it| Rates::built_in(it).is_some());
-    match is_known {
-        true => "rates".to_owned(),
-        false => {
-            let (usual, most) = GUESS_ERROR;
-            format!(
-                "a first guess of rates (off by a factor of {usual}, at most {most} where it was measured)"
-            )
-        }
+    if is_known {
+        "rates".to_owned()
+    } else {
+        let (usual, most) = GUESS_ERROR;
+        format!(
+            "a first guess of rates (off by a factor of {usual}, at most {most} where it was measured)"
+        )
     }
 }
 

@@ -282,9 +282,10 @@ impl<W: Write> Server<W> {
         }
         let outdated = self.changed_on_disk();
         self.fail(|other| other.is_about("", &outdated), &modified());
-        match request.is_about("", &outdated) {
-            true => Err(modified()),
-            false => result,
+        if request.is_about("", &outdated) {
+            Err(modified())
+        } else {
+            result
         }
     }
 

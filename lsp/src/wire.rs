@@ -86,9 +86,10 @@ impl<R: BufRead> MessageStream<R> {
         };
         let mut body = Vec::new();
         let count = self.input.by_ref().take(length).read_to_end(&mut body)?;
-        match count as u64 == length {
-            true => Ok(Ok(body)),
-            false => Err(io::ErrorKind::UnexpectedEof.into()),
+        if count as u64 == length {
+            Ok(Ok(body))
+        } else {
+            Err(io::ErrorKind::UnexpectedEof.into())
         }
     }
 
@@ -113,9 +114,10 @@ impl<R: BufRead> MessageStream<R> {
             }
         }
         let Some(Ok(length)) = lengths.first() else {
-            return Ok(Err(match lengths.is_empty() {
-                true => "a message without its `Content-Length`",
-                false => "a `Content-Length` that is no number of bytes",
+            return Ok(Err(if lengths.is_empty() {
+                "a message without its `Content-Length`"
+            } else {
+                "a `Content-Length` that is no number of bytes"
             }));
         };
         Ok(if lengths.iter().any(|other| other != &Ok(*length)) {
@@ -151,9 +153,10 @@ fn content_length(line: &str, lost: bool) -> Option<Result<u64, ()>> {
     const NAME: &str = "content-length";
     let (before, value) = line.rsplit_once(':')?;
     let value = value.trim();
-    let length = match value.bytes().all(|byte| byte.is_ascii_digit()) {
-        true => value.parse().map_err(|_| ()),
-        false => Err(()),
+    let length = if value.bytes().all(|byte| byte.is_ascii_digit()) {
+        value.parse().map_err(|_| ())
+    } else {
+        Err(())
     };
     let name = before.trim_end().to_ascii_lowercase();
     let is_whole = name == NAME || line.to_ascii_lowercase().starts_with("content-length:");

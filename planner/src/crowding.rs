@@ -26,15 +26,16 @@ impl Crowding<'_> {
             return true;
         }
         let is_open = |near: &u32| *near != NONE && open(*near).is_some();
-        let is_crowded = |[one, two, across]: [u32; 3]| match self.has_passable_corners {
-            true => {
+        let is_crowded = |[one, two, across]: [u32; 3]| {
+            if self.has_passable_corners {
                 [one, two, across]
                     .iter()
                     .filter(|near| is_open(near))
                     .count()
                     > 1
+            } else {
+                (one != NONE || two != NONE) && is_open(&across)
             }
-            false => (one != NONE || two != NONE) && is_open(&across),
         };
         !self.sites.squares(site).any(is_crowded)
             && !self.beside_on_plate(site, way, &open).any(|_| true)

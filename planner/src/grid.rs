@@ -41,9 +41,10 @@ impl<T: Copy + Default> Grid<T> {
         ];
         let volume: i128 = size.iter().map(|&edge| i128::from(edge)).product();
         let is_dense = volume <= DENSE.0 + DENSE.1 * cells.len() as i128;
-        let values = match is_dense {
-            true => Values::Dense(vec![T::default(); volume as usize]),
-            false => Values::Sparse(dilated(cells, margin)),
+        let values = if is_dense {
+            Values::Dense(vec![T::default(); volume as usize])
+        } else {
+            Values::Sparse(dilated(cells, margin))
         };
         Grid { low, size, values }
     }

@@ -194,9 +194,12 @@ mod tests {
                 .chain(walls.iter().copied())
                 .map(|face| cell.across(face).unwrap())
                 .collect();
-            law.mean(cell, way, LATER, |near| match full.contains(&near) {
-                true => CellState::Full,
-                false => CellState::Empty,
+            law.mean(cell, way, LATER, |near| {
+                if full.contains(&near) {
+                    CellState::Full
+                } else {
+                    CellState::Empty
+                }
             })
         };
         let sides = [Face::East, Face::West, Face::North, Face::South];

@@ -186,9 +186,10 @@ impl<'a> SchedulingJob<'a> {
         priorities: &Priorities,
         cancellation: Cancellation<'_>,
     ) -> Result<Schedule, Cancelled> {
-        let serial = match priorities.is_serial && self.has_serial() {
-            true => self.serial(priorities, cancellation)?,
-            false => None,
+        let serial = if priorities.is_serial && self.has_serial() {
+            self.serial(priorities, cancellation)?
+        } else {
+            None
         };
         let schedule = match serial {
             Some(schedule) => Some(schedule),

@@ -265,9 +265,10 @@ impl Target {
                 if next.z >= 1 && is_shorter && !self.is_inert(next) {
                     *left = left.checked_sub(1)?;
                     from.insert(next, (at, more));
-                    match is_part {
-                        true => open.push_front((next, more)),
-                        false => open.push_back((next, more)),
+                    if is_part {
+                        open.push_front((next, more))
+                    } else {
+                        open.push_back((next, more))
                     }
                 }
             }

@@ -166,9 +166,10 @@ static TO_OWN: [[[Face; 6]; 6]; 6] = {
 
 /// Where a face points after a quarter turn about the outward normal of `axis`.
 const fn quarter_turn(axis: Face, face: Face) -> Face {
-    match axis as u8 / 2 == face as u8 / 2 {
-        true => face,
-        false => cross(axis, face),
+    if axis as u8 / 2 == face as u8 / 2 {
+        face
+    } else {
+        cross(axis, face)
     }
 }
 

@@ -84,9 +84,10 @@ impl Detached {
             programs = sweep::points(&axes, asked.runs, &programs, &levels, host)?;
         }
         let varies_settings = sweep::varies_settings(&axes);
-        let settings = match varies_settings {
-            true => asked.computed.given()?,
-            false => asked.computed.settings(&programs, asked.threads, host)?,
+        let settings = if varies_settings {
+            asked.computed.given()?
+        } else {
+            asked.computed.settings(&programs, asked.threads, host)?
         };
         let mut manifest = Manifest::new(settings, asked.seed, asked.runs, programs);
         if varies_settings {
@@ -458,9 +459,12 @@ impl PythonEnsemble {
         every: u32,
         path: PathBuf,
     ) -> PyResult<()> {
-        self.chosen(py, chosen, move |chosen, host| match is_table {
-            true => export::parquet(chosen, every, &path, host),
-            false => export::gltf(chosen, every, &path, host),
+        self.chosen(py, chosen, move |chosen, host| {
+            if is_table {
+                export::parquet(chosen, every, &path, host)
+            } else {
+                export::gltf(chosen, every, &path, host)
+            }
         })
     }
 }

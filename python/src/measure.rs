@@ -121,9 +121,10 @@ pub fn plan(
             loose: LooseParts::new(asked.drops_loose, asked.adds_supports),
             imports: &imports,
             budget: budget.transpose().map_err(said("budget"))?,
-            objective: match asked.is_p90 {
-                true => Objective::P90,
-                false => Objective::Mean,
+            objective: if asked.is_p90 {
+                Objective::P90
+            } else {
+                Objective::Mean
             },
             seed: asked.seed,
             keeps_scaffolds: asked.keeps_scaffolds,

@@ -28,32 +28,30 @@ pub(crate) fn summed(time: f64) -> f64 {
 
 /// The same after x stages, by e^-x.
 fn docked_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
-    match x < SMALL {
-        true => {
-            x * x
-                * sum_of_powers(
-                    x,
-                    [1. / 2., -1. / 3., 1. / 8., -1. / 30., 1. / 144., -1. / 840.],
-                )
-        }
-        false => 1.0 - decay() * (1.0 + x),
+    if x < SMALL {
+        x * x
+            * sum_of_powers(
+                x,
+                [1. / 2., -1. / 3., 1. / 8., -1. / 30., 1. / 144., -1. / 840.],
+            )
+    } else {
+        1.0 - decay() * (1.0 + x)
     }
 }
 
 fn summed_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
-    let integral = match x < SMALL {
-        true => {
-            let factors = [
-                1. / 6.,
-                -1. / 12.,
-                1. / 40.,
-                -1. / 180.,
-                1. / 1008.,
-                -1. / 6720.,
-            ];
-            x * x * x * sum_of_powers(x, factors)
-        }
-        false => x - 2.0 + decay() * (x + 2.0),
+    let integral = if x < SMALL {
+        let factors = [
+            1. / 6.,
+            -1. / 12.,
+            1. / 40.,
+            -1. / 180.,
+            1. / 1008.,
+            -1. / 6720.,
+        ];
+        x * x * x * sum_of_powers(x, factors)
+    } else {
+        x - 2.0 + decay() * (x + 2.0)
     };
     integral / f64::from(STAGES)
 }

@@ -25,9 +25,10 @@ pub struct HeadStart {
 impl HeadStart {
     /// In how many ticks it docks, by a draw from the exponential distribution of mean 1: what is caught where it is takes always as long.
     pub fn time(&self, draw: f64) -> f64 {
-        match self.squared_distance == 0 && !self.late {
-            true => self.ticks,
-            false => self.ticks * draw,
+        if self.squared_distance == 0 && !self.late {
+            self.ticks
+        } else {
+            self.ticks * draw
         }
     }
 }

@@ -65,9 +65,10 @@ impl Neighbourhood {
 
     /// Blocks a cell so many steps away, none of them longer than [`SIGHT`], or frees it.
     pub fn set(&mut self, offset: [i32; 3], is_blocked: bool) {
-        match is_blocked {
-            true => self.block(offset),
-            false => self.0 &= !bit(offset),
+        if is_blocked {
+            self.block(offset)
+        } else {
+            self.0 &= !bit(offset)
         }
     }
 

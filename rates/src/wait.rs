@@ -43,9 +43,10 @@ impl Wait {
     pub fn cumulative_hazards(of: [Wait; 2], ticks: f64) -> [f64; 2] {
         let [one, other] = of;
         let summed_one = summed(ticks / one.docking);
-        let summed_other = match one.docking == other.docking {
-            true => summed_one,
-            false => summed(ticks / other.docking),
+        let summed_other = if one.docking == other.docking {
+            summed_one
+        } else {
+            summed(ticks / other.docking)
         };
         [
             one.rate * one.docking * summed_one,
@@ -60,9 +61,10 @@ impl Wait {
         let dock = docked(time);
         let summed = self.rate * self.docking * (summed(time) - time * dock);
         // d G / d ln x = x^2 e^-x with two stages.
-        let hazard = match x < 1e-3 {
-            true => -2.0,
-            false => -x * x * libm::exp(-x) / dock,
+        let hazard = if x < 1e-3 {
+            -2.0
+        } else {
+            -x * x * libm::exp(-x) / dock
         };
         (summed, hazard)
     }
@@ -115,9 +117,12 @@ const PARTS: usize = 256;
 /// The mean of an exponential variable of mean 1 within each of [`PARTS`] equal parts of its probability.
 static MIDDLES: LazyLock<[f64; PARTS]> = LazyLock::new(|| {
     // The integral of -ln(1 - p) from p = 0.
-    let integral = |p: f64| match p < 1.0 {
-        true => p + (1.0 - p) * libm::log1p(-p),
-        false => 1.0,
+    let integral = |p: f64| {
+        if p < 1.0 {
+            p + (1.0 - p) * libm::log1p(-p)
+        } else {
+            1.0
+        }
     };
     let parts = PARTS as f64;
     std::array::from_fn(|part| {

@@ -64,9 +64,10 @@ impl Presentation {
 
     /// Returns the unit of comparisons between programs.
     pub fn unit<'a>(&self, programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
-        match self.in_seconds {
-            true => TimeUnit::Seconds,
-            false => TimeUnit::common(programs),
+        if self.in_seconds {
+            TimeUnit::Seconds
+        } else {
+            TimeUnit::common(programs)
         }
     }
 }

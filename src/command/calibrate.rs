@@ -98,11 +98,12 @@ fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure
     let first = scenes.next();
     let first =
         first.ok_or_else(|| Failure::usage(format!("`{}` has no program", options.target)))?;
-    match scenes.any(|other| other != first) {
-        true => Err(Failure::usage(format!(
+    if scenes.any(|other| other != first) {
+        Err(Failure::usage(format!(
             "the programs of `{}` run in several scenes; calibrate a file for each",
             options.target
-        ))),
-        false => Ok(first),
+        )))
+    } else {
+        Ok(first)
     }
 }

@@ -75,9 +75,10 @@ enum EmittedFormat {
 /// Compiles a file and shows a stage.
 pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     let is_executable_wanted = options.emit == EmittedStage::Executable;
-    let form = options.format.unwrap_or(match is_executable_wanted {
-        true => EmittedFormat::Json,
-        false => EmittedFormat::Text,
+    let form = options.format.unwrap_or(if is_executable_wanted {
+        EmittedFormat::Json
+    } else {
+        EmittedFormat::Text
     });
     if is_executable_wanted && form == EmittedFormat::Text {
         return Err(Failure::usage(

@@ -179,10 +179,11 @@ fn claim_empty(out: &Path) -> Result<(), String> {
     }
     atomic::make_folder(out).map_err(unusable)?;
     let entries = disk::list(out).map_err(unusable)?;
-    match entries.iter().all(|entry| is_remnant(entry)) {
-        true => Ok(()),
-        false => Err(format!(
+    if entries.iter().all(|entry| is_remnant(entry)) {
+        Ok(())
+    } else {
+        Err(format!(
             "`{shown}` is not empty; choose an empty or a new folder"
-        )),
+        ))
     }
 }

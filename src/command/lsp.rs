@@ -17,8 +17,9 @@ pub fn run(_: &LspArguments) -> Result<Exit, Failure> {
     let served =
         served.map_err(|error| Failure::usage(format!("cannot listen to the editor: {error}")))?;
     // The protocol: 0 after `shutdown`, else 1.
-    Ok(match served {
-        true => Exit::Success,
-        false => Exit::InvalidProgram,
+    Ok(if served {
+        Exit::Success
+    } else {
+        Exit::InvalidProgram
     })
 }

@@ -170,15 +170,16 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
         is_right_at(path, &planned, &options.imports.folders)?;
     }
     write(&planned, out, options)?;
-    match stopped {
-        false => Ok(Exit::Success),
-        true => Err(Failure {
+    if !stopped {
+        Ok(Exit::Success)
+    } else {
+        Err(Failure {
             exit: Exit::Interrupted,
             message: format!(
                 "stopped; this is the best of {} plans\n",
                 planned.plan.rounds
             ),
-        }),
+        })
     }
 }
 

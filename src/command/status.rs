@@ -88,11 +88,12 @@ fn text(status: &ShardStatus, folder: &str) -> String {
             "To save what is sound, before anything is made: stochc verify {folder} --repair\n"
         );
     }
-    text += &match missing.is_empty() {
-        true => format!("To put them together: stochc merge {folder}\n"),
-        false => format!(
+    text += &if missing.is_empty() {
+        format!("To put them together: stochc merge {folder}\n")
+    } else {
+        format!(
             "To make what is missing: for i in $(stochc status {folder} --missing); do stochc shard {folder} $i; done\n"
-        ),
+        )
     };
     text
 }

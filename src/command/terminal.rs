@@ -16,9 +16,10 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 /// [`print`]s what is written to a stream, as it comes.
 pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    match output_is_watched() {
-        true => print_to(VisibleWriter::new(io::stdout().lock()), write),
-        false => print_to(io::stdout().lock(), write),
+    if output_is_watched() {
+        print_to(VisibleWriter::new(io::stdout().lock()), write)
+    } else {
+        print_to(io::stdout().lock(), write)
     }
 }
 

@@ -51,11 +51,12 @@ pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
     print(&format!(
         "repaired: {kept}, and what was damaged is in `{folder}`\n"
     ))?;
-    match is_damaged(&verify(path).map_err(Failure::usage)?) {
-        true => Err(Failure::usage(
+    if is_damaged(&verify(path).map_err(Failure::usage)?) {
+        Err(Failure::usage(
             "something is damaged still; verify it again",
-        )),
-        false => Ok(Exit::Success),
+        ))
+    } else {
+        Ok(Exit::Success)
     }
 }
 

@@ -79,9 +79,10 @@ impl FindingCounts {
             some if some == all => "; `stochc check --fix` can fix them all".to_owned(),
             some => format!("; `stochc check --fix` can fix {some} of them"),
         };
-        match told.is_empty() {
-            true => String::new(),
-            false => format!("{}{fixable}\n", told.join(", ")),
+        if told.is_empty() {
+            String::new()
+        } else {
+            format!("{}{fixable}\n", told.join(", "))
         }
     }
 }

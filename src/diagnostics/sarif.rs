@@ -157,9 +157,10 @@ impl SarifLog {
             })
             .collect();
         // The format has no word for it.
-        let text = match fix.safe {
-            true => fix.title.clone(),
-            false => format!("perhaps {}", fix.title),
+        let text = if fix.safe {
+            fix.title.clone()
+        } else {
+            format!("perhaps {}", fix.title)
         };
         json!({ "description": { "text": text }, "artifactChanges": changes })
     }

@@ -146,9 +146,10 @@ impl ChosenRun {
             error => Failure::usage(error),
         })?;
         if (self.known.as_ref()).is_some_and(|known| known.record != record) {
-            let by = match self.manifest.stochc == env!("CARGO_PKG_VERSION") {
-                true => "the simulation has changed since".to_owned(),
-                false => format!("it was made by version {}", self.manifest.stochc),
+            let by = if self.manifest.stochc == env!("CARGO_PKG_VERSION") {
+                "the simulation has changed since".to_owned()
+            } else {
+                format!("it was made by version {}", self.manifest.stochc)
             };
             return Err(Failure::usage(format!(
                 "the result of run {run} differs from the one in the folder: {by}; use the `stochc` that made it, \

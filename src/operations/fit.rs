@@ -143,9 +143,10 @@ pub fn matched(
             )));
         }
     }
-    match known.iter().any(|it| it.measurement.is_fitted) {
-        true => Ok(known),
-        false => Err(Failure::usage("--hold-out: no program is left to fit to")),
+    if known.iter().any(|it| it.measurement.is_fitted) {
+        Ok(known)
+    } else {
+        Err(Failure::usage("--hold-out: no program is left to fit to"))
     }
 }
 
@@ -192,11 +193,12 @@ impl FitSetup<'_> {
         let numbers = self.priors.len();
         let least = Emulator::terms(numbers) + 2;
         let points = self.points.unwrap_or(3 * Emulator::terms(numbers));
-        match points < least {
-            true => Err(Failure::usage(format!(
+        if points < least {
+            Err(Failure::usage(format!(
                 "--points: {numbers} numbers need {least} points at least"
-            ))),
-            false => Ok(points),
+            )))
+        } else {
+            Ok(points)
         }
     }
 

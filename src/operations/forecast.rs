@@ -29,9 +29,10 @@ fn expected_ticks(program: &EnsembleProgram) -> Option<f64> {
 
 /// A forecast as a line of text: `576 runs, about 30 s of CPU time (15 s on 2 threads)`.
 pub fn forecast_to_text(forecast: &CpuForecast, threads: Option<u16>) -> String {
-    let about = match forecast.is_lower_bound {
-        true => "at least",
-        false => "about",
+    let about = if forecast.is_lower_bound {
+        "at least"
+    } else {
+        "about"
     };
     let threads = default_threads(threads).get() as u32;
     let runs = match forecast.runs {

@@ -33,9 +33,10 @@ pub fn all_runs(
         run_all(destination, &progress, host.stop(), simulate)
     })
     .map_err(Failure::usage)?;
-    match results.complete {
-        true => Ok(results),
-        false => Err(self::stopped(stopped)),
+    if results.complete {
+        Ok(results)
+    } else {
+        Err(self::stopped(stopped))
     }
 }
 

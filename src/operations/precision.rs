@@ -111,9 +111,10 @@ fn warn_of_unknown(comparison: &Comparison, [runs, most]: [u64; 2], within: f64,
     if unknown.is_empty() {
         return;
     }
-    let runs = match runs == most {
-        true => format!("with {runs} runs, the most there may be (`--runs`)"),
-        false => format!("with {runs} runs, of which more are not waited for"),
+    let runs = if runs == most {
+        format!("with {runs} runs, the most there may be (`--runs`)")
+    } else {
+        format!("with {runs} runs, of which more are not waited for")
     };
     host.warn(&format!(
         "{runs}, not every mean is known to within {}: {}\n",

@@ -242,9 +242,10 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
     }
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     atomic::replace(page, report.page.as_bytes(), ours)?;
-    match report.has_chains {
-        true => chains.keep(),
-        false => Ok(()),
+    if report.has_chains {
+        chains.keep()
+    } else {
+        Ok(())
     }
 }
 

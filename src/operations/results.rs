@@ -118,9 +118,10 @@ pub fn ensemble_results<'a>(
     let mut comparison = ComparisonTally::new(manifest);
     let mut sweep = SweepTally::new(manifest);
     let mut trade = TradeTally::new(manifest);
-    let mut waits: Vec<WaitsTally> = match bonds {
-        true => vec![WaitsTally::default(); manifest.programs.len()],
-        false => Vec::new(),
+    let mut waits: Vec<WaitsTally> = if bonds {
+        vec![WaitsTally::default(); manifest.programs.len()]
+    } else {
+        Vec::new()
     };
     let mut failure = None;
     let told = finished.each(|done| {
@@ -159,13 +160,14 @@ impl EnsembleResults<'_> {
         let label = |name: &str| how.label(name);
         self.comparison.relabel(label);
         self.sweep.iter_mut().for_each(|sweep| sweep.relabel(label));
-        Ok(match how.in_seconds {
-            true => EnsembleResults {
+        Ok(if how.in_seconds {
+            EnsembleResults {
                 comparison: self.comparison.in_seconds(),
                 sweep: self.sweep.map(Sweep::in_seconds),
                 ..self
-            },
-            false => self,
+            }
+        } else {
+            self
         })
     }
 

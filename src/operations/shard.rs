@@ -36,10 +36,10 @@ pub fn shard(
     let progress = piece.progress(threads(at_once));
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
     let work = || piece.make(&progress, stop, made_by(manifest));
-    let made = match done == runs {
-        // There is nothing to wait for.
-        true => work(),
-        false => during(host, state, work),
+    let made = if done == runs {
+        work()
+    } else {
+        during(host, state, work)
     };
     warn_of_checkpoints(piece.checkpoints(), host);
     Ok(made.map_err(Failure::usage)?.then_some(runs))

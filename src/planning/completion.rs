@@ -202,12 +202,11 @@ impl Completion {
         } = &self.change;
         let (kept, gone) = (&text[..removed.start], &text[removed.end..]);
         let rest = format!("{before}{rest}{after}");
-        let whole = match *at >= removed.end {
-            true => {
-                let (between, end) = gone.split_at(at - removed.end);
-                format!("{kept}{between}{rest}{end}")
-            }
-            false => format!("{kept}{rest}{gone}"),
+        let whole = if *at >= removed.end {
+            let (between, end) = gone.split_at(at - removed.end);
+            format!("{kept}{between}{rest}{end}")
+        } else {
+            format!("{kept}{rest}{gone}")
         };
         let text = format(&whole).unwrap_or(whole);
         let others = self.texts[1..].iter();
@@ -283,11 +282,10 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
         }
     }
     let shape = shape.map_or("a shape".to_owned(), |shape| format!("`{shape}`"));
-    Err(NotCompleted::Refused(match is_claimed {
-        true => format!("every phase that claims {shape} builds it"),
-        false => {
-            format!("no phase claims {shape}: say what is to stand, `phase rest {{ yields NAME }}`")
-        }
+    Err(NotCompleted::Refused(if is_claimed {
+        format!("every phase that claims {shape} builds it")
+    } else {
+        format!("no phase claims {shape}: say what is to stand, `phase rest {{ yields NAME }}`")
     }))
 }
 
@@ -349,20 +347,21 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
     let written = yields.span.start as usize..yields.span.end as usize;
     let docs = yields.docs.0.iter().flat_map(|lines| lines.iter());
     let start = with_docs(text, written.start, docs.count());
-    Ok(match claim.fills_phase() {
-        true => Change {
+    Ok(if claim.fills_phase() {
+        Change {
             removed: start..start,
             at: start,
             around: [String::new(), String::new()],
-        },
-        false => Change {
+        }
+    } else {
+        Change {
             removed: start..written.end,
             at: behind(text, phase.span.end as usize),
             around: [
                 format!("\nphase {new} {{\n"),
                 format!("{}yields {}\n}}\n", &text[start..written.start], claim.name),
             ],
-        },
+        }
     })
 }
 
@@ -385,9 +384,10 @@ fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
 fn behind(text: &str, at: usize) -> usize {
     let line = text[at..].split('\n').next().unwrap_or_default();
     // A comment with three strokes belongs to what comes behind it.
-    match is_comment(line.trim_start().as_bytes()) {
-        true => at + line.len(),
-        false => at,
+    if is_comment(line.trim_start().as_bytes()) {
+        at + line.len()
+    } else {
+        at
     }
 }
 

@@ -467,9 +467,10 @@ impl Goal {
         let are_kept = plan.dismantling.as_ref().is_some_and(|it| it.are_kept);
         let with_scaffolds = format!("{}_with_scaffolds", self.name);
         // What stays is claimed.
-        let (name, shape) = match are_kept {
-            true => (&with_scaffolds, declaration(&with_scaffolds, &plan.cells())),
-            false => (&self.name, self.shape.clone()),
+        let (name, shape) = if are_kept {
+            (&with_scaffolds, declaration(&with_scaffolds, &plan.cells()))
+        } else {
+            (&self.name, self.shape.clone())
         };
         let naming = Naming {
             assembly: &self.assembly(),

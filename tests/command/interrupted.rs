@@ -211,15 +211,14 @@ fn the_best_plan_is_kept() {
     until(&mut child, "thread that listens", listens);
     let said = interrupt(child, "-INT");
     assert_eq!(said.status, 130, "{}", said.err);
-    match said.out.is_empty() {
-        true => assert!(
+    if said.out.is_empty() {
+        assert!(
             said.err.contains("stopped before there was a plan"),
             "{}",
             said.err
-        ),
-        false => {
-            assert!(said.out.contains("yields five_towers"), "{}", said.out);
-            assert!(said.err.contains("the best of"), "{}", said.err);
-        }
+        )
+    } else {
+        assert!(said.out.contains("yields five_towers"), "{}", said.out);
+        assert!(said.err.contains("the best of"), "{}", said.err);
     }
 }

@@ -287,9 +287,10 @@ fn section(schemas: &Schemas, level: &str, schema: &Value) -> String {
     let required = schema["required"].as_array().unwrap();
     text += "\n| key | type | meaning |\n|---|---|---|\n";
     for (key, rule) in properties {
-        let optional = match required.contains(&json!(key)) {
-            true => "",
-            false => ", optional",
+        let optional = if required.contains(&json!(key)) {
+            ""
+        } else {
+            ", optional"
         };
         let meaning = rule["description"].as_str().unwrap();
         text += &format!(

@@ -40,9 +40,12 @@ fn damage_is_told_and_what_is_sound_is_saved() {
         "sweep.svg",
         "recordings/0-1.rec",
     ];
-    let names = names.map(|name| match Path::new(&out).join(name).exists() {
-        true => name,
-        false => "sweep.json",
+    let names = names.map(|name| {
+        if Path::new(&out).join(name).exists() {
+            name
+        } else {
+            "sweep.json"
+        }
     });
     for name in names {
         flip(&out, name, 700);

@@ -101,9 +101,10 @@ fn copy(from: &Path, to: &Path) {
             let entry = entry.unwrap();
             (entry.path(), to.join(entry.file_name()))
         };
-        match from.is_dir() {
-            true => copy(&from, &to),
-            false => drop(std::fs::copy(&from, &to).unwrap()),
+        if from.is_dir() {
+            copy(&from, &to)
+        } else {
+            drop(std::fs::copy(&from, &to).unwrap())
         }
     }
 }

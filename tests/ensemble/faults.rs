@@ -163,15 +163,12 @@ impl State {
 fn image(folder: &Path, found: &mut Image) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => {
-                image(&path, found);
-                found.insert(path, None);
-            }
-            false => {
-                let content = fs::read(&path).unwrap();
-                found.insert(path, Some(content));
-            }
+        if path.is_dir() {
+            image(&path, found);
+            found.insert(path, None);
+        } else {
+            let content = fs::read(&path).unwrap();
+            found.insert(path, Some(content));
         }
     }
 }
@@ -369,9 +366,10 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
     let mut manifest = manifest(runs);
     manifest.seed = seed;
     let memory = PathBuf::from("/dev/shm");
-    let above = match memory.is_dir() {
-        true => memory,
-        false => std::env::temp_dir(),
+    let above = if memory.is_dir() {
+        memory
+    } else {
+        std::env::temp_dir()
     };
     let place = tempfile::tempdir_in(above).unwrap();
     let root = place.path().join("folder");
@@ -440,13 +438,12 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
                 let none = |_: &Manifest, _: &Records| Ok(Vec::new());
                 let repaired =
                     repair(&root, none).is_ok() && patiently(work, &root, &manifest).is_ok();
-                match repaired {
-                    true => count.repaired += 1,
-                    false => {
-                        count.lost += 1;
-                        fresh();
-                        patiently(work, &root, &manifest).unwrap();
-                    }
+                if repaired {
+                    count.repaired += 1
+                } else {
+                    count.lost += 1;
+                    fresh();
+                    patiently(work, &root, &manifest).unwrap();
                 }
             }
             assert!(bytes(&root) == tables, "{what}: other tables");

@@ -64,15 +64,14 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     for entry in fs::read_dir(folder).unwrap() {
         let entry = entry.unwrap();
         let name = entry.file_name().into_string().unwrap();
-        match entry.path().is_dir() {
-            true => found.extend(
+        if entry.path().is_dir() {
+            found.extend(
                 files(&entry.path())
                     .into_iter()
                     .map(|(file, content)| (format!("{name}/{file}"), content)),
-            ),
-            false => {
-                found.insert(name, fs::read(entry.path()).unwrap());
-            }
+            )
+        } else {
+            found.insert(name, fs::read(entry.path()).unwrap());
         }
     }
     found

@@ -411,10 +411,7 @@ proptest! {
         let record = ran(&executable, Model::Rate, Some(ticks));
         let structure = ExistingStructure::from_record(&executable.tables, &record);
         let names: Vec<&str> = structure.names().collect();
-        let dead: BTreeSet<&str> = match names.is_empty() {
-            true => BTreeSet::new(),
-            false => dead.iter().map(|index| *index.get(&names)).collect(),
-        };
+        let dead: BTreeSet<&str> = if names.is_empty() { BTreeSet::new() } else { dead.iter().map(|index| *index.get(&names)).collect() };
         let there = goal.stand_on(&structure, &dead);
         if record.outcome == Outcome::Completed {
             prop_assert_eq!(there, Err("nothing is missing".to_owned()));

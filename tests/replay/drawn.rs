@@ -386,12 +386,13 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
             "replay.seek({}).then(() => document.getElementById('beyond').textContent)",
             frame.tick
         ));
-        let expected = match told.is_empty() {
-            true => String::new(),
-            false => format!(
+        let expected = if told.is_empty() {
+            String::new()
+        } else {
+            format!(
                 "now some blocks reach {}: click one to see why",
                 told.join(", and ")
-            ),
+            )
         };
         assert_eq!(said, expected, "at {}", frame.tick);
         for (kind, word) in ["into the floor", "outside of the shell"]

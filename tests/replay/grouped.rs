@@ -123,9 +123,10 @@ fn check_strip(page: &mut impl Page, recording: &Recording) {
         .filter(|it| it[0] == "moveTo" || it[0] == "lineTo")
     {
         let point = [number(&it[2]), number(&it[3])];
-        match it[0] == "moveTo" {
-            true => lines.push(vec![point]),
-            false => lines.last_mut().unwrap().push(point),
+        if it[0] == "moveTo" {
+            lines.push(vec![point])
+        } else {
+            lines.last_mut().unwrap().push(point)
         }
     }
     lines.retain(|line| line.len() > 2);

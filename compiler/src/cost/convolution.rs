@@ -243,9 +243,10 @@ impl Distribution {
     fn plus(&self, other: &Distribution, most: usize) -> Distribution {
         let count = (self.at.len() + other.at.len() - 1).min(most);
         let mut at = vec![0.0; count];
-        let (short, long) = match self.at.len() < other.at.len() {
-            true => (self, other),
-            false => (other, self),
+        let (short, long) = if self.at.len() < other.at.len() {
+            (self, other)
+        } else {
+            (other, self)
         };
         for (i, weight) in short
             .at

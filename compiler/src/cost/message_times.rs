@@ -175,9 +175,10 @@ impl<'a> MessageTimes<'a> {
             let (jump, further) = (self.jump(parent), self.jump(self.jump(parent)));
             let [near, middle, far] = [parent, jump, further].map(|it| self.depth(it));
             self.depths[id.0 as usize] = near + 1;
-            self.jumps[id.0 as usize] = match near - middle == middle - far {
-                true => further,
-                false => parent,
+            self.jumps[id.0 as usize] = if near - middle == middle - far {
+                further
+            } else {
+                parent
             };
         }
     }
@@ -189,15 +190,17 @@ impl<'a> MessageTimes<'a> {
         }
         while self.depth(a) > self.depth(b) {
             let jump = self.jump(a);
-            a = match self.depth(jump) >= self.depth(b) {
-                true => jump,
-                false => self.below(a),
+            a = if self.depth(jump) >= self.depth(b) {
+                jump
+            } else {
+                self.below(a)
             };
         }
         while a != b {
-            (a, b) = match self.jump(a) == self.jump(b) {
-                true => (self.below(a), self.below(b)),
-                false => (self.jump(a), self.jump(b)),
+            (a, b) = if self.jump(a) == self.jump(b) {
+                (self.below(a), self.below(b))
+            } else {
+                (self.jump(a), self.jump(b))
             };
         }
         a
@@ -278,18 +281,20 @@ impl<'a> MessageTimes<'a> {
 
     /// Hops of the report that an event was the last of its branch; 0: others come behind it, and report.
     fn report(&self, id: EventId, is_release: bool) -> u32 {
-        let goes_on = match is_release {
-            true => LocatedDependency::Emptied,
-            false => LocatedDependency::Anchored,
+        let goes_on = if is_release {
+            LocatedDependency::Emptied
+        } else {
+            LocatedDependency::Anchored
         };
         let graph = &self.program.graph;
         let mut behind = graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing);
         if behind.any(|edge| *edge.weight() == goes_on) {
             return 0;
         }
-        match is_release {
-            true => self.depth(self.parent(id)),
-            false => self.depth(Some(id)),
+        if is_release {
+            self.depth(self.parent(id))
+        } else {
+            self.depth(Some(id))
         }
     }
 }

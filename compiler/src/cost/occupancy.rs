@@ -68,18 +68,15 @@ impl Occupancy {
             let Some(intervals) = self.intervals.get_mut(&event.cell) else {
                 continue;
             };
-            match intervals.iter().any(|interval| interval.until == u32::MAX) {
-                true => {
-                    *intervals = smallvec![OccupancyInterval {
-                        since: 0,
-                        until: u32::MAX,
-                    }];
-                }
-                false => {
-                    self.intervals.remove(&event.cell);
-                    let (cube, bit) = cube(event.cell);
-                    *self.cubes.entry(cube).or_default() &= !bit;
-                }
+            if intervals.iter().any(|interval| interval.until == u32::MAX) {
+                *intervals = smallvec![OccupancyInterval {
+                    since: 0,
+                    until: u32::MAX,
+                }];
+            } else {
+                self.intervals.remove(&event.cell);
+                let (cube, bit) = cube(event.cell);
+                *self.cubes.entry(cube).or_default() &= !bit;
             }
         }
     }

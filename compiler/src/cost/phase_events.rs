@@ -38,9 +38,12 @@ pub fn phase_events(program: &Program, phase: &PlanPhase, levels: &[u32]) -> Vec
         let cell = layout.cells[id.0 as usize]?;
         let (kind, parent) = (plan.event(id).kind, layout.parents[id.0 as usize]);
         let is_release = kind == EventKind::Release;
-        let since = |capture: EventId| match phase.events.contains(&capture.0) {
-            true => levels[capture.0 as usize],
-            false => 0,
+        let since = |capture: EventId| {
+            if phase.events.contains(&capture.0) {
+                levels[capture.0 as usize]
+            } else {
+                0
+            }
         };
         Some(PhaseEvent {
             id,

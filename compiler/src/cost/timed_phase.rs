@@ -200,9 +200,10 @@ impl PhaseDraw<'_, '_> {
             }
             Some(few) => {
                 few.hazards[step as usize] = hazard;
-                match opens <= few.now {
-                    true => few.open(step),
-                    false => self.schedule(opens, step, StepEvent::Opens),
+                if opens <= few.now {
+                    few.open(step)
+                } else {
+                    self.schedule(opens, step, StepEvent::Opens)
                 }
             }
         }

@@ -107,9 +107,10 @@ fn advice(diagnostic: &Diagnostic) -> Option<String> {
     if told || help.is_some_and(says) {
         return help.map(str::to_owned);
     }
-    let mut line = match fix.safe {
-        true => format!("`stochc check --fix` can {}", fix.title),
-        false => format!("perhaps {}", fix.title),
+    let mut line = if fix.safe {
+        format!("`stochc check --fix` can {}", fix.title)
+    } else {
+        format!("perhaps {}", fix.title)
     };
     if !new.is_empty() && !says(&fix.title) {
         line.push_str(&format!(": `{new}`"));

@@ -18,9 +18,10 @@ impl Others {
 
     /// ``; the same for `T[5]`, `T[6]` and 494 more``
     pub(super) fn text(&self) -> String {
-        match self.first.is_empty() {
-            true => String::new(),
-            false => format!("; the same for {}", listed(&self.first, self.count)),
+        if self.first.is_empty() {
+            String::new()
+        } else {
+            format!("; the same for {}", listed(&self.first, self.count))
         }
     }
 }

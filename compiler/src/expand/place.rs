@@ -203,9 +203,10 @@ impl Expander<'_, '_> {
             diagnostic
         } else {
             // In a pattern, names are those of its own instance.
-            let written = match key.scope == self.scope.instance {
-                true => key.within(0),
-                false => key,
+            let written = if key.scope == self.scope.instance {
+                key.within(0)
+            } else {
+                key
             };
             let name = self.plan.roles.name_of(written, self.symbols);
             let title = format!("no instance of a pattern is called `{name}`");

@@ -13,16 +13,16 @@ impl Expander<'_, '_> {
     pub(super) fn wrong_kind(&mut self, named: Name, value: BoundValue, needed: ValueKind) {
         let name = self.symbols.word(named.symbol);
         let given = value.kind().map_or("something else", ValueKind::noun);
-        let (title, label) = match value.kind() == Some(needed) {
-            // The place of a parameter is taken by one block.
-            true => (
+        let (title, label) = if value.kind() == Some(needed) {
+            (
                 format!("`{name}` is one block here"),
                 "it has no indices".to_owned(),
-            ),
-            false => (
+            )
+        } else {
+            (
                 format!("`{name}` is {given} here, not {}", needed.noun()),
                 format!("used as {}", needed.noun()),
-            ),
+            )
         };
         let mut diagnostic = Diagnostic::new(Code::WrongKind, title)
             .label(self.location(named.span), label)
@@ -50,17 +50,15 @@ impl Expander<'_, '_> {
                 Code::UnknownName,
                 format!("`{name}` is used before its `let`"),
             );
-            match let_.file == location.file
-                && (let_.span.start..let_.span.end).contains(&span.start)
+            if let_.file == location.file && (let_.span.start..let_.span.end).contains(&span.start)
             {
-                true => (diagnostic.label(location, "used in its own value"))
-                    .help("give it a value that can be worked out without it"),
-                false => (diagnostic
+                (diagnostic.label(location, "used in its own value"))
+                    .help("give it a value that can be worked out without it")
+            } else {
+                (diagnostic
                     .label(location, "not known yet")
                     .label(named, "known from here on"))
-                .help(
-                    "move the `let` up: a number is known from its `let` to the end of the block",
-                ),
+                .help("move the `let` up: a number is known from its `let` to the end of the block")
             }
         } else if let Some((around, grown)) = self.scope.any(word).zip(self.grown()) {
             let pattern = self.symbols.word(grown.pattern);

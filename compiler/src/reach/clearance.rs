@@ -145,11 +145,12 @@ impl ReachAnalysis<'_> {
         let is_gap = |way: &Face| beside_gap(cell, *way).all(is_empty);
         // Most cells are decided without a look at gaps.
         for is_inside in [true, false] {
-            let lows: Vec<Cell> = match is_inside {
-                true => boxes(cell).collect(),
-                false => (way.filter(is_gap).into_iter())
+            let lows: Vec<Cell> = if is_inside {
+                boxes(cell).collect()
+            } else {
+                (way.filter(is_gap).into_iter())
                     .flat_map(|way| gap_entrances(cell, way))
-                    .collect(),
+                    .collect()
             };
             let free = lows.into_iter().filter(|&low| !search.is_blocked(low));
             match search.find_path(

@@ -52,9 +52,10 @@ impl ReachAnalysis<'_> {
         let never = self.never(events, descendants);
         let straight = self.straight(|id| never.contains(&id));
         let has_releases = events.iter().any(|&id| !self.is_capture(id));
-        let apart = match has_releases {
-            true => None,
-            false => self.dismantle(&straight, events, descendants, &|id| !never.contains(&id)),
+        let apart = if has_releases {
+            None
+        } else {
+            self.dismantle(&straight, events, descendants, &|id| !never.contains(&id))
         };
         let phase = ClosablePhase {
             events,
@@ -152,10 +153,7 @@ impl ReachAnalysis<'_> {
             SealedOutcome::Never(UnreachableCause::Waits(first)) => {
                 let is_sure = own.contains(&first);
                 let first = plan.describe(first, subject.symbols);
-                return Some(diagnostic.help(match is_sure {
-                    true => format!("`{first}` has to come first, and never can"),
-                    false => format!("too many of those that it waits for never can come: `{first}` is one"),
-                }));
+                return Some(diagnostic.help(if is_sure { format!("`{first}` has to come first, and never can") } else { format!("too many of those that it waits for never can come: `{first}` is one") }));
             }
             SealedOutcome::Never(UnreachableCause::Together) => {
                 return Some(diagnostic.help("no order of the phase reaches all of it: leave an opening"));
@@ -242,10 +240,7 @@ impl ReachAnalysis<'_> {
                     1 => "as a statement of its own",
                     _ => "as statements of their own",
                 };
-                let naming = match waits.iter().any(|wait| wait.contains('#')) {
-                    true => "; name the instance of the pattern for it: `... as a`",
-                    false => "",
-                };
+                let naming = if waits.iter().any(|wait| wait.contains('#')) { "; name the instance of the pattern for it: `... as a`" } else { "" };
                 format!("write {} {its_own}{naming}\n", listed(&waits))
             }
             _ if !self.has_choice() && phase.apart.as_ref().is_some_and(|apart| !apart.is_whole) => {
@@ -292,11 +287,12 @@ impl ReachAnalysis<'_> {
         if needed.contains(&id) {
             return SealedOutcome::Doubtful;
         }
-        let built = match apart.is_whole && !self.has_choice() {
-            true => None,
-            false => self.dismantle(&straight, events, descendants, &|other| {
+        let built = if apart.is_whole && !self.has_choice() {
+            None
+        } else {
+            self.dismantle(&straight, events, descendants, &|other| {
                 needed.contains(&other)
-            }),
+            })
         };
         let built = built.as_ref().unwrap_or(apart);
         if walls.is_empty() || !needed.iter().all(|&other| built.has_gone(other)) {

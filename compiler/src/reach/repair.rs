@@ -45,9 +45,10 @@ impl ReachAnalysis<'_> {
         while i < later.len() && later.len() > 1 {
             let mut fewer = later.clone();
             fewer.remove(i);
-            match self.is_open_after(id, &fewer, phase.descendants, &at_worst) {
-                true => later = fewer,
-                false => i += 1,
+            if self.is_open_after(id, &fewer, phase.descendants, &at_worst) {
+                later = fewer
+            } else {
+                i += 1
             }
         }
         Some(later)

@@ -58,14 +58,13 @@ fn within(
         .last()
         .map(|entry| choices(entry, true))
         .unwrap_or_default();
-    let next = match kinds.is_empty() {
-        false => kinds,
-        true => {
-            let known = known.iter().filter(|entry| !said.contains(&entry.word));
-            let is_new = |entry: &&SchemaEntry| !own.iter().any(|said| std::ptr::eq(*said, *entry));
-            let further = own.iter().flat_map(|entry| choices(entry, false));
-            further.filter(is_new).chain(known).collect()
-        }
+    let next = if !kinds.is_empty() {
+        kinds
+    } else {
+        let known = known.iter().filter(|entry| !said.contains(&entry.word));
+        let is_new = |entry: &&SchemaEntry| !own.iter().any(|said| std::ptr::eq(*said, *entry));
+        let further = own.iter().flat_map(|entry| choices(entry, false));
+        further.filter(is_new).chain(known).collect()
     };
     WordContext { word, path, next }
 }

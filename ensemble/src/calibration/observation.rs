@@ -192,13 +192,15 @@ impl Observations {
             let [from, to] = *pair else { continue };
             while let Some(it) = history.moves.get(moved).filter(|it| it.tick <= from) {
                 moved += 1;
-                match it.came {
-                    true => full.insert(it.cell),
-                    false => full.remove(&it.cell),
+                if it.came {
+                    full.insert(it.cell)
+                } else {
+                    full.remove(&it.cell)
                 };
-                free = match it.came {
-                    true => free.saturating_sub(1),
-                    false => free + 1,
+                free = if it.came {
+                    free.saturating_sub(1)
+                } else {
+                    free + 1
                 };
             }
             let open = |cell: Cell| {

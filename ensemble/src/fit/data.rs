@@ -180,9 +180,10 @@ fn summary(record: &StringRecord) -> Result<Observed, String> {
 
 fn run(record: &StringRecord, with_stopped: bool) -> Result<Observation, String> {
     let time = positive(record, 1)?;
-    let word = match with_stopped {
-        true => record.get(2).unwrap_or_default(),
-        false => "false",
+    let word = if with_stopped {
+        record.get(2).unwrap_or_default()
+    } else {
+        "false"
     };
     match word.to_ascii_lowercase().as_str() {
         "true" | "yes" | "1" => Ok(Observation::censored(time)),

@@ -55,9 +55,12 @@ impl Observed {
         let horizon = horizon(runs);
         let end = horizon.unwrap_or(f64::INFINITY);
         let cut: Vec<Observation> = (runs.iter())
-            .map(|run| match run.time > end {
-                true => Observation::censored(end),
-                false => *run,
+            .map(|run| {
+                if run.time > end {
+                    Observation::censored(end)
+                } else {
+                    *run
+                }
             })
             .collect();
         let curve = KaplanMeier::new(&cut)?;
@@ -132,10 +135,10 @@ fn effective_n(curve: &KaplanMeier, runs: &[Observation], mean: f64, variance: f
     let contributions = curve.contributions(runs, end);
     let squares: f64 = contributions.iter().map(|it| (it - mean).powi(2)).sum();
     let n = runs.len() as f64;
-    match squares > 0.0 && variance > 0.0 {
-        true => (n * n * variance / squares).min(n),
-        // None has completed: what counts is how long they were followed.
-        false => runs.iter().map(|run| run.time / end).sum(),
+    if squares > 0.0 && variance > 0.0 {
+        (n * n * variance / squares).min(n)
+    } else {
+        runs.iter().map(|run| run.time / end).sum()
     }
 }
 

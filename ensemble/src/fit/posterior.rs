@@ -152,9 +152,10 @@ fn next_temperature(known: &[f64], heat: f64) -> f64 {
     let (mut low, mut high) = (heat, 1.0);
     for _ in 0..60 {
         let middle = (low + high) / 2.0;
-        match of_use(middle) >= enough {
-            true => low = middle,
-            false => high = middle,
+        if of_use(middle) >= enough {
+            low = middle
+        } else {
+            high = middle
         }
     }
     // Whatever rounding does, the next one is hotter.

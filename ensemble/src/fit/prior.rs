@@ -83,37 +83,41 @@ impl Prior {
 
     /// The value at a part of the prior's probability, 0 to 1, in `unit`.
     pub fn value(&self, share: f64) -> f64 {
-        match self.is_logarithmic {
-            true => self.from * (self.to / self.from).powf(share),
-            false => self.from + (self.to - self.from) * share,
+        if self.is_logarithmic {
+            self.from * (self.to / self.from).powf(share)
+        } else {
+            self.from + (self.to - self.from) * share
         }
     }
 
     /// The part of the prior's probability below a value.
     fn share(&self, value: f64) -> f64 {
-        let share = match self.is_logarithmic {
-            true => (value / self.from).ln() / (self.to / self.from).ln(),
-            false => (value - self.from) / (self.to - self.from),
+        let share = if self.is_logarithmic {
+            (value / self.from).ln() / (self.to / self.from).ln()
+        } else {
+            (value - self.from) / (self.to - self.from)
         };
         share.clamp(0.0, 1.0)
     }
 
     /// The share at which there is a value that the number may have, nearest to `share`.
     pub fn possible(&self, share: f64) -> f64 {
-        match self.is_whole {
-            true => self.share(self.value(share).round()),
-            false => share,
+        if self.is_whole {
+            self.share(self.value(share).round())
+        } else {
+            share
         }
     }
 
     /// An interval of shares, up to values that the number may have.
     pub fn outward(&self, (low, high): (f64, f64)) -> (f64, f64) {
-        match self.is_whole {
-            true => (
+        if self.is_whole {
+            (
                 self.share(self.value(low).floor()),
                 self.share(self.value(high).ceil()),
-            ),
-            false => (low, high),
+            )
+        } else {
+            (low, high)
         }
     }
 
@@ -144,10 +148,10 @@ impl Prior {
     /// See [`Prior::varied`].
     pub fn varied_to(&self, said: f64, scene: &Scene) -> Result<Varied, String> {
         let number = number(scene, &self.of)?;
-        let said = match number.is_whole() {
-            true => said.round(),
-            // As many digits as single precision has: more would make no other run.
-            false => digits(said, 7),
+        let said = if number.is_whole() {
+            said.round()
+        } else {
+            digits(said, 7)
         };
         varied(number, said, &self.unit)
     }

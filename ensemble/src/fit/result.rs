@@ -261,9 +261,12 @@ mod tests {
         let times_of_truth = times(random, truth, 100);
         let runs = times_of_truth.iter().enumerate();
         let runs: Vec<Observation> = runs
-            .map(|(i, &time)| match time > limit(i) {
-                true => Observation::censored(limit(i)),
-                false => Observation::completed(time),
+            .map(|(i, &time)| {
+                if time > limit(i) {
+                    Observation::censored(limit(i))
+                } else {
+                    Observation::completed(time)
+                }
             })
             .collect();
         let measurement = Measurement {

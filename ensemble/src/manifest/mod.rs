@@ -491,9 +491,10 @@ impl EnsembleProgram {
 /// Returns the values of a point as they follow the name of its program.
 fn bracketed(values: impl Iterator<Item = String>) -> String {
     let values: Vec<String> = values.collect();
-    match values.is_empty() {
-        true => String::new(),
-        false => format!(" [{}]", values.join(", ")),
+    if values.is_empty() {
+        String::new()
+    } else {
+        format!(" [{}]", values.join(", "))
     }
 }
 

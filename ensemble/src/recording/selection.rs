@@ -46,9 +46,10 @@ impl FromStr for Selection {
             None => number(part).map(|run| (run, run)),
             Some((first, last)) => {
                 let (first, last) = (number(first)?, number(last)?);
-                match first <= last {
-                    true => Ok((first, last)),
-                    false => Err(format!("`{first}..{last}` ends before it begins")),
+                if first <= last {
+                    Ok((first, last))
+                } else {
+                    Err(format!("`{first}..{last}` ends before it begins"))
                 }
             }
         });

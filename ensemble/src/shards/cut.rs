@@ -86,13 +86,14 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
 
 /// Refuses runs of this build in the ensemble of another.
 pub(crate) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderError> {
-    match stored.builds == [this_build()] {
-        true => Ok(()),
-        false => Err(FolderError::OtherBuildOfPieces {
+    if stored.builds == [this_build()] {
+        Ok(())
+    } else {
+        Err(FolderError::OtherBuildOfPieces {
             path: path.to_owned(),
             reason: other_build(&stored.builds)
                 .unwrap_or_else(|| "several builds have made it".to_owned()),
-        }),
+        })
     }
 }
 

@@ -54,12 +54,13 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
         );
         // Without all of them there is nothing to write.
         let is_wanted = missing.is_empty() && foreign.is_empty();
-        let found = read(&file, &header, manifest, &jobs, |line| match is_wanted {
-            true => {
+        let found = read(&file, &header, manifest, &jobs, |line| {
+            if is_wanted {
                 draft.write_all(line)?;
                 draft.write_all(b"\n")
+            } else {
+                Ok(())
             }
-            false => Ok(()),
         })?;
         match found {
             PieceFile::Whole => {}

@@ -139,9 +139,10 @@ impl Piece {
     /// How many runs it has, and how many of them are done.
     pub fn runs(&self) -> (u64, u64) {
         let all = self.jobs.end - self.jobs.start;
-        let done = match self.is_made {
-            true => all,
-            false => self.kept.len() as u64,
+        let done = if self.is_made {
+            all
+        } else {
+            self.kept.len() as u64
         };
         (all, done)
     }
@@ -288,9 +289,10 @@ pub(super) fn read(
             Ok(done) => {
                 let expected = job(next, programs);
                 let is_next = (done.program, done.record.run) == (expected.program, expected.run);
-                match next < jobs.end && is_next {
-                    true => broken = each(line.text).err(),
-                    false => wrong = Some(format!("is damaged: its line {number} is another run")),
+                if next < jobs.end && is_next {
+                    broken = each(line.text).err()
+                } else {
+                    wrong = Some(format!("is damaged: its line {number} is another run"))
                 }
                 next += 1;
             }

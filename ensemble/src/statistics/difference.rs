@@ -74,16 +74,14 @@ pub enum Longer {
 /// Runs of one seed belong together by their number, and those without a partner are left out.
 pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
     let is_paired = first.seed == second.seed;
-    let (ours, theirs) = match is_paired {
-        true => (first.shared(second), second.shared(first)),
-        false => (first.observations(), second.observations()),
+    let (ours, theirs) = if is_paired {
+        (first.shared(second), second.shared(first))
+    } else {
+        (first.observations(), second.observations())
     };
     let both = comparable(&ours, &theirs)?;
     let [a, b] = &both.values;
-    let estimate = match is_paired {
-        true => paired(a, b),
-        false => welch(a, b),
-    };
+    let estimate = if is_paired { paired(a, b) } else { welch(a, b) };
     let (test, freedom, difference, error) = estimate?;
     if error <= 0.0 {
         return None;
@@ -383,9 +381,10 @@ mod tests {
                     let common = wait();
                     for sample in &mut both {
                         let time = shared * common + (1.0 - shared) * wait();
-                        sample.push(match time <= limit {
-                            true => Observation::completed(time),
-                            false => Observation::censored(limit),
+                        sample.push(if time <= limit {
+                            Observation::completed(time)
+                        } else {
+                            Observation::censored(limit)
                         });
                     }
                 }

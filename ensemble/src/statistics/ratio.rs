@@ -41,12 +41,11 @@ pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relativ
     let half_width = (a.error.zip(b.error)).map(|(ea, eb)| {
         let (va, vb) = ((ea / b.mean).powi(2), (ratio * eb / b.mean).powi(2));
         let variance = va + vb;
-        match variance > 0.0 {
-            true => {
-                let parts = va.powi(2) / a.freedom + vb.powi(2) / b.freedom;
-                t_quantile(variance.powi(2) / parts) * variance.sqrt()
-            }
-            false => 0.0,
+        if variance > 0.0 {
+            let parts = va.powi(2) / a.freedom + vb.powi(2) / b.freedom;
+            t_quantile(variance.powi(2) / parts) * variance.sqrt()
+        } else {
+            0.0
         }
     });
     Some(Relative {

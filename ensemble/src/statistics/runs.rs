@@ -71,9 +71,10 @@ pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Optio
     };
     let unseen = |sample: &[Observation]| {
         let is_seen = |run: &Observation| run.is_completed() && run.time < horizon;
-        match horizon.is_finite() && !sample.iter().any(is_seen) {
-            true => horizon * unseen_share_error(sample.len()),
-            false => 0.0,
+        if horizon.is_finite() && !sample.iter().any(is_seen) {
+            horizon * unseen_share_error(sample.len())
+        } else {
+            0.0
         }
     };
     Some(Comparable {

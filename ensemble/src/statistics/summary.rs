@@ -33,9 +33,10 @@ impl Summary {
         let min = values.iter().copied().fold(f64::INFINITY, f64::min);
         let max = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // Of equal values the sum would be rounded, and leave a spread behind.
-        let mean = match min == max {
-            true => min,
-            false => values.iter().sum::<f64>() / n as f64,
+        let mean = if min == max {
+            min
+        } else {
+            values.iter().sum::<f64>() / n as f64
         };
         let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
         let sd = (n > 1).then(|| (squares / (n - 1) as f64).sqrt());

@@ -80,9 +80,10 @@ impl KaplanMeier {
         Some(KaplanMeier {
             steps,
             last,
-            reach: match observations.iter().any(|o| o.status == Status::Censored) {
-                true => last,
-                false => f64::INFINITY,
+            reach: if observations.iter().any(|o| o.status == Status::Censored) {
+                last
+            } else {
+                f64::INFINITY
             },
         })
     }
@@ -203,9 +204,10 @@ impl KaplanMeier {
             let Some(last) = passed.checked_sub(1) else {
                 return mean;
             };
-            let lost = match run.is_completed() && steps[last].time == run.time {
-                true => loss[last],
-                false => 0.0,
+            let lost = if run.is_completed() && steps[last].time == run.time {
+                loss[last]
+            } else {
+                0.0
             };
             mean + expected[last] - lost
         };
@@ -242,9 +244,12 @@ mod tests {
 
     fn observed() -> Vec<Observation> {
         let observations = TREATED.iter().enumerate();
-        let of = |(i, &time): (usize, &f64)| match i < 9 {
-            true => Observation::completed(time),
-            false => Observation::censored(time),
+        let of = |(i, &time): (usize, &f64)| {
+            if i < 9 {
+                Observation::completed(time)
+            } else {
+                Observation::censored(time)
+            }
         };
         observations.map(of).collect()
     }

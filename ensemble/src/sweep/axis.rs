@@ -110,9 +110,12 @@ impl Axis {
                 values
             }
             AxisValues::Geometric { from, to, n } => {
-                let round = |value: f64| match number.is_whole() {
-                    true => value.round(),
-                    false => digits(value, 4),
+                let round = |value: f64| {
+                    if number.is_whole() {
+                        value.round()
+                    } else {
+                        digits(value, 4)
+                    }
                 };
                 let inner = (1..n - 1).map(|i| {
                     let share = f64::from(i) / f64::from(n - 1);
@@ -225,9 +228,10 @@ fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, Stri
     if !is_geometric {
         return Ok((AxisValues::Even { from, to, n }, unit));
     }
-    match from > 0.0 && to > 0.0 {
-        true => Ok((AxisValues::Geometric { from, to, n }, unit)),
-        false => Err("a range with `log` is of values above 0".into()),
+    if from > 0.0 && to > 0.0 {
+        Ok((AxisValues::Geometric { from, to, n }, unit))
+    } else {
+        Err("a range with `log` is of values above 0".into())
     }
 }
 

@@ -71,11 +71,12 @@ fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), String> 
 /// Rejects so many points with so many further values each.
 fn few(points: usize, values: usize) -> Result<(), String> {
     let count = points.saturating_mul(values);
-    match count > MAX_POINTS {
-        false => Ok(()),
-        true => Err(format!(
+    if count <= MAX_POINTS {
+        Ok(())
+    } else {
+        Err(format!(
             "these are {count} points or more, and {MAX_POINTS} is the most; ask for fewer values"
-        )),
+        ))
     }
 }
 

@@ -74,9 +74,10 @@ fn recommended(trade: &Trade) -> Vec<&CandidateResult> {
 fn clause(candidate: &CandidateResult) -> String {
     let bound = candidate.bound.map_or_else(String::new, percent);
     let cost = candidate.cost_ratio.map_or_else(String::new, ratio);
-    let reduced = match candidate.reduced() {
-        true => ", though it leaves out what the scene has",
-        false => "",
+    let reduced = if candidate.reduced() {
+        ", though it leaves out what the scene has"
+    } else {
+        ""
     };
     format!(
         "`{}` is within {bound} of the reference, intervals included, at {cost} of its cost{reduced}",

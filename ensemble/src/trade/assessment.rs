@@ -227,9 +227,12 @@ fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
 
 /// Marks the Pareto-optimal settings. The bias of the reference is 0, that of others is bounded by its interval.
 fn draw_front(candidates: &mut [CandidateResult], reference: Option<usize>) {
-    let bias = |i: usize, candidate: &CandidateResult| match reference == Some(i) {
-        true => Some(0.0),
-        false => candidate.bound,
+    let bias = |i: usize, candidate: &CandidateResult| {
+        if reference == Some(i) {
+            Some(0.0)
+        } else {
+            candidate.bound
+        }
     };
     let place = |(i, candidate): (usize, &CandidateResult)| {
         Some((candidate.cost?, bias(i, candidate)?)).filter(|_| !candidate.reversed)

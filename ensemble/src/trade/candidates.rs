@@ -44,9 +44,10 @@ fn settings(finest: u32) -> Vec<Settings> {
 
 /// Returns the settings in which one thing at a time is changed: the default steps, or the finest uniform ones.
 fn usual(finest: u32) -> Settings {
-    match Substeps::DEFAULT.near <= finest {
-        true => Settings::default(),
-        false => rigid(1 << finest.max(1).ilog2()),
+    if Substeps::DEFAULT.near <= finest {
+        Settings::default()
+    } else {
+        rigid(1 << finest.max(1).ilog2())
     }
 }
 

@@ -87,9 +87,10 @@ pub fn convergence(doublings: &[Doubling], programs: &[usize], within: f64) -> C
         return Convergence::NotConverged;
     }
     let bound = last.last().and_then(|it| it.bound(programs));
-    match bound.is_some_and(|bound| bound <= within) && last.len() == STEPS {
-        true => Convergence::Converged,
-        false => Convergence::Undecided,
+    if bound.is_some_and(|bound| bound <= within) && last.len() == STEPS {
+        Convergence::Converged
+    } else {
+        Convergence::Undecided
     }
 }
 

@@ -108,9 +108,10 @@ impl Interior {
                 let apart = 2.0 * radius * (TAU / f64::from(count) / 2.0).sin();
                 let touches = count > 1 && apart < MIN_SPACING * SQRT_2;
                 let is_outside = radius.hypot(height - self.height) > self.radius;
-                match touches || is_outside || height < MARGIN {
-                    true => Err(NoRoom::OnRing { count }),
-                    false => Ok(()),
+                if touches || is_outside || height < MARGIN {
+                    Err(NoRoom::OnRing { count })
+                } else {
+                    Ok(())
                 }
             }
         }

@@ -236,9 +236,10 @@ impl StoredTables {
     }
 
     fn known(&self, role: RoleId) -> Result<(), String> {
-        match (role.0 as usize) < self.roles.len() {
-            true => Ok(()),
-            false => Err(format!("there is no role {}", role.0)),
+        if (role.0 as usize) < self.roles.len() {
+            Ok(())
+        } else {
+            Err(format!("there is no role {}", role.0))
         }
     }
 

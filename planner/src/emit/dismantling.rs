@@ -114,8 +114,9 @@ fn block(called: Called, Cell { x, y, z }: Cell) -> String {
 fn write_release(what: &str, after: impl IntoIterator<Item = String>, out: &mut String) {
     let after: Vec<String> = after.into_iter().collect();
     // Writing to a string cannot fail.
-    let _ = match after.is_empty() {
-        true => writeln!(out, "release {what}"),
-        false => writeln!(out, "release {what} after {}", after.join(", ")),
+    let _ = if after.is_empty() {
+        writeln!(out, "release {what}")
+    } else {
+        writeln!(out, "release {what} after {}", after.join(", "))
     };
 }

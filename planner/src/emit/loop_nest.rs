@@ -101,9 +101,10 @@ impl Indices<'_> {
     /// The indices of a block, or of a row of them from the first to the last.
     pub fn block(&self, first: Cell, last: Cell) -> String {
         let (first, last) = (<[i32; 3]>::from(first), <[i32; 3]>::from(last));
-        let index = |axis: usize| match first[axis] == last[axis] {
-            true => self.along(axis, first[axis]),
-            false => {
+        let index = |axis: usize| {
+            if first[axis] == last[axis] {
+                self.along(axis, first[axis])
+            } else {
                 format!(
                     "{}..{}",
                     self.along(axis, first[axis]),

@@ -56,9 +56,10 @@ pub fn declaration(name: &str, cells: &[Cell]) -> Option<String> {
     let mut out = format!("shape {name}{at} {{\n");
     // Writing to a string cannot fail.
     for (low, high, rows) in layers {
-        let _ = match low == high {
-            true => writeln!(out, "layer {low} {{"),
-            false => writeln!(out, "layer {low}..{high} {{"),
+        let _ = if low == high {
+            writeln!(out, "layer {low} {{")
+        } else {
+            writeln!(out, "layer {low}..{high} {{")
         };
         for row in rows {
             let _ = writeln!(out, "{row}");

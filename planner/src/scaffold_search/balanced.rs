@@ -32,9 +32,12 @@ impl GrowthSchedule {
         have_guides: bool,
         rng: &mut ChaCha8Rng,
     ) -> Scaffolding {
-        let effort = |at: Cell| match have_guides && places_beside(target, at).next().is_some() {
-            true => GUIDED * at.z as f32,
-            false => at.z as f32,
+        let effort = |at: Cell| {
+            if have_guides && places_beside(target, at).next().is_some() {
+                GUIDED * at.z as f32
+            } else {
+                at.z as f32
+            }
         };
         let mut scaffolding = Scaffolding::default();
         let mut held: FxHashSet<Cell> = FxHashSet::default();
@@ -87,9 +90,10 @@ impl GrowthSchedule {
                 join,
             });
         }
-        match have_guides {
-            true => scaffolding.all_guided(target, rng),
-            false => scaffolding,
+        if have_guides {
+            scaffolding.all_guided(target, rng)
+        } else {
+            scaffolding
         }
     }
 
@@ -103,9 +107,10 @@ impl GrowthSchedule {
     ) -> Option<Scaffolding> {
         const DRAWS: usize = 20;
         (0..DRAWS).find_map(|_| {
-            let cells = match near.is_empty() {
-                true => target.cells(),
-                false => near,
+            let cells = if near.is_empty() {
+                target.cells()
+            } else {
+                near
             };
             let first = *cells.choose(rng)?;
             let places: Vec<(Cell, Face)> = supports(target, first).collect();

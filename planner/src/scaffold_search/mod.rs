@@ -248,9 +248,10 @@ impl ScaffoldTrials<'_> {
         let mut scaffolding = of.scaffolding.clone();
         if rng.random_range(0..3) == 0 {
             for _ in 0..rng.random_range(1..=2) {
-                let other = match rng.random() {
-                    true => scaffolding.guided(self.target, rng),
-                    false => scaffolding.unguided(rng),
+                let other = if rng.random() {
+                    scaffolding.guided(self.target, rng)
+                } else {
+                    scaffolding.unguided(rng)
                 };
                 scaffolding = other.unwrap_or(scaffolding);
             }
@@ -273,9 +274,10 @@ impl ScaffoldTrials<'_> {
                 scaffolding = more;
             }
         }
-        match scaffolding == of.scaffolding {
-            true => None,
-            false => self.candidate(&growth, scaffolding),
+        if scaffolding == of.scaffolding {
+            None
+        } else {
+            self.candidate(&growth, scaffolding)
         }
     }
 

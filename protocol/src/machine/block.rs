@@ -222,9 +222,10 @@ impl<M: Copy> StructureBlock<M> {
         let rule = tables.rule(self.rules, first);
         // As most rules are that a new block tries.
         let is_first = rule.when.is_empty() && !self.has_fired(first);
-        let (place, action) = match is_first {
-            true => (first, rule.then),
-            false => self.next_ready(tables)?,
+        let (place, action) = if is_first {
+            (first, rule.then)
+        } else {
+            self.next_ready(tables)?
         };
         self.mark_fired(place);
         Some((place as u32, action))

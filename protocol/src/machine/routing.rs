@@ -140,9 +140,10 @@ impl<M: Copy> Structure<'_, M> {
             if path.depth <= depth {
                 return (path.depth == depth).then_some(slot);
             }
-            slot = match path.after[0] >= depth {
-                true => path.jump,
-                false => block.parent,
+            slot = if path.after[0] >= depth {
+                path.jump
+            } else {
+                block.parent
             };
         }
     }

@@ -137,9 +137,10 @@ pub(crate) fn subjects<'a>(
 
 /// Returns a sweep in the unit and with the names that are shown.
 fn shown_sweep(sweep: Sweep, shown: &Presentation) -> Sweep {
-    let mut sweep = match shown.in_seconds {
-        true => sweep.in_seconds(),
-        false => sweep,
+    let mut sweep = if shown.in_seconds {
+        sweep.in_seconds()
+    } else {
+        sweep
     };
     sweep.relabel(|name| shown.label(name));
     sweep
@@ -179,13 +180,14 @@ impl<'a> ReportedProgram<'a> {
         let is_shared = inputs.iter().filter(same).count() > 1;
         let events = Events::new(program);
         ReportedProgram {
-            label: match is_shared {
-                true => format!(
+            label: if is_shared {
+                format!(
                     "{} ({})",
                     shown.label(&program.name),
                     short_path(inputs, folder)
-                ),
-                false => shown.label(&program.name),
+                )
+            } else {
+                shown.label(&program.name)
             },
             in_seconds: shown.in_seconds,
             folder,
@@ -304,17 +306,19 @@ impl<'a> ReportedProgram<'a> {
 
     /// Returns the axis of figures of this program alone, for times in [`ReportedProgram::on_axis`].
     pub fn time_axis(&self, what: &str) -> PlotAxis {
-        match self.in_seconds {
-            true => PlotAxis::new(what, TimeUnit::Seconds.unit()),
-            false => PlotAxis::new(what, &self.tick().unit()),
+        if self.in_seconds {
+            PlotAxis::new(what, TimeUnit::Seconds.unit())
+        } else {
+            PlotAxis::new(what, &self.tick().unit())
         }
     }
 
     /// Returns the place of a time \[ticks\] on the axis of figures.
     pub fn on_axis(&self, ticks: f64) -> f64 {
-        match self.in_seconds {
-            true => ticks * self.program.scene.tick,
-            false => ticks,
+        if self.in_seconds {
+            ticks * self.program.scene.tick
+        } else {
+            ticks
         }
     }
 
@@ -325,17 +329,19 @@ impl<'a> ReportedProgram<'a> {
 
     /// Returns the interval that figures of rates count events in, and its length \[ticks\].
     pub fn rate_interval(&self) -> (&'static str, f64) {
-        match self.in_seconds {
-            true => ("second", 1.0 / self.program.scene.tick),
-            false => ("1000 ticks", 1000.0),
+        if self.in_seconds {
+            ("second", 1.0 / self.program.scene.tick)
+        } else {
+            ("1000 ticks", 1000.0)
         }
     }
 
     /// Returns the unit of times in figures.
     pub fn figure_unit(&self) -> &'static str {
-        let unit = match self.in_seconds {
-            true => TimeUnit::Seconds,
-            false => TimeUnit::Ticks,
+        let unit = if self.in_seconds {
+            TimeUnit::Seconds
+        } else {
+            TimeUnit::Ticks
         };
         unit.unit()
     }

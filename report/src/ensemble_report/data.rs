@@ -16,9 +16,10 @@ fn maybe(value: Option<f64>) -> String {
 
 /// A probability; a small one with its power of ten, and not with all its zeros.
 fn probability(p: f64) -> String {
-    match 0.0 < p && p < 1e-4 {
-        true => format!("{p:e}"),
-        false => p.to_string(),
+    if 0.0 < p && p < 1e-4 {
+        format!("{p:e}")
+    } else {
+        p.to_string()
     }
 }
 

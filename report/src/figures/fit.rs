@@ -49,9 +49,10 @@ fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) ->
     let (bottom, known) = (top + PANEL - 50.0, &fit.numbers[i]);
     let (left, right) = (EDGE + 16.0, out.size().0 - 30.0);
     let ends = (prior.from, prior.to);
-    let scale = match prior.is_logarithmic {
-        true => Scale::logarithmic(ends, (left, right)),
-        false => Scale::linear(ends, (left, right)),
+    let scale = if prior.is_logarithmic {
+        Scale::logarithmic(ends, (left, right))
+    } else {
+        Scale::linear(ends, (left, right))
     };
     let mut counts = [0_usize; BINS];
     for draw in &fit.draws {

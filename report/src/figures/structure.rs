@@ -43,13 +43,13 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
         1 => format!("phase {}: 1 block", phase.name),
         count => format!("phase {}: {count} blocks", phase.name),
     });
-    let description = match corners.is_empty() {
-        // Of an aggregate.
-        true => "Chance decides what it looks like.".to_owned(),
-        false => format!(
+    let description = if corners.is_empty() {
+        "Chance decides what it looks like.".to_owned()
+    } else {
+        format!(
             "At the end of {}.",
             counts.collect::<Vec<_>>().join(", of ")
-        ),
+        )
     };
     let title = format!("What {} builds", built.program);
     let width = column * built.phases.len() as f64;

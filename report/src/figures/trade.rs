@@ -91,9 +91,10 @@ pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
         draw(&mut out, &axes, point);
     }
     numbers(&mut out, &axes, &points);
-    let end = match is_beside {
-        true => list(&mut out, &points, (right + 30.0, axes.top)).max(foot),
-        false => list(&mut out, &points, (EDGE, foot + 4.0)),
+    let end = if is_beside {
+        list(&mut out, &points, (right + 30.0, axes.top)).max(foot)
+    } else {
+        list(&mut out, &points, (EDGE, foot + 4.0))
     };
     out.high(end - 8.0)
 }
@@ -211,9 +212,10 @@ fn frame(out: &mut Drawing, axes: &Axes, of: &PlotAxis) -> f64 {
 fn plain(cost: f64) -> String {
     let text = seconds(cost);
     let (number, unit) = text.split_once(' ').unwrap_or((&text, ""));
-    let number = match number.contains('.') {
-        true => number.trim_end_matches('0').trim_end_matches('.'),
-        false => number,
+    let number = if number.contains('.') {
+        number.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        number
     };
     format!("{number} {unit}")
 }

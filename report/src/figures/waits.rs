@@ -54,9 +54,10 @@ pub(crate) fn waits(
     let left = (NAMES + names + 12.0).max(100.0);
     let percents = width("100.0 %") + 8.0;
     let bars_end = all - percents;
-    let bars = match decisive {
-        true => bars_end - 0.12 * all,
-        false => bars_end,
+    let bars = if decisive {
+        bars_end - 0.12 * all
+    } else {
+        bars_end
     };
     // Room for a sign behind the longest.
     let right = bars - 26.0;

@@ -25,9 +25,10 @@ impl PlotAxis {
 
     /// As it stands beside an axis of this scale: `wait [s]`, or `wait [s, logarithmic]`.
     pub fn on(&self, scale: &Scale) -> String {
-        match scale.is_logarithmic() {
-            true => format!("{} [{}, logarithmic]", self.name, self.unit),
-            false => self.label(),
+        if scale.is_logarithmic() {
+            format!("{} [{}, logarithmic]", self.name, self.unit)
+        } else {
+            self.label()
         }
     }
 

@@ -49,9 +49,10 @@ pub(crate) fn fitted(name: &str, most: f64) -> String {
     let (mut fits, mut too_many) = (1, whole.chars().count());
     while fits + 1 < too_many {
         let letters = usize::midpoint(fits, too_many);
-        match width(&short(name, letters)) <= most {
-            true => fits = letters,
-            false => too_many = letters,
+        if width(&short(name, letters)) <= most {
+            fits = letters
+        } else {
+            too_many = letters
         }
     }
     short(name, fits)

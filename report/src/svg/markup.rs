@@ -72,13 +72,14 @@ impl Drawing {
 fn write(out: &mut String, shape: &DrawnShape) {
     // What is its own counts less than a rule for its class, and more than what it inherits.
     let own = shape.own.attributes();
-    let (group, end, class) = match own.is_empty() {
-        true => (String::new(), "", format!("class=\"{}\"", shape.class)),
-        false => (
+    let (group, end, class) = if own.is_empty() {
+        (String::new(), "", format!("class=\"{}\"", shape.class))
+    } else {
+        (
             format!("<g class=\"{}\">", shape.class),
             "</g>",
             own.trim_start().to_owned(),
-        ),
+        )
     };
     let (name, attributes) = match &shape.form {
         Form::Line(from, to) => (

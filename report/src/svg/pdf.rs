@@ -194,9 +194,10 @@ impl PdfPage {
         let (x, y) = self.at((place.0 - before, place.1));
         let codes = self.codes(text);
         let size = self.length(TYPE);
-        let modes: &[TextRenderingMode] = match is_outlined {
-            true => &[TextRenderingMode::Stroke, TextRenderingMode::Fill],
-            false => &[TextRenderingMode::Fill],
+        let modes: &[TextRenderingMode] = if is_outlined {
+            &[TextRenderingMode::Stroke, TextRenderingMode::Fill]
+        } else {
+            &[TextRenderingMode::Fill]
         };
         for &mode in modes {
             let is_outline = mode == TextRenderingMode::Stroke;

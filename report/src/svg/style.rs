@@ -144,19 +144,20 @@ type StyleRule = (String, Style);
 /// The rules of a theme, in the order in which they count.
 fn rules(theme: &Theme) -> Vec<StyleRule> {
     let is_light = theme.paper.luminance() > 0.5;
-    let [dim, axis, grid, grey] = match is_light {
-        true => [
+    let [dim, axis, grid, grey] = if is_light {
+        [
             Rgb(0x5c, 0x5c, 0x5c),
             Rgb(0x66, 0x66, 0x66),
             Rgb(0xe2, 0xe2, 0xde),
             Rgb(0xd0, 0xd0, 0xca),
-        ],
-        false => [
+        ]
+    } else {
+        [
             Rgb(0xa9, 0xad, 0xb4),
             Rgb(0xa0, 0xa4, 0xab),
             Rgb(0x2c, 0x30, 0x38),
             Rgb(0x3a, 0x3f, 0x48),
-        ],
+        ]
     };
     let (ink, paper) = (theme.ink, theme.paper);
     let greys = [

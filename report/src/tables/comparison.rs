@@ -25,9 +25,12 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
             c.unplanned.map_or(NONE.into(), |n| format!("{n:.1}"))
         });
     }
-    rows.add("Runs", |c| match c.finished == c.runs {
-        true => c.runs.to_string(),
-        false => format!("{} of {}", c.finished, c.runs),
+    rows.add("Runs", |c| {
+        if c.finished == c.runs {
+            c.runs.to_string()
+        } else {
+            format!("{} of {}", c.finished, c.runs)
+        }
     });
     rows.add("Mean time to completion", |c| {
         c.time

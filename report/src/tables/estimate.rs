@@ -55,9 +55,10 @@ fn origin(estimate: &CompletionEstimate) -> String {
             },
             _,
         ) => {
-            let how = match is_exact {
-                true => "without chance".to_owned(),
-                false => format!("{all} times"),
+            let how = if is_exact {
+                "without chance".to_owned()
+            } else {
+                format!("{all} times")
             };
             format!("Added up along the graph, {how}: {}", left_out(interaction))
         }

@@ -99,10 +99,7 @@ fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) ->
         let beside = tick.beside_interval(mean, cell.half_width);
         format!("{bound}{}{}{beside}", ticks(mean), half.unwrap_or_default())
     });
-    let blank = |text: Option<String>| match itself {
-        true => String::new(),
-        false => or_none(text),
-    };
+    let blank = |text: Option<String>| if itself { String::new() } else { or_none(text) };
     [
         or_none(cell.cost.map(seconds)),
         or_none(ratio),
@@ -167,13 +164,12 @@ fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
                 count(candidate, Verdict::Reversed),
             ],
             mark: "",
-            remark: match candidate.reversed {
-                false => String::new(),
-                true => {
-                    let pairs = candidate.reversals();
-                    let pairs = pairs.map(|ranked| pair(trade, ranked.first, ranked.second));
-                    format!("REVERSED: {}", pairs.collect::<Vec<_>>().join(", "))
-                }
+            remark: if !candidate.reversed {
+                String::new()
+            } else {
+                let pairs = candidate.reversals();
+                let pairs = pairs.map(|ranked| pair(trade, ranked.first, ranked.second));
+                format!("REVERSED: {}", pairs.collect::<Vec<_>>().join(", "))
             },
             wrong: candidate.reversed,
         })

@@ -19,9 +19,12 @@ fn words((cell, width): (&String, usize)) -> (&str, usize, bool) {
 
 /// A line of cells, each in so many characters: words begin on the left, figures end on the right.
 pub(super) fn line<'a>(cells: impl Iterator<Item = (&'a str, usize, bool)>) -> String {
-    let padded = cells.map(|(cell, width, is_words)| match is_words {
-        true => format!("{cell:width$}"),
-        false => format!("{cell:>width$}"),
+    let padded = cells.map(|(cell, width, is_words)| {
+        if is_words {
+            format!("{cell:width$}")
+        } else {
+            format!("{cell:>width$}")
+        }
     });
     let padded: Vec<String> = padded.collect();
     padded.join(GAP).trim_end().to_owned()

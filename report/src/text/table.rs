@@ -148,9 +148,10 @@ impl TextTable {
             }
             let line = row(label, &cells);
             let is_red = colour && self.red.get(i) == Some(&true);
-            lines.push(match is_red {
-                true => console::style(line).red().force_styling(true).to_string(),
-                false => line,
+            lines.push(if is_red {
+                console::style(line).red().force_styling(true).to_string()
+            } else {
+                line
             });
         }
         lines.iter().map(|line| format!("{line}\n")).collect()

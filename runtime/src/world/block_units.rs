@@ -240,16 +240,18 @@ fn checked(number: &SchemaNumber, value: f64) -> SceneResult<f64> {
 
 /// What several of them come to together: single precision has to hold it, and it is not negative.
 fn derived(what: &str, value: f64) -> SceneResult<f64> {
-    match value >= 0.0 && value <= f64::from(f32::MAX) {
-        true => Ok(value),
-        false => Err(not_a_number(what, value)),
+    if value >= 0.0 && value <= f64::from(f32::MAX) {
+        Ok(value)
+    } else {
+        Err(not_a_number(what, value))
     }
 }
 
 fn positive(number: &SchemaNumber, value: f64) -> SceneResult<()> {
-    match value > 0.0 && value.is_finite() {
-        true => Ok(()),
-        false => Err(not_a_number(&quoted(number), value)),
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(not_a_number(&quoted(number), value))
     }
 }
 

@@ -59,9 +59,10 @@ impl FreeBonds {
             for (id, push) in [a, b].into_iter().zip(pushes) {
                 let Motion { velocity, spin, .. } = blocks.motion(id);
                 let velocity = velocity + push.linear * (dt * self.response.linear);
-                let spin = match turns {
-                    true => spin + push.angular * (dt * self.response.angular),
-                    false => spin,
+                let spin = if turns {
+                    spin + push.angular * (dt * self.response.angular)
+                } else {
+                    spin
                 };
                 blocks.set_motion(id, velocity, spin);
             }

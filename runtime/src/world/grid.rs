@@ -207,9 +207,10 @@ impl<T: Copy> ChunkedGrid<T> {
     pub fn mark(&mut self, cell: Cell, is_marked: bool) -> &mut T {
         let (key, offset) = place(cell);
         let chunk = self.chunk(key);
-        match is_marked {
-            true => chunk.marks |= 1 << offset,
-            false => chunk.marks &= !(1 << offset),
+        if is_marked {
+            chunk.marks |= 1 << offset
+        } else {
+            chunk.marks &= !(1 << offset)
         }
         let start = chunk.start as usize;
         &mut self.cells[start + offset]
@@ -227,9 +228,10 @@ impl<T: Copy> ChunkedGrid<T> {
         let slabs = |axis: usize| {
             let (low, high) = (low[axis].rem_euclid(SIDE), high[axis].rem_euclid(SIDE));
             let (low, high) = (low as usize, high as usize);
-            match first[axis] == last[axis] {
-                true => [SLABS[axis][low][high], 0],
-                false => [SLABS[axis][low][SIDE as usize - 1], SLABS[axis][0][high]],
+            if first[axis] == last[axis] {
+                [SLABS[axis][low][high], 0]
+            } else {
+                [SLABS[axis][low][SIDE as usize - 1], SLABS[axis][0][high]]
             }
         };
         let slabs = [0, 1, 2].map(slabs);

@@ -216,12 +216,11 @@ fn a_block_two_cells_from_the_one_that_captures_changes_a_wait() {
         let since = top.magnetized as f64;
         let (came, until) = (near.docked as f64 - since, top.docked as f64 - since - 0.5);
         let (before, then) = (wait(false), wait(true));
-        match until < came {
-            true => before.cumulative_hazard(until),
-            false => {
-                before.cumulative_hazard(came) + then.cumulative_hazard(until)
-                    - then.cumulative_hazard(came)
-            }
+        if until < came {
+            before.cumulative_hazard(until)
+        } else {
+            before.cumulative_hazard(came) + then.cumulative_hazard(until)
+                - then.cumulative_hazard(came)
         }
     });
     agrees(&used.collect::<Vec<_>>(), 1.0);

@@ -102,9 +102,10 @@ fn made(
 ) -> Result<(RunRecord, Digests), RunError> {
     let (tables, scene) = (&of.tables, &of.scene);
     let mut digests = Digests::default();
-    let record = match settings.model.has_places() {
-        true => observe(tables, scene, settings, SEED, 0, watch, &mut digests)?,
-        false => run(tables, scene, settings, SEED, 0, watch)?,
+    let record = if settings.model.has_places() {
+        observe(tables, scene, settings, SEED, 0, watch, &mut digests)?
+    } else {
+        run(tables, scene, settings, SEED, 0, watch)?
     };
     Ok((record, digests))
 }

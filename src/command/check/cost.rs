@@ -28,9 +28,10 @@ pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &
 pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rates]) -> Value {
     let rates = (program.scene.as_ref()).and_then(|scene| Rates::known_or_guessed(rates, scene));
     let rates = rates.as_deref();
-    let cost = match program.plan.events.is_empty() {
-        true => None,
-        false => estimate(program, rates),
+    let cost = if program.plan.events.is_empty() {
+        None
+    } else {
+        estimate(program, rates)
     };
     let Some(cost) = cost else {
         return Value::Null;
@@ -126,9 +127,10 @@ fn table(
                     width,
                 );
             }
-            text += &match is_guess {
-                true => paragraph(&first_guess(), width),
-                false => paragraph(KNOWN_BIAS, width),
+            text += &if is_guess {
+                paragraph(&first_guess(), width)
+            } else {
+                paragraph(KNOWN_BIAS, width)
             };
         }
         None => text += &paragraph(&no_times(program, cost), width),

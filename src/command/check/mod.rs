@@ -110,12 +110,13 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         }
         // What is said of a program does not go where the program itself does.
         let is_output_taken = text.is_some();
-        let say = |said: &str| match is_output_taken {
-            true => {
+        let say = |said: &str| {
+            if is_output_taken {
                 warn(said);
                 Ok(())
+            } else {
+                print(said)
             }
-            false => print(said),
         };
         let checked = match check(file, text, options) {
             Ok(checked) => checked,

@@ -62,9 +62,10 @@ fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
         if ended.is_none() && lines.is_empty() {
             break;
         }
-        let by_hand = match program.is_planted(phase) {
-            true => ", attached by hand",
-            false => "",
+        let by_hand = if program.is_planted(phase) {
+            ", attached by hand"
+        } else {
+            ""
         };
         let _ = writeln!(
             out,

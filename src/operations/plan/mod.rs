@@ -306,9 +306,10 @@ fn search(
         WorkProgress {
             share: budget.share(tried, elapsed),
             // Of what cannot be planned the error says all.
-            done: match is_refused.load(Ordering::Relaxed) {
-                true => String::new(),
-                false => format!("{tried} plans tried"),
+            done: if is_refused.load(Ordering::Relaxed) {
+                String::new()
+            } else {
+                format!("{tried} plans tried")
             },
             more: match best.load(Ordering::Relaxed) {
                 0 => String::new(),

@@ -75,9 +75,10 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         let known: Vec<String> = structure.names().map(|name| format!("`{name}`")).collect();
         return Err(Failure::usage(format!(
             "no block is called `{unknown}` at the end of the run; there are {}",
-            match known.is_empty() {
-                true => "none".to_owned(),
-                false => known.join(", "),
+            if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
             }
         )));
     }

@@ -26,12 +26,13 @@ impl SeedPlate {
         let (width, depth) = size.split_once('x').ok_or_else(malformed)?;
         let edge = |text: &str| {
             let edge = text.trim().parse().map_err(|_| malformed())?;
-            match (1..=Plate::LONGEST).contains(&edge) {
-                true => Ok(edge),
-                false => Err(format!(
+            if (1..=Plate::LONGEST).contains(&edge) {
+                Ok(edge)
+            } else {
+                Err(format!(
                     "an edge of the plate has 1 to {} blocks",
                     Plate::LONGEST
-                )),
+                ))
             }
         };
         let plate = Plate {

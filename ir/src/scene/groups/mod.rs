@@ -98,9 +98,10 @@ fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
     let mut few = enough / 2;
     while enough - few > 1 {
         let middle = few + (enough - few) / 2;
-        match is_enough(middle) {
-            true => enough = middle,
-            false => few = middle,
+        if is_enough(middle) {
+            enough = middle
+        } else {
+            few = middle
         }
     }
     Some(enough)

@@ -57,9 +57,10 @@ impl Settling {
 
     /// The part of the blocks that is more than so high above where they come to rest \[m\].
     pub fn above(&self, height: f64) -> f64 {
-        match self.height > 0.0 {
-            true => self.lifted * (-height / self.height).exp(),
-            false => 0.0,
+        if self.height > 0.0 {
+            self.lifted * (-height / self.height).exp()
+        } else {
+            0.0
         }
     }
 }

@@ -77,9 +77,10 @@ pub(super) fn left_by_drag(scene: &Scene) -> f64 {
 
 /// φ: the mean over a step of what a viscous drag leaves of a velocity, of which it takes so much in it.
 pub(super) fn mean_left(taken: f64) -> f64 {
-    match taken < 1e-8 {
-        true => 1.0,
-        false => -f64::exp_m1(-taken) / taken,
+    if taken < 1e-8 {
+        1.0
+    } else {
+        -f64::exp_m1(-taken) / taken
     }
 }
 

@@ -165,9 +165,10 @@ impl SchemaNumber {
 
     /// What has been computed before may be out of what is computed with now.
     pub(in crate::scene) fn check(&self, value: f64) -> Result<(), ScalarError> {
-        match self.range.contains(value) {
-            true => Ok(()),
-            false => Err(self.out_of_range(value, self.range.rule())),
+        if self.range.contains(value) {
+            Ok(())
+        } else {
+            Err(self.out_of_range(value, self.range.rule()))
         }
     }
 

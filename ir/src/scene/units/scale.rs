@@ -79,9 +79,10 @@ impl DoubleDouble {
         while left > 0 && self.high.is_finite() && self.high != 0.0 {
             let step = left.min(MAX_STEP);
             let factor = base.powi(step as i32);
-            self = match power > 0 {
-                true => self.times(factor),
-                false => self.divided_by(factor),
+            self = if power > 0 {
+                self.times(factor)
+            } else {
+                self.divided_by(factor)
             };
             left -= step;
         }

@@ -23,9 +23,10 @@ impl<'a> WrittenQuantity<'a> {
         let (number, behind) = text.split_at(number(text));
         let value: f64 = number.parse().map_err(|_| none())?;
         let start = behind.trim_start_matches(BLANK);
-        let (factors, length) = match begins_tick(start) {
-            true => (Vec::new(), 0),
-            false => factors(start),
+        let (factors, length) = if begins_tick(start) {
+            (Vec::new(), 0)
+        } else {
+            factors(start)
         };
         let (unit, behind) = start.split_at(length);
         let rest = behind.trim_start();

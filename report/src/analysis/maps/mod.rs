@@ -356,11 +356,12 @@ impl MapPlaces {
                 self.look(places, &it, &mut counts.before);
             }
         })?;
-        match outline.is_of(subject.manifest, Some(known), subject.number, record.run) {
-            true => Ok(counts),
-            false => Err(RecordingError::Damaged(
+        if outline.is_of(subject.manifest, Some(known), subject.number, record.run) {
+            Ok(counts)
+        } else {
+            Err(RecordingError::Damaged(
                 "it is the recording of another run",
-            )),
+            ))
         }
     }
 

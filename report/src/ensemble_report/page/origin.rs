@@ -88,9 +88,10 @@ pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usiz
     let program = &programs[number];
     let is_same =
         |it: &EnsembleProgram| it.assembly() == program.assembly() && it.sources == program.sources;
-    match program.is_point() {
-        false => number,
-        true => programs.iter().position(is_same).unwrap_or(number),
+    if !program.is_point() {
+        number
+    } else {
+        programs.iter().position(is_same).unwrap_or(number)
     }
 }
 

@@ -339,9 +339,10 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
         if let Some(lead) = lead(&context, run) {
             out.paragraph(&lead);
         }
-        let narrative = match is_aggregate {
-            true => sizes_of(&context, run),
-            false => narrative(&context, run),
+        let narrative = if is_aggregate {
+            sizes_of(&context, run)
+        } else {
+            narrative(&context, run)
         };
         if !narrative.is_empty() {
             out.list("ol", &narrative);

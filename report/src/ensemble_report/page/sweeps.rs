@@ -20,12 +20,11 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
         let drawn = |medium| pictures(medium, sweep, &prefix);
         let [screen, printed] = [Medium::Screen, parts.surroundings.figures.medium].map(drawn);
         for (screen, printed) in screen.into_iter().zip(printed) {
-            let caption = match screen.name.ends_with("-completed") {
-                true => "Dots are parts of the finished runs, lines their 95 % intervals.",
-                false => {
-                    "With 95 % intervals; ≥ a lower bound, because runs were stopped before they \
-                     completed."
-                }
+            let caption = if screen.name.ends_with("-completed") {
+                "Dots are parts of the finished runs, lines their 95 % intervals."
+            } else {
+                "With 95 % intervals; ≥ a lower bound, because runs were stopped before they \
+                 completed."
             };
             let figure = |medium| match medium {
                 Medium::Screen => Some(screen.clone()),

@@ -107,9 +107,10 @@ impl<'a> Panel<'a> {
         let least = values().fold(f64::INFINITY, f64::min);
         let most = values().fold(f64::NEG_INFINITY, f64::max);
         let places = (left + 14.0, right - 14.0);
-        let x = match least > 0.0 && most / least > DECADE {
-            true => Scale::logarithmic((least, most), places),
-            false => Scale::linear((least, most), places),
+        let x = if least > 0.0 && most / least > DECADE {
+            Scale::logarithmic((least, most), places)
+        } else {
+            Scale::linear((least, most), places)
         };
         let y = scale.at((bottom, top));
         let foot = out.across(&x, (left, right), bottom, top, &self.axis(0));

@@ -154,9 +154,10 @@ impl BlockGroups {
         let (mut compound, turning) = RigidMotion::momenta(&motions, response);
         let poses = members.iter().enumerate().map(|(place, &id)| {
             let pose = blocks.pose(id);
-            match place < stay {
-                true => [pose, pose],
-                false => [pose, pose.carried(&was, seat)],
+            if place < stay {
+                [pose, pose]
+            } else {
+                [pose, pose.carried(&was, seat)]
             }
         });
         let poses: Vec<[Pose; 2]> = poses.collect();

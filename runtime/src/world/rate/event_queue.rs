@@ -56,9 +56,10 @@ fn slot(moment: u128) -> Slot {
 impl EventQueue {
     /// Notes when the face in a slot captures, instead of what was said of that before.
     pub fn note(&mut self, slot: Slot, time: f64) {
-        let moment = match time.is_finite() {
-            true => moment(time, self.order(), slot),
-            false => NONE,
+        let moment = if time.is_finite() {
+            moment(time, self.order(), slot)
+        } else {
+            NONE
         };
         self.captures.set(slot as usize, moment);
     }

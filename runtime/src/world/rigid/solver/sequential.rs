@@ -247,9 +247,10 @@ impl SequentialContact {
                     point.late = [&point.along, &point.across[0], &point.across[1]]
                         .map(|row| (row.direction * late).sum());
                     // What lies stays: its weight presses in the other half of the step as well.
-                    point.target = match approach < R::zero() {
-                        true => target.max(-point.late[0]),
-                        false => target,
+                    point.target = if approach < R::zero() {
+                        target.max(-point.late[0])
+                    } else {
+                        target
                     };
                     let excess = (point.depth - R::of(SLOP)).max(R::zero());
                     point.recovery = (excess * R::of(RECOVERY) / span).min(R::of(FASTEST));
