@@ -102,9 +102,9 @@ fn copy(from: &Path, to: &Path) {
             (entry.path(), to.join(entry.file_name()))
         };
         if from.is_dir() {
-            copy(&from, &to)
+            copy(&from, &to);
         } else {
-            drop(std::fs::copy(&from, &to).unwrap())
+            std::fs::copy(&from, &to).unwrap();
         }
     }
 }

@@ -107,7 +107,7 @@ fn faults(svg: &str, medium: Medium, face: &Face) -> Vec<String> {
 
 /// Complains of what is wrong with a figure.
 pub fn check(what: &str, svg: &str, medium: Medium) {
-    let font = include_bytes!("../../report/fonts/LiberationSans-Regular.ttf");
+    let font = include_bytes!("../../crates/report/fonts/LiberationSans-Regular.ttf");
     let face = Face::parse(font, 0).unwrap();
     let faults = faults(svg, medium, &face);
     assert!(faults.is_empty(), "{what} for {medium}: {faults:#?}\n{svg}");
