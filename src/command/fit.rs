@@ -24,6 +24,7 @@ use crate::operations::fit::{
     FitSetup, Unused, fit, fitted_scenes, forecast, matched, measured_times, of_scenes,
 };
 use crate::operations::forecast::forecast_to_text;
+use crate::operations::json::document;
 use crate::operations::programs::programs;
 
 /// What `fit` is given.
@@ -125,18 +126,13 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     let fit = fit(&setup, &measured, &host)?;
     match options.measuring.format {
         ResultsFormat::Text => print(&fit_to_text(&fit, &priors, output_width()))?,
-        ResultsFormat::Json => print(&json(&fit))?,
+        ResultsFormat::Json => print(&document(&fit))?,
     }
     if let Some(out) = &options.out {
         let scenes = fitted_scenes(&setup, &measured, &fit, &host)?;
         keep(out, &fit, &scenes, &figures(&fit, &priors, options)?)?;
     }
     Ok(Exit::Success)
-}
-
-fn json(fit: &Fit) -> String {
-    let text = serde_json::to_string_pretty(fit).expect("a fit is plain data");
-    text + "\n"
 }
 
 /// The figure of a fit in all formats that are wanted: names and contents.
@@ -152,7 +148,7 @@ fn figures(
 
 fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> Result<(), Failure> {
     let mut files = figures.to_vec();
-    files.push(("fit.json".to_owned(), json(fit).into_bytes()));
+    files.push(("fit.json".to_owned(), document(fit).into_bytes()));
     files.push(("fitted.sa".to_owned(), scenes.as_bytes().to_vec()));
     for (name, content) in files {
         let path = out.join(name);

@@ -185,6 +185,15 @@ fn estimates_plans_and_trades_have_schemas() {
     assert_output("estimate", &stochc_with(runs, &[line]));
     let plan = "plan examples/planned/chair.sa --budget 3 --format json --quiet";
     assert_output("plan", &stochc(plan));
+    let folder = tempfile::tempdir().unwrap();
+    let loose = path(folder.path(), "loose.txt");
+    fs::write(&loose, "#..\n\n..#\n").unwrap();
+    let refused = stochc_with("plan --format json --quiet", &[&loose]);
+    assert_eq!(refused.status, 1, "{}", refused.err);
+    assert_valid("plan_error", &refused.out);
+    let fit = "fit examples/fit/small.sa --data examples/fit/stopped.csv --vary free=8..60 --runs 4 \
+               --points 6 --hold-out two --quiet --format json";
+    assert_output("fit", &stochc(fit));
     let trade =
         "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --format json";
     assert_output("trade", &stochc(trade));

@@ -61,7 +61,7 @@ fn every_setting_is_measured_and_kept() {
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(page.contains("What accuracy costs"), "no section");
     assert!(
-        page.contains(">--model rigid --substeps 1</code>"),
+        page.contains("<bdi>--model rigid --substeps 1</bdi></code>"),
         "no row"
     );
     let again = stochc_with(DENSE, &["--out", &out, "--resume"]);
