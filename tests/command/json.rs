@@ -192,7 +192,7 @@ fn estimates_plans_and_trades_have_schemas() {
     assert_eq!(refused.status, 1, "{}", refused.err);
     assert_valid("plan_error", &refused.out);
     let fit = "fit examples/fit/small.sa --data examples/fit/stopped.csv --vary free=8..60 --runs 4 \
-               --points 6 --hold-out two --quiet --format json";
+               --points 8 --hold-out two --quiet --format json";
     assert_output("fit", &stochc(fit));
     let trade =
         "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --format json";
