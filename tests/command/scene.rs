@@ -308,7 +308,7 @@ fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
     }
 }
 
-/// A sweep that makes a scene too thin warns of it, unless it is quiet.
+/// A sweep that takes the agitation away warns of it, unless it is quiet.
 #[test]
 fn warnings_of_the_points_of_a_sweep_are_left_out_if_quiet() {
     let folder = tempfile::tempdir().unwrap();

@@ -47,7 +47,7 @@ pub struct Sampled {
     pub phases: Vec<SampledPhase>,
     /// Of the whole program.
     pub draws: Vec<Draw>,
-    /// Whether two captures in cells beside each other wait at the same time, in one of the first [`MIN`] draws.
+    /// Whether two captures in adjacent cells wait at the same time in one of the first [`MIN`] draws.
     pub has_race: bool,
     /// For every event, the part of all time in which nothing else is waited for.
     pub shares: Vec<f64>,

@@ -107,7 +107,7 @@ fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
 /// tried, and whoever has more of them fixes the first ones and checks again.
 const MAX_MEANT: usize = 200;
 
-/// The known word that an unknown one is probably meant to be; nobody looks for it behind [`MAX_MEANT`] findings.
+/// Returns the known word that is closest to an unknown one. Returns `None` after [`MAX_MEANT`] diagnostics.
 pub(crate) fn meant<S: AsRef<str>>(
     diagnostics: &[Diagnostic],
     unknown: &str,

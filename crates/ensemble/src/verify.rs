@@ -116,9 +116,9 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     Ok(files)
 }
 
-/// Moves what is damaged aside, into [`DAMAGED`], and makes it again from what is sound, as far as that goes: the
-/// journal from its sound lines, tables and `further` files from the journal; those that were there are kept in [`DAMAGED`] as well where the journal has lost lines.
-/// Recordings are made again by those who ask for them.
+/// Moves corrupted files to [`DAMAGED`] and writes them again: the journal from its valid lines, tables and `further`
+/// files from the journal. If the journal has lost lines, the earlier tables are kept in [`DAMAGED`] as well.
+/// Recordings are not made again.
 ///
 /// # Errors
 /// When the manifest cannot be saved, another process writes to the folder, or the file system refuses.

@@ -1,6 +1,6 @@
 //! What the system says of this process.
 
-/// A field of `/proc/self/status` (proc(5)), such as `SigIgn`; `None`: the system does not say, as only Linux does.
+/// Returns a field of `/proc/self/status` (proc(5)), such as `SigIgn`. Returns `None` except on Linux.
 pub fn status(field: &str) -> Option<String> {
     let status = crate::read("/proc/self/status").ok()?;
     let status = String::from_utf8_lossy(&status);

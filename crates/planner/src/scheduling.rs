@@ -140,8 +140,8 @@ impl<'a> SchedulingJob<'a> {
         Waiting { before }
     }
 
-    /// Estimates how long the program of a schedule takes, with the mean waits that `check --cost` uses for that program: the waits by which a
-    /// schedule is made depend on the order in which faces open at the same time.
+    /// Estimates how long the program of a schedule takes. It uses the mean waits of `check --cost`, because the waits
+    /// of the search depend on the order of faces that open at the same time.
     pub fn estimated(
         &self,
         samples: &Samples,

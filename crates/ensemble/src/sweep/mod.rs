@@ -1,7 +1,8 @@
 //! Ensembles over scene parameters and settings: `simulate --sweep 'bond.pull=2..12 N/5' --sweep substeps=2,4`.
 //!
-//! An [`Axis`] is what the user says of one of them; [`points`] makes all combinations of the values
-//! of several, each of which is a program of the ensemble. What came of them is a [`Sweep`], which `data.rs` writes down. `docs/sweep.md` says what each figure means.
+//! An [`Axis`] has the values of one of them. [`points`] makes all combinations of several axes. Each
+//! combination is a program of the ensemble. A [`Sweep`] has the results, and `data.rs` writes them.
+//! `docs/sweep.md` explains each figure.
 mod axis;
 mod data;
 mod outcome;

@@ -159,7 +159,7 @@ fn reference(rows: &[Row]) -> Option<Reference> {
     };
     let doubling = |pair: &[usize]| {
         let [from, to] = [pair[0], pair[1]].map(|i| (rows[i].settings.substeps, times(i)));
-        Doubling::of((from.0, &from.1), (to.0, &to.1))
+        Doubling::new((from.0, &from.1), (to.0, &to.1))
     };
     let doublings: Vec<Doubling> = refined.windows(2).map(doubling).collect();
     let programs: Vec<usize> = (0..rows[candidate].samples.len()).collect();

@@ -42,7 +42,7 @@ fn settings(finest: u32) -> Vec<Settings> {
     all
 }
 
-/// Returns the settings in which one thing at a time is changed: the default steps, or the finest uniform ones.
+/// Returns the settings that single changes start from: the default steps, or the finest uniform ones.
 fn usual(finest: u32) -> Settings {
     if Substeps::DEFAULT.near <= finest {
         Settings::default()

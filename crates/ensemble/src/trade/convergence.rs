@@ -38,7 +38,7 @@ pub struct Doubling {
 
 impl Doubling {
     /// Compares the times of each program before and after.
-    pub fn of<T: AsRef<[Observation]>>(from: (u32, &[T]), to: (u32, &[T])) -> Doubling {
+    pub fn new<T: AsRef<[Observation]>>(from: (u32, &[T]), to: (u32, &[T])) -> Doubling {
         let programs = || to.1.iter().map(T::as_ref).zip(from.1.iter().map(T::as_ref));
         Doubling {
             from: from.0,
@@ -109,7 +109,7 @@ mod tests {
         let pairs = means.windows(2).zip(0..);
         let of = |(pair, k): (&[f64], u32)| {
             let [from, to] = [pair[0], pair[1]].map(|mean| vec![around(50.0), around(mean)]);
-            Doubling::of((1 << k, &from), (2 << k, &to))
+            Doubling::new((1 << k, &from), (2 << k, &to))
         };
         pairs.map(of).collect()
     }
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn where_there_is_no_interval_nothing_has_settled() {
         let one = vec![vec![Observation::completed(5.0)]];
-        let doubling = Doubling::of((1, &one), (2, &one));
+        let doubling = Doubling::new((1, &one), (2, &one));
         assert_eq!(doubling.bound(&[0]), None);
         let many = vec![doubling; 3];
         assert_eq!(convergence(&many, &[0], CLOSE), Convergence::Undecided);

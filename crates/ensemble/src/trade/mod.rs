@@ -1,4 +1,4 @@
-//! What accuracy costs: a report on a sweep over settings.
+//! Speed against accuracy: a report on a sweep over settings.
 //!
 //! [`candidates()`] lists the settings that `stochc trade` compares. [`Trade`] compares the settings of any sweep with
 //! the finest of them, from the runs of its results folder and the CPU time that these took.

@@ -1,4 +1,4 @@
-//! What the runs of one program at one setting have shown.
+//! The times and costs of the runs of one program at one setting.
 use crate::statistics::{Observation, Status, median};
 use crate::{Finished, completion_time};
 

@@ -1,7 +1,7 @@
 //! The colours of all that is shown: replays, reports, structures and scenes of other programs.
 //!
-//! What has to be told apart by its colour differs by [`MIN`] at least, with normal sight and without one kind of cone; the
-//! tests beside this file hold every such pair.
+//! Colours with different meanings differ by at least [`MIN`], with normal sight and without one kind of cone.
+//! Tests check every such pair.
 #[cfg(test)]
 mod distance;
 mod sequential;

@@ -75,7 +75,7 @@ impl Default for ExplorationBounds {
 pub struct Exploration<'a> {
     /// The tables that run.
     pub tables: &'a Tables,
-    /// What they are meant to do; [`ProgramGoals::new`] the tables, unless these are in doubt.
+    /// The goals of the tables: [`ProgramGoals::new`], unless the tables are in doubt.
     pub expected: &'a ProgramGoals,
     /// How far to go.
     pub bounds: ExplorationBounds,
