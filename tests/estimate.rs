@@ -47,10 +47,10 @@ fn where_faces_wait_apart_it_is_the_same() {
             "examples/line.sa",
             "examples/closed_platform.sa",
             "examples/five_tower.sa",
-            "benches/rates/gallows.sa",
-            "benches/rates/cross.sa",
-            "benches/rates/twins.sa",
-            "benches/rates/nine_feet.sa",
+            "lab/rates/gallows.sa",
+            "lab/rates/cross.sa",
+            "lab/rates/twins.sa",
+            "lab/rates/nine_feet.sa",
         ],
         Interaction::Apart,
     );
@@ -61,10 +61,10 @@ fn blocks_that_are_let_go_have_their_head_start() {
     agree(
         &[
             "examples/five_tower_reconfigured.sa",
-            "benches/rates/hand_over.sa",
-            "benches/rates/releases/turned.sa",
-            "benches/rates/releases/written_last.sa",
-            "benches/rates/scarce/let_one_go.sa",
+            "lab/rates/hand_over.sa",
+            "lab/rates/releases/turned.sa",
+            "lab/rates/releases/written_last.sa",
+            "lab/rates/scarce/let_one_go.sa",
         ],
         Interaction::Releases,
     );
@@ -85,7 +85,7 @@ fn messages_take_their_time() {
 /// A face that takes the block takes it from all others.
 #[test]
 fn a_block_that_is_let_go_docks_once() {
-    let checked = stochc::check("benches/rates/releases/turned.sa");
+    let checked = stochc::check("lab/rates/releases/turned.sa");
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     let program = &checked.programs[0];
     let rates = Rates::built_in(program.scene.as_ref().unwrap());
@@ -112,10 +112,7 @@ fn a_block_that_is_let_go_docks_once() {
 #[test]
 fn faces_beside_each_other_are_half_known() {
     agree(
-        &[
-            "benches/rates/races/overtaken.sa",
-            "benches/rates/races/stair.sa",
-        ],
+        &["lab/rates/races/overtaken.sa", "lab/rates/races/stair.sa"],
         Interaction::Racing,
     );
 }
@@ -124,12 +121,12 @@ fn faces_beside_each_other_are_half_known() {
 fn chains_that_take_many_blocks_leave_few_to_the_last() {
     agree(
         &[
-            "benches/rates/sixteen.sa",
-            "benches/rates/scarce/nine_of_8.sa",
-            "benches/rates/scarce/nine_of_16.sa",
-            "benches/rates/scarce/sixteen_of_10.sa",
-            "benches/rates/scarce/twenty_five_of_8.sa",
-            "benches/rates/scarce/thirty_six_of_8.sa",
+            "lab/rates/sixteen.sa",
+            "lab/rates/scarce/nine_of_8.sa",
+            "lab/rates/scarce/nine_of_16.sa",
+            "lab/rates/scarce/sixteen_of_10.sa",
+            "lab/rates/scarce/twenty_five_of_8.sa",
+            "lab/rates/scarce/thirty_six_of_8.sa",
         ],
         Interaction::Apart,
     );

@@ -92,9 +92,9 @@ fn times_without_chance_are_those_that_are_drawn() {
         include_str!("../../examples/line.sa"),
         include_str!("../../examples/open_platform.sa"),
         include_str!("../../examples/closed_platform.sa"),
-        include_str!("../../benches/rates/mast.sa"),
-        include_str!("../../benches/rates/uneven.sa"),
-        include_str!("../../benches/rates/twins.sa"),
+        include_str!("../../lab/rates/mast.sa"),
+        include_str!("../../lab/rates/uneven.sa"),
+        include_str!("../../lab/rates/twins.sa"),
     ] {
         let (_, cost, _) = program(text);
         let times = cost.total.unwrap();

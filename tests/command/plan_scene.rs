@@ -120,7 +120,7 @@ fn output_is_replaced_if_that_is_asked_for() {
 #[test]
 fn what_scaffolds_gain_is_reported() {
     let explained = |more: &[&str]| {
-        let shape = "benches/planner/shapes/line.txt";
+        let shape = "lab/planner/shapes/line.txt";
         let said = stochc_with("plan --quiet --explain", &[&[shape], more].concat());
         let line = said
             .err

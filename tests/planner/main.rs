@@ -18,7 +18,7 @@ use stochc_ir::Cell;
 
 /// The shapes of the bench, sorted by name.
 pub fn files() -> Vec<PathBuf> {
-    let files = std::fs::read_dir("benches/planner/shapes").unwrap();
+    let files = std::fs::read_dir("lab/planner/shapes").unwrap();
     let mut files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
     files.sort();
     files
@@ -32,7 +32,7 @@ pub fn goal(path: &Path) -> Goal {
 
 /// The shape of a name.
 pub fn named(name: &str) -> Goal {
-    goal(&Path::new("benches/planner/shapes").join(format!("{name}.txt")))
+    goal(&Path::new("lab/planner/shapes").join(format!("{name}.txt")))
 }
 
 /// A plan after so many tries.

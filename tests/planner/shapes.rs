@@ -69,7 +69,7 @@ fn programs_are_written_for_people() {
     }
 }
 
-/// A few runs; `benches/planner/run.py` makes more.
+/// A few runs; `lab/planner/run.py` makes more.
 #[test]
 fn with_physics_nothing_jams() {
     for name in ["five_towers", "closed_platform", "blob_30"] {

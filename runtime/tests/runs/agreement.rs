@@ -1,11 +1,9 @@
-//! The kernel and the reference engine in distribution; `examples/agreement` says more.
-#[path = "../../examples/agreement/statistics.rs"]
-mod statistics;
+//! Compares the distributions of `rigid` and `rapier`. `lab/bench/src/bin/agreement` has the full study.
 
 use std::ops::ControlFlow;
 
+use crate::statistics::{gap, kolmogorov_smirnov, mann_whitney, mean};
 use crate::tables::chain;
-use statistics::{gap, kolmogorov_smirnov, mann_whitney, mean};
 use stochc_compiler::scene::built_in;
 use stochc_ir::Face;
 use stochc_ir::record::Outcome;

@@ -10,5 +10,6 @@ mod identity;
 mod rate;
 mod shuffle;
 mod state;
+mod statistics;
 #[path = "../tables/mod.rs"]
 mod tables;

@@ -15,7 +15,7 @@ import subprocess
 
 PAPER = [f"examples/{name}.sa"
          for name in ["line", "open_platform", "closed_platform", "five_tower", "five_tower_reconfigured"]]
-OTHERS = ["benches/rates/comb.sa", "benches/rates/ring_of_posts.sa", "benches/rates/sixteen.sa", "benches/rates/twins.sa",
+OTHERS = ["lab/rates/comb.sa", "lab/rates/ring_of_posts.sa", "lab/rates/sixteen.sa", "lab/rates/twins.sa",
           "examples/planned/five_towers.sa"]
 # Steps a tick, and the runs of a round; seeds depend on the place in this list.
 SETTINGS = [("32", 50), ("1/8", 150), ("2/8", 150), ("1", 30), ("2", 30), ("4", 30), ("2/4", 150)]

@@ -1,5 +1,4 @@
-//! How the cost of a tick grows with blocks, magnetized faces and structure:
-//! `cargo run --release -p stochc-runtime --example scaling`.
+//! Measures how the cost of a tick grows with blocks, magnetized faces and structure.
 //!
 //! The default scene by `rigid`, one step a tick, at its density. Memory is what the process holds more than
 //! before (Linux).

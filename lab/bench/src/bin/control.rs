@@ -1,4 +1,4 @@
-//! How many events a second tables run at without physics: `cargo bench --bench control [CAPTURES [REPEATS]]`.
+//! Measures how many events per second tables run at without physics. Arguments: `[CAPTURES [REPEATS]]`.
 //!
 //! The programs are towers of ten on a square plate: one only builds them; another one then takes them down again,
 //! which also sends a message for each release. An event is what a replay lists as one: a face is switched on, a block is
@@ -11,10 +11,10 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use stochc::compiler::{Checked, Limits, check};
-use stochc::ir::record::{Outcome, RunRecord};
-use stochc::ir::table::PhaseId;
-use stochc::runtime::{Model, Settings, run};
+use stochc_compiler::{Checked, Limits, check};
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
+use stochc_runtime::{Model, Settings, run};
 
 /// Captures in each tower.
 const HEIGHT: usize = 10;

@@ -1,7 +1,7 @@
-//! Measures the cost of each term of a scene: see `benches/terms/run.py`.
+//! Measures the cost of each term of a scene: see `lab/terms/run.py`.
 //!
-//! `cargo run --release -p stochc-runtime --example terms -- WITHOUT TICKS` moves 300 blocks with all terms except one, or
-//! with one that does next to nothing (`idle-drag`). It prints a digest of their final states.
+//! Arguments: `WITHOUT TICKS`. Moves 300 blocks with all terms except one, or with one that does next to nothing
+//! (`idle-drag`). Prints a digest of their final states.
 use stochc_compiler::scene::built_in;
 use stochc_ir::scene::{Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, Stir};
 use stochc_ir::table::Plate;

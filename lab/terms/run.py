@@ -17,9 +17,9 @@ TICKS = (100, 500)  # instructions are those of the ticks between
 
 
 def build():
-    command = ["cargo", "build", "--release", "--locked", "-p", "stochc-runtime", "--example", "terms"]
+    command = ["cargo", "build", "--release", "--locked", "--manifest-path", "lab/Cargo.toml", "--bin", "terms"]
     subprocess.run(command, cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
-    return ROOT / "target/release/examples/terms"
+    return ROOT / "lab/target/release/terms"
 
 
 def run(program, without, ticks):

@@ -1,6 +1,6 @@
-//! Do the kernel of our own and the reference engine give the same distributions of times?
+//! Compares the distributions of times of the models `rigid` and `rapier`.
 //!
-//! `cargo run --release -p stochc-runtime --example agreement -- --out FILE` runs the worlds `rigid`
+//! `--out FILE` runs the worlds `rigid`
 //! and `rapier` with 1 to 16 substeps on three small scenes, keeps every sample in FILE, and prints
 //! tables in Markdown; `--from FILE` prints them again. `--runs N` is the number of runs of each cell
 //! (default 200), `--only CASE` leaves the other scenes out, `--iterations` adds cells that only differ in
@@ -11,6 +11,7 @@
 //! change what is not.
 mod cases;
 mod samples;
+#[path = "../../../../../runtime/tests/runs/statistics.rs"]
 mod statistics;
 mod tables;
 

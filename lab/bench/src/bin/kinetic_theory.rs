@@ -1,5 +1,4 @@
-//! What kinetic theory predicts for `hemisphere_2005`: `cargo run --release -p stochc-runtime
-//! --example kinetic_theory`.
+//! Compares the scene `hemisphere_2005` with the predictions of kinetic theory.
 //!
 //! Blocks of number density n and mean speed v enter the reach of a magnetized face n v A / 4 times
 //! a tick, where A is the surface of the places from which a block's nearest face just comes into

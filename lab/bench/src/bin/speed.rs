@@ -1,5 +1,4 @@
-//! Cost of one block in one tick:
-//! `cargo run --release -p stochc-runtime --example speed -- MODEL BLOCKS TICKS [SUBSTEPS [SCENE]]`.
+//! Measures the cost of one block in one tick. Arguments: `MODEL BLOCKS TICKS [SUBSTEPS [SCENE]]`.
 use stochc_compiler::scene::built_in;
 use stochc_ir::scene::Enclosure;
 use stochc_ir::table::Plate;

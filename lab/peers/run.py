@@ -43,7 +43,7 @@ def build():
     """Builds what can be built; the commands of the programs that are there."""
     TARGET.mkdir(parents=True, exist_ok=True)
     environment = os.environ | {"CARGO_TARGET_DIR": str(TARGET)}
-    cargo = ["cargo", "build", "--release", "--locked", "--manifest-path", HERE / "Cargo.toml"]
+    cargo = ["cargo", "build", "--release", "--locked", "--manifest-path", HERE.parent / "Cargo.toml"]
     for more in (["--bin", "plain"], ["--bin", "own", "--features", "own"]):
         subprocess.run(cargo + more, check=True, env=environment)
     programs = {name: TARGET / "release" / name for name in ("plain", "own")}

@@ -38,7 +38,7 @@ def say(text):
 def build():
     """Builds the drivers in Rust."""
     environment = os.environ | {"CARGO_TARGET_DIR": str(TARGET)}
-    cargo = ["cargo", "build", "--release", "--locked", "--manifest-path", HERE / "Cargo.toml"]
+    cargo = ["cargo", "build", "--release", "--locked", "--manifest-path", HERE.parent / "Cargo.toml"]
     for name, feature in (("captures", "own"), ("reactions", "reactions")):
         subprocess.run([*cargo, "--bin", name, "--features", feature], check=True, env=environment)
 

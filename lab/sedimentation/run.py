@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How high gravity lets blocks float, against what `stochc check --scene` expects (docs/model.md).
 
-python3 benches/sedimentation/run.py [STOCHC]    needs nothing but Python; some minutes
+python3 lab/sedimentation/run.py [STOCHC]    needs nothing but Python; some minutes
 """
 import json
 import struct

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How many pictures a second two pages of `stochc replay` draw while they play, beside each other.
 
-    python3 benches/replay/run.py BEFORE.html AFTER.html
+    python3 lab/replay/run.py BEFORE.html AFTER.html
 
 Chromium draws without a graphics processor. The pages take turns, each in a browser of its own; what is told are medians over the
 rounds, and the ratio of the second page to the first.

@@ -1,5 +1,4 @@
-//! How far the speed that `stochc check --scene` expects is from the one that blocks have: `cargo
-//! run --release -p stochc-runtime --example expected_speed`.
+//! Compares the speed that `stochc check --scene` expects with the speed of the blocks.
 //!
 //! The scene `hemisphere_2005`, with one thing changed in each row, and no face magnetized. Speeds in sides a tick.
 use stochc_compiler::scene::built_in;

@@ -1,4 +1,4 @@
-//! What checking a large program costs: `cargo bench --bench compile [CAPTURES [REPEATS]]`.
+//! Measures what checking a large program costs. Arguments: `[CAPTURES [REPEATS]]`.
 //!
 //! Two programs of the same structure, towers of four on a square plate, are read, checked and
 //! lowered: one written out flat, one of nested patterns and loops. Times are medians of several
@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use peak_alloc::PeakAlloc;
-use stochc::compiler::{Checked, Limits, LintLevels, Stage, check_observed};
+use stochc_compiler::{Checked, Limits, LintLevels, Stage, check_observed};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;

@@ -1,5 +1,6 @@
-//! How far blocks of a built-in scene get into each other, the ground and the shell: `cargo run --release -p stochc-runtime
-//! --example overlap -- [SCENE [SUBSTEPS [TICKS [NAME=FACTOR...]]]]`.
+//! Measures how far blocks of a built-in scene overlap each other, the ground and the shell.
+//!
+//! Arguments: `[SCENE [SUBSTEPS [TICKS [NAME=FACTOR...]]]]`.
 //!
 //! No face is magnetized. An encounter begins where the centres of two free blocks come within 1.2 sides, closer than which most
 //! cubes touch, and ends where they are 1.8 sides apart. Two whose centres were nearer than half a side have passed through
