@@ -1,4 +1,4 @@
-//! Free blocks that bond to each other: a run without a plate, and so without anybody to control it.
+//! Runs without a plate: free blocks bond to each other, and no controller is needed.
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, Tables};
 
@@ -7,15 +7,15 @@ use crate::run_error::RunError;
 use crate::watch::{Watch, resume, tell};
 use crate::world::World;
 
-/// How far the groups of a run have grown.
+/// Progress of a run towards its largest group.
 struct Growth {
-    /// Ticks that each phase took.
+    /// Duration of each completed phase \[ticks\].
     phase_ticks: Vec<u64>,
-    /// When the running one began.
+    /// First tick of the current phase.
     began: u64,
     /// The size of the largest group so far.
     largest: u32,
-    /// Phases that have begun since they were last told of.
+    /// Phases that have begun since the last call of the observer.
     events: Vec<ObservedEvent>,
 }
 
@@ -23,18 +23,19 @@ stochc_ir::state! {
     () Growth;
     values: phase_ticks, began, largest;
     parts: ;
-    // They are told of before a state is kept.
+    // Observers receive these events before a state is saved.
     same: events
 }
 
-/// Steps a world until its largest group has the size that the tables say; `step_observer` is shown every
-/// tick, with the phases that begin there.
+/// Steps a world until its largest group reaches the size in the tables.
 ///
-/// Phase i takes from the end of the one before to the first tick with a group of i + 2 blocks, 0 ticks if
-/// several sizes are reached at once. A group that breaks again has been reached all the same.
+/// Calls `step_observer` at every tick with the phases that begin there. Phase i ends at the first
+/// tick with a group of i + 2 blocks. It takes 0 ticks if several sizes are reached at once. A
+/// group that breaks later still counts.
 ///
 /// # Errors
-/// [`RunError::State`], and [`RunError::Cancelled`] by `watch`.
+///
+/// [`RunError::State`], and [`RunError::Cancelled`] if `watch` cancels the run.
 pub(crate) fn gather<W: World>(
     tables: &Tables,
     world: &mut W,
@@ -54,7 +55,7 @@ pub(crate) fn gather<W: World>(
     let outcome = loop {
         let tick = world.tick();
         growth.take_in(world.largest_group(), tick, tables.phases.len());
-        // Of a tick at which the state was kept it has been told before.
+        // A resumed run has already reported the tick of its saved state.
         let events = std::mem::take(&mut growth.events);
         if !std::mem::take(&mut is_told) {
             step_observer.observe(world, events);
@@ -84,7 +85,7 @@ pub(crate) fn gather<W: World>(
 }
 
 impl Growth {
-    /// Takes in the size of the largest group at a tick, of a run with so many phases.
+    /// Records the size of the largest group at a tick, in a run with this number of phases.
     fn take_in(&mut self, largest: u32, tick: u64, phases: usize) {
         self.largest = self.largest.max(largest);
         while self.phase_ticks.len() < phases && self.largest as usize >= self.phase_ticks.len() + 2

@@ -43,5 +43,5 @@ pub use settings::{Model, Precision, Reduction, Setting, Settings};
 pub use step_error::{StepError, step_errors};
 pub use watch::{Save, Watch};
 
-/// A digest of this crate's sources: two builds with one digest compute the same.
+/// Digest of this crate's sources. Two builds with equal digests compute equal results.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

@@ -1,4 +1,4 @@
-//! Looking on while a run goes: where every block is, and what the structure does.
+//! Observation of a running simulation: block positions and the structure's events.
 use std::collections::BTreeMap;
 
 use stochc_ir::state::{State, StateError, StateReader, StateWriter};
@@ -9,142 +9,145 @@ use stochc_protocol::{Body, Payload};
 use crate::world::view::in_structure;
 use crate::world::{Arena, FreeBond};
 
-/// Looks on while a run goes. It cannot change anything.
+/// Observer of a run. It cannot change the run.
 pub trait Observer {
-    /// Called once for every tick, the first and the last included, when all that the tick brings
-    /// has been done.
+    /// Receives the state of every tick, including the first and the last, after all its events.
     ///
-    /// `arena` is at that [tick](crate::world::World::tick); `events` are what happened since the
-    /// last call, in their order: all of them at that tick.
+    /// `arena` is at that [tick](crate::world::World::tick). `events` are the events since the last
+    /// call, in order, all at that tick.
     fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]);
 
-    /// Writes down how far it is, for [`Observer::restore`]: see [`State::save`].
+    /// Writes the state of the observer for [`Observer::restore`]. See [`State::save`].
     ///
     /// # Errors
-    /// Those of [`State::save`].
+    ///
+    /// The errors of [`State::save`].
     fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
         State::save(&Unknown, to)
     }
 
-    /// Goes on from there.
+    /// Restores the state of the observer.
     ///
     /// # Errors
-    /// Those of [`State::restore`].
+    ///
+    /// The errors of [`State::restore`].
     fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
         State::restore(&mut Unknown, from)
     }
 }
 
-/// Somebody who does not say how far it is.
+/// State of an observer that does not support checkpoints.
 struct Unknown;
 
 impl State for Unknown {}
 
-/// What happens in a structure. Faces are in the structure's frame.
+/// Event in a structure. Faces are in the structure's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObservedEvent {
     /// A phase begins.
     Phase(PhaseId),
     /// A block switches a face on.
     Magnetized {
-        /// Whose face.
+        /// Block that owns the face.
         body: Body,
-        /// Its role.
+        /// Role of the block.
         by: RoleId,
-        /// Which face.
+        /// Face that is switched on.
         face: Face,
-        /// The role for the block that docks there.
+        /// Role of the block to be captured.
         child: RoleId,
-        /// Where that block will sit.
+        /// Cell of the block to be captured.
         cell: Cell,
     },
-    /// A free block comes into the reach of a face that is on.
+    /// A free block comes within the reach of an open face.
     Entered {
         /// The number of the free block.
         body: u32,
-        /// Whose face.
+        /// Block that owns the face.
         of: Body,
-        /// Which face.
+        /// The face.
         face: Face,
     },
-    /// A free block leaves the reach of a face, or the face is switched off or takes another block.
+    /// A free block leaves the reach of a face, or the face is switched off or captures another
+    /// block.
     Left {
         /// The number of the free block.
         body: u32,
-        /// Whose face.
+        /// Block that owns the face.
         of: Body,
-        /// Which face.
+        /// The face.
         face: Face,
     },
-    /// A block is anchored.
+    /// A block is captured.
     Captured {
         /// The number of the block.
         body: u32,
-        /// The block that holds it now.
+        /// Its new parent.
         on: Body,
-        /// By which face.
+        /// Face of the parent.
         face: Face,
-        /// The role that it takes.
+        /// Role of the captured block.
         role: RoleId,
-        /// Where it sits.
+        /// Cell of the captured block.
         cell: Cell,
     },
-    /// A block has docked where none is expected, and is rejected at once.
+    /// A block is captured at a face that expects none, and is rejected at once.
     Unplanned {
         /// The number of the block.
         body: u32,
-        /// The block on which it docked.
+        /// Block that captured it.
         on: Body,
-        /// On which face.
+        /// Face that captured it.
         face: Face,
-        /// The role of that block.
+        /// Role of the block that captured it.
         by: RoleId,
     },
     /// Two free blocks bond.
     Bonded {
-        /// Which, and by which faces.
+        /// The bond, with both faces.
         bond: FreeBond,
-        /// The blocks of their group, as of the end of the tick.
+        /// Number of blocks in their group at the end of the tick.
         size: u32,
     },
-    /// A bond between two free blocks is torn, or a structure takes one of them.
+    /// A bond between two free blocks breaks, or the structure captures one of them.
     Unbonded {
-        /// Between whom it was, and by which faces.
+        /// The bond, with both faces.
         bond: FreeBond,
-        /// The blocks of the group of each, as of the end of the tick; 1: it is alone, or anchored.
+        /// Number of blocks in the group of each at the end of the tick. 1 if it is alone or
+        /// anchored.
         sizes: [u32; 2],
     },
-    /// A block is let go, and with it the faces that it had on.
+    /// A block is released, and its open faces are switched off.
     Released {
         /// The number of the block.
         body: u32,
-        /// The role that it had.
+        /// Former role of the block.
         role: RoleId,
-        /// The role that let it go.
+        /// Role that released it.
         by: RoleId,
     },
-    /// A message goes from a block to a neighbour; sent again, it goes again.
+    /// A message is sent to a neighbour. Resent messages count again.
     Sent {
-        /// From.
+        /// Sender.
         from: Body,
-        /// To.
+        /// Receiver.
         to: Body,
-        /// What it says.
+        /// Content of the message.
         said: MessageContent,
     },
     /// The plate counts a report.
     Reported {
-        /// The role that made it.
+        /// Role that reported.
         by: RoleId,
     },
 }
 
-/// What a message says.
+/// Content of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MessageContent {
-    /// A branch of the phase is done, reports the block in this role.
+    /// Report: a branch of the phase is complete.
     Report(RoleId),
-    /// The block in this role asks its parent to be let go.
+    /// Request: the block in this role asks its parent for release.
     Ask(RoleId),
     /// A block has been anchored in this role.
     Anchored(RoleId),
@@ -163,51 +166,52 @@ impl From<Payload> for MessageContent {
     }
 }
 
-/// Where the control writes down what happens; `None`: nobody looks on.
+/// Log of events. `None` if there is no observer.
 #[derive(Debug, Default)]
 pub(crate) struct Log(Option<Vec<ObservedEvent>>);
 
 impl Log {
-    /// A log that somebody reads.
+    /// Returns an empty log that records events.
     pub fn kept() -> Log {
         Log(Some(Vec::new()))
     }
 
-    /// Whether somebody reads it.
+    /// Returns whether events are recorded.
     pub fn is_kept(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Writes an event down.
+    /// Records an event.
     pub fn note(&mut self, event: impl FnOnce() -> ObservedEvent) {
         if let Some(events) = &mut self.0 {
             events.push(event());
         }
     }
 
-    /// Takes out all that has been written down.
+    /// Returns and removes all recorded events.
     pub fn take(&mut self) -> Vec<ObservedEvent> {
         self.0.as_mut().map(std::mem::take).unwrap_or_default()
     }
 }
 
-/// Is shown a run, tick by tick.
+/// Internal observer, called at every tick.
 pub(crate) trait StepObserver<W>: State {
-    /// `log` is what the structure has done since the last time.
+    /// Receives the world and the structure's events since the last call.
     fn observe(&mut self, world: &W, log: Vec<ObservedEvent>);
 }
 
-/// Nobody looks on.
+/// Observer that does nothing.
 impl<W> StepObserver<W> for () {
     fn observe(&mut self, _world: &W, _log: Vec<ObservedEvent>) {}
 }
 
-/// Shows an [`Observer`] a run, and keeps in mind who is in the reach of which face, and who is bonded to whom.
+/// Adapter from runs to an [`Observer`]. Tracks which blocks are within reach of faces, and bonds
+/// of free blocks.
 pub(crate) struct EventObservation<'o, O> {
     observer: &'o mut O,
-    /// The block, the face's owner, the face, and the tick of the entry; sorted.
+    /// Block, owner of the face, face and tick of entry, sorted.
     inside: Vec<(u32, Body, Face, u64)>,
-    /// Sorted.
+    /// Bonds between free blocks, sorted.
     bonds: Vec<FreeBond>,
 }
 
@@ -248,7 +252,7 @@ impl<A: Arena, O: Observer> StepObserver<A> for EventObservation<'_, O> {
             (log.iter())
                 .any(|event| matches!(event, ObservedEvent::Captured { body, .. } if *body == id))
         };
-        // What the world did in the step comes before what the structure made of it.
+        // Events of the world in a step come before the structure's reactions.
         let mut events = Vec::with_capacity(log.len());
         for &(body, of, face, entered) in &self.inside {
             let stays = inside.binary_search(&(body, of, face, entered)).is_ok();
@@ -274,7 +278,7 @@ impl<A: Arena, O: Observer> StepObserver<A> for EventObservation<'_, O> {
     }
 }
 
-/// What has become of the bonds between free blocks: first those that are gone, then those that are new.
+/// Returns the changes of bonds between free blocks: broken ones first, then new ones.
 fn changes(before: &[FreeBond], now: &[FreeBond], arena: &impl Arena) -> Vec<ObservedEvent> {
     if before == now {
         return Vec::new();

@@ -15,16 +15,18 @@ use crate::world::rigid::RigidWorld;
 use crate::world::shuffle::ShuffleWorld;
 use crate::world::{Arena, World};
 
-/// Chance of an unplanned bond per tick in a world without physics, where faces always attract.
+/// Probability per tick of an unplanned capture in model `shuffle`, for faces that always attract.
 const STRAYS: f64 = 0.25;
 
-/// Makes run number `run` of the ensemble with this `seed`.
+/// Runs number `run` of the ensemble with this `seed`.
 ///
-/// The record is a pure function of all arguments but `watch`.
+/// The record is a pure function of all arguments except `watch`.
 ///
 /// # Errors
-/// [`RunError::Scene`] and [`RunError::State`] before the first tick, [`RunError::Cancelled`] when `watch` says so. A
-/// physics that breaks down on the way is no error but an [`Outcome::Failed`].
+///
+/// [`RunError::Scene`] and [`RunError::State`] before the first tick; [`RunError::Cancelled`] if
+/// `watch` cancels the run. Numerical failure during the run is an [`Outcome::Failed`], not an
+/// error.
 pub fn run(
     tables: &Tables,
     scene: &Scene,
@@ -64,12 +66,13 @@ pub fn run(
     }
 }
 
-/// [`run()`], with an `observer` to look on.
+/// Runs like [`run()`] and calls an `observer` at every tick.
 ///
 /// The record is the same, bit for bit.
 ///
 /// # Errors
-/// Those of [`run()`], and [`RunError::Nowhere`].
+///
+/// The errors of [`run()`], and [`RunError::Nowhere`].
 pub fn observe(
     tables: &Tables,
     scene: &Scene,
@@ -112,16 +115,16 @@ fn observed(
     follow(controller, &mut world, limit, run, watch, observation)
 }
 
-/// Runs tables in a world of one's own, which has to be at its beginning.
+/// Runs tables in a custom world, which must be in its initial state.
 ///
-/// A world that passes everything on to another one can look into it at every tick: that is how
-/// to record what moves where.
+/// A world can wrap another one and inspect it at every tick, for example to record trajectories.
 ///
-/// `max_ticks` as in [`Settings::max_ticks`]. `(seed, run)` is the key of the
-/// chance by which messages are lost; `run` is also the number to put in the record.
+/// `max_ticks` is as in [`Settings::max_ticks`]. `(seed, run)` is the key of message loss. `run` is
+/// also the run number in the record.
 ///
 /// # Errors
-/// [`RunError::Cancelled`] when `watch` says so.
+///
+/// [`RunError::Cancelled`] if `watch` cancels the run.
 pub fn drive(
     tables: &Tables,
     messages: Option<&Messages>,
@@ -137,7 +140,7 @@ pub fn drive(
     follow(controller, world, max_ticks, run, watch, ())
 }
 
-/// Drives a world by a controller to the end of the run; `step_observer` is shown every tick.
+/// Drives a world by a controller to the end of the run, and calls `step_observer` at every tick.
 fn follow<W: World>(
     mut controller: Controller<'_>,
     world: &mut W,
@@ -164,7 +167,7 @@ fn follow<W: World>(
             break Outcome::TimedOut { phase, by };
         }
         tell(watch, (tick, phase), &[&controller, world, &step_observer])?;
-        // The next step makes one of these ticks.
+        // The next step leads to the tick that needs the controller.
         if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
             world.skip(last);
         }

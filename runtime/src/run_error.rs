@@ -1,19 +1,19 @@
-//! Why there is no record of a run.
+//! Errors that prevent the record of a run.
 use stochc_ir::state::StateError;
 
 use crate::settings::Model;
 use crate::world::SceneError;
 
-/// Why a run left no record.
+/// Error that prevents the record of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RunError {
     /// The scene cannot be set up.
     Scene(SceneError),
-    /// The [`Watch`](crate::Watch) ended it.
+    /// The [`Watch`](crate::Watch) cancelled the run.
     Cancelled,
-    /// The model has no places to look at.
+    /// Blocks have no positions in this model.
     Nowhere(Model),
-    /// What [`Watch::kept`](crate::Watch::kept) has given is no state of this run.
+    /// The data of [`Watch::kept`](crate::Watch::kept) are not a state of this run.
     State(StateError),
 }
 
@@ -24,10 +24,10 @@ impl std::fmt::Display for RunError {
             RunError::Cancelled => f.write_str("the run was cancelled"),
             RunError::Nowhere(model) => write!(
                 f,
-                "the model `{}` has no places to look at; `--model rigid` has them",
+                "blocks have no positions in the model `{}`; use `--model rigid`",
                 model.name()
             ),
-            RunError::State(error) => write!(f, "the state to go on from cannot be used: {error}"),
+            RunError::State(error) => write!(f, "cannot resume from the saved state: {error}"),
         }
     }
 }

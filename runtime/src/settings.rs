@@ -1,61 +1,64 @@
-//! How a run is computed: the model and its accuracy, which are never the scene's.
+//! Settings of the computation: the model and its accuracy, which are not part of the scene.
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::warnings::Stepping;
 use stochc_ir::scene::{Scene, Substeps};
 use stochc_ir::sha256;
 use stochc_rates::Rates;
 
-/// Everything about a run that is neither in the program nor in the scene.
+/// Settings of a run that are neither in the program nor in the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
-    /// What moves the blocks.
+    /// Model of block motion.
     pub model: Model,
-    /// Steps of the model per tick, at least 1; default [`Substeps::DEFAULT`].
+    /// Steps of the model per tick, at least 1. The default is [`Substeps::DEFAULT`].
     ///
-    /// More resolve contacts and docking better and cost proportionally more.
+    /// More steps resolve contacts and captures better, at proportional cost.
     ///
-    /// With `away`, those of blocks near magnetized faces.
+    /// If `away` is set, applies only to blocks near open faces.
     pub substeps: u32,
-    /// Steps per tick of blocks that are not near a magnetized face, of which `substeps` is a multiple; `None`: as many
-    /// as near one. For `rigid` only: `rapier` takes the short steps everywhere.
+    /// Steps per tick of blocks away from open faces. `None` if equal to `substeps`.
+    ///
+    /// `substeps` must be a multiple of it. Only `rigid` uses it; `rapier` takes the short steps
+    /// everywhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub away: Option<u32>,
-    /// How hard contacts are worked on in a substep; `None`: [`Settings::iterations`] of the model.
+    /// Effort of the contact solver per substep. `None` selects [`Settings::iterations`] of the
+    /// model.
     ///
-    /// For `rapier` that is its `num_solver_iterations`, internal steps that also make contacts
-    /// stiffer; for `rigid` the most rounds over contacts that still change.
+    /// For `rapier`, its `num_solver_iterations`: internal steps that also make contacts stiffer.
+    /// For `rigid`, the largest number of rounds over contacts that still change.
     pub solver_iterations: Option<u32>,
-    /// Digits of the physics; `rapier` has single precision only.
+    /// Floating-point precision. `rapier` has single precision only.
     #[serde(default, skip_serializing_if = "Precision::is_single")]
     pub precision: Precision,
-    /// What `rigid` leaves out, though the scene has it; `None`: nothing.
+    /// Term that `rigid` leaves out although the scene has it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reduction: Option<Reduction>,
-    /// Of [`Model::Rate`], what was measured of the scenes, but for those of which [`Rates::built_in`] are meant.
+    /// Calibrated rates for [`Model::Rate`]. Scenes not listed use [`Rates::built_in`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rates: Vec<Rates>,
-    /// Ticks after which a run is given up; `None`, the default: never.
+    /// Ticks after which a run is right-censored. `None`, the default, sets no limit.
     pub max_ticks: Option<u64>,
 }
 
-/// Rounds over contacts that `rigid` makes at most, if nothing else is said.
+/// Default limit of the rounds over contacts in model `rigid`.
 pub(crate) const ROUNDS: u32 = 10;
 
-/// What moves the blocks.
+/// Model of block motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Model {
-    /// Full rigid bodies by a kernel of our own for dilute suspensions; the default.
+    /// Rigid bodies by a custom kernel for dilute suspensions. The default.
     Rigid,
-    /// The same by the engine Rapier, in single precision: a second opinion.
+    /// Rigid bodies by the engine Rapier, in single precision. An independent check.
     Rapier,
-    /// No motion: waits are drawn by rates that were measured with `rigid`.
+    /// No motion: waiting times are drawn from rates calibrated with `rigid`.
     Rate,
-    /// No physics: one random capture a tick. It tests protocols; its times mean nothing.
+    /// No physics: one random capture per tick. For testing protocols; its times are meaningless.
     Shuffle,
 }
 
-/// What may be said of how runs are computed, and not every model has a use for.
+/// Setting that only some models use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
     /// [`Settings::steps`].
@@ -70,46 +73,47 @@ pub enum Setting {
     Rates,
 }
 
-/// Digits of the physics.
+/// Floating-point precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {
-    /// 24 bits.
+    /// 24-bit significand.
     #[default]
     Single,
-    /// 53 bits.
+    /// 53-bit significand.
     Double,
 }
 
-/// A term that a scene has and a cheaper model leaves out, to see what it is worth.
+/// Physical term to leave out, to measure its effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reduction {
-    /// Blocks never turn.
+    /// Blocks never rotate.
     NoRotation,
-    /// Blocks touch as balls whose diameter is the side of a block.
+    /// Blocks collide as spheres whose diameter is the block length.
     Spheres,
-    /// Contacts do not hold sideways.
+    /// Contacts have no friction.
     NoFriction,
-    /// Free blocks pass through each other, though not through structure and ground.
+    /// Free blocks pass through each other, but not through the structure and the ground.
     NoBlockContact,
 }
 
 impl Model {
-    /// All of them, the default first.
+    /// All models, the default first.
     pub const ALL: [Model; 4] = [Model::Rigid, Model::Rapier, Model::Rate, Model::Shuffle];
 
-    /// Whether blocks have places, and move.
+    /// Returns whether blocks have positions.
     pub const fn has_places(self) -> bool {
         matches!(self, Model::Rigid | Model::Rapier)
     }
 
-    /// Whether the state of a run can be saved and restored. The engine of `rapier` would restore it without validation.
+    /// Returns whether the state of a run can be saved and restored. The engine of `rapier` would
+    /// restore it without validation.
     pub const fn has_state(self) -> bool {
         !matches!(self, Model::Rapier)
     }
 
-    /// Its name on the command line and in a manifest.
+    /// Returns the name on the command line and in manifests.
     pub const fn name(self) -> &'static str {
         match self {
             Model::Rapier => "rapier",
@@ -119,7 +123,7 @@ impl Model {
         }
     }
 
-    /// What it is, in a line.
+    /// Returns a description in one line.
     pub const fn meaning(self) -> &'static str {
         match self {
             Model::Rapier => "Rigid bodies by the general engine Rapier",
@@ -135,7 +139,7 @@ impl Model {
         }
     }
 
-    /// Whether a setting changes anything for it.
+    /// Returns whether a setting affects this model.
     pub const fn uses(self, setting: Setting) -> bool {
         match self {
             Model::Rigid => !matches!(setting, Setting::Rates),
@@ -145,14 +149,14 @@ impl Model {
         }
     }
 
-    /// The first of these settings of which it has no use.
+    /// Returns the first of these settings that this model does not use.
     pub fn unused(self, given: impl IntoIterator<Item = Setting>) -> Option<Setting> {
         given.into_iter().find(|&setting| !self.uses(setting))
     }
 }
 
 impl Reduction {
-    /// Its name on the command line and in a manifest.
+    /// Returns the name on the command line and in manifests.
     pub const fn name(self) -> &'static str {
         match self {
             Reduction::NoRotation => "no-rotation",
@@ -162,7 +166,7 @@ impl Reduction {
         }
     }
 
-    /// What is left out, in a line.
+    /// Returns a description in one line.
     pub const fn meaning(self) -> &'static str {
         match self {
             Reduction::NoRotation => "Blocks never turn",
@@ -172,7 +176,7 @@ impl Reduction {
         }
     }
 
-    /// All of them.
+    /// All reductions.
     pub const ALL: [Reduction; 4] = [
         Reduction::NoRotation,
         Reduction::Spheres,
@@ -182,10 +186,10 @@ impl Reduction {
 }
 
 impl Precision {
-    /// Both of them.
+    /// All precisions.
     pub const ALL: [Precision; 2] = [Precision::Single, Precision::Double];
 
-    /// Its name on the command line and in a manifest.
+    /// Returns the name on the command line and in manifests.
     pub const fn name(self) -> &'static str {
         match self {
             Precision::Single => "single",
@@ -193,7 +197,7 @@ impl Precision {
         }
     }
 
-    /// What it is, in a line.
+    /// Returns a description in one line.
     pub const fn meaning(self) -> &'static str {
         match self {
             Precision::Single => "32-bit floating point",
@@ -201,7 +205,7 @@ impl Precision {
         }
     }
 
-    /// Whether it is what is not written down.
+    /// Returns whether this is the default, which is not serialized.
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "called by serde")]
     fn is_single(&self) -> bool {
         *self == Precision::Single
@@ -209,7 +213,7 @@ impl Precision {
 }
 
 impl Settings {
-    /// So many steps per tick of a model, and nothing else out of the ordinary.
+    /// Returns default settings for a model with this number of steps per tick.
     pub const fn new(model: Model, substeps: u32) -> Settings {
         Settings {
             model,
@@ -223,7 +227,7 @@ impl Settings {
         }
     }
 
-    /// The same with so many steps per tick.
+    /// Returns the settings with this number of steps per tick.
     #[must_use]
     pub fn with_steps(self, Substeps { near, away }: Substeps) -> Settings {
         Settings {
@@ -233,7 +237,7 @@ impl Settings {
         }
     }
 
-    /// The steps per tick that blocks of a scene take.
+    /// Returns the steps per tick that blocks of a scene take.
     pub fn steps_in(&self, scene: &Scene) -> Substeps {
         let steps = self.steps();
         match self.model {
@@ -245,7 +249,7 @@ impl Settings {
         }
     }
 
-    /// The steps and digits of runs with physics. `None`: the model has none.
+    /// Returns the steps and precision of runs with physics, or `None` for other models.
     pub fn stepping(&self) -> Option<Stepping> {
         let steps = match self.model {
             Model::Rigid => self.steps(),
@@ -265,7 +269,7 @@ impl Settings {
         })
     }
 
-    /// The steps per tick that are asked for.
+    /// Returns the requested steps per tick.
     pub fn steps(&self) -> Substeps {
         Substeps {
             near: self.substeps,
@@ -273,7 +277,7 @@ impl Settings {
         }
     }
 
-    /// Those that are not as usual.
+    /// Returns the settings that differ from their defaults.
     pub fn chosen(&self) -> impl Iterator<Item = Setting> {
         let chosen = [
             (Setting::Steps, self.steps() != Substeps::DEFAULT),
@@ -286,7 +290,8 @@ impl Settings {
         chosen.map(|(setting, _)| setting)
     }
 
-    /// How hard contacts are worked on: 4 for `rapier`, its own default, and 10 for `rigid`.
+    /// Returns the solver iterations: by default 4 for `rapier`, as in that engine, and 10 for
+    /// `rigid`.
     pub fn iterations(&self) -> u32 {
         let usual = match self.model {
             Model::Rapier => 4,
@@ -295,7 +300,7 @@ impl Settings {
         self.solver_iterations.unwrap_or(usual).max(1)
     }
 
-    /// The same, with everything said that goes without saying: two settings compute the same if these are equal.
+    /// Returns the settings with all defaults filled in. Equal results compute the same.
     #[must_use]
     pub fn resolved(&self) -> Settings {
         let local = |&away: &u32| away != self.substeps && self.model == Model::Rigid;
@@ -306,7 +311,7 @@ impl Settings {
         }
     }
 
-    /// What is set otherwise in `other`: what it is, and its values here and there, in words.
+    /// Returns the differences to `other`: the name of each setting and its two values, as text.
     pub fn differences(&self, other: &Settings) -> Vec<(&'static str, String, String)> {
         let limit = |of: &Settings| of.max_ticks.map_or("none".to_owned(), |n| n.to_string());
         let reduction = |of: &Settings| of.reduction.map_or("none", Reduction::name).to_owned();
@@ -341,7 +346,8 @@ impl Settings {
                 ),
             ]
         };
-        // What only one of two models has a use for comes with the model; the rest every model uses.
+        // Settings that only one of the two models uses follow from the model. Compare only common
+        // ones.
         let is_same = self.model == other.model;
         let uses = |setting| self.model.uses(setting) && other.model.uses(setting);
         let counts = |setting: Option<Setting>| is_same || setting.is_none_or(uses);

@@ -1,5 +1,5 @@
-//! What the length of steps does to a scene: collisions and dockings with its own constants, prepared one by one, in the steps that
-//! are taken and in much shorter ones.
+//! Error of the time step in a scene: collisions and captures, each at the chosen step and at much
+//! shorter ones.
 use nalgebra::Vector3;
 use stochc_ir::scene::groups::{BlockUnits, speed};
 use stochc_ir::scene::{Block, Bond, ContactLaw, Fluid, Scene, Substeps};
@@ -10,39 +10,40 @@ use crate::settings::{Model, Settings};
 use crate::world::rigid::RigidWorld;
 use crate::world::{Arena, BlockFace, Body, BodyState, World};
 
-/// Short enough to be called exact beside the steps that are taken: so many to each of those.
+/// Substeps per chosen step in the reference, which counts as exact.
 const FINER: u32 = 64;
 
-/// Experiments of a kind, which begin at different moments of a step.
+/// Number of experiments of each kind, starting at different moments of a step.
 const CASES: u32 = 32;
 
-/// Steps after which an experiment is given up.
+/// Steps after which an experiment is abandoned.
 const PATIENCE: u32 = 100_000;
 
-/// What comes out of an experiment, as the mean of 32 that begin at different moments of a step.
+/// Result of an experiment, averaged over 32 starting moments within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepError {
-    /// What is measured.
+    /// Measured quantity.
     pub figure: &'static str,
-    /// Its unit; empty: it has none.
+    /// Its unit. Empty if it is dimensionless.
     pub unit: &'static str,
-    /// Steps of a tick that such blocks take.
+    /// Steps per tick that such blocks take.
     pub steps: u32,
-    /// What it is with those steps.
+    /// Value at these steps.
     pub taken: f64,
-    /// What it is with steps 64 times as short.
+    /// Value at steps 64 times shorter.
     pub resolved: f64,
 }
 
 impl StepError {
-    /// The error over what it should be.
+    /// Returns the relative error.
     pub fn relative(&self) -> f64 {
         self.taken / self.resolved - 1.0
     }
 }
 
-/// What is lost by the steps in a scene; nothing is said of what it does not have, or what takes
-/// more than 100,000 of the short ones.
+/// Returns the errors of the time step in a scene.
+///
+/// Omits effects that the scene does not have and experiments of more than 100,000 short steps.
 pub fn step_errors(scene: &Scene, steps: Substeps) -> Vec<StepError> {
     let kinds = [
         (
@@ -78,10 +79,11 @@ pub fn step_errors(scene: &Scene, steps: Substeps) -> Vec<StepError> {
     errors.collect()
 }
 
-/// By scene, steps a tick, and a number in (0, 1) that differs between cases.
+/// Function of the scene, the steps per tick, and the starting moment in (0, 1).
 type Experiment = fn(&Scene, u32, f64) -> Option<f64>;
 
-/// How fast two blocks part that meet face to face, each at the expected speed, over how fast they met.
+/// Returns the coefficient of restitution of two blocks that meet face to face at the expected
+/// speed.
 fn restitution(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     let contact = scene.contact.as_ref()?;
     let is_free = scene
@@ -101,7 +103,7 @@ fn restitution(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     };
     let block = |side: f64| BodyState {
         velocity: Vector3::z() * (-side * speed),
-        // Between a quarter of a side apart and that and the way of one more step.
+        // Start a quarter of a block length apart, plus up to one step of motion.
         ..BodyState::at_rest(Vector3::z() * (FAR + side * (0.625 + speed * phase)))
     };
     let mut world = world(&alone, steps, &[block(1.0), block(-1.0)])?;
@@ -122,14 +124,15 @@ fn restitution(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     None
 }
 
-/// Ticks until a block is anchored that is at rest, straight before a magnetized face, within its reach.
+/// Returns the ticks until capture of a block at rest, straight in front of an open face and within
+/// its reach.
 fn docking(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     let Some(Bond::Attract { pull, .. }) = &scene.bond else {
         return None;
     };
     let reach = BlockUnits::from_scene(scene).length(pull.within);
     let start = 0.5 + reach * (0.25 + 0.7 * phase);
-    // Of which each step is a tick, in which dockings are told.
+    // Each step is a tick, because captures are reported per tick.
     let alone = Scene {
         tick: scene.tick / f64::from(steps),
         ..surroundings_of_none(scene)
@@ -149,10 +152,10 @@ fn docking(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     None
 }
 
-/// Far from the plate \[side\].
+/// Distance from the plate, large enough to be out of its reach \[block lengths\].
 const FAR: f64 = 30.0;
 
-/// The same blocks with nothing around them that moves them.
+/// Returns the scene without anything around the blocks that moves them.
 fn surroundings_of_none(scene: &Scene) -> Scene {
     let still = scene.fluid.as_ref().and_then(|fluid| fluid.viscosity);
     Scene {

@@ -1,4 +1,4 @@
-//! Who looks on while a run goes, ends it, and keeps its state.
+//! Supervision of a run: progress, cancellation and checkpoints.
 use std::io::Read;
 use std::ops::ControlFlow;
 
@@ -7,28 +7,29 @@ use stochc_ir::table::PhaseId;
 
 use crate::run_error::RunError;
 
-/// Writes the state of a run.
+/// Function that writes the state of a run.
 pub type Save<'a> = dyn FnMut(&mut StateWriter<'_>) -> Result<(), StateError> + 'a;
 
-/// Looks on while a run goes, and may end it, or keep its state for another one to go on from.
+/// Supervisor of a run. It can cancel the run or save its state for resuming.
 ///
-/// Any `FnMut(u64, PhaseId) -> ControlFlow<()>` is one that keeps nothing.
+/// Any `FnMut(u64, PhaseId) -> ControlFlow<()>` is a watch without checkpoints.
 pub trait Watch {
-    /// Called before every tick with the number of ticks passed and the phase that is running;
-    /// `Break` cancels the run.
+    /// Receives the number of completed ticks and the running phase before every tick. `Break`
+    /// cancels the run.
     fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()>;
 
-    /// Asked once, before the first tick, for what [`Watch::keep`] has kept of the same run.
+    /// Returns the saved state of the same run, if there is one. Called once, before the first
+    /// tick.
     fn kept(&mut self) -> Option<Box<dyn Read>> {
         None
     }
 
-    /// Asked after each [`Watch::tick`] whether the state at this tick is to be kept.
+    /// Returns whether to save the state at this tick. Called after each [`Watch::tick`].
     fn wants_state(&mut self) -> bool {
         false
     }
 
-    /// Keeps what `save` writes.
+    /// Saves the state that `save` writes.
     fn keep(&mut self, _save: &mut Save<'_>) {}
 }
 
@@ -38,7 +39,7 @@ impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
     }
 }
 
-/// Goes on from what was kept of a run, if there is anything; whether there is.
+/// Resumes from the saved state of a run. Returns whether there was one.
 pub(crate) fn resume(
     watch: &mut (impl Watch + ?Sized),
     parts: &mut [&mut dyn State],
@@ -53,10 +54,11 @@ pub(crate) fn resume(
     Ok(true)
 }
 
-/// Tells that a tick begins, and has the state kept if that is wanted.
+/// Reports that a tick begins, and saves the state if requested.
 ///
 /// # Errors
-/// [`RunError::Cancelled`].
+///
+/// [`RunError::Cancelled`], if the watch cancels the run.
 pub(crate) fn tell(
     watch: &mut (impl Watch + ?Sized),
     (tick, phase): (u64, PhaseId),

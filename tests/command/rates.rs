@@ -299,8 +299,7 @@ fn what_rates_do_not_speak_of_is_refused_by_name() {
                 (1, ""),
                 "{command} {file}"
             );
-            let reason =
-                format!("the model `rate` has no {what}; `stochc simulate --model rigid` has it");
+            let reason = format!("the model `rate` does not support {what}; use `--model rigid`");
             assert!(said.err.contains(&reason), "{command} {file}: {}", said.err);
         }
         let cost = stochc_with("check --cost --allow warnings", &[file]);

@@ -149,7 +149,8 @@ fn a_scene_that_does_not_fit_is_not_run() {
 fn a_scene_with_a_term_that_the_model_lacks_is_not_run() {
     let said = stochc("simulate --model rapier tests/fixtures/soft.sa --runs 1");
     assert_eq!((said.status, said.out.as_str()), (1, ""));
-    let reason = "soft: the model `rapier` has no contact with a `stiffness`; `stochc simulate --model rigid` has it";
+    let reason =
+        "soft: the model `rapier` does not support contact with a `stiffness`; use `--model rigid`";
     assert!(said.err.contains(reason), "{}", said.err);
 }
 

@@ -47,7 +47,7 @@ fn every_setting_is_measured_and_kept() {
     let out = path(folder.path(), "out");
     let said = stochc_with(DENSE, &["--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
-    let note = "note: left out, dense [model=rate]: there are no rates of this scene";
+    let note = "note: left out, dense [model=rate]: this scene has no calibrated rates; run `stochc calibrate`";
     assert!(said.err.starts_with(note), "{}", said.err);
     assert!(!said.out.contains(" rate "), "{}", said.out);
     // The folder is that of a sweep.

@@ -1,15 +1,15 @@
-//! The distributed control: every anchored block runs its own part of the event tables.
+//! Distributed control: every anchored block executes its own part of the event tables.
 //!
-//! A block sees only itself: what docked on its faces and what it was told. What crosses from one
-//! block to another crosses as a message, hop by hop along parents and children. Nothing here
-//! knows how blocks move; any [`World`] will do.
+//! A block sees only its own faces and its messages. Messages travel hop by hop along parents and
+//! children. This module does not depend on how blocks move and runs in any [`World`].
 //!
-//! [`Structure`] is the machine itself, without time and chance. The [`Controller`] drives it by the clock of a
-//! world; [`stochc_protocol::explore`] drives the same machine through every order.
+//! [`Structure`] is the state machine, without time and chance. The [`Controller`] drives it by the
+//! clock of a world. [`stochc_protocol::explore`] drives the same machine through every order of
+//! events.
 //!
-//! Times are boundaries between steps of the world: tick t is when t steps have been made. A phase
-//! whose last report arrives at tick t ends at t, and what the next one switches on acts from the
-//! very next step on. That a phase begins is told to all blocks at once and is not counted.
+//! Times are boundaries between steps: tick t is the moment after t steps. A phase whose last
+//! report arrives at tick t ends at t. Faces that the next phase switches on act from the next
+//! step. All blocks learn at once that a phase begins; this broadcast is not counted as messages.
 mod network;
 mod recorder;
 
@@ -24,17 +24,17 @@ use stochc_protocol::{BlockFace, Body, Docking, Orientation, Structure, Structur
 use crate::observe::{Log, ObservedEvent};
 use crate::world::World;
 
-/// Runs event tables in a world.
+/// Executor of event tables in a world.
 #[derive(Debug)]
 pub struct Controller<'t> {
     tables: &'t Tables,
     structure: Structure<'t, u64>,
     recorder: RunRecorder,
     phase_began: u64,
-    /// When its time is over; `None`: never.
+    /// Tick of the phase's timeout. `None` if it has no timeout.
     phase_ends: Option<u64>,
     phase_ticks: Vec<u64>,
-    /// Why the run cannot go on.
+    /// Reason why the run cannot continue.
     fault: Option<String>,
 }
 
@@ -46,10 +46,10 @@ stochc_ir::state! {
 }
 
 impl<'t> Controller<'t> {
-    /// A structure of seeds only, before the first phase.
+    /// Returns a controller for a structure of seeds only, before the first phase.
     ///
-    /// `messages` is what the scene says of them; `None`: they cost nothing, and none is lost.
-    /// `seed` and `run` are the key of all chance in a run.
+    /// `messages` are the scene's message parameters. If they are `None`, messages take no time and
+    /// none is lost. `seed` and `run` are the key of every random draw in a run.
     pub fn new(
         tables: &'t Tables,
         messages: Option<&Messages>,
@@ -67,19 +67,19 @@ impl<'t> Controller<'t> {
         }
     }
 
-    /// Writes down from now on what happens, for [`Controller::take_log`].
+    /// Starts recording events for [`Controller::take_log`].
     pub(crate) fn keep_log(&mut self) {
         self.recorder.log = Log::kept();
     }
 
-    /// Takes out what has happened since the last time.
+    /// Returns the events since the last call.
     pub(crate) fn take_log(&mut self) -> Vec<ObservedEvent> {
         self.recorder.log.take()
     }
 
-    /// Attaches what is planted by hand, and begins the first phase after that.
+    /// Attaches the pre-attached blocks, then begins the first phase.
     ///
-    /// A world without enough free blocks for it leaves a [`Controller::fault`].
+    /// If the world has too few free blocks, [`Controller::fault`] is set.
     pub fn start(&mut self, world: &mut impl World) {
         self.recorder.tick = world.tick();
         let seeds: Vec<Cell> = self.tables.seeds().map(|(_, cell)| cell).collect();
@@ -92,7 +92,7 @@ impl<'t> Controller<'t> {
         }
     }
 
-    /// Takes in what docked in the world's last step, and does all that this tick brings.
+    /// Processes the captures of the world's last step and everything else due at this tick.
     pub fn advance(&mut self, dockings: &[Docking], world: &mut impl World) {
         self.recorder.tick = world.tick();
         for (i, docking) in dockings.iter().enumerate() {
@@ -103,18 +103,17 @@ impl<'t> Controller<'t> {
         self.settle(world);
     }
 
-    /// The phase that is running; `None`: all are complete.
+    /// Returns the running phase, or `None` if all are complete.
     pub fn phase(&self) -> Option<PhaseId> {
         self.structure.phase()
     }
 
-    /// Whether the running phase has used up its time.
+    /// Returns whether the running phase has timed out.
     pub fn timed_out(&self) -> bool {
         self.phase_ends.is_some_and(|end| self.recorder.tick >= end)
     }
 
-    /// The first tick at which something is due, whatever the world does: a message, the end of the time of the phase, or
-    /// `max_ticks`.
+    /// Returns the next tick that needs the controller: for a message, a timeout, or `max_ticks`.
     #[inline]
     pub(crate) fn next_due(&self, max_ticks: Option<u64>) -> u64 {
         let or_never = |tick: Option<u64>| tick.unwrap_or(u64::MAX);
@@ -123,7 +122,7 @@ impl<'t> Controller<'t> {
             .min(or_never(self.recorder.network.next_due()))
     }
 
-    /// A phase begins, if there is one left.
+    /// Records that a phase begins, or that the last one has ended.
     fn note_phase(&mut self, phase: Option<PhaseId>) {
         self.phase_began = self.recorder.tick;
         let timeout = phase.and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
@@ -131,32 +130,33 @@ impl<'t> Controller<'t> {
         self.recorder.note_phase(phase);
     }
 
-    /// Why the run cannot go on, if so.
+    /// Returns the reason why the run cannot continue, if there is one.
     pub fn fault(&self) -> Option<&str> {
         self.fault.as_deref()
     }
 
-    /// Ticks that each completed phase took; 0 for a planted one.
+    /// Returns the duration of each completed phase \[ticks\]. Phases of pre-attached blocks take
+    /// 0.
     pub fn phase_ticks(&self) -> &[u64] {
         &self.phase_ticks
     }
 
-    /// Every capture so far, in the order of docking.
+    /// Returns every capture so far, in order.
     pub fn bonds(&self) -> &[BondRecord] {
         &self.recorder.bonds
     }
 
-    /// Blocks so far that docked where nobody expected them.
+    /// Returns the number of blocks captured so far at faces that expected none.
     pub fn unplanned(&self) -> u64 {
         self.recorder.unplanned.len() as u64
     }
 
-    /// Hops that messages have made so far.
+    /// Returns the number of message hops so far.
     pub fn hops(&self) -> u64 {
         self.recorder.network.hops
     }
 
-    /// Where each role is held now, as (role, block, orientation), by role.
+    /// Returns the block in each role and its orientation, by role.
     pub fn structure(&self) -> impl Iterator<Item = (RoleId, Body, Orientation)> + '_ {
         (0..self.tables.roles.len() as u32).filter_map(|role| {
             let block = self.structure.holder(RoleId(role))?;
@@ -164,7 +164,7 @@ impl<'t> Controller<'t> {
         })
     }
 
-    /// Delivers all messages that are due, and moves on to the phases that are.
+    /// Delivers all messages that are due and begins the phases that they make ready.
     fn settle(&mut self, world: &mut impl World) {
         loop {
             while let Some((from, at, message)) = self.recorder.due() {
@@ -187,13 +187,13 @@ impl<'t> Controller<'t> {
             .next_phase(&mut self.recorder.in_world(world));
     }
 
-    /// Attaches by hand what the planted phases at the beginning capture, in this very tick.
+    /// Attaches the pre-attached blocks of the first phases within the current tick.
     fn plant(&mut self, world: &mut impl World) {
         while self.structure.is_planting() {
             while let Some((site, child)) = self.structure.next_to_plant() {
                 let Some(docking) = world.plant(site) else {
                     let name = self.tables.name(child);
-                    self.fault = Some(format!("no free block is left to attach as {name}"));
+                    self.fault = Some(format!("no free block is left to pre-attach as {name}"));
                     return;
                 };
                 (self.structure).dock(&docking, &mut self.recorder.in_world(world));
@@ -202,7 +202,7 @@ impl<'t> Controller<'t> {
         }
     }
 
-    /// The faces that are on and hold nothing, by the tick since when.
+    /// Returns the open faces, each with the tick of its switching on.
     fn waiting(&self, world: &impl World) -> Vec<WaitRecord> {
         let Some(phase) = self.phase() else {
             return Vec::new();
@@ -229,7 +229,7 @@ impl<'t> Controller<'t> {
         waiting
     }
 
-    /// Everything that is kept, once the run has ended in this world.
+    /// Returns the record of a run that has ended in this world.
     pub(crate) fn into_record(self, run: u64, outcome: Outcome, world: &impl World) -> RunRecord {
         let waiting = self.waiting(world);
         let bonds = self.recorder.bonds;
@@ -253,12 +253,12 @@ impl<'t> Controller<'t> {
         }
     }
 
-    /// A block dies where it is anchored: from now on it neither acts nor passes anything on.
+    /// Makes an anchored block fail: it no longer acts or forwards messages.
     pub fn kill(&mut self, body: Body) {
         self.structure.kill(body);
     }
 
-    /// The cell that a role's block is meant to sit in, for tools and tests.
+    /// Returns the target cell of a role's block. For tools and tests.
     pub fn cell(&self, role: RoleId) -> Option<Cell> {
         match self.structure.holder(role).map(StructureBlock::body)? {
             Body::Seed(cell) => Some(cell),

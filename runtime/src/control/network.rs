@@ -1,10 +1,9 @@
-//! Messages under way, by the clock.
+//! Messages in transit and their timing.
 //!
-//! A transfer needs `hop` ticks. Where the scene says that transfers are lost, both ends of a
-//! contact keep [`Channels`]: a sender that has no acknowledgement when the longest way there and
-//! back is over, 2 `hop` + 1 ticks after it has sent, sends again. When nothing is lost, nothing is sent
-//! again, and every message arrives as if there were no losses. The acknowledgement is a part of
-//! the transfer, not a message of its own.
+//! A transfer takes `hop` ticks. If the scene loses transfers, both ends of a contact keep
+//! [`Channels`]. A sender without an acknowledgement resends after 2 `hop` + 1 ticks, the longest
+//! round trip. Loss can only delay messages: each arrives exactly once. The acknowledgement is part
+//! of the transfer, not a message of its own.
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
@@ -14,40 +13,40 @@ use stochc_protocol::{Body, Channels, Message, Recalled};
 use crate::counter_rng::{Draws, Stream, unit};
 use crate::observe::{Log, ObservedEvent};
 
-/// The messages that are under way.
+/// Messages in transit.
 #[derive(Debug)]
 pub(super) struct Network {
-    /// Ticks per hop.
+    /// Duration of a hop \[ticks\].
     hop: u64,
-    /// In the order of sending, which is that of their times.
+    /// Transfers in the order of sending, which is also the order of arrival.
     under_way: VecDeque<Transfer>,
-    /// What may have to be sent again, in the order of its times and of sending.
+    /// Transfers that may need resending, in the order of their times and of sending.
     reminders: VecDeque<Transfer>,
     sent: u64,
-    /// Hops so far, those of messages that were sent again included.
+    /// Number of hops so far, including resent messages.
     pub hops: u64,
-    /// `None`: nothing is lost.
+    /// Loss of transfers. `None` if nothing is lost.
     loss: Option<Loss>,
 }
 
 /// A message between two blocks.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Transfer {
-    /// When it arrives, or is due to be sent again.
+    /// Tick of arrival or of resending.
     due: u64,
-    /// Transfers that were sent before it.
+    /// Number of transfers sent before this one.
     order: u64,
     from: Body,
     to: Body,
     message: Message,
-    /// Its number on the contact; 0 where nothing is lost.
+    /// Sequence number on the contact. 0 if nothing is lost.
     number: u32,
 }
 
-/// Chance on contacts.
+/// Random loss on contacts.
 #[derive(Debug)]
 struct Loss {
-    /// Of each transfer, and of each acknowledgement.
+    /// Probability of loss of each transfer and of each acknowledgement.
     probability: f64,
     draws: Draws,
     channels: Channels,
@@ -68,7 +67,8 @@ stochc_ir::state! {
 }
 
 impl Network {
-    /// `messages`: what the scene says of them; `seed` and `run`: the key of its chance.
+    /// Returns an empty network. `messages` are the scene's parameters; `seed` and `run` are the
+    /// key of its random draws.
     pub fn new(messages: Option<&Messages>, seed: u64, run: u64) -> Network {
         let loss = messages.and_then(|messages| messages.loss);
         Network {
@@ -93,7 +93,7 @@ impl Network {
         }
     }
 
-    /// When something is due next.
+    /// Returns the tick of the next arrival or resending.
     #[inline]
     pub fn next_due(&self) -> Option<u64> {
         let arrives = self.under_way.front().map(|transfer| transfer.due);
@@ -104,7 +104,8 @@ impl Network {
         }
     }
 
-    /// Takes the next message that has arrived by `tick`, with its last hop: from whom, and where it is.
+    /// Removes the next message that has arrived by `tick`. Returns its last sender, its receiver
+    /// and the message.
     #[inline]
     pub fn due(&mut self, tick: u64, log: &mut Log) -> Option<(Body, Body, Message)> {
         while !(self.under_way.is_empty() && self.reminders.is_empty()) {
@@ -168,7 +169,8 @@ impl Network {
         self.depart(tick, transfer, log);
     }
 
-    /// Makes so many hops for a message at once, if it needs no time for them and nothing else is under way: whether it has.
+    /// Performs `hops` hops at once if hops take no time and nothing else is in transit. Returns
+    /// whether it did.
     pub fn carry(&mut self, hops: u32) -> bool {
         let is_alone = self.hop == 0 && self.loss.is_none() && self.under_way.is_empty();
         if is_alone {
@@ -193,8 +195,8 @@ impl Network {
         self.hops += 1;
     }
 
-    /// Takes out what is under way to a block or from it; `unreceived`: how many hops the structure waits for
-    /// there.
+    /// Removes the transfers to and from a block. `unreceived` is the number of hops that the
+    /// structure still expects there.
     pub fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled {
         let mut recalled = Recalled::default();
         if let Some(loss) = &mut self.loss {

@@ -1,4 +1,4 @@
-//! What a run keeps besides the structure and the world: the clock, the messages, and what happened when.
+//! Recorder of a run: clock, messages, and events with their times.
 use rustc_hash::{FxBuildHasher, FxHashMap};
 use stochc_ir::Face;
 use stochc_ir::record::{BondRecord, Origin, ReleaseRecord, UnplannedRecord};
@@ -11,20 +11,20 @@ use super::network::Network;
 use crate::observe::{Log, ObservedEvent};
 use crate::world::World;
 
-/// The clock, the messages under way, and the record so far.
+/// Clock, messages in transit, and the record so far.
 #[derive(Debug)]
 pub(super) struct RunRecorder {
     pub tick: u64,
-    /// The phase that is running, or ran last.
+    /// Running phase, or the last one.
     phase: PhaseId,
     pub network: Network,
-    /// Whether another docking of this tick is still to be taken in.
+    /// Whether another capture of this tick has not been processed yet.
     pub has_more: bool,
-    /// Where released blocks come from.
+    /// Origin of each released block.
     released: FxHashMap<u32, Origin>,
     pub bonds: Vec<BondRecord>,
     pub releases: Vec<ReleaseRecord>,
-    /// Blocks that docked where nobody expected them.
+    /// Blocks captured at faces that expected none.
     pub unplanned: Vec<UnplannedRecord>,
     pub log: Log,
 }
@@ -33,12 +33,12 @@ stochc_ir::state! {
     () RunRecorder;
     values: tick, phase, released, bonds, releases, unplanned;
     parts: network;
-    // Between two ticks there is nothing in them.
+    // Both are empty between ticks.
     same: log, has_more
 }
 
 impl RunRecorder {
-    /// Nothing yet, with room for what these tables say.
+    /// Returns an empty recorder with capacity for the events of these tables.
     pub fn new(network: Network, tables: &Tables) -> RunRecorder {
         let releases = tables.releases();
         RunRecorder {
@@ -54,13 +54,14 @@ impl RunRecorder {
         }
     }
 
-    /// Takes the next message that has arrived, with its last hop: from whom, and where it is.
+    /// Removes the next message that has arrived. Returns its last sender, its receiver and the
+    /// message.
     #[inline]
     pub fn due(&mut self) -> Option<(Body, Body, Message)> {
         self.network.due(self.tick, &mut self.log)
     }
 
-    /// Writes down that a phase begins; `None`: the last one has ended.
+    /// Records that a phase begins, or with `None` that the last one has ended.
     pub fn note_phase(&mut self, phase: Option<PhaseId>) {
         if let Some(phase) = phase {
             self.phase = phase;
@@ -68,7 +69,7 @@ impl RunRecorder {
         }
     }
 
-    /// The environment of a structure in a world.
+    /// Returns the environment of a structure in a world.
     pub fn in_world<'a, W: World>(&'a mut self, world: &'a mut W) -> RecordedWorld<'a, W> {
         RecordedWorld {
             recorder: self,
@@ -77,14 +78,14 @@ impl RunRecorder {
     }
 }
 
-/// Carries out in a world what the structure decides, and writes down what happens.
+/// Environment that carries out the structure's decisions in a world and records them.
 pub(super) struct RecordedWorld<'a, W> {
     recorder: &'a mut RunRecorder,
     world: &'a mut W,
 }
 
 impl<W: World> Environment for RecordedWorld<'_, W> {
-    /// The tick at which a face was switched on.
+    /// Tick when a face was switched on.
     type Mark = u64;
 
     fn magnetize(&mut self, site: BlockFace, capture: &PlannedCapture) -> u64 {

@@ -1,19 +1,19 @@
-//! The first draws of one step after the other, made for four steps at once.
+//! The first draws of successive steps, computed for four steps at once.
 //!
-//! A generator that is asked for four words a step makes sixty-four; where a step takes little else, that is most
-//! of the time.
+//! A generator computes sixty-four words even if a step needs only four. For cheap steps this would
+//! dominate the run time.
 use wide::u32x4;
 
 use super::{Stream, WORDS, key};
 
-/// Steps whose draws are made at once.
+/// Number of steps whose draws are computed together.
 const LANES: usize = 4;
 
-/// Words of keystream in one block of ChaCha.
+/// Words of keystream in one ChaCha block.
 const BLOCK: usize = 16;
 
-/// The draws of blocks 0 to 3 in a stream: those of [`Draws`](super::Draws), cheapest in rising order of steps, and of
-/// block 0 alone.
+/// Draws of blocks 0 to 3 in a stream. Equal to [`Draws`](super::Draws), and fastest in rising
+/// order of steps or for block 0 alone.
 #[derive(Clone, Debug)]
 pub struct DrawsAhead {
     key: [u32; 8],
@@ -21,16 +21,16 @@ pub struct DrawsAhead {
     all: Ahead<BLOCK>,
 }
 
-/// The first words of some steps.
+/// First words of some steps.
 #[derive(Clone, Debug)]
 struct Ahead<const COUNT: usize> {
-    /// The first step that is at hand; `None`: none is.
+    /// First step whose words are available. `None` if none are.
     first: Option<u64>,
     words: [[u32; LANES]; COUNT],
 }
 
 impl DrawsAhead {
-    /// The draws of `stream` in run number `run` of the ensemble with this seed.
+    /// Returns the draws of `stream` in run `run` of the ensemble with this seed.
     pub fn new(seed: u64, run: u64, stream: Stream) -> DrawsAhead {
         let key = key(seed, run, stream);
         let word = |i: usize| std::array::from_fn(|byte| key[4 * i + byte]);
@@ -41,7 +41,7 @@ impl DrawsAhead {
         }
     }
 
-    /// The words of a block, 0 to 3, in one step.
+    /// Returns the words of block 0, 1, 2 or 3 in one step.
     #[inline]
     pub fn block(&mut self, step: u64, block: u32) -> [u32; WORDS as usize] {
         let first = (block * WORDS) as usize;
@@ -58,14 +58,14 @@ impl<const COUNT: usize> Ahead<COUNT> {
         words: [[0; LANES]; COUNT],
     };
 
-    /// Where the words of a step are, if they are at hand.
+    /// Returns the lane of a step if its words are available.
     #[inline]
     fn lane(&self, step: u64) -> Option<usize> {
         let lane = self.first.and_then(|first| step.checked_sub(first))?;
         (lane < LANES as u64).then_some(lane as usize)
     }
 
-    /// The words of a step from one on.
+    /// Returns the words of a step from index `first`.
     #[inline]
     fn words(&mut self, key: &[u32; 8], step: u64, first: usize) -> [u32; WORDS as usize] {
         let lane = self.lane(step).unwrap_or_else(|| {
@@ -77,7 +77,12 @@ impl<const COUNT: usize> Ahead<COUNT> {
     }
 }
 
-/// The first words of the ChaCha8 keystreams with successive nonces (D. J. Bernstein 2008), of one block at most.
+/// Returns the first words of the ChaCha8 keystreams with successive nonces, at most one block
+/// each.
+///
+/// # Source
+///
+/// D. J. Bernstein, ChaCha, a variant of Salsa20 (2008).
 fn keystreams<const COUNT: usize>(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; COUNT] {
     let nonces: [u64; LANES] = std::array::from_fn(|lane| nonce.wrapping_add(lane as u64));
     let start: [u32x4; BLOCK] = std::array::from_fn(|word| match word {
@@ -94,7 +99,7 @@ fn keystreams<const COUNT: usize>(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; 
     for _ in 0..3 {
         double_round(&mut w);
     }
-    // By itself, so that what only later words need is left out.
+    // Outside the loop, so that the compiler drops the work for words that are not returned.
     double_round(&mut w);
     std::array::from_fn(|word| (w[word] + start[word]).to_array())
 }

@@ -1,8 +1,9 @@
-//! Random numbers without state (counter-based): a draw is a pure function of (seed, run, stream, block, step).
+//! Counter-based random numbers without state: a draw is a pure function of (seed, run, stream,
+//! block, step).
 //!
-//! ChaCha8 is keyed by (seed, run, stream), its nonce is the step, and the words of a block sit at
-//! `block * WORDS`, so that one keystream serves all blocks of a tick in order. Any draw can be
-//! made again alone, whatever else was drawn before it and on whichever thread.
+//! The key of ChaCha8 is (seed, run, stream) and its nonce is the step. The words of a block start
+//! at `block * WORDS`, so one keystream serves all blocks of a tick in order. Any draw can be
+//! repeated on any thread, whatever was drawn before.
 mod ahead;
 
 use rand::{Rng, SeedableRng};
@@ -11,47 +12,46 @@ use stochc_protocol::explore::DrawIndex;
 
 pub use ahead::DrawsAhead;
 
-/// Words of keystream that one block owns in one step.
+/// Words of keystream per block and step.
 pub const WORDS: u32 = 4;
 
-/// Every independent source of chance. A number is never used again for something else.
+/// Independent sources of randomness. A number is never reused for another source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Stream {
-    /// Agitation: change of speed and direction of one block in one tick.
+    /// Random impulses: change of speed and direction of one block in one tick.
     Kick = 0,
-    /// The world without physics: which face captures which block, and how it is turned.
+    /// Model `shuffle`: the face that captures, the block, and its orientation.
     Shuffle = 1,
-    /// Messages: whether a transfer, and whether its acknowledgement, is lost; its step is the
-    /// number of the transfer in the run.
+    /// Loss of transfers and acknowledgements. The step is the number of the transfer in the run.
     Loss = 2,
-    /// Exploration by chance: which of the possible steps is made.
+    /// Random exploration: the choice among the possible steps.
     Schedule = 3,
-    /// Turbulence: the amplitudes of one wave in one tick.
+    /// Turbulence: amplitudes of one wave in one tick.
     Eddy = 4,
-    /// Brownian motion: two blocks of words for one block of the scene in one step of the model.
+    /// Brownian motion: two blocks of words for each block of the scene and step of the model.
     Heat = 5,
-    /// The world of rates: its n-th draw is step n.
+    /// Model `rate`: its n-th draw is step n.
     Rate = 6,
-    /// Statistics: how often a run counts in each sample of a bootstrap.
+    /// Statistics: the weight of a run in each bootstrap sample.
     Resample = 7,
 }
 
-/// The draws of one stream of one run.
+/// Draws of one stream of one run.
 #[derive(Clone, Debug)]
 pub struct Draws {
     keystream: ChaCha8Rng,
 }
 
 impl Draws {
-    /// The draws of `stream` in run number `run` of the ensemble with this seed.
+    /// Returns the draws of `stream` in run `run` of the ensemble with this seed.
     pub fn new(seed: u64, run: u64, stream: Stream) -> Draws {
         Draws {
             keystream: ChaCha8Rng::from_seed(key(seed, run, stream)),
         }
     }
 
-    /// The draws of one step, from block 0 on.
+    /// Returns the draws of one step, from block 0.
     pub fn step(&mut self, step: u64) -> StepDraws<'_> {
         self.keystream.set_stream(step);
         self.keystream.set_word_pos(0);
@@ -62,7 +62,7 @@ impl Draws {
     }
 }
 
-/// What a stream of a run is keyed by.
+/// Returns the key of a stream of a run.
 fn key(seed: u64, run: u64, stream: Stream) -> [u8; 32] {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -71,7 +71,7 @@ fn key(seed: u64, run: u64, stream: Stream) -> [u8; 32] {
     key
 }
 
-/// The draws of one step, cheapest in rising order of blocks.
+/// Draws of one step, fastest in rising order of blocks.
 #[derive(Debug)]
 pub struct StepDraws<'a> {
     keystream: &'a mut ChaCha8Rng,
@@ -79,7 +79,7 @@ pub struct StepDraws<'a> {
 }
 
 impl StepDraws<'_> {
-    /// The words of one block.
+    /// Returns the words of one block.
     pub fn block(&mut self, block: u32) -> [u32; WORDS as usize] {
         if block != self.next {
             self.keystream
@@ -89,7 +89,7 @@ impl StepDraws<'_> {
         std::array::from_fn(|_| self.keystream.next_u32())
     }
 
-    /// The words of blocks 0 to `blocks`, one after the other, in bytes of rising significance.
+    /// Writes the words of blocks 0 to `blocks` in order, as little-endian bytes.
     pub fn fill(self, blocks: usize, words: &mut Vec<u8>) {
         words.resize(blocks * WORDS as usize * size_of::<u32>(), 0);
         self.keystream.set_word_pos(0);
@@ -97,7 +97,8 @@ impl StepDraws<'_> {
     }
 }
 
-/// The draws of [`Exploration::sample`](stochc_protocol::explore::Exploration::sample) with this seed.
+/// Returns the draws of [`Exploration::sample`](stochc_protocol::explore::Exploration::sample) with
+/// this seed.
 pub fn schedules(seed: u64) -> impl FnMut(DrawIndex, u32) -> u32 {
     move |draw, n| {
         let mut draws = Draws::new(seed, draw.schedule, Stream::Schedule);
@@ -106,12 +107,16 @@ pub fn schedules(seed: u64) -> impl FnMut(DrawIndex, u32) -> u32 {
     }
 }
 
-/// A number in the open interval (0, 1), evenly spread: `word` is the midpoint of one of 2^32 bins.
+/// Returns a uniform number in the open interval (0, 1): the midpoint of bin `word` of 2^32.
 pub fn unit(word: u32) -> f64 {
     (f64::from(word) + 0.5) / 4_294_967_296.0
 }
 
-/// Four independent numbers of mean 0 and variance 1, normally distributed (G. E. P. Box and M. E. Muller 1958).
+/// Returns four independent numbers from the standard normal distribution.
+///
+/// # Source
+///
+/// G. E. P. Box and M. E. Muller (1958).
 pub(crate) fn gaussians(words: [u32; WORDS as usize]) -> [f64; 4] {
     let pair = |radius: u32, angle: u32| {
         let radius = (-2.0 * libm::log(unit(radius))).sqrt();
@@ -122,14 +127,14 @@ pub(crate) fn gaussians(words: [u32; WORDS as usize]) -> [f64; 4] {
     [a, b, c, d]
 }
 
-/// One of `0..n`, each within 2^-32 of equally likely.
+/// Returns one of `0..n`, each equally likely within 2^-32.
 pub fn below(word: u32, n: u32) -> u32 {
     ((u64::from(word) * u64::from(n)) >> 32) as u32
 }
 
-/// A direction, evenly spread over the sphere.
+/// Returns a direction, uniform on the sphere.
 ///
-/// Through `libm`, because the platform's own sine may differ in the last bit.
+/// Uses `libm`, because the sine of the platform may differ in the last bit.
 pub fn direction(height: u32, azimuth: u32) -> [f32; 3] {
     let z = 2.0 * unit(height) - 1.0;
     let radius = (1.0 - z * z).sqrt() as f32;

@@ -1,6 +1,6 @@
-//! A scene in block units: side 1, mass 1, and the tick as the unit of time.
+//! A scene in block units: block length 1, mass 1, and the tick as unit of time.
 //!
-//! Single precision and contact settings then mean the same for a block of 10 um and of 20 cm.
+//! Single precision and contact settings then suit blocks of 10 um and of 20 cm alike.
 use stochc_ir::scene::groups::BlockUnits;
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::schema::numbers::*;
@@ -17,7 +17,7 @@ use super::parameters::{
 };
 
 impl WorldParameters {
-    /// The terms of a scene around a plate.
+    /// Returns the terms of a scene around a plate.
     pub fn new(scene: &Scene, plate: &Plate) -> Result<WorldParameters, SceneError> {
         let units = Units::from_scene(scene)?;
         let shell = made(&scene.enclosure, |enclosure| units.shell(enclosure, plate))?;
@@ -54,7 +54,7 @@ impl WorldParameters {
     }
 }
 
-/// Makes numbers of values in SI units, and sees that they are some.
+/// Converter of values in SI units to validated block units.
 #[derive(Clone, Copy)]
 struct Units {
     of: BlockUnits,
@@ -62,7 +62,7 @@ struct Units {
 
 type SceneResult<T> = Result<T, SceneError>;
 
-/// A term that a scene need not have.
+/// Converts an optional term of a scene.
 fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> SceneResult<B>) -> SceneResult<Option<B>> {
     term.as_ref().map(make).transpose()
 }
@@ -76,7 +76,7 @@ impl Units {
         Ok(Units { of })
     }
 
-    /// A number of the scene in block units.
+    /// Returns a scene parameter in block units.
     fn number(self, number: &SchemaNumber, value: f64) -> SceneResult<f64> {
         checked(number, (number.kind.in_block_units)(self.of, value))
     }
@@ -209,7 +209,7 @@ impl Units {
             }),
             Bond::Suction { pump, seal, .. } => {
                 let side = self.of.side;
-                // In block units a pressure is the acceleration of a block on one face of which it acts.
+                // In block units, a pressure is the acceleration of a block with it on one face.
                 let resistance = |number, value: f64| {
                     checked(number, value * side.powi(4) * self.of.tick / self.of.mass)
                 };
@@ -233,12 +233,12 @@ impl Units {
     }
 }
 
-/// What a number of a scene comes to in block units, if it can be simulated.
+/// Returns a scene parameter in block units if it can be simulated.
 fn checked(number: &SchemaNumber, value: f64) -> SceneResult<f64> {
     derived(&quoted(number), value)
 }
 
-/// What several of them come to together: single precision has to hold it, and it is not negative.
+/// Returns a derived quantity if it is not negative and fits in single precision.
 fn derived(what: &str, value: f64) -> SceneResult<f64> {
     if value >= 0.0 && value <= f64::from(f32::MAX) {
         Ok(value)

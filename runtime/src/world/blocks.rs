@@ -1,24 +1,24 @@
-//! Where the blocks of a world are and how they move, as forces, faces and bonds see them.
+//! Positions and motion of the blocks, as seen by forces, faces and bonds.
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_protocol::Orientation;
 
 use super::real::{Real, cast};
 
-/// Where a block is and how it moves, in block units: side 1, tick 1.
+/// Position and motion of a block in block units: block length 1, tick 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyState {
-    /// Of the centre \[side\], from the centre of the plate's upper side.
+    /// Position of the centre, from the centre of the plate's upper side \[block lengths\].
     pub position: Vector3<f64>,
-    /// Own directions to the structure's.
+    /// Rotation from the block's axes to the structure's.
     pub orientation: UnitQuaternion<f64>,
-    /// Of the centre \[side / tick\].
+    /// Velocity of the centre \[block lengths / tick\].
     pub velocity: Vector3<f64>,
     /// Angular velocity, in the structure's frame \[rad / tick\].
     pub spin: Vector3<f64>,
 }
 
 impl BodyState {
-    /// A block at rest, its own directions those of the structure.
+    /// Returns a block at rest, aligned with the structure.
     pub fn at_rest(position: Vector3<f64>) -> BodyState {
         BodyState {
             position,
@@ -29,7 +29,7 @@ impl BodyState {
     }
 }
 
-/// How a block is placed.
+/// Position and rotation of a block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose {
     pub position: Vector3<f64>,
@@ -37,7 +37,7 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// Where a block comes to that moves as one body with another one, which goes from here to there.
+    /// Returns the pose after a rigid motion that takes another block from `from` to `to`.
     pub fn carried(&self, from: &Pose, to: &Pose) -> Pose {
         let turn = to.rotation * from.rotation.inverse();
         Pose {
@@ -47,7 +47,7 @@ impl Pose {
     }
 }
 
-/// How a block moves, in block units.
+/// Motion of a block in block units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Motion {
     pub position: Vector3<f64>,
@@ -55,38 +55,38 @@ pub(crate) struct Motion {
     pub spin: Vector3<f64>,
 }
 
-/// All blocks by number, in the precision that they are computed in.
+/// All blocks by number, in the precision of the computation.
 pub(crate) trait Blocks {
     type Real: Real;
 
     fn count(&self) -> u32;
-    /// How a block sits in the structure; `None`: it is free.
+    /// Returns the orientation of an anchored block, or `None` if it is free.
     fn anchored(&self, id: u32) -> Option<Orientation>;
     fn position(&self, id: u32) -> Vector3<Self::Real>;
-    /// The same with what rounding has kept from it.
+    /// Returns the position including the part lost to rounding.
     fn exact_position(&self, id: u32) -> Vector3<f64> {
         cast(self.position(id))
     }
     fn velocity(&self, id: u32) -> Vector3<Self::Real>;
     fn spin(&self, id: u32) -> Vector3<Self::Real>;
-    /// How a block is turned now; brings that up to date.
+    /// Returns the current rotation after updating it.
     fn rotation(&mut self, id: u32) -> UnitQuaternion<Self::Real>;
-    /// The same as of now, without bringing anything up to date.
+    /// Returns the current state without updating anything.
     fn state(&self, id: u32) -> BodyState;
 
     fn set_state(&mut self, id: u32, state: &BodyState);
     fn set_pose(&mut self, id: u32, pose: &Pose);
     fn set_velocity(&mut self, id: u32, velocity: Vector3<Self::Real>, spin: Vector3<Self::Real>);
-    /// Fixes a block on the lattice.
+    /// Fixes a block to the lattice.
     fn anchor(&mut self, id: u32, centre: Vector3<Self::Real>, orientation: Orientation);
-    /// Sets an anchored block free, at rest.
+    /// Sets an anchored block free at rest.
     fn release(&mut self, id: u32);
 
     fn is_free(&self, id: u32) -> bool {
         self.anchored(id).is_none()
     }
 
-    /// The free blocks, in rising order.
+    /// Lists the free blocks in rising order.
     fn list_free(&self, free: &mut Vec<u32>) {
         free.clear();
         free.extend((0..self.count()).filter(|&id| self.is_free(id)));

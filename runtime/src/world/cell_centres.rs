@@ -1,14 +1,14 @@
-//! Where cells are in space.
+//! Positions of lattice cells in space.
 use nalgebra::Vector3;
 use stochc_ir::Cell;
 use stochc_ir::table::Plate;
 
 use super::real::normal;
 
-/// The cells of a structure, in a world whose origin is the centre of the plate's upper side.
+/// Cell positions of a structure. The origin is the centre of the plate's upper side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellCentres {
-    /// The centre of cell (0, 0, 0).
+    /// Centre of cell (0, 0, 0).
     corner: Vector3<f64>,
 }
 
@@ -20,7 +20,7 @@ impl CellCentres {
         }
     }
 
-    /// The centre of the block that sits in a cell \[side\].
+    /// Returns the centre of the block in a cell \[block lengths\].
     pub fn centre(&self, cell: Cell) -> Vector3<f64> {
         self.corner + normal::<f64>(cell.into())
     }

@@ -1,8 +1,8 @@
-//! A world that is one of several steppers, and no generic type: so that its physics is compiled in this crate, and not
-//! once more in every crate that uses it.
+//! Non-generic worlds over generic steppers. Their physics is compiled once, in this crate, not in
+//! every crate that uses it.
 
-/// Has `$world` pass on all that is asked of it: `$by!(&self.0, stepper => ...)` asks its stepper, and
-/// `$by!(new precision, ...)` holds a new one.
+/// Forwards all methods of `$world`: `$by!(&self.0, stepper => ...)` calls its stepper, and
+/// `$by!(new precision, ...)` makes a new one.
 macro_rules! delegate {
     ($world:ident, $by:ident) => {
         impl Arena for $world {

@@ -1,36 +1,36 @@
 //! Scenes that cannot be set up.
 use stochc_ir::scene::room::NoRoom;
 
-/// Why a scene cannot be set up.
+/// Reason why a scene cannot be set up.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneError {
-    /// Its free blocks have no room.
+    /// The free blocks do not fit.
     NoRoom(NoRoom),
-    /// Jets have no wall to come from.
+    /// Jets need a wall, and there is none.
     NoWall,
-    /// A quantity is negative, or too large or small for single precision, or not a number.
+    /// A quantity is negative, NaN, or outside the range of single precision.
     NotANumber {
-        /// Which: the quoted name of a number of scenes, or words.
+        /// Quoted name of a scene parameter, or a description.
         what: String,
-        /// Its value; where it makes sense, in block units.
+        /// Value, in block units if they apply.
         value: f64,
     },
-    /// A spring swings too fast for the step, and would throw blocks out instead of back.
+    /// A spring oscillates too fast for the step and would throw blocks out.
     TooStiff {
-        /// Which spring.
+        /// Description of the spring.
         what: &'static str,
-        /// How many substeps resolve it.
+        /// Number of substeps that resolves it.
         substeps: u64,
     },
-    /// Nobody has measured the rates of the scene.
+    /// The scene has not been calibrated.
     NoRates,
-    /// The model cannot compute something that the scene or the settings ask for.
+    /// The model lacks a feature that the scene or the settings need.
     NotInModel {
-        /// What, as a noun without its article.
+        /// Description of the feature, a noun without article.
         what: &'static str,
-        /// The model, by its name on the command line.
+        /// Name of the model on the command line.
         model: &'static str,
-        /// A model that can.
+        /// Name of a model with this feature.
         instead: &'static str,
     },
 }
@@ -53,7 +53,7 @@ impl std::fmt::Display for SceneError {
                 )
             }
             SceneError::NoRates => {
-                f.write_str("there are no rates of this scene; `stochc calibrate` measures them")
+                f.write_str("this scene has no calibrated rates; run `stochc calibrate`")
             }
             SceneError::TooStiff { what, substeps } => write!(
                 f,
@@ -66,7 +66,7 @@ impl std::fmt::Display for SceneError {
                 instead,
             } => write!(
                 f,
-                "the model `{model}` has no {what}; `stochc simulate --model {instead}` has it"
+                "the model `{model}` does not support {what}; use `--model {instead}`"
             ),
         }
     }

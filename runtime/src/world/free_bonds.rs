@@ -1,4 +1,5 @@
-//! Free blocks with magnets that always attract: they pull each other, bond, move as groups, and are torn apart.
+//! Free blocks whose magnets always attract: they pull each other, bond, move as groups, and break
+//! apart.
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
@@ -9,15 +10,15 @@ use super::external_forces::Response;
 use super::groups::{BlockGroups, lost};
 use super::parameters::{Attraction, Magnet, Passive};
 
-/// Bonds without a structure.
+/// Bonds between free blocks.
 #[derive(Debug)]
 pub(crate) struct FreeBonds {
     magnet: Magnet,
     passive: Passive,
-    /// How much of a force's effect is left in a step.
+    /// Remaining effect of forces over a step.
     response: Response,
     pub groups: BlockGroups,
-    /// What rejected blocks get in the next step: changes of velocity.
+    /// Velocity changes of rejected blocks, applied in the next step.
     impulses: BTreeMap<u32, Vector3<f64>>,
 }
 
@@ -29,7 +30,7 @@ stochc_ir::state! {
 }
 
 impl FreeBonds {
-    /// `None` where faces do not attract by themselves.
+    /// Returns the bonds, or `None` if faces do not always attract.
     pub fn new(magnet: &Magnet, response: Response) -> Option<FreeBonds> {
         let Attraction::Passive(passive) = magnet.law else {
             return None;
@@ -43,7 +44,8 @@ impl FreeBonds {
         })
     }
 
-    /// What the free blocks do to each other's velocities in a step, and, if blocks turn at all, to their spins.
+    /// Applies the attraction between free blocks to their velocities, and to their spins unless
+    /// `turns` is false.
     pub fn pull(&self, free: &[u32], blocks: &mut impl Blocks, dt: f64, turns: bool) {
         let places = places(free, blocks);
         for (a, b) in close(&places, self.passive.within) {
@@ -69,15 +71,15 @@ impl FreeBonds {
         }
     }
 
-    /// All forces of a step but kicks and heat have acted: groups take them up as one body, or are torn. Then those that have
-    /// been rejected are pushed away.
+    /// Applies all forces of a step except random impulses and heat to groups, which move as one
+    /// body or break. Then pushes rejected blocks away.
     pub fn settle(&mut self, blocks: &mut impl Blocks, dt: f64) {
         (self.groups).settle(blocks, self.passive.hold, self.response, dt);
         self.push_away(blocks);
     }
 
-    /// A block is rejected. What it gets is kept until the drag of the step has acted, which has no part in it, and the bonds
-    /// have been looked at: it is over at once, and no force that they have to hold.
+    /// Rejects a block. Its impulse is applied after drag and the test of bonds: it is
+    /// instantaneous, so bonds need not transmit it.
     pub fn reject(&mut self, id: u32, impulse: Vector3<f64>) {
         *self.impulses.entry(id).or_default() += impulse;
     }
@@ -93,28 +95,31 @@ impl FreeBonds {
         self.stiffen(blocks);
     }
 
-    /// Groups take up as one body what has acted since, whatever their bonds hold.
+    /// Gives each group a rigid motion, whatever the loads of its bonds.
     pub fn stiffen(&self, blocks: &mut impl Blocks) {
         self.groups.stiffen(blocks, self.response);
     }
 
-    /// Blocks have been moved one by one.
+    /// Moves each group as one body after its blocks were moved one by one.
     pub fn carry(&mut self, blocks: &mut impl Blocks, dt: f64) {
         self.groups.carry(blocks, self.response, dt);
     }
 
-    /// Whether blocks bond at the end of a tick only.
+    /// Returns whether blocks bond only at the end of a tick.
     pub fn are_sampled(&self) -> bool {
         self.magnet.sampled
     }
 
-    /// Bonds the blocks that are close and straight enough, or were in the step of length `dt` that ends here, unless more energy
-    /// would have to go than the bond can take up; whether some did, and were moved into their places.
+    /// Bonds blocks that were close and straight enough during the step of length `dt` that ends
+    /// here.
+    ///
+    /// Skips pairs whose bond would dissipate more energy than it can absorb. Returns whether any
+    /// pair bonded and was moved into place.
     pub fn join(&mut self, free: &[u32], blocks: &mut impl Blocks, dt: f64) -> bool {
         let places = places(free, blocks);
         let mut parting = BTreeSet::new();
         let mut ready = Vec::new();
-        // Two that have been close in the step are no farther apart now than both have come.
+        // Blocks that were close during the step are now at most the sum of their paths apart.
         let fastest = places
             .iter()
             .map(|&(id, _)| blocks.motion(id).velocity.norm());
@@ -125,11 +130,11 @@ impl FreeBonds {
             let (one, other) = (blocks.motion(a), blocks.motion(b));
             let pair = FacePair::new(&first, &second);
             if pair.bonds(&self.magnet, [(&first, &one), (&second, &other)], dt) {
-                // A pair that has been torn is let bond again when it parts no faster than its magnets can stop
-                // in a step, of which drag takes its part.
+                // A broken pair may bond again once it separates no faster than its magnets can
+                // stop in a step, after drag.
                 let way = (places[j].1 - places[i].1).normalize();
                 let turning = other.spin - one.spin;
-                // Their middles, or two of their edges.
+                // Separation speed of the centres, or of two edges.
                 let opening = (other.velocity - one.velocity).dot(&way)
                     + 0.5 * (turning - way * turning.dot(&way)).norm();
                 if opening > self.passive.hold * dt * self.response.linear {
@@ -161,7 +166,8 @@ impl FreeBonds {
         joined
     }
 
-    /// A structure has taken a block, which rejects what hangs on it: who that is.
+    /// Removes a block that the structure has captured. Its former neighbours are rejected and
+    /// returned.
     pub fn leave(&mut self, id: u32, blocks: &mut impl Blocks) -> Vec<u32> {
         self.impulses.remove(&id);
         let from = blocks.exact_position(id);

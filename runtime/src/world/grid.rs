@@ -1,24 +1,24 @@
-//! What is in each cell, where most cells are empty and those that are not are close together.
+//! Sparse grid of cells, for occupied cells that are close together.
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
-/// Cells along each side of a chunk, a power of two: then no division is needed.
+/// Cells along each side of a chunk. A power of two, which avoids divisions.
 const SIDE: i32 = 1 << SIDE_BITS;
 const SIDE_BITS: u32 = 2;
 
-/// Cells of a chunk.
+/// Number of cells in a chunk.
 const CELLS: usize = SIDE.pow(3) as usize;
 
-/// The place of a chunk among the chunks.
+/// Position of a chunk in the grid of chunks.
 type ChunkKey = [i32; 3];
 
-/// Chunks that a window may have for each cell that it is made for or each chunk that is there, and besides.
+/// Window size limit: chunks per requested cell or existing chunk, and an additional constant.
 const ROOM: (i64, i64) = (4, 512);
 
-/// The marks of the cells of a chunk between two coordinates along each axis.
+/// Marks of the cells of a chunk between two coordinates along each axis.
 const SLABS: [[[u64; SIDE as usize]; SIDE as usize]; 3] = {
-    // Those at coordinate 0, and how far the next ones are.
+    // Marks at coordinate 0, and the shift to the next coordinate.
     let axes = [
         (0x0000_0000_0000_ffff, 16),
         (0x000f_000f_000f_000f, 4),
@@ -44,26 +44,26 @@ const SLABS: [[[u64; SIDE as usize]; SIDE as usize]; 3] = {
     slabs
 };
 
-/// A value and a mark for every cell, kept in cubes of cells.
+/// Grid with a value and a mark for every cell, stored in chunks.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ChunkedGrid<T> {
     window: Window,
-    /// The chunks outside of the window.
+    /// Chunks outside the window.
     chunks: FxHashMap<ChunkKey, CellChunk>,
     cells: Vec<T>,
     default: T,
 }
 
-/// A cube of cells.
+/// Cube of cells.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct CellChunk {
-    /// Where its cells begin; [`ABSENT`]: it is not there.
+    /// Index of its first cell, or [`ABSENT`].
     start: u32,
-    /// Its marked cells, one bit each.
+    /// Marked cells, one bit each.
     marks: u64,
 }
 
-/// A box of chunks, each of which is found without a search.
+/// Box of chunks that are found by index, without a search.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Window {
     first: ChunkKey,
@@ -71,17 +71,17 @@ struct Window {
     chunks: Vec<CellChunk>,
 }
 
-/// Where no chunk begins.
+/// Index of absent chunks.
 const ABSENT: u32 = u32::MAX;
 
-/// A chunk that is not there.
+/// An absent chunk.
 const NO_CHUNK: CellChunk = CellChunk {
     start: ABSENT,
     marks: 0,
 };
 
 impl Window {
-    /// Around these cells, where they are close together.
+    /// Returns a window around these cells if they are close together.
     fn around(cells: impl Iterator<Item = Cell>) -> Window {
         let (mut low, mut high, mut count) = ([i32::MAX; 3], [i32::MIN; 3], 0);
         for cell in cells {
@@ -98,7 +98,8 @@ impl Window {
         })
     }
 
-    /// From one chunk to another, unless that are too many for so many cells.
+    /// Returns a window from one chunk to another, unless it would be too large for this number of
+    /// cells.
     fn between([first, last]: [ChunkKey; 2], cells: i64) -> Option<Window> {
         let side = |axis: usize| i64::from(last[axis]) - i64::from(first[axis]) + 1;
         let (a_cell, besides) = ROOM;
@@ -116,7 +117,8 @@ impl Window {
         })
     }
 
-    /// A window half as long again towards a chunk outside of it, where there is room for that.
+    /// Returns a window extended by half towards a chunk outside of it, if the size limit allows
+    /// it.
     fn towards(&self, chunk: ChunkKey, chunks: i64) -> Option<Window> {
         if self.chunks.is_empty() {
             return Window::between([chunk; 2], chunks);
@@ -140,7 +142,7 @@ impl Window {
         Window::between([0, 1].map(|end| ends.map(|axis| axis[end])), chunks)
     }
 
-    /// The number of a chunk in it.
+    /// Returns the index of a chunk in the window.
     #[inline]
     fn number(&self, chunk: ChunkKey) -> Option<usize> {
         let [x, y, z] =
@@ -149,14 +151,14 @@ impl Window {
         (x < width && y < depth && z < height).then(|| ((x * depth + y) * height + z) as usize)
     }
 
-    /// By how much the number of a chunk in it is higher that is so many chunks on.
+    /// Returns the difference in index between chunks at this distance.
     #[inline]
     fn stride(&self, [x, y, z]: [usize; 3]) -> usize {
         let [_, depth, height] = self.sides.map(|side| side as usize);
         (x * depth + y) * height + z
     }
 
-    /// The places of its chunks.
+    /// Returns the positions of the window's chunks.
     fn keys(&self) -> impl Iterator<Item = ChunkKey> {
         let [width, depth, height] = self.sides;
         let [x, y, z] = self.first;
@@ -169,7 +171,7 @@ impl Window {
 }
 
 impl<T: Copy> ChunkedGrid<T> {
-    /// Every cell has the same value. Of these cells it will be asked most often.
+    /// Returns a grid with the same value everywhere. `often` are the cells that are accessed most.
     pub fn new(default: T, often: impl Iterator<Item = Cell>) -> ChunkedGrid<T> {
         ChunkedGrid {
             window: Window::around(often),
@@ -188,7 +190,7 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
-    /// The chunk in a place, if it is there.
+    /// Returns the chunk at a position.
     #[inline(always)]
     fn find(&self, key: ChunkKey) -> CellChunk {
         match self.window.number(key) {
@@ -202,7 +204,7 @@ impl<T: Copy> ChunkedGrid<T> {
         self.chunks.get(&key).copied().unwrap_or(NO_CHUNK)
     }
 
-    /// Marks a cell, or takes its mark away: its value.
+    /// Sets or clears the mark of a cell and returns its value.
     #[inline(always)]
     pub fn mark(&mut self, cell: Cell, is_marked: bool) -> &mut T {
         let (key, offset) = place(cell);
@@ -216,7 +218,8 @@ impl<T: Copy> ChunkedGrid<T> {
         &mut self.cells[start + offset]
     }
 
-    /// Shows the marked cells that are at most so many steps away along each axis, fewer than a chunk has: their offsets and values.
+    /// Calls `show` with the offset and value of each marked cell at most `steps` away along each
+    /// axis. `steps` must be less than a chunk.
     #[inline]
     pub fn each_marked_near(&self, centre: Cell, steps: i32, mut show: impl FnMut([i32; 3], T)) {
         let centre = [centre.x, centre.y, centre.z];
@@ -224,7 +227,7 @@ impl<T: Copy> ChunkedGrid<T> {
         let high = centre.map(|at| at.saturating_add(steps));
         let first = low.map(|at| at.div_euclid(SIDE));
         let last = high.map(|at| at.div_euclid(SIDE));
-        // Those of a chunk on either side, or of the only one.
+        // Marks in the chunk on either side, or in the only one.
         let slabs = |axis: usize| {
             let (low, high) = (low[axis].rem_euclid(SIDE), high[axis].rem_euclid(SIDE));
             let (low, high) = (low as usize, high as usize);
@@ -274,7 +277,7 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
-    /// The chunk in a place, which is there from now on.
+    /// Returns the chunk at a position and adds it if it is absent.
     #[inline]
     fn chunk(&mut self, key: ChunkKey) -> &mut CellChunk {
         match self.window.number(key) {
@@ -285,7 +288,7 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
-    /// The same, where it is not there yet or outside of the window.
+    /// The slow path of `chunk`: adds an absent chunk or looks outside the window.
     #[cold]
     fn chunk_to_add(&mut self, key: ChunkKey) -> &mut CellChunk {
         if self.find(key).start == ABSENT {
@@ -313,7 +316,7 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
-    /// Widens the window towards a chunk, if that does not take too much room.
+    /// Extends the window towards a chunk if the size limit allows it.
     fn widen(&mut self, key: ChunkKey) {
         let count = self.cells.len() / CELLS;
         let Some(mut wider) = self.window.towards(key, count as i64) else {
@@ -340,7 +343,7 @@ impl<T: Copy> ChunkedGrid<T> {
     }
 }
 
-/// The chunk of a cell, and the cell's number in it.
+/// Returns the chunk of a cell, and the cell's index in it.
 #[inline]
 fn place(cell: Cell) -> (ChunkKey, usize) {
     let at = [cell.x, cell.y, cell.z];
@@ -348,7 +351,7 @@ fn place(cell: Cell) -> (ChunkKey, usize) {
     (at.map(|of| of >> SIDE_BITS), offset)
 }
 
-/// The number of a cell in its chunk, so far from its corner.
+/// Returns the index of a cell at an offset from the corner of its chunk.
 fn number([x, y, z]: [i32; 3]) -> usize {
     ((x * SIDE + y) * SIDE + z) as usize
 }

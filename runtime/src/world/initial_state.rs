@@ -1,4 +1,4 @@
-//! Where the free blocks are at tick 0.
+//! Initial state of the free blocks, at tick 0.
 use nalgebra::Vector3;
 use stochc_ir::scene::room::{Interior, MARGIN, MIN_SPACING, NoRoom};
 use stochc_ir::scene::{Arrangement, Scene};
@@ -7,7 +7,7 @@ use stochc_ir::table::Plate;
 use super::parameters::WorldParameters;
 use super::{BodyState, SceneError};
 
-/// The free blocks of a scene at tick 0.
+/// Returns the free blocks of a scene at tick 0.
 pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, SceneError> {
     let parameters = WorldParameters::new(scene, plate)?;
     let count = scene.free.count;
@@ -25,8 +25,8 @@ pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, Sce
     })
 }
 
-/// `count` blocks at rest on a level circle halfway up, their axes along the structure's, the first in
-/// the east.
+/// Returns `count` blocks at rest on a horizontal circle at half height, aligned with the
+/// structure. The first is in the east.
 fn ring(inside: Interior, count: u32, radius: f64) -> Vec<BodyState> {
     let height = inside.halfway();
     let angle = std::f64::consts::TAU / f64::from(count);
@@ -37,12 +37,12 @@ fn ring(inside: Interior, count: u32, radius: f64) -> Vec<BodyState> {
     (0..count).map(place).map(BodyState::at_rest).collect()
 }
 
-/// `count` blocks at rest, their axes along the structure's.
+/// Returns `count` blocks at rest on a regular lattice, aligned with the structure.
 fn uniform(inside: Interior, count: u32) -> Vec<BodyState> {
     let count = count as usize;
     let fits_all = |spacing| inside.lattice(spacing).take(count).count() == count;
-    // The number of sites is not quite monotonic in the spacing, so that the bisection finds one
-    // of several nearly equal solutions; always the same one.
+    // The number of sites is not quite monotonic in the spacing. Bisection finds one of several
+    // nearly equal solutions, and always the same one.
     let (mut fits, mut fails) = (MIN_SPACING, 2.0 * (inside.radius - MARGIN) + 2.0);
     for _ in 0..60 {
         let middle = 0.5 * (fits + fails);
@@ -53,7 +53,7 @@ fn uniform(inside: Interior, count: u32) -> Vec<BodyState> {
         }
     }
     let sites: Vec<_> = inside.lattice(fits).map(Vector3::from).collect();
-    // Surplus sites are left out evenly.
+    // Surplus sites are omitted evenly.
     let chosen = (0..count).map(|i| sites[i * sites.len() / count]);
     chosen.map(BodyState::at_rest).collect()
 }
@@ -65,7 +65,7 @@ mod tests {
     use stochc_ir::scene::Enclosure;
 
     fn start(radius: f64, count: u32) -> Result<Vec<BodyState>, SceneError> {
-        let mut scene = built_in("hemisphere").expect("built in");
+        let mut scene = built_in("hemisphere").expect("a built-in scene");
         scene.free.count = count;
         if let Some(Enclosure::Hemisphere { radius: own, .. }) = &mut scene.enclosure {
             *own = radius * scene.block.side;
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn as_many_as_fit_do_and_one_more_does_not() {
         let Err(SceneError::NoRoom(NoRoom::DoesNotFit { fits, .. })) = start(9.0, 100_000) else {
-            panic!("100,000 blocks do not fit into 9 sides");
+            panic!("100,000 blocks cannot fit in a radius of 9 block lengths");
         };
         assert_eq!(
             start(9.0, fits).map(|blocks| blocks.len()),
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn an_enclosure_as_wide_as_a_town_takes_no_more_memory_than_its_blocks() {
-        let blocks = start(1e6, 300).expect("there is room");
+        let blocks = start(1e6, 300).expect("300 blocks fit");
         assert_eq!(blocks.len(), 300);
         let farthest = blocks.iter().map(|b| b.position.norm()).fold(0.0, f64::max);
         assert!((5e5..1e6).contains(&farthest), "{farthest}");

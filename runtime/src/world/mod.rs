@@ -1,4 +1,4 @@
-//! Where free blocks move, and what the control of a structure can do to them.
+//! Models of the free blocks' motion, and the actions of the structure's control on them.
 mod block_units;
 mod blocks;
 mod bonding;
@@ -41,12 +41,12 @@ use stochc_protocol::Orientation;
 
 use crate::settings::Settings;
 
-/// The physics broke down at one block.
+/// Numerical failure at a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// The number of the free block.
     pub body: u32,
-    /// What was found there, as a clause: `speed is not a number`.
+    /// Description as a clause: `speed is not a number`.
     pub what: String,
 }
 
@@ -56,73 +56,78 @@ impl std::fmt::Display for Fault {
     }
 }
 
-/// A bond between two free blocks.
+/// Bond between two free blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct FreeBond {
-    /// The numbers of the blocks, the lower one first.
+    /// Numbers of the blocks, the lower one first.
     pub bodies: [u32; 2],
-    /// The face of each that meets one of the other's, in its own frame.
+    /// Touching face of each block, in its own frame.
     pub faces: [Face; 2],
 }
 
-/// A place where free blocks move and magnetized faces capture them.
+/// Environment of free blocks, which move, and of magnetized faces, which capture them.
 ///
-/// A world counts ticks from 0. What is asked of it between two steps holds from the next one on.
+/// A world counts ticks from 0. Calls between two steps take effect in the next one.
 pub trait World: State {
-    /// Ticks that have passed.
+    /// Returns the number of completed ticks.
     fn tick(&self) -> u64;
 
-    /// Says in which cells of the plate there are blocks that belong to the structure: before the first tick, and before anything
-    /// else is asked. Where every face attracts by itself, theirs do from then on.
+    /// Sets the cells of the plate that belong to the structure. Called before everything else. If
+    /// all faces always attract, theirs do from now on.
     fn place_seeds(&mut self, _cells: &[Cell]) {}
 
-    /// Switches a face of an anchored block on, to capture the first block that docks there.
+    /// Switches on a face of an anchored block, to capture the first block that docks there.
     ///
-    /// A face that already is on, or holds a block, stays as it is; where faces attract by themselves, one that is on counts
-    /// entries from now on.
+    /// Has no effect on a face that is on or holds a block. If faces always attract, restarts the
+    /// entry count of the face.
     fn magnetize(&mut self, site: BlockFace);
 
-    /// Switches a face off: what it holds drifts away from rest, with all that hangs on it.
+    /// Switches a face off. The block that it holds, and all its descendants, are released at rest.
     fn switch_off(&mut self, site: BlockFace);
 
-    /// Anchors the free block with the highest number on a face, as if it had docked there straight, and
-    /// switches the face on if it was off; `None`: there is no free block, or the face holds one.
+    /// Attaches the free block with the highest number to a face, straight, and switches the face
+    /// on.
     ///
-    /// For what is attached by hand before the first tick.
+    /// For pre-attached blocks before the first tick. Returns `None` if there is no free block or
+    /// the face holds one.
     fn plant(&mut self, site: BlockFace) -> Option<Docking>;
 
-    /// Times so far that a free block came into the reach of a face that is on and holds nothing,
-    /// re-entries included; 0 for other faces, and where nothing has a place. A block that is there for a moment on another one's
-    /// face, in the cell before this one, changes nothing.
+    /// Returns the number of entries into the reach of an open face so far, including re-entries.
+    ///
+    /// Returns 0 for other faces and for worlds without positions. Entries into the cell in front
+    /// by capture at another face do not count.
     fn entries(&self, _site: BlockFace) -> u32 {
         0
     }
 
-    /// Blocks of the largest group of free blocks that are bonded to each other; 1: none are.
+    /// Returns the size of the largest group of bonded free blocks, or 1 if there are no bonds.
     fn largest_group(&self) -> u32 {
         1
     }
 
-    /// Lets time pass up to tick `last` at most while nothing can dock, where the model knows when that is; the step after it may
-    /// dock something.
+    /// Advances up to tick `last` while no capture can happen, if the model can predict that. A
+    /// capture may follow in the next step.
     fn skip(&mut self, _last: u64) {}
 
-    /// Advances one tick and adds what docked in it to `dockings`, in a reproducible order.
+    /// Advances one tick and adds its captures to `dockings`, in a reproducible order.
     ///
     /// # Errors
-    /// When a block's state makes no sense any more; the world is of no use afterwards.
+    ///
+    /// If the state of a block is invalid. The world must not be used afterwards.
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault>;
 }
 
-/// A world of rigid blocks in space, which can be set up by hand and looked into.
+/// World of rigid blocks in space that can be set up and inspected.
 ///
-/// Everything is in block units: the side of a block is 1, its mass 1, the tick 1. The origin is the
-/// centre of the plate's upper side; z is up.
+/// All quantities are in block units: the block length is 1, its mass 1, the tick 1. The origin is
+/// the centre of the plate's upper side; z points up.
 pub trait Arena: World + Sized {
-    /// The scene at tick 0, with the chance of run `run` of the ensemble with this `seed`.
+    /// Returns the scene at tick 0, with the random draws of run `run` of the ensemble with this
+    /// `seed`.
     ///
     /// # Errors
-    /// When the scene cannot be set up.
+    ///
+    /// If the scene cannot be set up.
     fn new(
         scene: &Scene,
         plate: &Plate,
@@ -134,10 +139,11 @@ pub trait Arena: World + Sized {
         Self::with_blocks(scene, plate, settings, seed, run, &blocks)
     }
 
-    /// The scene with free blocks of one's own choice instead of its own.
+    /// Returns the scene with the given free blocks instead of its own.
     ///
     /// # Errors
-    /// When the scene cannot be set up.
+    ///
+    /// If the scene cannot be set up.
     fn with_blocks(
         scene: &Scene,
         plate: &Plate,
@@ -147,33 +153,34 @@ pub trait Arena: World + Sized {
         blocks: &[BodyState],
     ) -> Result<Self, SceneError>;
 
-    /// How many blocks there are, free and anchored; their numbers are from 0.
+    /// Returns the number of blocks, free and anchored. They are numbered from 0.
     fn count(&self) -> u32;
 
-    /// Where a block is and how it moves.
+    /// Returns the position and motion of a block.
     fn state(&self, id: u32) -> BodyState;
 
-    /// Puts a free block somewhere else, or in another motion.
+    /// Sets the position and motion of a free block.
     fn set_state(&mut self, id: u32, state: &BodyState);
 
-    /// How a block sits in the structure; `None`: it is free.
+    /// Returns the orientation of an anchored block, or `None` if it is free.
     fn anchored(&self, id: u32) -> Option<Orientation>;
 
-    /// The faces that are on and hold nothing, each with the entries into its reach so far.
+    /// Returns the open faces, each with its number of entries so far.
     fn active(&self) -> Vec<(BlockFace, u32)>;
 
-    /// The free blocks that are bonded to each other, by group: at least two in each, all in rising order.
+    /// Returns the groups of at least two bonded free blocks, in rising order.
     fn groups(&self) -> Vec<Vec<u32>>;
 
-    /// The bonds that hold them together, in rising order: a tree in each group.
+    /// Returns the bonds between free blocks in rising order. They form a tree in each group.
     fn free_bonds(&self) -> Vec<FreeBond>;
 
-    /// The blocks in the reach of each face that is on and holds nothing, by face and in the order
-    /// of their entries: the block, and the tick of its entry.
+    /// Returns the blocks within reach of each open face, by face and time of entry, with the tick
+    /// of entry.
     ///
-    /// As of the end of the last step: a face that has been switched on since is not among them.
+    /// The state is that at the end of the last step: faces switched on since then are not
+    /// included.
     fn in_reach(&self) -> Vec<(BlockFace, u32, u64)>;
 
-    /// The centre of the block that sits in a cell \[side\].
+    /// Returns the centre of the block in a cell \[block lengths\].
     fn centre(&self, cell: Cell) -> Vector3<f64>;
 }

@@ -1,30 +1,31 @@
-//! Motions beyond which a world gives up, because what it computes would mean nothing.
+//! Limits of valid motion. Beyond them, a run fails.
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Fault;
 use super::real::Real;
 
-/// A faster block \[side / tick, rad / tick\] is a fault.
+/// Largest valid speed and spin \[block lengths / tick, rad / tick\].
 const MAX_SPEED: f64 = 100.0;
 
-/// Where blocks collide, one that moves farther \[side\] in a step is a fault: it could pass through
-/// another one, or through the ground, unseen.
+/// Longest valid path per step in scenes with collisions \[block lengths\]. A longer one could pass
+/// through a block or the ground.
 const FARTHEST_STEP: f64 = 2.0;
 
-/// A block farther from the plate \[side\] is a fault: single precision resolves its place no more.
+/// Largest valid distance from the plate \[block lengths\]. Single precision cannot resolve
+/// positions beyond it.
 pub(crate) const FARTHEST: f64 = 1e5;
 
-/// The greatest sound speed and spin \[side / tick, rad / tick\].
+/// Largest valid speed and spin \[block lengths / tick, rad / tick\].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MotionLimits {
     pub speed: f64,
     pub spin: f64,
-    /// The greatest sound distance from the plate \[side\].
+    /// Largest valid distance from the plate \[block lengths\].
     pub far: f64,
 }
 
 impl MotionLimits {
-    /// For so many steps a tick, with or without collisions.
+    /// Returns the limits for this number of steps per tick, with or without collisions.
     pub fn new(substeps: u32, collide: bool) -> MotionLimits {
         let step = FARTHEST_STEP * f64::from(substeps);
         MotionLimits {
@@ -38,16 +39,17 @@ impl MotionLimits {
         }
     }
 
-    /// Where the ground ends sooner than the numbers do.
+    /// Returns the limits with a smaller distance, if the ground ends there.
     pub fn within(self, far: f64) -> MotionLimits {
         let far = self.far.min(far);
         MotionLimits { far, ..self }
     }
 
-    /// Checks the place, the velocity and the spin of a block, and how it is turned.
+    /// Checks the position, velocity, spin and rotation of a block.
     ///
     /// # Errors
-    /// If they make no sense.
+    ///
+    /// If a value is not a number or exceeds its limit.
     #[inline(always)]
     pub fn check<R: Real>(
         &self,
@@ -55,7 +57,7 @@ impl MotionLimits {
         [position, velocity, spin]: [Vector3<R>; 3],
         rotation: &UnitQuaternion<R>,
     ) -> Result<(), Fault> {
-        // Far from all limits is quicker to see than within them.
+        // Fast path for blocks far from all limits.
         let below = |square: R, most: f64| square < R::of(0.99 * most * most);
         if below(velocity.norm_squared(), self.speed)
             && below(spin.norm_squared(), self.spin)
@@ -75,10 +77,10 @@ impl MotionLimits {
         rotation: &UnitQuaternion<R>,
     ) -> Result<(), Fault> {
         let [speed, spin, far] = [velocity, spin, position].map(|vector| vector.norm().double());
-        // What is not a number is not below anything.
+        // Comparisons with NaN are false.
         let sound = |value: f64, most: f64| value < most;
         let what = if !sound(speed, MAX_SPEED) {
-            format!("its speed is {speed} sides per tick")
+            format!("its speed is {speed} block lengths per tick")
         } else if !sound(speed, self.speed) {
             format!(
                 "its speed is {speed:.2} sides per tick, too fast to detect collisions; use more \
@@ -87,7 +89,7 @@ impl MotionLimits {
         } else if !sound(spin, self.spin) {
             format!("its spin is {spin} radians per tick")
         } else if !sound(far, self.far) {
-            format!("it is {far} sides from the plate")
+            format!("it is {far} block lengths from the plate")
         } else if !rotation.coords.norm().double().is_finite() {
             "its orientation is not a number".to_owned()
         } else {

@@ -1,10 +1,10 @@
-//! The numbers of all terms of the physics, in block units.
+//! Parameters of all physical terms, in block units.
 use super::real::Real;
 use crate::settings::{Model, Settings};
 use stochc_ir::scene::room::Interior;
 use stochc_ir::scene::{ContactLaw, Measure};
 
-/// The terms in force; `None` is a term that does not exist.
+/// Physical terms of a scene. `None` is a term that the scene does not have.
 #[derive(Clone, Debug)]
 pub(crate) struct WorldParameters {
     /// Whether blocks may take steps of different lengths.
@@ -13,30 +13,30 @@ pub(crate) struct WorldParameters {
     pub kicks: Option<Kicks>,
     /// Rate of the linear drag \[1 / tick\].
     pub drag: Option<f64>,
-    /// Acceleration of gravity less buoyancy, downward \[side / tick^2\].
+    /// Acceleration of gravity minus buoyancy, downward \[block lengths / tick^2\].
     pub weight: Option<f64>,
     pub fluid: Option<Resistance>,
     pub flow: Option<MeanFlow>,
     pub eddies: Option<Eddies>,
-    /// Of a degree of freedom, k T \[side^2 / tick^2\].
+    /// Thermal energy k T \[block lengths^2 / tick^2\].
     pub thermal: Option<f64>,
     pub contact: Option<ContactParameters>,
     pub bond: Option<Magnet>,
 }
 
-/// An elastic shell about a point over the middle of the plate.
+/// Elastic shell about a point above the centre of the plate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shell {
-    /// Farther from its centre, the centre of a block is pushed back \[side\].
+    /// Distance from its centre beyond which blocks are pushed back \[block lengths\].
     pub radius: f64,
-    /// Of its centre \[side\].
+    /// Height of its centre \[block lengths\].
     pub height: f64,
     /// Acceleration per depth \[1 / tick^2\].
     pub stiffness: f64,
 }
 
 impl Shell {
-    /// What is within it.
+    /// Returns the interior of the shell.
     pub fn interior(&self) -> Interior {
         Interior {
             radius: self.radius,
@@ -45,122 +45,125 @@ impl Shell {
     }
 }
 
-/// What a fluid does to a block that moves through it.
+/// Resistance of a fluid to a moving block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Resistance {
-    /// Rate of the viscous drag on velocity \[1 / tick\] and on spin; 0 without viscosity.
+    /// Rate of the viscous drag on velocity \[1 / tick\] and on spin. 0 without viscosity.
     pub viscous: (f64, f64),
-    /// Deceleration over the square of the speed \[1 / side\], and of the spin \[1 / rad\]; 0 without density.
+    /// Deceleration per square of the speed \[1 / block length\] and of the spin \[1 / rad\]. 0
+    /// without density.
     pub wake: (f64, f64),
-    /// Mass of fluid whose acceleration pushes a block: displaced and taken along; 0 without density.
+    /// Fluid mass whose acceleration pushes a block: displaced plus added mass. 0 without density.
     pub displaced: f64,
 }
 
-/// How a fluid flows on the average.
+/// Mean flow of a fluid.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum MeanFlow {
-    /// About the vertical axis.
+    /// Vortex about the vertical axis.
     Vortex {
-        /// Of the part that turns as a whole \[side\].
+        /// Radius of the core in rigid rotation \[block lengths\].
         radius: f64,
-        /// Of that part \[rad / tick\].
+        /// Angular velocity of the core \[rad / tick\].
         rate: f64,
     },
-    /// From the shell towards its middle, in a level plane.
+    /// Jets from the shell towards its centre, in a horizontal plane.
     Jets {
         count: u8,
-        /// At a tube \[side / tick\].
+        /// Speed at the outlet \[block lengths / tick\].
         speed: f64,
-        /// Of a tube \[side\].
+        /// Diameter of the outlet \[block lengths\].
         diameter: f64,
-        /// Of the tubes' ends from the middle \[side\].
+        /// Distance of the outlets from the centre \[block lengths\].
         distance: f64,
-        /// Of the plane \[side\].
+        /// Height of the plane \[block lengths\].
         height: f64,
     },
 }
 
-/// A random field of velocity.
+/// Random velocity field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Eddies {
-    /// Rms in each level direction \[side / tick\].
+    /// Rms speed in each horizontal direction \[block lengths / tick\].
     pub speed: f64,
-    /// Vertical rms over that.
+    /// Ratio of vertical to horizontal rms speed.
     pub vertical: f64,
-    /// \[rad / side\]
+    /// Wavenumber \[rad / block length\].
     pub wavenumber: f64,
-    /// Part of an eddy that is left after a tick.
+    /// Fraction of an amplitude that remains after a tick.
     pub left: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kicks {
-    /// Least and most change of speed \[side / tick\].
+    /// Smallest and largest change of speed \[block lengths / tick\].
     pub speed: (f64, f64),
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct ContactParameters {
-    /// In block units: stiffness \[1 / tick^2\] and damping \[1 / tick\] for a mass of 1.
+    /// Contact law in block units: stiffness \[1 / tick^2\] and damping \[1 / tick\] for a mass of
+    /// 1.
     pub law: ContactLaw,
     pub friction: f64,
 }
 
-/// How a face captures.
+/// Capture mechanism of a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Magnet {
     pub law: Attraction,
     pub measure: Measure,
-    /// Anchoring distance \[side\].
+    /// Capture distance \[block lengths\].
     pub within: f64,
-    /// Cosine of the greatest tilt at which a block is anchored.
+    /// Cosine of the largest tilt for a capture.
     pub cos_tilt: f64,
-    /// Anchoring is tested at the end of each tick only.
+    /// Whether captures are tested only at the end of each tick.
     pub sampled: bool,
-    /// What a unit force moves a block at rest by in a step \[tick^2\]: the square of its length, less what drag takes.
+    /// Displacement of a block at rest by a unit force in a step \[tick^2\]: the step squared,
+    /// reduced by drag.
     pub square_of_step: f64,
 }
 
-/// What a face does to a block in its reach.
+/// Attraction of a block within reach of a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Attraction {
-    /// A face that is on pulls.
+    /// A face pulls while it is on.
     Switched { pull: Pull, align: Option<Pull> },
-    /// Every face pulls every other one.
+    /// Every face always pulls every other face.
     Passive(Passive),
-    /// A face that is open draws fluid, and pulls what closes it.
+    /// An open face draws fluid and pulls the block that closes it.
     Suction(Suction),
 }
 
-/// Magnets in every face.
+/// Permanent magnets in every face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passive {
-    /// Of two faces that touch \[side / tick^2\].
+    /// Force between two touching faces \[block lengths / tick^2\].
     pub hold: f64,
-    /// Of two opposite dipoles then \[side\].
+    /// Depth of two equivalent opposite dipoles \[block lengths\].
     pub depth: f64,
-    /// Reach \[side\].
+    /// Reach \[block lengths\].
     pub within: f64,
-    /// Change of velocity of a block that is rejected \[side / tick\].
+    /// Velocity change of a rejected block \[block lengths / tick\].
     pub impulse: f64,
 }
 
-/// Faces with valves, and what drives the fluid, in block units.
+/// Faces with valves, and the pump, in block units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Suction {
-    /// Pressure drop that the pump can make \[1 / tick^2\], as the acceleration of a block of which it
-    /// acts on one face.
+    /// Pressure of the pump, as the acceleration of a block with it on one face \[1 / tick^2\].
     pub head: f64,
     /// Hydraulic resistances \[1 / tick\].
     pub supply: f64,
     pub valve: f64,
     pub passage: f64,
-    /// Closer than this, a block closes the face \[side\].
+    /// Distance below which a block closes the face \[block lengths\].
     pub seal: f64,
 }
 
 impl Magnet {
-    /// Beyond this distance between the centres of two faces, nothing is felt, and no block is anchored \[side\].
+    /// Returns the largest distance between two face centres for any force or capture \[block
+    /// lengths\].
     pub fn reach(&self) -> f64 {
         let felt = match self.law {
             Attraction::Switched { pull, align } => {
@@ -172,7 +175,8 @@ impl Magnet {
         felt.max(self.anchoring())
     }
 
-    /// A block that is closer has come into the reach of the pull, and is counted \[side\].
+    /// Returns the distance below which a block counts as an entry into the pull's reach \[block
+    /// lengths\].
     pub fn field(&self) -> f64 {
         match self.law {
             Attraction::Switched { pull, .. } => pull.within,
@@ -186,7 +190,7 @@ impl Magnet {
         if self.sampled { R::zero() } else { dt }
     }
 
-    /// Beyond this distance between the centres of two faces, no block is anchored \[side\].
+    /// Returns the largest distance between two face centres for a capture \[block lengths\].
     pub fn anchoring(&self) -> f64 {
         match self.measure {
             Measure::Centres | Measure::Corners => self.within,
@@ -195,17 +199,17 @@ impl Magnet {
     }
 }
 
-/// A force of constant magnitude.
+/// Force of constant magnitude.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pull {
-    /// Acceleration \[side / tick^2\].
+    /// Acceleration \[block lengths / tick^2\].
     pub force: f64,
-    /// Reach \[side\].
+    /// Reach \[block lengths\].
     pub within: f64,
 }
 
 impl WorldParameters {
-    /// How many steps a tick blocks take away from magnetized faces and near them.
+    /// Returns the steps per tick of blocks away from magnetized faces and near them.
     pub fn rates(&self, settings: &Settings) -> [u32; 2] {
         let short = settings.substeps.max(1);
         let long = settings
@@ -214,10 +218,10 @@ impl WorldParameters {
         [long.unwrap_or(short), short]
     }
 
-    /// Where a force leaves only this part of its effect in a step: what drag takes of kicks, rejections, walls and contacts is
-    /// not there to move a block.
+    /// Scales impulses by the fraction of their effect that drag leaves in a step: random impulses,
+    /// rejections, walls and contacts.
     ///
-    /// `dt`: length of a step \[tick\].
+    /// `dt` is the length of a step \[tick\].
     pub fn weakened(mut self, response: f64, dt: f64) -> WorldParameters {
         if let Some(magnet) = &mut self.bond {
             magnet.square_of_step = dt * dt * response;
@@ -231,7 +235,7 @@ impl WorldParameters {
         if let Some(weight) = &mut self.weight {
             *weight *= response;
         }
-        // A velocity is the mean over a step, and drag begins with the kick.
+        // A velocity is the mean over a step, and drag acts from its start.
         if let Some(Kicks { speed: (low, high) }) = &mut self.kicks {
             *low *= response;
             *high *= response;

@@ -1,29 +1,29 @@
-//! Sets of numbers that know their k-th member.
+//! Ordered sets of integers with selection of the k-th member.
 use serde::{Deserialize, Serialize};
 use wide::{i8x16, i16x8, i32x4};
 
 /// Children of a node.
 const FANOUT: usize = 16;
 
-/// Numbers of a leaf.
+/// Numbers per leaf.
 const LEAF: usize = 8 * FANOUT;
 
-/// Levels above the leaves in which no count is larger than an `i16`.
+/// Levels above the leaves whose counts fit in an `i16`.
 const LOW: usize = 2;
 
-/// For each child of a node, the members in those before it.
+/// Node with the number of members before each child.
 trait Node {
-    /// That of children with so many members.
+    /// Returns a node whose children have these counts.
     fn of(counts: &[u32]) -> Self;
 
-    /// The child with the member before which there are `rank` others, and how many of those are in it.
+    /// Returns the child with the member of this rank, and the rank within the child.
     fn find(&self, rank: u32) -> (usize, u32);
 
-    /// Counts one member more in a child, or one less.
+    /// Adds or subtracts one member of a child.
     fn count<const IS_MORE: bool>(&mut self, child: usize);
 }
 
-/// All sixteen children at once, so that it takes no branch.
+/// Compares all sixteen children at once, without branches.
 macro_rules! node {
     ($node:ident, $count:ty, $vector:ty, $lanes:literal) => {
         #[derive(Clone, Copy, Debug)]
@@ -49,14 +49,14 @@ macro_rules! node {
                     let is_behind = <$vector>::new(*before).simd_gt(wanted);
                     behind |= is_behind.to_bitmask() << ($lanes * i);
                 }
-                // Nothing is before the first.
+                // The first child has no members before it.
                 let child = (behind.trailing_zeros() as usize - 1) % FANOUT;
                 (child, rank - self.0.as_flattened()[child] as u32)
             }
 
             #[inline]
             fn count<const IS_MORE: bool>(&mut self, child: usize) {
-                /// For each child, -1 for those after it.
+                /// For each child, -1 for all later children.
                 static AFTER: [[[$count; $lanes]; FANOUT / $lanes]; FANOUT] = {
                     let mut after = [[[0; $lanes]; FANOUT / $lanes]; FANOUT];
                     let mut i = 0;
@@ -83,7 +83,8 @@ node!(Bytes, i8, i8x16, 16);
 node!(Low, i16, i16x8, 8);
 node!(High, i32, i32x4, 4);
 
-/// The members of a row of numbers, a bit each, and for each byte those in the bytes before it.
+/// Members of a row of numbers, one bit each. For each byte, the number of members in earlier
+/// bytes.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     before: Bytes,
@@ -91,7 +92,7 @@ struct Leaf {
 }
 
 impl Leaf {
-    /// Says whether a number of its row is a member; whether that is new.
+    /// Adds or removes a number of the row. Returns whether this changes the set.
     #[inline]
     fn put<const IS_IN: bool>(&mut self, number: usize) -> bool {
         let byte = number / 8 % FANOUT;
@@ -105,12 +106,12 @@ impl Leaf {
     }
 }
 
-/// A set of some of the numbers 0 to n: leaves below a tree of counts, which are as small as they can be.
+/// Subset of the numbers 0 to n: leaves below a tree of counts of the smallest possible types.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "Vec<u128>", into = "Vec<u128>")]
 pub(super) struct RankedSet {
     leaves: Vec<Leaf>,
-    /// From the leaves up.
+    /// Levels from the leaves up.
     low: Vec<Vec<Low>>,
     high: Vec<Vec<High>>,
     len: u32,
@@ -130,12 +131,12 @@ impl From<RankedSet> for Vec<u128> {
 }
 
 impl RankedSet {
-    /// None of `n` numbers.
+    /// Returns the empty set of `n` numbers.
     pub fn empty(n: usize) -> RankedSet {
         RankedSet::new(&vec![0; n.div_ceil(LEAF)])
     }
 
-    /// All of `n` numbers.
+    /// Returns the full set of `n` numbers.
     pub fn full(n: usize) -> RankedSet {
         let mut leaves = vec![u128::MAX; n.div_ceil(LEAF)];
         if let Some(last) = leaves.last_mut().filter(|_| !n.is_multiple_of(LEAF)) {
@@ -168,7 +169,7 @@ impl RankedSet {
         }
     }
 
-    /// How many members it has.
+    /// Returns the number of members.
     pub fn len(&self) -> u32 {
         self.len
     }
@@ -194,7 +195,7 @@ impl RankedSet {
         }
     }
 
-    /// Counts one member more in a leaf, or one less.
+    /// Adds or subtracts one member of a leaf.
     #[inline]
     fn count<const IS_MORE: bool>(&mut self, leaf: usize) {
         let mut at = leaf;
@@ -208,7 +209,7 @@ impl RankedSet {
         }
     }
 
-    /// The member before which there are `rank` others, fewer than all.
+    /// Returns the member of a rank, which must be below the number of members.
     #[inline]
     pub fn select(&self, mut rank: u32) -> usize {
         let mut at = 0;
@@ -225,21 +226,21 @@ impl RankedSet {
     }
 }
 
-/// The nodes above those with these counts, whose counts are theirs then.
+/// Returns the parents of nodes with these counts, and replaces the counts by the parents' counts.
 fn level<N: Node>(counts: &mut Vec<u32>) -> Vec<N> {
     let nodes = counts.chunks(FANOUT).map(N::of).collect();
     *counts = (counts.chunks(FANOUT)).map(|of| of.iter().sum()).collect();
     nodes
 }
 
-/// One level down, to where the member of a rank is: the place there, and the rank in it.
+/// Descends one level to the member of a rank. Returns the node and the rank within it.
 #[inline]
 fn below<N: Node>(level: &[N], at: usize, rank: u32) -> (usize, u32) {
     let (child, rank) = level[at].find(rank);
     (FANOUT * at + child, rank)
 }
 
-/// Of each byte, the places of its set bits.
+/// Positions of the set bits of each byte.
 static IN_BYTE: [[u8; 8]; 256] = {
     let mut places = [[0; 8]; 256];
     let mut byte = 0;

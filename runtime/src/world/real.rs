@@ -3,16 +3,16 @@ use nalgebra::{RealField, Vector3};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// A floating point number that a world can compute with.
+/// Floating-point type of a computation.
 pub(crate) trait Real: RealField + Copy + Default + Serialize + DeserializeOwned {
-    /// The nearest number to `value`.
+    /// Returns the number nearest to `value`.
     fn of(value: f64) -> Self;
-    /// Exact in double precision, within 2^-24 of it in single precision.
+    /// Converts an integer: exactly in double precision, within 2^-24 in single precision.
     fn of_int(value: i32) -> Self;
-    /// As a double.
+    /// Converts to double precision.
     fn double(self) -> f64;
-    /// The nearest whole number, for numbers from 0 to 2^22: one addition instead of a conversion
-    /// that has to think of everything.
+    /// Returns the nearest integer for numbers from 0 to 2^22, by one addition instead of a general
+    /// conversion.
     fn round_small(self) -> u32;
 }
 
@@ -48,12 +48,12 @@ impl Real for f64 {
     }
 }
 
-/// The direction of a lattice normal.
+/// Converts a lattice normal to a vector.
 pub(crate) fn normal<R: Real>([x, y, z]: [i32; 3]) -> Vector3<R> {
     Vector3::new(R::of_int(x), R::of_int(y), R::of_int(z))
 }
 
-/// Every component in another precision.
+/// Converts every component to another precision.
 pub(crate) fn cast<A: Real, B: Real>(v: Vector3<A>) -> Vector3<B> {
     v.map(|x| B::of(x.double()))
 }

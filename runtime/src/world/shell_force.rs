@@ -1,16 +1,16 @@
-//! The elastic shell that encloses the blocks.
+//! Elastic shell around the blocks.
 use nalgebra::Vector3;
 
 use super::parameters::Shell;
 use super::real::Real;
 
-/// The shell in the precision of a world.
+/// Shell in the precision of a world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShellForce<R> {
     pub radius: R,
-    /// Of its centre.
+    /// Height of its centre.
     pub height: R,
-    /// Change of velocity per depth and time.
+    /// Acceleration per depth.
     pub stiffness: R,
 }
 
@@ -23,17 +23,17 @@ impl<R: Real> ShellForce<R> {
         }
     }
 
-    /// What the velocity of a block there changes by \[side / tick^2\].
+    /// Returns the acceleration of a block at a position \[block lengths / tick^2\].
     pub fn push(&self, place: Vector3<R>) -> Vector3<R> {
         let pull = self.pull(place);
         pull.map_or_else(Vector3::zeros, |(way, pull)| way * -pull)
     }
 
-    /// Where a block there is, seen from the centre, and what its velocity changes by inward and for each side of that
-    /// way \[1 / tick^2\]; `None`: it is within.
+    /// Returns the position of a block relative to the centre and its inward acceleration per
+    /// distance \[1 / tick^2\]. Returns `None` within the shell.
     pub fn pull(&self, place: Vector3<R>) -> Option<(Vector3<R>, R)> {
         let way = place - Vector3::z() * self.height;
-        // Most are far within, and need no root.
+        // Fast path without a root: most blocks are far within.
         if way.norm_squared() < R::of(0.99) * self.radius * self.radius {
             return None;
         }

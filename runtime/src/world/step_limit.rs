@@ -1,21 +1,23 @@
-//! Whether the steps are short enough for the springs of a scene.
+//! Limit of the time step by the springs of a scene.
 use super::SceneError;
 use super::external_forces::response;
 use super::parameters::WorldParameters;
 use crate::settings::Settings;
 
 impl WorldParameters {
-    /// Whether the steps are short enough.
+    /// Checks the length of the steps.
     ///
     /// # Errors
-    /// If a spring would turn by more than one radian in a step, or, slowed by drag, swing back by more than it
-    /// was out: from twice as much on it gains energy.
+    ///
+    /// If a spring turns by more than one radian per step or, with drag, overshoots by more than
+    /// its displacement. Beyond twice that it gains energy.
     pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {
         let [substeps, _] = self.rates(settings);
         let Some(shell) = self.shell else {
             return Ok(());
         };
-        // Drag takes up what it can of a step that is longer than it needs to slow a block.
+        // Drag reduces the effect of a force in a step that is long compared with its relaxation
+        // time.
         let drag = self.fluid.map_or(0.0, |fluid| fluid.viscous.0);
         let swings =
             |substeps: f64| shell.stiffness * response(drag / substeps) > substeps * substeps;
@@ -23,7 +25,7 @@ impl WorldParameters {
             let (mut few, mut enough) = (f64::from(substeps), shell.stiffness.sqrt().ceil());
             while enough - few > 1.0 {
                 let middle = ((few + enough) / 2.0).floor();
-                // So large that there is no number between them.
+                // Numbers so large that none is between them.
                 if middle <= few || middle >= enough {
                     break;
                 }

@@ -1,8 +1,9 @@
-//! What happens in a step of a world of rigid blocks, in which order: the same for every integrator.
+//! Order of operations in a step of a world of rigid blocks, for all integrators.
 //!
-//! A substep finds who is near what and who touches whom, changes velocities (surroundings, faces, bonds between
-//! free blocks, heat), has the integrator move all blocks and let them collide, and then sees who docks and who bonds. As
-//! positions move with the velocities just changed, this is the symplectic Euler method.
+//! A substep has four stages. It finds neighbours and contacts, then changes velocities by external
+//! forces, faces, free bonds and heat. The integrator then moves all blocks with collisions.
+//! Finally, captures and bonds are made. Positions move with the new velocities, so this is the
+//! symplectic Euler method.
 use nalgebra::Vector3;
 use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
@@ -21,29 +22,30 @@ use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, FreeBond, SceneEr
 use crate::counter_rng::{Draws, StepDraws, Stream};
 use crate::settings::{Reduction, Settings};
 
-/// Who moves in a short step.
+/// Blocks that move in a short step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
-    /// All blocks, those that take long steps for the whole of one.
+    /// All blocks. Blocks with long steps move by a whole long step.
     All,
-    /// Those that take short steps only.
+    /// Only blocks with short steps.
     Short,
 }
 
-/// Moves blocks and lets them collide: all in which two worlds of rigid blocks differ.
+/// Motion and collisions of blocks, the only difference between the worlds of rigid blocks.
 pub(crate) trait Integrator: Sized + State {
     type Real: Real;
     type Blocks: Blocks<Real = Self::Real> + State;
 
-    /// How many long steps and short steps a tick has.
+    /// Returns the numbers of long and of short steps per tick.
     fn rates(_parameters: &WorldParameters, settings: &Settings) -> [u32; 2] {
         [settings.substeps.max(1); 2]
     }
 
-    /// For the terms of a scene, each spring as weak as the drag makes it.
+    /// Returns an integrator for the terms of a scene, with springs weakened by drag.
     ///
     /// # Errors
-    /// If there is a term or a setting that it cannot compute.
+    ///
+    /// If a term or a setting is not supported.
     fn new(
         parameters: &WorldParameters,
         plate: &Plate,
@@ -51,12 +53,14 @@ pub(crate) trait Integrator: Sized + State {
         blocks: &[BodyState],
     ) -> Result<(Self::Blocks, Self), SceneError>;
 
-    /// Takes in where the blocks are; whether what [`Integrator::near`] says may be other than before.
+    /// Updates to the current positions. Returns whether results of [`Integrator::near`] may have
+    /// changed.
     fn follow(&mut self, _blocks: &Self::Blocks) -> bool {
         false
     }
 
-    /// The blocks that may be within `reach` of a place until it says otherwise, in rising order.
+    /// Lists the blocks that may be within `reach` of a position until the next change, in rising
+    /// order.
     fn near(
         &self,
         blocks: &Self::Blocks,
@@ -65,26 +69,27 @@ pub(crate) trait Integrator: Sized + State {
         found: &mut Vec<u32>,
     );
 
-    /// How far a block, or the fastest one, may get in a long step; only asked if there are short ones.
+    /// Returns the largest path in a long step of a block, or of the fastest one. Used only with
+    /// short steps.
     fn distance(&self, _blocks: &Self::Blocks, _id: Option<u32>) -> Self::Real {
         Self::Real::of(0.0)
     }
 
-    /// Begins a long step that is made of several short ones: these blocks, in rising order, may come into the field of a
-    /// magnetized face in it, and have to take short ones.
+    /// Begins a long step with short steps for these blocks, which may enter the field of a
+    /// magnetized face. They are in rising order.
     fn begin_long_step(&mut self, _blocks: &mut Self::Blocks, _in_field: &[u32]) {}
 
-    /// The blocks that take short steps in this long one.
+    /// Returns the blocks that take short steps in this long step.
     fn short_steps(&self) -> &[u32] {
         &[]
     }
 
-    /// For how many short steps the forces act that a block is moved by next.
+    /// Returns the number of short steps over which forces act before a block's next move.
     fn span(&self, _blocks: &Self::Blocks, _id: u32) -> f64 {
         1.0
     }
 
-    /// Finds who touches whom, before any velocity is changed.
+    /// Finds contacts, before any velocity changes.
     fn find_contacts(
         &mut self,
         _blocks: &mut Self::Blocks,
@@ -93,22 +98,25 @@ pub(crate) trait Integrator: Sized + State {
     ) {
     }
 
-    /// A force has changed the velocity of a block by so much in this step, other than by enclosure, weight and drag.
+    /// Records the velocity change of a block by forces other than enclosure, weight and drag.
     fn pushed(&mut self, _id: u32, _change: Vector3<Self::Real>) {}
 
-    /// Checks a block whose motion has been changed by a force; not needed where [`Integrator::advance`] looks at
-    /// everything.
+    /// Checks a block after a force changed its motion. Unnecessary if [`Integrator::advance`]
+    /// checks all blocks.
     ///
     /// # Errors
-    /// If its motion makes no sense.
+    ///
+    /// If its motion is invalid.
     fn check(&self, _blocks: &Self::Blocks, _id: u32) -> Result<(), Fault> {
         Ok(())
     }
 
-    /// Moves all blocks by a substep, by enclosure, `kicks` and linear drag, and lets them collide; groups stay together.
+    /// Moves all blocks by a substep, with enclosure, random impulses, linear drag and collisions.
+    /// Groups stay together.
     ///
     /// # Errors
-    /// If the motion of a block makes no sense any more.
+    ///
+    /// If the motion of a block becomes invalid.
     fn advance(
         &mut self,
         blocks: &mut Self::Blocks,
@@ -117,17 +125,17 @@ pub(crate) trait Integrator: Sized + State {
         who: Moving,
     ) -> Result<(), Fault>;
 
-    /// An anchored block has been set free.
+    /// Records that an anchored block was released.
     fn released(&mut self) {}
 
-    /// Free blocks may have bonded, and been moved for it.
+    /// Records that free blocks may have bonded and moved.
     fn joined(&mut self, _blocks: &mut Self::Blocks, _bonds: &FreeBonds) {}
 }
 
-/// A world of rigid cubes that an integrator moves.
+/// World of rigid cubes moved by an integrator.
 pub(crate) struct Stepper<I: Integrator> {
     tick: u64,
-    /// Short steps in a tick, and in a long step.
+    /// Number of short steps per tick, and per long step.
     substeps: u32,
     ratio: u32,
     /// Length of a short step \[tick\].
@@ -136,22 +144,22 @@ pub(crate) struct Stepper<I: Integrator> {
     integrator: I,
     kicks: Option<(Kicks, Draws)>,
     faces: Option<Faces<I::Real>>,
-    /// `None` where nothing is around the blocks.
+    /// External forces. `None` if there are none.
     external_forces: Option<ExternalForces>,
     response: Response,
-    /// `None` where free blocks do not bond to each other.
+    /// Bonds between free blocks. `None` if they do not bond.
     free_bonds: Option<FreeBonds>,
-    /// The free blocks, and those near a face: kept to be used again.
+    /// Buffers: free blocks, and blocks near a face.
     free: Vec<u32>,
     nearby: Vec<u32>,
-    /// Somebody has set a block in motion by hand.
+    /// Whether the motion of a block was set from outside and needs checking.
     doubtful: bool,
-    /// Something has moved since it was looked who is where.
+    /// Whether blocks have moved since the last neighbour search.
     stale: bool,
-    /// A face does not know yet who is near it.
+    /// Whether a face lacks its list of nearby blocks.
     blind: bool,
     cells: CellCentres,
-    /// Whether blocks turn at all.
+    /// Whether blocks rotate.
     turns: bool,
 }
 
@@ -163,7 +171,7 @@ stochc_ir::state! {
 }
 
 impl<I: Integrator> Stepper<I> {
-    /// Something other than a step has moved, freed or fixed a block.
+    /// Invalidates search results after a block was moved, released or anchored outside a step.
     fn disturb(&mut self) {
         self.stale = true;
         if let Some(faces) = &mut self.faces {
@@ -171,7 +179,7 @@ impl<I: Integrator> Stepper<I> {
         }
     }
 
-    /// Begins a long step: finds who is near which face, and has them take short ones.
+    /// Begins a long step: finds blocks near faces and assigns short steps to them.
     fn split(&mut self) {
         self.refresh();
         let mut in_field = Vec::new();
@@ -195,11 +203,11 @@ impl<I: Integrator> Stepper<I> {
         in_field.sort_unstable();
         in_field.dedup();
         (self.integrator).begin_long_step(&mut self.blocks, &in_field);
-        // What has been looked up holds for all of the long step.
+        // The lists remain valid during the long step.
         self.blind = false;
     }
 
-    /// Looks again who is where, if something has moved.
+    /// Repeats the neighbour search if something has moved.
     fn refresh(&mut self) {
         if !std::mem::take(&mut self.stale) {
             return;
@@ -218,7 +226,7 @@ impl<I: Integrator> Stepper<I> {
         }
     }
 
-    /// Finds who is near which face, and who touches whom.
+    /// Finds blocks near faces, and contacts.
     fn survey(&mut self, who: Moving) {
         if self.ratio == 1 {
             self.refresh();
@@ -229,7 +237,7 @@ impl<I: Integrator> Stepper<I> {
         (self.integrator).find_contacts(&mut self.blocks, self.free_bonds.as_ref(), who);
     }
 
-    /// What is around the blocks, for each of them alone.
+    /// Applies external forces to each block.
     fn surround(&mut self, substep: u32, who: Moving) -> Result<(), Fault> {
         let Some(external_forces) = &mut self.external_forces else {
             return Ok(());
@@ -242,7 +250,7 @@ impl<I: Integrator> Stepper<I> {
         })
     }
 
-    /// What the heat of a fluid does. It tears no bond: groups take it up whatever they hold.
+    /// Applies Brownian motion. It breaks no bonds: groups absorb it at any load.
     fn shake(&mut self, who: Moving) -> Result<(), Fault> {
         let is_hot = self
             .external_forces
@@ -260,7 +268,7 @@ impl<I: Integrator> Stepper<I> {
         Ok(())
     }
 
-    /// Has what is around the blocks change the motions of those that move, one by one, in rising order.
+    /// Applies a change to the motion of each moving block, in rising order.
     fn change(
         &mut self,
         who: Moving,
@@ -283,7 +291,7 @@ impl<I: Integrator> Stepper<I> {
             let spin = motion.spin;
             let span = self.integrator.span(&self.blocks, id);
             by(external_forces, id, &mut motion, span);
-            // What turns all the same is a group.
+            // Only groups rotate in this case.
             if !self.turns {
                 motion.spin = spin;
             }
@@ -293,7 +301,7 @@ impl<I: Integrator> Stepper<I> {
         Ok(())
     }
 
-    /// What faces do to the blocks in their reach.
+    /// Applies the forces of faces to blocks within reach.
     fn pull(&mut self) -> Result<(), Fault> {
         let Some(faces) = &mut self.faces else {
             return Ok(());
@@ -315,7 +323,7 @@ impl<I: Integrator> Stepper<I> {
         Ok(())
     }
 
-    /// What free blocks do to each other from afar, and what becomes of groups.
+    /// Applies forces between free blocks, and updates groups.
     fn settle(&mut self) {
         let Some(bonds) = &mut self.free_bonds else {
             return;
@@ -334,7 +342,7 @@ impl<I: Integrator> Stepper<I> {
         Ok(())
     }
 
-    /// Anchors the blocks that dock.
+    /// Performs captures.
     fn capture(&mut self, substep: u32, dockings: &mut Vec<Docking>) {
         if self.ratio == 1 {
             self.refresh();
@@ -371,7 +379,7 @@ impl<I: Integrator> Stepper<I> {
         self.blind = true;
     }
 
-    /// Bonds the free blocks that are close enough to each other.
+    /// Bonds free blocks that are close enough.
     fn join(&mut self, substep: u32) {
         let Some(bonds) = &mut self.free_bonds else {
             return;

@@ -532,7 +532,7 @@ fn without_a_block_to_attach_the_run_fails() {
     let mut world = ShuffleWorld::new(&tables, 2, 5, 1);
     let record =
         drive(&tables, None, &mut world, Some(1000), (5, 1), &mut go).expect("nobody cancels");
-    let reason = "no free block is left to attach as T3".to_owned();
+    let reason = "no free block is left to pre-attach as T3".to_owned();
     let phase = PhaseId(0);
     assert_eq!(record.outcome, Outcome::Failed { phase, reason });
     assert_eq!((record.ticks, record.phase_ticks.len()), (0, 0));

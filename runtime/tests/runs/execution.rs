@@ -325,7 +325,7 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
     scene.contact = compliant(25.0, 5.0, 0.2);
     assert_eq!(
         error(&scene).to_string(),
-        "the model `rapier` has no contact with a `stiffness`; `stochc simulate --model rigid` has it"
+        "the model `rapier` does not support contact with a `stiffness`; use `--model rigid`"
     );
 }
 

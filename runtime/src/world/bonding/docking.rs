@@ -1,4 +1,4 @@
-//! Who comes into reach of a magnetized face, who docks there, and which face holds whom.
+//! Open faces: blocks within reach, captures, and the block that each face holds.
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
@@ -16,73 +16,73 @@ use crate::world::parameters::{Attraction, Magnet};
 use crate::world::real::{Real, cast, normal};
 use crate::world::{BlockFace, Body, Docking};
 
-/// From the centre of a block to its faces \[side\].
+/// Distance from the centre of a block to its faces \[block lengths\].
 const INSIDE: f64 = 0.5;
 
-/// All magnetized faces of a world, and what they hold.
+/// All magnetized faces of a world and the blocks that they hold.
 #[derive(Clone, Debug)]
 pub(crate) struct Faces<R: Real> {
     magnet: Magnet,
-    /// The faces that are on and hold nothing, by site.
+    /// Open faces, by site.
     active: Vec<Active<R>>,
-    /// Those that attract by themselves, but whose cell is full by now of what they do not hold: it may leave again, and they go on
-    /// counting.
+    /// Faces that always attract and whose cell is occupied by a block that they do not hold. They
+    /// keep their entry counts, because the block may leave.
     covered: Vec<Active<R>>,
-    /// The faces that hold a block.
+    /// Faces that hold a block.
     holds: BTreeMap<BlockFace, u32>,
-    /// Who is in reach of what, by face and number.
+    /// Blocks within reach of open faces, by face and number.
     candidates: Vec<DockingCandidate<R>>,
-    /// Whether the candidates are those of the blocks' present places.
+    /// Whether the candidates match the current positions.
     seen: bool,
-    /// Where all blocks of the structure sit whose faces attract by themselves.
+    /// Positions of all structure blocks, for faces that always attract.
     placed: PlacedBlocks<R>,
-    /// Blocks that have been rejected, and still are where some face would anchor them.
+    /// Rejected blocks that are still within the docking window of a face.
     rejected: Vec<u32>,
-    /// In the chambers of the blocks, if faces draw fluid; `None`: not known yet.
+    /// Pressures in the chambers, for faces that draw fluid. `None` until they are computed.
     pressures: Option<Pressures>,
 }
 
-/// A block that a face lets go.
+/// Block released by a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReleasedBlock<R: Real> {
     pub body: u32,
-    /// What it is rejected with: change of its velocity in the next step.
+    /// Velocity change by the rejection, applied in the next step.
     pub impulse: Vector3<R>,
 }
 
-/// A face that is on and holds nothing.
+/// Face that is on and holds nothing.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Active<R: Real> {
     site: BlockFace,
     target: AttractingFace<R>,
-    /// Times that a block came into reach.
+    /// Number of entries into its reach.
     entries: u32,
-    /// The blocks in reach by number, with the tick of their entry.
+    /// Blocks within reach by number, with the tick of entry.
     inside: Vec<(u32, u64)>,
-    /// The blocks that may be in reach, in rising order.
+    /// Blocks that may be within reach, in rising order.
     nearby: Vec<u32>,
-    /// Where a captured block will sit.
+    /// Centre of a captured block.
     seat: Vector3<R>,
-    /// How the block sits whose face this is.
+    /// Orientation of the block that owns the face.
     parent: Orientation,
 }
 
-/// A free block in reach of an active face.
+/// Free block within reach of an open face.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 struct DockingCandidate<R: Real> {
-    /// Index of the face.
+    /// Index of the open face.
     active: usize,
     body: u32,
     near: Near<R>,
 }
 
-/// A block that has just docked, and how it is held.
+/// Block that has just been captured, with its place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Anchored<R: Real> {
     pub body: u32,
-    /// Of its centre.
+    /// Position of its centre.
     pub seat: Vector3<R>,
     pub orientation: Orientation,
 }
@@ -95,7 +95,7 @@ stochc_ir::state! {
 }
 
 impl<R: Real> Active<R> {
-    /// The face of a block at `centre` that sits in `parent`.
+    /// Returns the face of a block at `centre` with orientation `parent`.
     fn new(site: BlockFace, centre: Vector3<R>, parent: Orientation) -> Active<R> {
         let face = parent.to_structure(site.face);
         Active {
@@ -125,7 +125,8 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Blocks of the plate with these centres belong to the structure: where all faces attract by themselves, theirs do from now on.
+    /// Adds blocks of the plate to the structure. If all faces always attract, theirs now do as
+    /// well.
     pub fn place_seeds(&mut self, seeds: impl Iterator<Item = (Cell, Vector3<R>)>) {
         if let Attraction::Passive(_) = self.magnet.law {
             for (cell, centre) in seeds {
@@ -136,10 +137,10 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Switches a face on, unless it is or holds something; the block it belongs to is at `centre`. Where all
-    /// faces attract by themselves, those of the block do from now on.
+    /// Switches a face on, unless it is on or holds a block. The owner of the face is at `centre`.
     ///
-    /// Whether faces are on that were not: see [`Faces::set_nearby`].
+    /// If all faces always attract, all faces of the owner now do as well. Returns whether new
+    /// faces are on; see [`Faces::set_nearby`].
     pub fn magnetize(&mut self, site: BlockFace, centre: Vector3<R>, parent: Orientation) -> bool {
         if let Attraction::Passive(_) = self.magnet.law {
             let is_new = self.placed.insert(site.body, centre, parent) && self.expose();
@@ -157,7 +158,7 @@ impl<R: Real> Faces<R> {
         true
     }
 
-    /// A block is expected on a face that attracts all the time: entries count from now on, as they do where a face is switched on.
+    /// Restarts the entry count of a face that always attracts, as if it had been switched on.
     fn count_anew(&mut self, site: BlockFace) {
         let mut faces = self.active.iter_mut().chain(&mut self.covered);
         if let Some(face) = faces.find(|face| face.site == site) {
@@ -167,13 +168,14 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Which faces are on has changed, or which hold something.
+    /// Clears everything derived from the sets of open and holding faces.
     fn change(&mut self) {
         self.seen = false;
         self.pressures = None;
     }
 
-    /// Has all faces on that attract by themselves and have a free cell before them; whether some were not.
+    /// Opens all faces that always attract and have a free cell in front. Returns whether any is
+    /// new.
     fn expose(&mut self) -> bool {
         self.change();
         let mut old = std::mem::take(&mut self.active);
@@ -182,7 +184,7 @@ impl<R: Real> Faces<R> {
             if self.holds.contains_key(&site) {
                 continue;
             }
-            // Both lists are in the order of sites.
+            // Both lists are sorted by site.
             if let Ok(at) = old.binary_search_by_key(&site, |on| on.site) {
                 self.active.push(old.remove(at));
                 continue;
@@ -200,7 +202,8 @@ impl<R: Real> Faces<R> {
         is_new
     }
 
-    /// Captures a block by hand on a face that is on; `None`: it is off, or holds something.
+    /// Attaches a pre-attached block to an open face. Returns `None` if the face is off or holds a
+    /// block.
     pub fn plant(
         &mut self,
         site: BlockFace,
@@ -231,7 +234,7 @@ impl<R: Real> Faces<R> {
         Some((held, docking))
     }
 
-    /// A face holds a block from now on.
+    /// Records that a face holds a block.
     fn hold(&mut self, site: BlockFace, held: &Anchored<R>) {
         self.holds.insert(site, held.body);
         self.change();
@@ -242,8 +245,8 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Switches a face off: what it held, if it held something. A face that attracts by itself stays on, and
-    /// rejects what it held.
+    /// Switches a face off and returns the block that it held. A face that always attracts stays on
+    /// and rejects its block.
     pub fn switch_off(&mut self, site: BlockFace) -> Option<ReleasedBlock<R>> {
         self.change();
         let Attraction::Passive(passive) = self.magnet.law else {
@@ -266,12 +269,12 @@ impl<R: Real> Faces<R> {
         })
     }
 
-    /// No face anchors a block before it has been where none would.
+    /// Prevents captures of a block until it has left every docking window.
     pub fn reject(&mut self, body: u32) {
         self.rejected.push(body);
     }
 
-    /// The faces that draw fluid.
+    /// Returns the faces that draw fluid.
     pub fn sinks(&mut self) -> Vec<Sink> {
         let Attraction::Suction(suction) = self.magnet.law else {
             return Vec::new();
@@ -285,7 +288,7 @@ impl<R: Real> Faces<R> {
         self.active.iter().map(sink).collect()
     }
 
-    /// Finds the pressures again, if faces draw fluid and something has changed.
+    /// Updates the pressures if faces draw fluid and the structure has changed.
     fn solve(&mut self) {
         if let (Attraction::Suction(suction), None) = (self.magnet.law, &self.pressures) {
             let open = self.active.iter().map(|active| active.site);
@@ -293,25 +296,26 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Pressure drop on a face, as the acceleration of a block; none where faces draw no fluid.
+    /// Returns the pressure drop on a face, as acceleration of a block. 0 if faces draw no fluid.
     fn drop(&self, site: BlockFace) -> f64 {
         let pressures = self.pressures.as_ref();
         pressures.map_or(0.0, |pressures| pressures.at(site.body))
     }
 
-    /// The blocks have been moved by something other than a step.
+    /// Invalidates the candidates after blocks were moved outside a step.
     pub fn disturb(&mut self) {
         self.seen = false;
     }
 
-    /// The faces that are on and hold nothing, each with the entries into its reach so far.
+    /// Returns the open faces, each with its number of entries so far.
     pub fn active(&self) -> impl Iterator<Item = (BlockFace, u32)> + '_ {
         self.active
             .iter()
             .map(|active| (active.site, active.entries))
     }
 
-    /// Entries into the reach of a face so far, since a block is expected there; 0 for one that is off or holds something.
+    /// Returns the number of entries into the reach of a face since it was switched on. Returns 0
+    /// if it is off or holds a block.
     pub fn entries(&self, site: BlockFace) -> u32 {
         let at = self.active.binary_search_by_key(&site, |on| on.site);
         let covered = || self.covered.iter().find(|face| face.site == site);
@@ -319,7 +323,7 @@ impl<R: Real> Faces<R> {
         face.map_or(0, |face| face.entries)
     }
 
-    /// Who is in reach of which active face, with the tick of the entry.
+    /// Returns the blocks within reach of each open face, with the tick of entry.
     pub fn in_reach(&self) -> impl Iterator<Item = (BlockFace, u32, u64)> + '_ {
         (self.active.iter()).flat_map(|active| {
             let site = active.site;
@@ -328,28 +332,29 @@ impl<R: Real> Faces<R> {
         })
     }
 
-    /// How many faces are on and hold nothing.
+    /// Returns the number of open faces.
     pub fn count(&self) -> usize {
         self.active.len()
     }
 
-    /// The centre of an active face.
+    /// Returns the centre of an open face.
     pub fn centre(&self, active: usize) -> Vector3<R> {
         self.active[active].target.centre
     }
 
-    /// Farther from the centre of a face than this, a block's centre is not in its reach \[side\].
+    /// Returns the distance from a face's centre beyond which a block's centre is out of reach
+    /// \[block lengths\].
     pub fn horizon(&self) -> R {
         R::of((self.magnet.reach() + INSIDE) * 1.001)
     }
 
-    /// Says which blocks may be in reach of an active face from now on, in rising order.
+    /// Sets the blocks that may be within reach of an open face, in rising order.
     pub fn set_nearby(&mut self, active: usize, nearby: &[u32]) {
         self.active[active].nearby.clear();
         self.active[active].nearby.extend_from_slice(nearby);
     }
 
-    /// Finds who is in reach of what, and counts entries as of `tick`.
+    /// Finds the blocks within reach of each face, and counts entries at `tick`.
     pub fn survey(&mut self, tick: u64, blocks: &mut impl Blocks<Real = R>) {
         if self.seen {
             return;
@@ -385,7 +390,7 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// What the magnets do to the blocks in reach, in the order of faces and numbers.
+    /// Applies the magnets to the blocks within reach, in the order of faces and numbers.
     pub fn pull(
         &mut self,
         blocks: &mut impl Blocks<Real = R>,
@@ -406,10 +411,11 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// The blocks have moved for `dt`: surveys them, and anchors those that were close and straight enough on their way:
-    /// the closest first, then the lowest number, then the lowest site. A face takes one block, and
-    /// a block one face, which `is_bonded` to no other free block. Where anchoring is sampled, it waits for the step that `ends`
-    /// the tick.
+    /// Captures blocks that were close and straight enough during a step of length `dt`.
+    ///
+    /// The closest block goes first, then the lowest number, then the lowest site. A face captures
+    /// one block, and a block is captured by one face. Bonded blocks, by `is_bonded`, are skipped.
+    /// Sampled captures happen only in the step that `ends` a tick.
     pub fn capture(
         &mut self,
         tick: u64,
@@ -420,7 +426,7 @@ impl<R: Real> Faces<R> {
         mut hold: impl FnMut(Anchored<R>, Docking),
     ) {
         self.seen = false;
-        // Entries of this step are seen at its end, and docking may follow at once.
+        // Entries during this step count at its end, so that a capture can follow at once.
         self.survey(tick + 1, blocks);
         if self.magnet.sampled && !ends {
             return;
@@ -477,7 +483,7 @@ impl<R: Real> Faces<R> {
                 child: candidate.body,
                 child_face: candidate.near.face,
                 turn,
-                // Who docks from farther than the pull reaches comes in by it.
+                // A block captured from beyond the pull's reach enters with the capture.
                 entries: active.entries + u32::from(entry.is_none()),
                 entered: entry.map_or(tick + 1, |&(_, entered)| entered),
             };

@@ -1,4 +1,4 @@
-//! What a magnetized face does to a free block near it: pull, alignment, and when it anchors.
+//! Effect of a magnetized face on a nearby free block: pull, alignment and the docking window.
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use stochc_ir::Face;
@@ -9,40 +9,41 @@ use crate::world::real::{Real, normal};
 use crate::world::rotation::matrix;
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// Below this distance \[side\] a pull has no direction.
+/// Distance below which a pull has no direction \[block lengths\].
 const COINCIDENT: f64 = 1e-6;
 
-/// What a unit force changes the velocity of a face's centre by: as the block moves, and as it turns about an axis half
-/// a side away.
+/// Velocity change of a face's centre by a unit force: by translation, and by rotation about an
+/// axis half a block length away.
 const FACE_YIELDS: f64 = 1.0 + 0.25 * INVERSE_INERTIA;
 
-/// The same of its four corners together, which turn the block about the normal, 1/sqrt(2) of a side away.
+/// The same for its four corners together. They turn the block about the normal, at 1/sqrt(2) block
+/// lengths.
 const CORNERS_YIELD: f64 = 4.0 * 0.5 * INVERSE_INERTIA;
 
-/// A magnetized face in space.
+/// Magnetized face in space.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(crate) struct AttractingFace<R: Real> {
-    /// Of the face.
+    /// Centre of the face.
     pub centre: Vector3<R>,
-    /// Outward.
+    /// Outward normal.
     pub normal: Vector3<R>,
     /// Its corners, counterclockwise seen from outside.
     corners: [Vector3<R>; 4],
 }
 
-/// The nearest face of a free block, seen from a magnetized one.
+/// Face of a free block that is nearest to a magnetized face.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(crate) struct Near<R: Real> {
     pub face: Face,
-    /// Of the face.
+    /// Centre of the face.
     pub centre: Vector3<R>,
-    /// Between the centres of the two faces.
+    /// Distance between the centres of the two faces.
     pub distance: R,
 }
 
-/// Change of velocity and of spin per tick.
+/// Change of velocity and spin per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct VelocityChange<R: Real> {
     pub linear: Vector3<R>,
@@ -50,12 +51,12 @@ pub(crate) struct VelocityChange<R: Real> {
 }
 
 impl<R: Real> AttractingFace<R> {
-    /// Of the structure's face `face` of the block whose centre is `centre`.
+    /// Returns the structure's face `face` of a block with this centre.
     pub fn new(centre: Vector3<R>, face: Face) -> AttractingFace<R> {
         AttractingFace::turned(centre, UnitQuaternion::identity(), face)
     }
 
-    /// Of the own face `face` of a block that may be turned anyhow.
+    /// Returns the face `face` of a block with any rotation, in the block's own axes.
     pub fn turned(
         centre: Vector3<R>,
         rotation: UnitQuaternion<R>,
@@ -69,7 +70,7 @@ impl<R: Real> AttractingFace<R> {
         }
     }
 
-    /// The nearest face of a block, if it is closer than `reach`.
+    /// Returns the nearest face of a block if it is closer than `reach`.
     pub fn near(
         &self,
         position: Vector3<R>,
@@ -79,11 +80,11 @@ impl<R: Real> AttractingFace<R> {
         let face = AttractingFace::facing(position, rotation, self.centre);
         let near = self.at(position, rotation, face);
         let distance = near.distance;
-        // Not a number must not pass either.
+        // Also rejects NaN.
         (distance < reach).then_some(near)
     }
 
-    /// A face of a block, seen from here.
+    /// Returns a face of a block as seen from this face.
     pub fn at(&self, position: Vector3<R>, rotation: UnitQuaternion<R>, face: Face) -> Near<R> {
         let centre = position + rotation * (normal::<R>(face.normal()) * R::of(0.5));
         Near {
@@ -93,7 +94,7 @@ impl<R: Real> AttractingFace<R> {
         }
     }
 
-    /// The face of a block that points most towards a place.
+    /// Returns the face of a block that points most towards a position.
     pub fn facing(position: Vector3<R>, rotation: UnitQuaternion<R>, to: Vector3<R>) -> Face {
         let own = rotation.inverse_transform_vector(&(to - position));
         let size = own.abs();
@@ -108,13 +109,14 @@ impl<R: Real> AttractingFace<R> {
         }
     }
 
-    /// What the face does to a block within its reach: each of its forces only where it is closer than that says.
+    /// Applies the forces of the face to a block, each within its own reach.
     ///
-    /// A force that has the same magnitude at any distance is turned round when the block passes the middle, which may be
-    /// many times in a step. Where a step would take a block past it, the force falls off so that the block
-    /// swings by a radian in a step: within a distance that goes to 0 with the square of the step.
+    /// A force of constant magnitude reverses when the block passes the middle, perhaps many times
+    /// per step. Near the middle the force is therefore reduced, so that the block swings by one
+    /// radian per step. The affected distance shrinks with the square of the step.
     ///
-    /// `drop` is the pressure drop on a face that draws fluid, as the acceleration of a block; 0 for others.
+    /// `drop` is the pressure drop on a face that draws fluid, as acceleration of a block. It is 0
+    /// for other faces.
     pub fn push(
         &self,
         near: &Near<R>,
@@ -128,7 +130,7 @@ impl<R: Real> AttractingFace<R> {
             angular: Vector3::zeros(),
         };
         let square = R::of(magnet.square_of_step);
-        // `yields`: how readily what the force pulls at gives way, at most.
+        // `yields` is the largest velocity change at the point of attack by a unit force.
         let mut pull = |from: Vector3<R>, to: Vector3<R>, yields: f64, force: &dyn Fn(R) -> R| {
             let way = to - from;
             let length = way.norm();
@@ -198,7 +200,7 @@ impl<R: Real> AttractingFace<R> {
         push
     }
 
-    /// The quarter turn that leaves the corners closest to their counterparts.
+    /// Returns the quarter turn that brings the corners closest to their counterparts.
     fn pairing(&self, own: &[Vector3<R>; 4]) -> usize {
         let misfit = |turn| {
             let squares = own
@@ -224,13 +226,15 @@ impl<R: Real> AttractingFace<R> {
         distances.fold(R::zero(), R::max)
     }
 
-    /// Faces that touch see each other's corners in opposite order.
+    /// Returns the counterpart of a corner. Touching faces see each other's corners in opposite
+    /// order.
     fn counterpart(&self, turn: usize, own: usize) -> Vector3<R> {
         self.corners[(turn + 4 - own) % 4]
     }
 }
 
-/// The corners of a face from the centre of its block, counterclockwise seen from outside.
+/// Returns the corners of a face relative to the block's centre, counterclockwise seen from
+/// outside.
 pub(super) fn corners<R: Real>(rotation: UnitQuaternion<R>, face: Face) -> [Vector3<R>; 4] {
     let out = normal::<R>(face.normal());
     let across = Vector3::new(out.z, out.x, out.y);
@@ -240,8 +244,8 @@ pub(super) fn corners<R: Real>(rotation: UnitQuaternion<R>, face: Face) -> [Vect
         .map(|(a, b)| rotation * (out * half + across * a + along * b))
 }
 
-/// How a block that touches `parent_face` sits best: the quarter turn of [`Orientation::docked`]
-/// whose rotation is closest to the block's own.
+/// Returns the best orientation of a block on `parent_face`: the quarter turn of
+/// [`Orientation::docked`] closest to the block's rotation.
 pub(crate) fn best_turn<R: Real>(
     parent: Orientation,
     parent_face: Face,

@@ -1,8 +1,9 @@
-//! A pump, and how the faces of a structure share it.
+//! Pump pressure shared by the faces of a structure.
 //!
-//! Every block has a chamber. An open face lets fluid into it through a valve; a held block's chamber is joined to that
-//! of its holder by a passage; all blocks of the plate share one chamber, to which the pump is joined by its supply.
-//! All resistances are constant, so that the tree is solved once from its leaves to the pump and once back.
+//! Every block has a chamber. An open face admits fluid through a valve. A passage joins the
+//! chamber of a held block to that of its holder. All blocks of the plate share one chamber, joined
+//! to the pump by its supply. All resistances are constant, so the tree is solved in two passes:
+//! from the leaves to the pump, then back.
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -10,15 +11,14 @@ use serde::{Deserialize, Serialize};
 use crate::world::parameters::Suction;
 use crate::world::{BlockFace, Body};
 
-/// The pressure below that of the fluid around, by chamber \[1 / tick^2\]; chambers that reach no pump
-/// are not among them.
+/// Underpressure by chamber \[1 / tick^2\]. Chambers without a connection to the pump are absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Pressures {
     plate: f64,
     chambers: BTreeMap<u32, f64>,
 }
 
-/// What is joined to a chamber.
+/// Connections of a chamber.
 #[derive(Clone, Debug, Default)]
 struct Chamber {
     open: u32,
@@ -26,13 +26,13 @@ struct Chamber {
 }
 
 impl Pressures {
-    /// Of the structure with these open faces and these joints.
+    /// Returns the pressures of a structure with these open faces and joints.
     pub fn new(
         suction: &Suction,
         open: impl Iterator<Item = BlockFace>,
         holds: &BTreeMap<BlockFace, u32>,
     ) -> Pressures {
-        // The plate is chamber `None`.
+        // Chamber `None` is the plate.
         let mut chambers: BTreeMap<Option<u32>, Chamber> = BTreeMap::new();
         let key = |body: Body| match body {
             Body::Seed(_) => None,
@@ -45,7 +45,7 @@ impl Pressures {
             let chamber = chambers.entry(key(site.body)).or_default();
             chamber.children.push(child);
         }
-        // From the plate outwards; backwards, children come before their holders.
+        // From the plate outwards. In reverse, children come before their holders.
         let mut order: Vec<Option<u32>> = vec![None];
         let mut next = 0;
         while let Some(&at) = order.get(next) {
@@ -91,7 +91,7 @@ impl Pressures {
         }
     }
 
-    /// In the chamber of a block.
+    /// Returns the underpressure in the chamber of a block.
     pub fn at(&self, body: Body) -> f64 {
         match body {
             Body::Seed(_) => self.plate,
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn resistances_add_in_a_row() {
-        // Pump, supply 1, two passages of 0.5, valve 2: 4 in all.
+        // Pump, supply 1, two passages of 0.5 and valve 2 make 4.
         let row = pressures(
             &[free(1, Face::East)],
             &[(seed(Face::Up), 0), (free(0, Face::Up), 1)],
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn open_faces_side_by_side_share_the_flow() {
-        // On one block n valves make 2 / n, after 1.5 of supply and passage.
+        // n valves in parallel on one block make 2 / n, after 1.5 of supply and passage.
         let faces = [Face::East, Face::West, Face::North, Face::South];
         let mut before = f64::INFINITY;
         for n in 1..=4 {

@@ -1,4 +1,4 @@
-//! Magnetized faces: the same in every world of rigid blocks.
+//! Magnetized faces, shared by all worlds of rigid blocks.
 mod docking;
 mod face_attraction;
 mod hydraulic_network;

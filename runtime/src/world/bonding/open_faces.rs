@@ -1,4 +1,4 @@
-//! Where the blocks of a structure sit whose faces attract by themselves.
+//! Positions of structure blocks whose faces always attract.
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
@@ -9,13 +9,13 @@ use stochc_protocol::Orientation;
 use crate::world::real::{Real, normal};
 use crate::world::{BlockFace, Body};
 
-/// Blocks and their places.
+/// Blocks with their positions.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct PlacedBlocks<R: Real>(BTreeMap<Body, (Vector3<R>, Orientation)>);
 
 impl<R: Real> PlacedBlocks<R> {
-    /// Whether the block was not placed before.
+    /// Inserts a block. Returns whether it was absent.
     pub fn insert(&mut self, body: Body, centre: Vector3<R>, orientation: Orientation) -> bool {
         self.0.insert(body, (centre, orientation)).is_none()
     }
@@ -28,7 +28,7 @@ impl<R: Real> PlacedBlocks<R> {
         self.0.remove(&body);
     }
 
-    /// Where a face points to.
+    /// Returns the outward normal of a face.
     pub fn outward(&self, site: BlockFace) -> Vector3<R> {
         let place = self.0.get(&site.body);
         place.map_or_else(Vector3::zeros, |(_, orientation)| {
@@ -36,8 +36,8 @@ impl<R: Real> PlacedBlocks<R> {
         })
     }
 
-    /// The faces with a free cell above the ground before them, in the order of sites; each with the centre of
-    /// its block and how that sits.
+    /// Returns the faces with a free cell in front, above the ground, in the order of sites. Each
+    /// comes with its block's centre and orientation.
     pub fn open_faces(&self) -> Vec<(BlockFace, Vector3<R>, Orientation)> {
         let cell = |centre: Vector3<R>| {
             [centre.x, centre.y, centre.z].map(|x| libm::round(2.0 * x.double()) as i64)

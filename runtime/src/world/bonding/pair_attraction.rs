@@ -1,4 +1,4 @@
-//! Free blocks whose magnets always attract: how two of them pull each other, and when they bond.
+//! Attraction between two free blocks whose magnets are always on, and the condition for a bond.
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::Face;
 use stochc_ir::scene::Measure;
@@ -11,23 +11,23 @@ use crate::world::parameters::{Magnet, Passive};
 use crate::world::real::normal;
 use crate::world::rotation::quaternion;
 
-/// From the centre of a block to its faces \[side\].
+/// Distance from the centre of a block to its faces \[block lengths\].
 const INSIDE: f64 = 0.5;
 
-/// The faces of two blocks that look at each other.
+/// Faces of two blocks that point at each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FacePair {
-    /// Of the first block.
+    /// Face of the first block.
     pub face: Face,
-    /// Of the second.
+    /// Face of the second block.
     pub other: Face,
-    /// The face of the first, and that of the second seen from there.
+    /// Face of the first block, and the second's face as seen from it.
     target: AttractingFace<f64>,
     near: Near<f64>,
 }
 
 impl FacePair {
-    /// The face of each that points most towards the other's centre.
+    /// Returns the face of each block that points most towards the other's centre.
     pub fn new(first: &Pose, second: &Pose) -> FacePair {
         let face = AttractingFace::<f64>::facing(first.position, first.rotation, second.position);
         let target = AttractingFace::turned(first.position, first.rotation, face);
@@ -40,7 +40,7 @@ impl FacePair {
         }
     }
 
-    /// What each of the two feels; `None`: nothing, so far apart they are.
+    /// Returns the pull on each block, or `None` if they are out of reach.
     pub fn pushes(
         &self,
         magnet: &Magnet,
@@ -59,8 +59,8 @@ impl FacePair {
         })
     }
 
-    /// Whether they are close and straight enough to bond anywhere on their way through a step of length `dt`, at the end of
-    /// which they are placed and move like this.
+    /// Returns whether the blocks come close and straight enough to bond during a step of length
+    /// `dt`. The arguments are the poses and motions at its end.
     pub fn bonds(&self, magnet: &Magnet, ends: [(&Pose, &Motion); 2], dt: f64) -> bool {
         let [(first, _), (second, _)] = ends;
         let dt = magnet.tested(dt);
@@ -68,7 +68,7 @@ impl FacePair {
             position: pose.position - motion.velocity * dt,
             rotation: UnitQuaternion::from_scaled_axis(motion.spin * -dt) * pose.rotation,
         });
-        // As the first block sees it, which moves itself.
+        // In the moving frame of the first block.
         let start = start.carried(&from, first);
         let seen = (self.target).at(start.position, start.rotation, self.other);
         let sweep = FaceSweep {
@@ -86,7 +86,8 @@ impl FacePair {
     }
 }
 
-/// The pairs of blocks that may be in each other's reach, in rising order: a sweep along x.
+/// Returns the pairs of blocks that may be within each other's reach, in rising order, by a sweep
+/// along x.
 pub(crate) fn close(blocks: &[(u32, Vector3<f64>)], reach: f64) -> Vec<(usize, usize)> {
     let far = reach + 2.0 * INSIDE;
     let mut order: Vec<usize> = (0..blocks.len()).collect();
@@ -108,15 +109,16 @@ pub(crate) fn close(blocks: &[(u32, Vector3<f64>)], reach: f64) -> Vec<(usize, u
     pairs
 }
 
-/// The work that parts two faces, for faces that attract each other \[side^2 / tick^2\]: the integral of
-/// F (1 + d / depth)^-4.
+/// Returns the work of separating two attracting faces: the integral of F (1 + d / depth)^-4
+/// \[block lengths^2 / tick^2\].
 pub(crate) fn energy(passive: &Passive) -> f64 {
     passive.hold * passive.depth / 3.0
 }
 
-/// Where the second block sits straight on a face of the first, in the quarter turn next to its own.
+/// Returns the pose of the second block straight on a face of the first, at the nearest quarter
+/// turn.
 pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose {
-    // As if the first sat on the lattice.
+    // As if the first block were aligned with the lattice.
     let relative = first.rotation.inverse() * second.rotation;
     let (_, orientation) = best_turn(Orientation::IDENTITY, face, other, relative);
     let out = normal::<f64>(face.normal());
@@ -157,10 +159,11 @@ mod tests {
 
     fn pushes(a: &Pose, b: &Pose) -> [VelocityChange<f64>; 2] {
         let pair = FacePair::new(a, b);
-        pair.pushes(&magnet(), a, b).expect("in reach")
+        pair.pushes(&magnet(), a, b).expect("within reach")
     }
 
-    /// Whether two blocks bond that turn as one body about the origin, by this angle in a step.
+    /// Returns whether two blocks bond that rotate as one body about the origin, by this angle per
+    /// step.
     fn turning(a: &Pose, b: &Pose, spin: Vector3<f64>) -> bool {
         let [first, second] = [a, b].map(|pose| Motion {
             position: pose.position,
@@ -199,7 +202,7 @@ mod tests {
             } else {
                 0.8 / (1.0 + gap / 0.2).powi(4)
             };
-            let [first, second] = pair.pushes(&magnet(), &a, &b).expect("in reach");
+            let [first, second] = pair.pushes(&magnet(), &a, &b).expect("within reach");
             assert!(
                 (first.linear - Vector3::x() * force).norm() < 1e-12,
                 "{gap}"
@@ -216,7 +219,7 @@ mod tests {
     #[test]
     fn the_work_that_parts_two_faces_is_the_energy() {
         let Attraction::Passive(passive) = magnet().law else {
-            panic!("magnets are passive");
+            panic!("expected passive magnets");
         };
         let step = 1e-4;
         let work: f64 = (0..1_000_000)
@@ -257,7 +260,7 @@ mod tests {
     #[test]
     fn a_seat_is_face_to_face_and_close_to_where_the_block_is() {
         let a = pose(0.1, -0.2, 0.3, Vector3::new(0.2, -0.4, 0.1));
-        // Straight before the north face, a little off and twisted.
+        // Straight in front of the north face, slightly displaced and twisted.
         let off = a.rotation * Vector3::new(0.01, 1.02, -0.01);
         let twist = UnitQuaternion::from_scaled_axis(Vector3::new(0.03, 1.6, 0.02));
         let b = Pose {

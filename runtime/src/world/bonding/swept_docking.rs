@@ -1,5 +1,4 @@
-//! Whether a block comes into the docking window of a face anywhere on its way through a step: at its end, a fast block
-//! is often past it.
+//! Docking test over a whole step: a fast block may pass the docking window within it.
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::Measure;
 
@@ -7,19 +6,20 @@ use super::face_attraction::{AttractingFace, Near, corners};
 use crate::world::parameters::Magnet;
 use crate::world::real::Real;
 
-/// The way of a block's face past a magnetized one: at the beginning of a step and at its end.
+/// Path of a block's face past a magnetized face: start and end of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FaceSweep<R: Real> {
-    /// Of the centre of the face.
+    /// Centre of the face.
     pub centre: [Vector3<R>; 2],
-    /// Outward.
+    /// Outward normal.
     pub normal: [Vector3<R>; 2],
-    /// Of its corners, where they are measured.
+    /// Corners of the face, if the docking window needs them.
     pub corners: Option<[[Vector3<R>; 4]; 2]>,
 }
 
 impl<R: Real> FaceSweep<R> {
-    /// Of a face that is where it is after a step of length `dt` at this velocity and spin.
+    /// Returns the path of a face that is at this place after a step of length `dt` with this
+    /// velocity and spin.
     pub fn of_step(
         near: &Near<R>,
         position: Vector3<R>,
@@ -43,14 +43,14 @@ impl<R: Real> FaceSweep<R> {
         }
     }
 
-    /// The corners of the face after a part of the way.
+    /// Returns the corners of the face at a fraction of the path.
     fn corners_at(&self, part: R) -> Option<[Vector3<R>; 4]> {
         let [from, to] = self.corners?;
         Some(std::array::from_fn(|i| from[i] + (to[i] - from[i]) * part))
     }
 
-    /// The distance between the centres of the two faces where the block is close and straight enough to be anchored; `None`:
-    /// nowhere.
+    /// Returns the distance between the face centres at the first docking position on the path.
+    /// Returns `None` if there is none.
     pub fn docks(&self, target: &AttractingFace<R>, magnet: &Magnet) -> Option<R> {
         let within = R::of(magnet.within);
         let from = self.centre[0] - target.centre;
@@ -79,7 +79,7 @@ impl<R: Real> FaceSweep<R> {
     }
 }
 
-/// The part of a way, between these two, at which it is nearest to the origin.
+/// Returns the fraction of a path, within an interval, of the point nearest to the origin.
 fn nearest<R: Real>(from: Vector3<R>, way: Vector3<R>, [first, last]: [R; 2]) -> R {
     let length = way.norm_squared();
     if length > R::zero() {
@@ -89,7 +89,8 @@ fn nearest<R: Real>(from: Vector3<R>, way: Vector3<R>, [first, last]: [R; 2]) ->
     }
 }
 
-/// The parts of a way between which a number that goes from `from` by `change` is smaller than `most`.
+/// Returns the interval of path fractions with a number below `most`. The number changes linearly
+/// by `change` from `from`.
 fn between<R: Real>(from: R, change: R, most: R) -> Option<[R; 2]> {
     if change == R::zero() {
         return (from.abs() < most).then_some([R::zero(), R::one()]);
@@ -121,7 +122,8 @@ mod tests {
         }
     }
 
-    /// A step that ends with the lower face's centre here, over a face that looks up from the origin.
+    /// Returns whether a step that ends with the lower face at `end` docks at a face up at the
+    /// origin.
     fn docks(measure: Measure, end: Vector3<f64>, velocity: Vector3<f64>, spin: f64) -> bool {
         docks_on(&magnet(measure), end, velocity, spin)
     }
@@ -146,7 +148,7 @@ mod tests {
                 assert_eq!(docks(Measure::Centres, end, way, 0.0), aside < 0.005);
             }
         }
-        // It comes no farther, or has been past it before.
+        // It does not come closer, or has already passed.
         let way = Vector3::z() * -0.1;
         assert!(!docks(Measure::Centres, Vector3::z() * 0.02, way, 0.0));
         assert!(!docks(Measure::Centres, Vector3::z() * -0.12, way, 0.0));
@@ -155,7 +157,7 @@ mod tests {
     #[test]
     fn a_gap_is_looked_at_where_it_closes() {
         let way = Vector3::new(0.4, 0.0, -0.2);
-        // Level with the plate at 0.3 aside, and at 0.7.
+        // Crosses the plane of the plate at a lateral distance of 0.3 and of 0.7.
         for (end, expected) in [(0.5, true), (0.9, false)] {
             let end = Vector3::new(end, 0.0, -0.1);
             assert_eq!(docks(Measure::Gap, end, way, 0.0), expected);
@@ -164,7 +166,7 @@ mod tests {
 
     #[test]
     fn tilt_counts_where_the_block_is_close() {
-        // Straight at the end, 0.6 radians off at the beginning, where it is close.
+        // Straight at the end, but tilted by 0.6 radians at the start, when it is close.
         let (way, spin) = (Vector3::z() * 0.3, 0.6);
         let arm = Vector3::new(0.0, 0.5 * spin, 0.0);
         assert!(!docks(Measure::Centres, way + arm, way, spin));
@@ -182,7 +184,7 @@ mod tests {
             let end = Vector3::x() * end;
             assert_eq!(docks_on(&sampled, end, way, 0.0), expected);
         }
-        // The window is passed halfway.
+        // The window is passed halfway through the step.
         assert!(!docks_on(&sampled, way * 0.5, way, 0.0));
     }
 
@@ -191,7 +193,7 @@ mod tests {
         let way = Vector3::z() * -0.001;
         assert!(docks(Measure::Corners, Vector3::x() * 0.004, way, 0.0));
         assert!(!docks(Measure::Corners, Vector3::x() * 0.006, way, 0.0));
-        // Turned about its normal by an angle t, each corner is t / sqrt(2) away.
+        // A rotation about the normal by an angle t moves each corner by t / sqrt(2).
         let target = AttractingFace::new(Vector3::z() * -0.5, Face::Up);
         for (angle, expected) in [(0.006, true), (0.008, false)] {
             for quarter in 0..4 {

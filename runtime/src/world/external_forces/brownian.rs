@@ -1,4 +1,4 @@
-//! Brownian motion: fluctuations that balance the viscous drag.
+//! Brownian motion: thermal fluctuations in balance with viscous drag.
 use nalgebra::Vector3;
 
 use super::drag::mean;
@@ -7,17 +7,17 @@ use crate::world::blocks::Motion;
 use crate::world::parameters::Resistance;
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// The fluctuations of a step.
+/// Fluctuations of a step.
 #[derive(Debug)]
 pub(super) struct Brownian {
-    /// Rms change of each component of the velocity, and of the spin.
+    /// Rms change of each velocity component and of each spin component.
     rms: (f64, f64),
     step: u64,
     draws: Draws,
 }
 
 impl Brownian {
-    /// `energy` is k T.
+    /// Returns the fluctuations of a fluid. `energy` is k T.
     pub fn new(fluid: &Resistance, energy: f64, dt: f64, seed: u64, run: u64) -> Brownian {
         Brownian {
             rms: (
@@ -33,7 +33,7 @@ impl Brownian {
         self.step = step;
     }
 
-    /// Changes the motion of a block.
+    /// Adds a random velocity change to the motion of a block.
     pub fn shake(&mut self, id: u32, motion: &mut Motion) {
         let mut step = self.draws.step(self.step);
         let [x, y, z, a] = gaussians(step.block(2 * id));
@@ -43,11 +43,12 @@ impl Brownian {
     }
 }
 
-/// Rms change per step of a velocity that decays by `rate`, whose variance would be `energy` in the limit of
-/// short steps.
+/// Returns the rms velocity change per step for a velocity that decays by `rate`. `energy` is its
+/// variance for short steps.
 ///
-/// With c = exp(-rate dt) left of it in a step, the mean velocity of a step has to have the variance
-/// 2 energy (1 - c) / (rate dt (1 + c)) for a place to diffuse with energy / rate, whatever dt.
+/// Let c = exp(-rate dt) be the fraction left after a step. The mean velocity of a step must have
+/// variance 2 energy (1 - c) / (rate dt (1 + c)). Positions then diffuse with energy / rate for any
+/// dt.
 fn rms(rate: f64, energy: f64, dt: f64) -> f64 {
     let left = libm::exp(-rate * dt);
     let variance = 2.0 * energy * mean(rate * dt) / (1.0 + left);

@@ -1,10 +1,10 @@
-//! Drag of a cube in a fluid: Stokes' and that of its wake.
+//! Drag of a cube in a fluid: viscous (Stokes) and wake drag.
 use nalgebra::Vector3;
 
 use crate::world::blocks::Motion;
 use crate::world::parameters::Resistance;
 
-/// What is left of the effect of a constant force, and of a torque, over a step.
+/// Remaining effect of a constant force and of a torque over a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Response {
     pub linear: f64,
@@ -12,14 +12,14 @@ pub(crate) struct Response {
 }
 
 impl Response {
-    /// Nothing hinders.
+    /// Response without drag.
     pub const FREE: Response = Response {
         linear: 1.0,
         angular: 1.0,
     };
 }
 
-/// The drag of a step.
+/// Drag over a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepDrag {
     linear: Decay,
@@ -27,10 +27,10 @@ pub(super) struct StepDrag {
     dt: f64,
 }
 
-/// v' = -rate v - wake |v| v over a step.
+/// Solution of v' = -rate v - wake |v| v over a step.
 #[derive(Clone, Copy, Debug)]
 struct Decay {
-    /// Part that the viscous drag leaves.
+    /// Fraction that the viscous drag leaves.
     left: f64,
     /// Its mean over the step: the response to a constant force.
     mean: f64,
@@ -47,13 +47,13 @@ impl Decay {
         }
     }
 
-    /// What is left of a velocity of this magnitude: the exact solution.
+    /// Returns the remaining fraction of a velocity of this magnitude, by the exact solution.
     fn left(&self, speed: f64, dt: f64) -> f64 {
         self.left / (1.0 + self.wake * speed * self.mean * dt)
     }
 }
 
-/// (1 - exp(-x)) / x: the mean over a step of what a drag leaves that takes x in it.
+/// Returns (1 - exp(-x)) / x: the mean remaining fraction over a step for a drag of x per step.
 pub(crate) fn mean(x: f64) -> f64 {
     if x < 1e-8 {
         1.0 - x / 2.0

@@ -1,4 +1,4 @@
-//! How a fluid flows on the average.
+//! Mean flow of a fluid.
 use std::f64::consts::{LN_2, TAU};
 
 use nalgebra::Vector3;
@@ -6,12 +6,15 @@ use nalgebra::Vector3;
 use super::LocalFlow;
 use crate::world::parameters::MeanFlow;
 
-/// Diameters after which the middle of a round turbulent jet slows down, and half of its width at half of its
-/// speed over the distance: S. B. Pope, Turbulent Flows (2000), section 5.1.
+/// Constants of a round turbulent jet: its core length in diameters, and its relative half-width.
+///
+/// # Source
+///
+/// S. B. Pope, Turbulent Flows (2000), section 5.1.
 const CORE: f64 = 6.2;
 const SPREAD: f64 = 0.094;
 
-/// Adds what the fluid does at a place.
+/// Adds the mean flow at a position.
 pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) {
     match *stream {
         MeanFlow::Vortex { radius, rate } => {
@@ -22,7 +25,7 @@ pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) 
                 rate * (radius / across) * (radius / across)
             };
             wind.velocity += Vector3::new(-place.y, place.x, 0.0) * turning;
-            // The pressure that keeps the fluid on its circle.
+            // Centripetal acceleration, provided by pressure.
             wind.acceleration -= Vector3::new(place.x, place.y, 0.0) * (turning * turning);
             if across < radius {
                 wind.spin.z += rate;
@@ -69,7 +72,7 @@ mod tests {
         wind
     }
 
-    /// Half of the curl of the velocity, from differences.
+    /// Returns half of the curl of the velocity, by finite differences.
     fn spin(stream: &MeanFlow, place: Vector3<f64>) -> Vector3<f64> {
         let h = 1e-5;
         let slope = |axis: Vector3<f64>| {
@@ -101,7 +104,7 @@ mod tests {
         for place in [Vector3::new(0.3, 1.0, 0.0), Vector3::new(3.0, -1.0, 2.0)] {
             let told = wind(&VORTEX, place);
             assert!((told.spin - spin(&VORTEX, place)).norm() < 1e-8, "{place}");
-            // Steady: the acceleration is (u . grad) u.
+            // In steady flow, the acceleration is (u . grad) u.
             let (h, u) = (1e-5, told.velocity);
             let ahead = wind(&VORTEX, place + u * h).velocity;
             let behind = wind(&VORTEX, place - u * h).velocity;
@@ -132,11 +135,11 @@ mod tests {
         };
         let (near, far) = (momentum(2.0), momentum(5.0));
         assert!((near / far - 1.0).abs() < 1e-5, "{near} {far}");
-        // What leaves the tube, within the few percent that the measured constants are good for.
+        // Momentum from the tube, within the few percent accuracy of the measured constants.
         let tube = 0.5 * 0.5 * std::f64::consts::FRAC_PI_4 * 0.2 * 0.2;
         assert!((far / tube - 1.0).abs() < 0.1, "{far} {tube}");
         for place in [Vector3::new(2.0, 0.3, 3.1), Vector3::new(-1.0, -0.5, 2.6)] {
-            // The slope along the jet is left out.
+            // The gradient along the jet is neglected.
             let told = wind(&jets, place).spin;
             let exact = spin(&jets, place);
             assert!((told - exact).norm() < 0.2 * exact.norm(), "{told} {exact}");

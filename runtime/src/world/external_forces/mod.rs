@@ -1,9 +1,9 @@
-//! What is around the blocks and acts on each of them alone: gravity, and a fluid with its drag, its
-//! flow, its eddies and its heat. The same for every world of rigid blocks, in double precision.
+//! External forces on single blocks: gravity, and a fluid with drag, flow, turbulence and heat. In
+//! double precision, and shared by all worlds of rigid blocks.
 //!
-//! With a viscous drag of the rate γ, a constant force acts on average over a step of length dt with
-//! the factor φ = (1 - exp(-γ dt)) / (γ dt) on the velocity. Velocities are averages over a step then, and the
-//! laws that last, terminal velocity and diffusion, hold for steps of any length.
+//! With viscous drag of rate γ, the mean effect of a constant force over a step dt is scaled by φ =
+//! (1 - exp(-γ dt)) / (γ dt). Velocities are then step averages. Terminal velocity and diffusion
+//! are therefore exact for steps of any length.
 mod brownian;
 mod drag;
 mod mean_flow;
@@ -19,28 +19,28 @@ use turbulence::TurbulenceField;
 use super::blocks::Motion;
 use super::parameters::{MeanFlow, WorldParameters};
 
-/// How a fluid moves at a place.
+/// Motion of the fluid at a position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct LocalFlow {
     velocity: Vector3<f64>,
-    /// Half of its vorticity: as fast a small body turns that is taken along.
+    /// Half of the vorticity: the spin of a small suspended body.
     spin: Vector3<f64>,
-    /// Of its parts, by pressure; without eddies and jets.
+    /// Acceleration of the fluid by pressure, without eddies and jets.
     acceleration: Vector3<f64>,
 }
 
-/// A face that draws fluid.
+/// Face that draws fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sink {
-    /// Of the face.
+    /// Centre of the face.
     pub centre: Vector3<f64>,
-    /// Outward.
+    /// Outward normal.
     pub normal: Vector3<f64>,
-    /// \[side^3 / tick\]
+    /// Flow rate \[block lengths^3 / tick\].
     pub flow: f64,
 }
 
-/// The surroundings of a scene.
+/// External forces of a scene.
 #[derive(Debug)]
 pub(crate) struct ExternalForces {
     weight: Option<f64>,
@@ -61,7 +61,7 @@ stochc_ir::state! {
 }
 
 impl ExternalForces {
-    /// `None` where nothing is around the blocks.
+    /// Returns the external forces, or `None` if the scene has none.
     pub fn new(
         parameters: &WorldParameters,
         substeps: u32,
@@ -88,14 +88,14 @@ impl ExternalForces {
         })
     }
 
-    /// How much of a force's effect is left in a step.
+    /// Returns the remaining effect of forces over a step.
     pub fn response(&self) -> Response {
         self.drag
             .as_ref()
             .map_or(Response::FREE, StepDrag::response)
     }
 
-    /// Begins a tick, or goes on in it; steps are counted from the beginning of the run.
+    /// Begins a substep of a tick. Steps are counted from the start of the run.
     pub fn begin(&mut self, tick: u64, substep: u32, step: u64) {
         if substep == 0
             && let Some(eddies) = &mut self.eddies
@@ -107,10 +107,10 @@ impl ExternalForces {
         }
     }
 
-    /// What one step makes of a free block's velocity and spin, but for the heat.
+    /// Applies one step of all forces except heat to the velocity and spin of a free block.
     ///
-    /// `span`: for how many steps the weight acts; more than one where blocks take steps of different lengths, which they do in no
-    /// fluid.
+    /// `span` is the number of steps during which the weight acts. It exceeds 1 only for steps of
+    /// different lengths, which scenes with a fluid do not use.
     pub fn act(&self, motion: &mut Motion, sinks: &[Sink], span: f64) {
         let response = self.response();
         let mut force = Vector3::zeros();
@@ -125,12 +125,12 @@ impl ExternalForces {
         motion.velocity += force * (self.dt * span * response.linear);
     }
 
-    /// Whether the fluid has any heat.
+    /// Returns whether the scene has Brownian motion.
     pub fn has_heat(&self) -> bool {
         self.heat.is_some()
     }
 
-    /// What the heat of a step makes of a free block's velocity and spin.
+    /// Applies the Brownian motion of a step to a free block.
     pub fn shake(&mut self, id: u32, motion: &mut Motion) {
         if let Some(heat) = &mut self.heat {
             heat.shake(id, motion);
@@ -153,8 +153,8 @@ impl ExternalForces {
 }
 
 impl Sink {
-    /// Velocity of the fluid that it draws, Q / (2 pi d^2) in front of a wall; as at half a side, where a block's
-    /// centre cannot come closer.
+    /// Returns the velocity of the drawn fluid, Q / (2 pi d^2) in front of a wall. Below half a
+    /// block length, the closest that a centre can come, it is constant.
     fn draw(&self, place: Vector3<f64>) -> Vector3<f64> {
         let way = self.centre - place;
         if way.dot(&self.normal) >= 0.0 {

@@ -1,8 +1,12 @@
-//! Turbulence as a random field: a sum of standing waves that come and go.
+//! Turbulence as a random field: a sum of standing waves with varying amplitudes.
 //!
-//! Each wave runs along one of 31 axes of the icosahedron, of which the vertices', faces' and edges' are
-//! each isotropic by themselves to second order, and moves the fluid across its own direction, so that there are no sources.
-//! Its four amplitudes are independent Ornstein-Uhlenbeck processes: R. H. Kraichnan, Phys. Fluids 13, 22 (1970).
+//! Each wave runs along one of 31 axes of the icosahedron. The axes of vertices, faces and edges
+//! are each isotropic to second order. Waves are transverse, so the field has no sources. The four
+//! amplitudes of a wave are independent Ornstein-Uhlenbeck processes.
+//!
+//! # Source
+//!
+//! R. H. Kraichnan, Phys. Fluids 13, 22 (1970).
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -10,16 +14,16 @@ use super::LocalFlow;
 use crate::counter_rng::{Draws, Stream, gaussians};
 use crate::world::parameters::Eddies;
 
-/// Axes of the waves.
+/// Number of waves, one per axis.
 const WAVES: usize = 31;
 
-/// The step of the amplitudes at the beginning.
+/// Step number of the initial amplitudes.
 const BEGINNING: u64 = u64::MAX;
 
 #[derive(Debug)]
 pub(super) struct TurbulenceField {
     waves: Vec<Wave>,
-    /// Part of an amplitude that is left after a tick.
+    /// Fraction of an amplitude that remains after a tick.
     left: f64,
     /// Rms of an amplitude.
     rms: f64,
@@ -29,11 +33,11 @@ pub(super) struct TurbulenceField {
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Wave {
-    /// Before the field is stretched.
+    /// Wave vector, before the field is stretched.
     number: Vector3<f64>,
-    /// Two directions across it.
+    /// Two directions across the wave vector.
     across: [Vector3<f64>; 2],
-    /// Of the cosines of both, then of their sines.
+    /// Amplitudes of the cosines, then of the sines.
     amplitudes: [f64; 4],
 }
 
@@ -71,7 +75,7 @@ impl TurbulenceField {
         field
     }
 
-    /// Goes on to a tick.
+    /// Advances the field to a tick.
     pub fn advance(&mut self, tick: u64) {
         self.stir(tick, self.left, (1.0 - self.left * self.left).sqrt());
     }
@@ -86,9 +90,10 @@ impl TurbulenceField {
         }
     }
 
-    /// Adds the fluid's motion at a place.
+    /// Adds the fluid's motion at a position.
     ///
-    /// The isotropic field u(x, y, z) becomes (u_x, u_y, v u_z)(x, y, z / v), which has no sources either.
+    /// The isotropic field u(x, y, z) becomes (u_x, u_y, v u_z)(x, y, z / v), which has no sources
+    /// either.
     pub fn add(&self, place: Vector3<f64>, wind: &mut LocalFlow) {
         let stretched = Vector3::new(place.x, place.y, place.z / self.vertical);
         let scale = |u: Vector3<f64>| Vector3::new(u.x, u.y, u.z * self.vertical);
@@ -106,12 +111,12 @@ impl TurbulenceField {
     }
 }
 
-/// The axes through the vertices, the faces and the edges of an icosahedron.
+/// Returns the axes through the vertices, faces and edges of an icosahedron.
 fn axes() -> impl Iterator<Item = Vector3<f64>> {
     let golden = (1.0 + 5f64.sqrt()) / 2.0;
     let small = 1.0 / golden;
     let mut all: Vec<Vector3<f64>> = Vec::with_capacity(WAVES);
-    // Even permutations of coordinates, and signs up to an overall one.
+    // Even permutations of coordinates, and signs up to an overall sign.
     let mut add = |x: f64, y: f64, z: f64| {
         for signs in 0..8 {
             let sign = |bit: u32| if signs >> bit & 1 == 1 { -1.0 } else { 1.0 };
@@ -212,7 +217,8 @@ mod tests {
             before = now;
         }
         let mean = squares / ticks as f64;
-        // About ticks (1 - left^2) / (1 + left^2) independent squares: 2.2 % on a variance, four standard errors.
+        // About ticks (1 - left^2) / (1 + left^2) independent squares: 2.2 % of the variance. The
+        // tolerance is four standard errors.
         let variance = 0.3 * 0.3;
         assert!((mean.x / variance - 1.0).abs() < 0.09, "{mean}");
         assert!((mean.y / variance - 1.0).abs() < 0.09, "{mean}");

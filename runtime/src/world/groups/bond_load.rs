@@ -1,4 +1,4 @@
-//! What the bonds of a group have to hold.
+//! Loads of the bonds of a group.
 use nalgebra::Vector3;
 
 use super::rigid_motion::RigidMotion;
@@ -7,11 +7,12 @@ use crate::world::blocks::Motion;
 use crate::world::external_forces::Response;
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// The bond that is loaded most, and its load \[side / tick^2\]; `None` without bonds.
+/// Returns the bond with the highest load, and its load \[block lengths / tick^2\]. Returns `None`
+/// without bonds.
 ///
-/// A bond passes on what the blocks behind it need, beyond what acts on them, to move with the group. Two faces that
-/// attract each other with a force F part when the tension, together with a moment over half a side that
-/// tips one about the other's edge, is more than F. The pattern of the faces holds what would shift or twist them.
+/// A bond transmits the force that the blocks on its far side need to move with the group. Two
+/// faces with attraction F separate if tension plus tipping moment over half a block length exceeds
+/// F. The pattern of the faces resists shear and twist.
 pub(super) fn worst(
     group: &BlockGroup,
     before: &[Motion],
@@ -49,7 +50,7 @@ pub(super) fn worst(
     worst
 }
 
-/// The members on the second block's side of a bond.
+/// Returns the members on the second block's side of a bond.
 fn behind(group: &BlockGroup, bond: usize) -> Vec<u32> {
     let mut others = group.bonds.clone();
     let (_, second) = others.remove(bond);

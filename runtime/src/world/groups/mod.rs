@@ -1,8 +1,8 @@
-//! Free blocks that are bonded to each other and move as one body.
+//! Groups: free blocks that are bonded to each other and move as one body.
 //!
-//! A group is a tree of bonds, and its blocks keep their places in its own frame. Forces act on each block as if
-//! it were alone; then the group takes the motion of a rigid body that has its momentum and its angular
-//! momentum. What a bond has to pass on for that is its load.
+//! A group is a tree of bonds. Its blocks have fixed places in the group's frame. Forces first act
+//! on each block separately. Then the group takes the rigid motion with the same momentum and
+//! angular momentum. The load of a bond is the force that it must transmit for that.
 mod bond_load;
 mod rigid_motion;
 
@@ -19,37 +19,37 @@ pub(crate) use rigid_motion::lost;
 use serde::{Deserialize, Serialize};
 use stochc_ir::Face;
 
-/// All groups.
+/// All groups of free blocks.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct BlockGroups {
-    /// The key of the group that a block is in.
+    /// Key of the group of each block.
     of: BTreeMap<u32, u32>,
-    /// By key: a number that some member has, or had.
+    /// Groups by key: the number of a present or former member.
     groups: BTreeMap<u32, BlockGroup>,
-    /// Pairs that have been torn, and are on the way apart.
+    /// Broken pairs that are still separating.
     parted: BTreeSet<(u32, u32)>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct BlockGroup {
-    /// In rising order.
+    /// Members in rising order.
     members: Vec<GroupMember>,
     bonds: Vec<(u32, u32)>,
-    /// Of its own frame.
+    /// Rotation of the group's frame.
     rotation: UnitQuaternion<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct GroupMember {
     id: u32,
-    /// From the middle of the group, in its frame.
+    /// Position from the group's centre, in its frame.
     offset: Vector3<f64>,
-    /// Relative to its frame.
+    /// Rotation relative to the group's frame.
     turn: UnitQuaternion<f64>,
 }
 
 impl BlockGroups {
-    /// The members of every group, by their lowest number.
+    /// Returns the members of every group, sorted.
     pub fn list(&self) -> Vec<Vec<u32>> {
         let ids = |group: &BlockGroup| group.members.iter().map(|member| member.id).collect();
         let mut all: Vec<Vec<u32>> = self.groups.values().map(ids).collect();
@@ -57,14 +57,14 @@ impl BlockGroups {
         all
     }
 
-    /// The pairs that are bonded.
+    /// Returns the bonded pairs.
     pub fn bonds(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.groups
             .values()
             .flat_map(|group| group.bonds.iter().copied())
     }
 
-    /// The bonds as they lie, each with the faces that meet, in rising order.
+    /// Returns the bonds with both faces, in rising order.
     pub fn bonded_faces(&self) -> Vec<FreeBond> {
         let bonded = |group: &BlockGroup, (a, b): (u32, u32)| {
             let (first, second) = (a.min(b), a.max(b));
@@ -80,14 +80,14 @@ impl BlockGroups {
         all
     }
 
-    /// Whether two blocks are in one group.
+    /// Returns whether two blocks are in one group.
     pub fn same(&self, a: u32, b: u32) -> bool {
         self.of
             .get(&a)
             .is_some_and(|key| self.of.get(&b) == Some(key))
     }
 
-    /// The blocks that move with this one, itself included.
+    /// Returns all members of a block's group, including itself.
     pub fn with(&self, id: u32) -> Vec<u32> {
         let group = self.of.get(&id).and_then(|key| self.groups.get(key));
         group.map_or_else(
@@ -96,18 +96,18 @@ impl BlockGroups {
         )
     }
 
-    /// Whether two blocks have been torn apart and are still on the way.
+    /// Returns whether two blocks are a broken pair that is still separating.
     pub fn are_parted(&self, a: u32, b: u32) -> bool {
         self.parted.contains(&(a.min(b), a.max(b)))
     }
 
-    /// Lets all pairs bond again but those that are still on the way apart.
+    /// Lets all broken pairs bond again except those still separating.
     pub fn forgive(&mut self, parting: &BTreeSet<(u32, u32)>) {
         self.parted.retain(|pair| parting.contains(pair));
     }
 
-    /// Whether no block would come to where another one is if `b` and all that moves with it came to `seat`, its place on `a`:
-    /// then no face is bonded twice, either.
+    /// Returns whether `b` and its group fit when `b` moves to `seat` on `a`. This also excludes a
+    /// second bond on a face.
     pub fn have_room(&self, a: u32, b: u32, seat: &Pose, blocks: &mut impl Blocks) -> bool {
         let was = blocks.pose(b);
         let there: Vec<_> = (self.with(a).into_iter())
@@ -115,12 +115,12 @@ impl BlockGroups {
             .collect();
         self.with(b).into_iter().all(|id| {
             let comes_to = blocks.pose(id).carried(&was, seat).position;
-            // Side by side they are a side apart, in one place not at all.
+            // Adjacent blocks are one block length apart, overlapping ones less.
             there.iter().all(|at| (at - comes_to).norm() > 0.5)
         })
     }
 
-    /// Whether a face of a block is bonded to another free one.
+    /// Returns whether a face of a block is bonded to another free block.
     pub fn is_bonded(&self, id: u32, face: Face) -> bool {
         let group = self.of.get(&id).and_then(|key| self.groups.get(key));
         group.is_some_and(|group| {
@@ -132,9 +132,11 @@ impl BlockGroups {
         })
     }
 
-    /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`: both give way, so
-    /// that the middle of all stays where it is, and nothing turns on the whole. They move as one body at once, with their momentum
-    /// and their angular momentum.
+    /// Bonds two blocks of different groups.
+    ///
+    /// Moves `b` and its group to `seat` on `a`. Both groups are shifted and turned so that their
+    /// common centre stays and there is no net rotation. They move as one body at once, with their
+    /// momentum and angular momentum.
     pub fn join(
         &mut self,
         a: u32,
@@ -165,7 +167,7 @@ impl BlockGroups {
             blocks.set_pose(id, &pose);
         }
         if let Some(key) = self.add(members, bonds, blocks) {
-            // Whatever its bonds would have to hold for that.
+            // Without a test of loads: bonding itself never breaks bonds.
             let group = &self.groups[&key];
             let arms = group.members.iter().map(|member| member.offset);
             compound.spin = rigid_motion::spin(turning, arms, response);
@@ -173,7 +175,7 @@ impl BlockGroups {
         }
     }
 
-    /// Takes a block out of its group, which may fall to pieces: those that it was bonded to.
+    /// Removes a block from its group, which may split. Returns the blocks that it was bonded to.
     pub fn remove(&mut self, id: u32, blocks: &mut impl Blocks) -> Vec<u32> {
         if !self.of.contains_key(&id) {
             return Vec::new();
@@ -195,8 +197,8 @@ impl BlockGroups {
         neighbours
     }
 
-    /// Gives each group the motion of a rigid body, and tears the bonds whose load \[side / tick^2\] is more than
-    /// they hold; how many.
+    /// Gives each group a rigid motion and breaks bonds whose load exceeds `hold` \[block lengths /
+    /// tick^2\]. Returns the number of broken bonds.
     pub fn settle(
         &mut self,
         blocks: &mut impl Blocks,
@@ -231,7 +233,7 @@ impl BlockGroups {
         torn
     }
 
-    /// Gives each group the motion of a rigid body, whatever its bonds hold.
+    /// Gives each group a rigid motion, whatever the loads of its bonds.
     pub fn stiffen(&self, blocks: &mut impl Blocks, response: Response) {
         for group in self.groups.values() {
             let before = group.motions(blocks);
@@ -239,12 +241,12 @@ impl BlockGroups {
         }
     }
 
-    /// After all blocks have been moved by themselves, and perhaps pushed by others: puts each where its
-    /// group is, which turns by its spin for this time.
+    /// Restores the shape of each group after its blocks were moved separately. The group rotates
+    /// by its spin for a time `dt`.
     pub fn carry(&mut self, blocks: &mut impl Blocks, response: Response, dt: f64) {
         for group in self.groups.values_mut() {
             let motions = group.motions(blocks);
-            // Flying straight keeps the angular momentum; the shape is that of the group.
+            // Straight motion conserves angular momentum. The shape is that of the group.
             let (mut compound, turning) = RigidMotion::momenta(&motions, response);
             let spin = |rotation: UnitQuaternion<f64>, members: &[GroupMember]| {
                 rigid_motion::spin(
@@ -267,7 +269,8 @@ impl BlockGroups {
         }
     }
 
-    /// Dissolves the group of a block: its members and bonds; a lone block is one with itself.
+    /// Dissolves the group of a block and returns its members and bonds. A lone block forms a group
+    /// with itself only.
     fn take(&mut self, id: u32) -> Part {
         let Some(group) = self.of.get(&id).and_then(|key| self.groups.remove(key)) else {
             return (vec![id], Vec::new());
@@ -279,7 +282,8 @@ impl BlockGroups {
         (ids, group.bonds)
     }
 
-    /// Makes a group of blocks where they are; its key, unless it is a lone block.
+    /// Makes a group of blocks at their current places. Returns its key, or nothing for a lone
+    /// block.
     fn add(
         &mut self,
         mut ids: Vec<u32>,
@@ -319,7 +323,7 @@ impl BlockGroup {
         at.ok().map(|at| &self.members[at])
     }
 
-    /// The face of a member that meets another one.
+    /// Returns the face of a member that meets another one.
     fn face(&self, id: u32, other: u32) -> Option<Face> {
         let (from, to) = (self.member(id)?, self.member(other)?);
         Some(AttractingFace::<f64>::facing(
@@ -329,13 +333,13 @@ impl BlockGroup {
         ))
     }
 
-    /// How its members move, in their order.
+    /// Returns the motions of the members in order.
     fn motions(&self, blocks: &impl Blocks) -> Vec<Motion> {
         let motion = |member: &GroupMember| blocks.motion(member.id);
         self.members.iter().map(motion).collect()
     }
 
-    /// Gives its members, which are there, the motion of a rigid body.
+    /// Gives the members at these positions the motion of a rigid body.
     fn stiffen(&self, body: &RigidMotion, there: &[Motion], blocks: &mut impl Blocks) {
         for (member, motion) in self.members.iter().zip(there) {
             let (velocity, spin) = body.at(motion.position);
@@ -344,10 +348,10 @@ impl BlockGroup {
     }
 }
 
-/// Members, and the bonds between them.
+/// Members and the bonds between them.
 type Part = (Vec<u32>, Vec<(u32, u32)>);
 
-/// The connected parts of a forest of bonds.
+/// Returns the connected parts of a forest of bonds.
 fn parts(members: impl Iterator<Item = u32>, bonds: &[(u32, u32)]) -> Vec<Part> {
     let mut left: BTreeSet<u32> = members.collect();
     let mut out = Vec::new();
@@ -361,7 +365,7 @@ fn parts(members: impl Iterator<Item = u32>, bonds: &[(u32, u32)]) -> Vec<Part> 
     out
 }
 
-/// A block and all that hang together with it by these bonds, the nearest first.
+/// Returns a block and all blocks connected to it by these bonds, the nearest first.
 fn connected(first: u32, bonds: &[(u32, u32)]) -> Vec<u32> {
     let mut found = vec![first];
     let mut next = 0;

@@ -1,15 +1,15 @@
-//! Several cubes as one rigid body.
+//! Rigid motion of several cubes.
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::world::blocks::{Motion, Pose};
 use crate::world::external_forces::Response;
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// The motion of a rigid body that has the momentum and the angular momentum of its cubes.
+/// Motion of a rigid body with the momentum and angular momentum of its cubes.
 ///
-/// In a viscous fluid velocities are means over a step, and what has given a cube its velocity was greater by 1 / φ, the
-/// [`Response`]: cubes count as so much heavier. Where drag takes nearly all of a velocity in a step, that is their friction, by
-/// which the body turns and diffuses then.
+/// In a viscous fluid, velocities are means over a step. The instantaneous velocity was greater by
+/// 1 / φ, the [`Response`]. The effective inertia is therefore greater by this factor. Under strong
+/// drag it equals the friction that governs rotation and diffusion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RigidMotion {
     pub middle: Vector3<f64>,
@@ -18,7 +18,7 @@ pub(super) struct RigidMotion {
 }
 
 impl RigidMotion {
-    /// Of cubes of side 1 and mass 1; at least one.
+    /// Returns the rigid motion of at least one cube of side 1 and mass 1.
     pub fn new(cubes: &[Motion], response: Response) -> RigidMotion {
         let (mut compound, turning) = RigidMotion::momenta(cubes, response);
         let arms = (cubes.iter()).map(|cube| cube.position - compound.middle);
@@ -26,7 +26,8 @@ impl RigidMotion {
         compound
     }
 
-    /// Their middle and its velocity, without a spin; and their angular momentum about it.
+    /// Returns the centre and its velocity, without spin, and the angular momentum about the
+    /// centre.
     pub fn momenta(cubes: &[Motion], response: Response) -> (RigidMotion, Vector3<f64>) {
         let count = cubes.len() as f64;
         let middle = cubes.iter().map(|cube| cube.position).sum::<Vector3<f64>>() / count;
@@ -43,14 +44,15 @@ impl RigidMotion {
         (compound, cubes.iter().map(turning).sum())
     }
 
-    /// The velocity and the spin of a cube of it.
+    /// Returns the velocity and spin of a cube of the body.
     pub fn at(&self, position: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let velocity = self.velocity + self.spin.cross(&(position - self.middle));
         (velocity, self.spin)
     }
 }
 
-/// The spin of a body of cubes at these places from its middle that has an angular momentum.
+/// Returns the spin of a body with this angular momentum, and cubes at these positions from its
+/// centre.
 pub(super) fn spin(
     turning: Vector3<f64>,
     arms: impl Iterator<Item = Vector3<f64>>,
@@ -62,11 +64,11 @@ pub(super) fn spin(
         let about = arm.norm_squared() / response.linear + own;
         inertia += Matrix3::identity() * about - arm * arm.transpose() / response.linear;
     }
-    // More than nothing in every direction.
+    // The inertia is positive definite.
     (inertia.cholesky()).map_or(turning / own, |it| it.solve(&turning))
 }
 
-/// Where cubes come to that go from here to there, less what they would move and turn by on the whole.
+/// Returns the target poses of cubes, corrected for their common translation and rotation.
 pub(super) fn without_drift(ways: &[[Pose; 2]]) -> impl Iterator<Item = Pose> {
     let way = |[from, to]: &[Pose; 2]| Motion {
         position: from.position,
@@ -86,7 +88,8 @@ pub(super) fn without_drift(ways: &[[Pose; 2]]) -> impl Iterator<Item = Pose> {
     ways.iter().map(move |[_, pose]| pose.carried(&from, &to))
 }
 
-/// Kinetic energy \[side^2 / tick^2\] that goes when cubes take the motion of one rigid body.
+/// Returns the kinetic energy that cubes lose when they take a common rigid motion \[block
+/// lengths^2 / tick^2\].
 pub(crate) fn lost(cubes: &[Motion]) -> f64 {
     let energy = |velocity: Vector3<f64>, spin: Vector3<f64>| {
         (velocity.norm_squared() + spin.norm_squared() / INVERSE_INERTIA) / 2.0

@@ -4,7 +4,7 @@ use crate::world::rigid::Bodies;
 
 const INERTIA: f64 = 1.0 / 6.0;
 
-/// At rest at these places.
+/// Returns blocks at rest at these positions.
 fn at(places: &[[f64; 3]]) -> Bodies<f64> {
     let states = places.iter().map(|&place| BodyState::at_rest(place.into()));
     Bodies::new(&states.collect::<Vec<_>>(), 1.0, 1.0)
@@ -26,7 +26,7 @@ fn fly(blocks: &mut Bodies<f64>, dt: f64) {
     }
 }
 
-/// Blocks side by side along x, bonded in a row.
+/// Returns blocks in a row along x, each bonded to the next.
 fn row(count: u32) -> (BlockGroups, Bodies<f64>) {
     let places: Vec<[f64; 3]> = (0..count).map(|i| [f64::from(i), 0.0, 0.0]).collect();
     let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
@@ -66,7 +66,7 @@ fn what_bonds_moves_as_one_at_once() {
     groups.join(0, 1, &seat, &mut blocks, Response::FREE);
     let after = momenta(&blocks);
     assert!((before.0 - after.0).norm() + (before.1 - after.1).norm() < 1e-12);
-    // Nothing is left for the bond to hold but the circles on which they turn.
+    // The bond carries only the centripetal force.
     let turning = blocks.motion(0).spin.norm_squared() / 2.0;
     assert_eq!(
         groups.settle(&mut blocks, 1.001 * turning, Response::FREE, 1e-3),
@@ -76,7 +76,7 @@ fn what_bonds_moves_as_one_at_once() {
 
 #[test]
 fn a_bond_holds_what_the_blocks_behind_it_need() {
-    // A force on the first of n equal blocks leaves the last bond the n-th part of it.
+    // If a force acts on the first of n equal blocks, the last bond carries 1/n of it.
     for count in 2..6_u32 {
         let (force, dt) = (0.6, 0.25);
         let tear = |hold: f64| {
@@ -84,7 +84,7 @@ fn a_bond_holds_what_the_blocks_behind_it_need() {
             blocks.set_velocity(0, Vector3::x() * (-force * dt), Vector3::zeros());
             groups.settle(&mut blocks, hold, Response::FREE, dt)
         };
-        // The first bond pulls all others.
+        // The first bond pulls all other blocks.
         let load = force * f64::from(count - 1) / f64::from(count);
         assert_eq!(tear(load * 1.001), 0, "{count}");
         assert!(tear(load * 0.999) > 0, "{count}");
@@ -102,14 +102,16 @@ fn a_moment_tips_a_face_about_its_edge() {
         blocks.set_velocity(1, other.velocity, other.spin);
         groups.settle(&mut blocks, hold, Response::FREE, dt)
     };
-    // Opposite torques leave the pair at rest, and the bond holds one of them on half a side.
+    // Opposite torques leave the pair at rest. The bond carries one of them with a lever arm of
+    // half a block length.
     assert_eq!(tear(2.0 * torque * 1.001), 0);
     assert_eq!(tear(2.0 * torque * 0.999), 1);
 }
 
 #[test]
 fn a_spinning_row_is_torn_by_its_own_weight() {
-    // Of five blocks, the bond beside the middle keeps two on their circles: 1 + 2 times the spin squared.
+    // In a row of five, a bond next to the centre keeps two blocks on their circles: (1 + 2) times
+    // the spin squared.
     for (spin, tears) in [(0.10, false), (0.12, true)] {
         let (mut groups, mut blocks) = row(5);
         for id in 0..5 {
@@ -170,14 +172,14 @@ fn a_group_that_joins_another_comes_along_as_it_is() {
     groups.join(0, 1, &seat, &mut blocks, Response::FREE);
     let seat = blocks.pose(3);
     groups.join(2, 3, &seat, &mut blocks, Response::FREE);
-    // Block 2 comes to its place on block 1 a quarter turn about x further.
+    // Block 2 moves to its place on block 1, a quarter turn about x further.
     let seat = Pose {
         position: Vector3::new(2.0, 0.0, 0.0),
         rotation: UnitQuaternion::from_scaled_axis(Vector3::x() * std::f64::consts::FRAC_PI_2),
     };
     groups.join(1, 2, &seat, &mut blocks, Response::FREE);
     assert_eq!(groups.list(), [[0, 1, 2, 3]]);
-    // All as the first sees it.
+    // Relative to the first block.
     let first = blocks.pose(0);
     for (id, expected) in [
         (1, [1.0, 0.0, 0.0]),

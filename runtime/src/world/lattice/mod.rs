@@ -1,4 +1,5 @@
-//! Who is anchored where and which faces are open, for worlds in which blocks have no places but cells.
+//! Lattice structures: anchored blocks and open faces, for worlds whose blocks have cells but no
+//! positions.
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_ir::table::Tables;
@@ -9,82 +10,83 @@ use stochc_rates::{Neighbourhood, SIGHT};
 use super::grid::ChunkedGrid;
 use super::ranked::RankedSet;
 
-/// The structure, and the blocks that are free.
+/// Structure and free blocks of a lattice world.
 ///
-/// A *seat* is a block's number: first those of the plate, then those that were free at the beginning. A face has the number
-/// [`number`]`(seat, face)`. A face is *open* if it is on and there is room before it.
+/// A *seat* is a block index: first the blocks of the plate, then those that were free at the
+/// start. A face has the index [`number`]`(seat, face)`. A face is *open* if it is on and the cell
+/// in front is empty.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct LatticeStructure {
-    /// Blocks that were free at the beginning.
+    /// Number of blocks that were free at the start.
     pub count: u32,
-    /// The cells of the blocks of the plate, sorted.
+    /// Cells of the plate's blocks, sorted.
     pub seeds: Vec<Cell>,
-    /// Where each block is, while it is anchored.
+    /// State of each anchored block.
     pub seats: Vec<AnchoredBlock>,
-    /// Cells with a block are marked.
+    /// Grid with a mark in every occupied cell.
     grid: ChunkedGrid<CellContent>,
-    /// The blocks that are free, by number.
+    /// Free blocks, by number.
     pub free: RankedSet,
 }
 
-/// What happened to a face.
+/// Change of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FaceChange {
-    /// It can capture from now on.
+    /// The face can now capture.
     Opened(usize),
-    /// It cannot any more.
+    /// The face can no longer capture.
     Closed(usize),
 }
 
-/// What happened to the faces, in order.
+/// Changes of faces, in order.
 pub(super) type Changes = SmallVec<[FaceChange; 4]>;
 
-/// Where an anchored block is. Faces are its own, one bit each.
+/// Anchored block. Faces are in its own frame, one bit each.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct AnchoredBlock {
     pub cell: Cell,
     pub orientation: Orientation,
-    /// Those that are on and hold nothing.
+    /// Open faces: on and holding nothing.
     pub on: u8,
-    /// Those that hold a block.
+    /// Faces that hold a block.
     pub holding: u8,
 }
 
-/// What is in a cell.
+/// Content of a cell.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct CellContent {
-    /// The seat of its block.
+    /// Seat of its block.
     block: u32,
-    /// From which neighbours a face that is on points to it: the directions of those faces, one bit each.
+    /// Directions of the faces that are on and point into the cell, one bit each.
     aimed: u8,
 }
 
-/// The seat of no block.
+/// Seat of an empty cell.
 pub(super) const NOBODY: u32 = u32::MAX;
 
-/// The number of a face among all.
+/// Returns the index of a face among all faces.
 pub(super) fn number(seat: usize, face: Face) -> usize {
     Face::ALL.len() * seat + face as usize
 }
 
-/// The cells in which there are blocks sooner or later.
+/// Returns the cells that are occupied at some time in the run.
 pub(super) fn occupied_cells(tables: &Tables) -> impl Iterator<Item = Cell> {
     let seeds = tables.seeds().map(|(_, cell)| cell);
     seeds.chain(tables.captured_cells())
 }
 
-/// The seat and the face of a [`number`].
+/// Returns the seat and the face of a [`number`].
 pub(super) fn site(number: usize) -> (usize, Face) {
     let faces = Face::ALL.len();
     (number / faces, Face::ALL[number % faces])
 }
 
-/// The bit of a face.
+/// Returns the bit of a face.
 pub(super) fn bit(face: Face) -> u8 {
     1 << face as u8
 }
 
-/// The faces of a set of bits.
+/// Returns the faces of a bit set.
 #[inline]
 pub(super) fn faces(mut bits: u8) -> impl Iterator<Item = Face> {
     std::iter::from_fn(move || {
@@ -95,7 +97,7 @@ pub(super) fn faces(mut bits: u8) -> impl Iterator<Item = Face> {
 }
 
 impl AnchoredBlock {
-    /// Where a block would sit that docks on a face; `None`: on the plate's level or below nobody can.
+    /// Returns the cell in front of a face, or `None` at or below the level of the plate.
     pub fn across(&self, face: Face) -> Option<Cell> {
         let cell = self.cell.across(self.orientation.to_structure(face))?;
         (cell.z >= 1).then_some(cell)
@@ -103,7 +105,7 @@ impl AnchoredBlock {
 }
 
 impl LatticeStructure {
-    /// `count` free blocks around the blocks of the plate that have a name in these tables.
+    /// Returns `count` free blocks and the plate's blocks that are named in these tables.
     pub fn new(tables: &Tables, count: u32) -> LatticeStructure {
         let mut seeds: Vec<Cell> = tables.seeds().map(|(_, cell)| cell).collect();
         seeds.sort_unstable();
@@ -132,7 +134,7 @@ impl LatticeStructure {
         }
     }
 
-    /// The seat of an anchored block.
+    /// Returns the seat of an anchored block.
     #[inline]
     pub fn seat(&self, body: Body) -> Option<usize> {
         match body {
@@ -144,7 +146,7 @@ impl LatticeStructure {
         }
     }
 
-    /// The block on a seat.
+    /// Returns the block on a seat.
     #[inline]
     pub fn body(&self, seat: usize) -> Body {
         match self.seeds.get(seat) {
@@ -153,13 +155,13 @@ impl LatticeStructure {
         }
     }
 
-    /// The seat of the block in a cell.
+    /// Returns the seat of the block in a cell.
     pub fn block(&self, cell: Cell) -> Option<usize> {
         let block = self.grid.get(cell).block;
         (block != NOBODY).then_some(block as usize)
     }
 
-    /// The cells around one above the plate.
+    /// Returns the occupancy of the cells around a cell above the plate.
     pub fn neighbourhood(&self, cell: Cell) -> Neighbourhood {
         let mut found = Neighbourhood::on_ground(cell);
         self.grid
@@ -167,13 +169,13 @@ impl LatticeStructure {
         found
     }
 
-    /// Where a block that docks on a face would sit; `None`: there is no room.
+    /// Returns the cell in front of a face if it is empty.
     pub fn target(&self, seat: usize, face: Face) -> Option<Cell> {
         let cell = self.seats[seat].across(face)?;
         self.block(cell).is_none().then_some(cell)
     }
 
-    /// The neighbours of a cell whose faces point to it along these ways, with those faces.
+    /// Returns the neighbours of a cell with faces that point into it in these directions.
     #[inline]
     fn aimed(&self, cell: Cell, ways: u8) -> impl Iterator<Item = (usize, Face)> {
         faces(ways).filter_map(move |way| {
@@ -182,7 +184,7 @@ impl LatticeStructure {
         })
     }
 
-    /// Switches a face of an anchored block on, unless it is, or holds a block.
+    /// Switches on a face of an anchored block, unless it is on or holds a block.
     #[inline]
     pub fn magnetize(&mut self, seat: usize, face: Face) -> Option<FaceChange> {
         let of = &mut self.seats[seat];
@@ -196,7 +198,8 @@ impl LatticeStructure {
         (content.block == NOBODY).then(|| FaceChange::Opened(number(seat, face)))
     }
 
-    /// A docking of the free block of a rank on a face, in one of 24 poses; entered as late as it docks.
+    /// Returns the capture of a free block by rank at a face, in one of 24 poses. The entry is at
+    /// the same tick.
     #[inline]
     pub fn docking(&self, seat: usize, face: Face, child: u32, pose: u8, tick: u64) -> Docking {
         Docking {
@@ -212,7 +215,8 @@ impl LatticeStructure {
         }
     }
 
-    /// The docking of a block that is put on a face by hand; `None`: there is no room, or no free block.
+    /// Returns the capture of a pre-attached block. Returns `None` if the cell is occupied or no
+    /// block is free.
     pub fn planted(&self, seat: usize, face: Face, tick: u64) -> Option<(Cell, Docking)> {
         let cell = self.target(seat, face)?;
         let last = self.free.len().checked_sub(1)?;
@@ -227,7 +231,7 @@ impl LatticeStructure {
         Some((cell, docking))
     }
 
-    /// Puts a block that docks on a face into its cell, which is empty, and tells what happens to faces.
+    /// Puts a captured block into its empty cell and reports the changes of faces.
     #[inline]
     pub fn dock(
         &mut self,
@@ -260,7 +264,7 @@ impl LatticeStructure {
         }
     }
 
-    /// Switches a face off, if it was on and held nothing.
+    /// Switches a face off if it is on and holds nothing.
     pub fn close(&mut self, seat: usize, face: Face) -> Option<FaceChange> {
         let of = &mut self.seats[seat];
         if of.on & bit(face) == 0 {
@@ -273,13 +277,14 @@ impl LatticeStructure {
         Some(FaceChange::Closed(number(seat, face)))
     }
 
-    /// The faces of a block that are on or hold another one: what goes when the block does.
+    /// Returns the faces of a block that are on or hold another block. They become inactive when it
+    /// leaves.
     pub fn active_faces(&self, seat: usize) -> impl Iterator<Item = (usize, Face)> + use<> {
         let AnchoredBlock { on, holding, .. } = self.seats[seat];
         faces(on | holding).map(move |face| (seat, face))
     }
 
-    /// Takes the block that a face holds out of its cell: its seat. Tells what happens to faces.
+    /// Removes the block that a face holds and returns its seat. Reports the changes of faces.
     pub fn let_go(
         &mut self,
         seat: usize,

@@ -1,4 +1,4 @@
-//! The engine's bodies, and a copy of what it knows of them.
+//! Bodies of the engine, and a copy of their state.
 use nalgebra::{UnitQuaternion, Vector3};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodyType};
 use rapier3d::glamx::Vec3;
@@ -13,7 +13,7 @@ use crate::world::real::{Real, cast};
 use crate::world::rotation::quaternion;
 use crate::world::{BodyState, Fault};
 
-/// The blocks by number; the copies are read once a substep.
+/// Blocks by number. The copies are read once per substep.
 pub(crate) struct EngineBodies {
     pub(super) engine: Box<PhysicsWorld>,
     pub(super) handles: Vec<RigidBodyHandle>,
@@ -26,9 +26,9 @@ pub(super) struct Copied {
     rotation: UnitQuaternion<f32>,
     pub velocity: Vector3<f32>,
     spin: Vector3<f32>,
-    /// How it sits in the structure; `None`: it is free.
+    /// Orientation in the structure. `None` if the block is free.
     pub anchored: Option<Orientation>,
-    /// The engine does not know its place yet.
+    /// Whether the engine's position is out of date.
     moved: bool,
 }
 
@@ -45,7 +45,7 @@ impl Copied {
     }
 }
 
-/// None: the engine would restore its state without validation.
+/// Not supported: the engine would restore its state without validation.
 impl State for EngineBodies {}
 
 impl EngineBodies {
@@ -62,7 +62,8 @@ impl EngineBodies {
         }
     }
 
-    /// Tells the engine of the velocities of a block, if they are others: it looks at everything that was touched.
+    /// Writes the velocity of a block to the engine if it differs. Every write makes the engine
+    /// process the block.
     pub fn show_velocity(&mut self, id: usize) {
         let (block, handle) = (&self.copies[id], self.handles[id]);
         let known = &self.engine.bodies[handle];
@@ -74,7 +75,7 @@ impl EngineBodies {
         }
     }
 
-    /// Tells the engine of the blocks that have been moved by something else.
+    /// Writes the positions of blocks that were moved outside the engine.
     pub fn show_moved(&mut self) {
         for (block, &handle) in self.copies.iter_mut().zip(&self.handles) {
             if std::mem::take(&mut block.moved) {
@@ -84,10 +85,11 @@ impl EngineBodies {
         }
     }
 
-    /// Reads what the engine has made of the free blocks.
+    /// Reads the state of the free blocks from the engine.
     ///
     /// # Errors
-    /// If that makes no sense.
+    ///
+    /// If a value is invalid.
     pub fn read(&mut self, limits: &MotionLimits) -> Result<(), Fault> {
         let quarantine = self.engine.physics_pipeline.quarantine();
         if !quarantine.is_empty() {

@@ -1,4 +1,4 @@
-//! The one place where nalgebra meets the engine's own mathematics.
+//! Conversions between nalgebra and the engine's mathematics.
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rapier3d::glamx::{Pose3, Quat, Vec3};
 
@@ -14,7 +14,7 @@ fn quat(q: UnitQuaternion<f32>) -> Quat {
     Quat::from_xyzw(q.i, q.j, q.k, q.w)
 }
 
-/// As it is: the engine keeps its rotations normalized.
+/// No normalization: the engine keeps its rotations normalized.
 pub(super) fn unit_quaternion(q: Quat) -> UnitQuaternion<f32> {
     UnitQuaternion::new_unchecked(Quaternion::new(q.w, q.x, q.y, q.z))
 }

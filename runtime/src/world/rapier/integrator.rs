@@ -1,4 +1,4 @@
-//! Moves blocks and lets them collide by the engine.
+//! Motion and collisions of blocks by the engine.
 use nalgebra::Vector3;
 use stochc_ir::state::State;
 use stochc_ir::table::Plate;
@@ -27,7 +27,7 @@ pub(super) struct Rapier {
     limits: MotionLimits,
 }
 
-/// None, like [`EngineBodies`].
+/// Not supported, as for [`EngineBodies`].
 impl State for Rapier {}
 
 impl Integrator for Rapier {
@@ -69,7 +69,7 @@ impl Integrator for Rapier {
         Ok((EngineBodies::new(engine, handles, blocks), rapier))
     }
 
-    /// All blocks, whom it would take as long to tell apart.
+    /// Lists all blocks: a selection would cost as much as it saves.
     fn near(&self, bodies: &EngineBodies, _place: Vector3<f32>, _reach: f32, found: &mut Vec<u32>) {
         found.clear();
         found.extend(0..bodies.count());

@@ -5,14 +5,14 @@ use rapier3d::dynamics::{FixedJointBuilder, ImpulseJointHandle};
 
 use super::bodies::EngineBodies;
 
-/// The joints, by the numbers of their blocks.
+/// Joints by the numbers of their blocks.
 #[derive(Debug, Default)]
 pub(super) struct Joints(BTreeMap<(u32, u32), ImpulseJointHandle>);
 
 impl Joints {
-    /// Makes the joints those of these bonds, as their blocks are placed.
+    /// Updates the joints to these bonds, at the blocks' current places.
     ///
-    /// Blocks that are joined do not touch each other.
+    /// Joined blocks do not collide with each other.
     pub fn follow(
         &mut self,
         EngineBodies {

@@ -1,8 +1,8 @@
-//! Full rigid bodies by the engine Rapier: the reference model.
+//! Rigid bodies by the engine Rapier: an independent check.
 //!
-//! All cubes with rotation, contacts and friction, in single precision. A fluid
-//! acts on each block alone: none feels its neighbours' wakes. Contacts are as soft as the
-//! engine makes them, and with one substep a tick that is soft: see [`Settings`].
+//! All cubes have rotation, contacts and friction, in single precision. A fluid acts on each block
+//! separately, without wakes of neighbours. The engine's contacts are compliant, most of all with
+//! one substep per tick; see [`Settings`].
 mod bodies;
 mod convert;
 mod engine;
@@ -25,7 +25,7 @@ use crate::settings::Settings;
 /// A world of rigid cubes.
 pub struct RapierWorld(Box<Stepper<Rapier>>);
 
-/// In single precision only, which [`Rapier`] insists on.
+/// Single precision only, as [`Rapier`] requires.
 macro_rules! only {
     (new $precision:expr, $stepper:expr) => {
         Box::new($stepper)

@@ -1,7 +1,12 @@
-//! A world of rates: when a face captures follows from what is around it, and nothing moves.
+//! The rate model: capture times follow from the surroundings of each face, and nothing moves.
 //!
-//! Each open face has a hazard by the law of [`stochc_rates`]; the faces race each other (the next-reaction method of M. A. Gibson and
-//! J. Bruck 2000, with hazards that change with the age of a face). A tick in which nothing docks is skipped.
+//! Each open face has a hazard by the rate model of [`stochc_rates`]. The faces compete by the
+//! next-reaction method, with hazards that change with the age of a face. Ticks without captures
+//! are skipped.
+//!
+//! # Source
+//!
+//! M. A. Gibson and J. Bruck (2000).
 mod event_queue;
 mod open_face_hazards;
 mod tournament;
@@ -20,7 +25,7 @@ use event_queue::{EventQueue, ScheduledCapture, ScheduledHeadStart};
 use open_face_hazards::{OpenFace, OpenFaceHazards, Slot};
 use waits::RateModel;
 
-/// A world of cells in which waits are drawn.
+/// Lattice world with random waiting times.
 #[derive(Clone, Debug)]
 pub struct RateWorld<'r> {
     tick: u64,
@@ -28,13 +33,13 @@ pub struct RateWorld<'r> {
     lattice: LatticeStructure,
     hazards: OpenFaceHazards,
     queue: EventQueue,
-    /// Blocks released lately: when, from which cell, and which.
+    /// Recently released blocks: tick, former cell and number.
     released: Vec<(u64, Cell, u32)>,
     waits: RateModel<'r>,
-    /// Slots of faces whose waits have to be said anew, while these are gathered.
+    /// Slots of faces whose waiting times must be updated.
     changed: Vec<Slot>,
     draws: DrawsAhead,
-    /// Draws so far.
+    /// Number of draws so far.
     drawn: u64,
 }
 
@@ -42,15 +47,17 @@ stochc_ir::state! {
     () RateWorld<'_>;
     values: tick, lattice, hazards, queue, released, drawn;
     parts: ;
-    // Of waits it only saves working them out again, and between two calls nothing has changed.
+    // `waits` is only a cache, and `changed` is empty between two calls.
     same: head_starts, waits, changed, draws
 }
 
 impl<'r> RateWorld<'r> {
-    /// The world of a program in a scene, by rates that were measured there; its chance is that of (`seed`, `run`).
+    /// Returns the world of a program in a scene with calibrated rates. (`seed`, `run`) is the key
+    /// of its random draws.
     ///
     /// # Errors
-    /// [`SceneError::NoRates`], and [`SceneError::NotInModel`] for what the law does not know.
+    ///
+    /// [`SceneError::NoRates`], and [`SceneError::NotInModel`] for unsupported features.
     pub fn new(
         tables: &Tables,
         scene: &Scene,
@@ -79,14 +86,14 @@ impl<'r> RateWorld<'r> {
         })
     }
 
-    /// What a program or its scene has that the law does not know.
+    /// Returns the first feature of a program or its scene that the rate model does not support.
     pub fn unsupported_by(tables: &Tables, scene: &Scene) -> Option<SceneError> {
         let is_aggregate = tables.aggregate.is_some();
         let of_program = is_aggregate.then(|| not_known("aggregate"));
         of_program.or_else(|| RateWorld::unsupported(scene))
     }
 
-    /// What a scene has that the law does not know.
+    /// Returns the first feature of a scene that the rate model does not support.
     pub fn unsupported(scene: &Scene) -> Option<SceneError> {
         let what = match &scene.bond {
             Some(Bond::Reject { .. }) => "bond by magnets that always attract",
@@ -99,13 +106,13 @@ impl<'r> RateWorld<'r> {
         Some(not_known(what))
     }
 
-    /// The next draw.
+    /// Returns the next draw.
     fn draw(&mut self) -> [u32; 4] {
         self.drawn += 1;
         self.draws.block(self.drawn - 1, 0)
     }
 
-    /// Takes in what happened to a face, while every block stays where it is.
+    /// Processes the change of a face without a change of any cell.
     fn note_face(&mut self, change: FaceChange) {
         let mut changed = std::mem::take(&mut self.changed);
         match change {
@@ -119,7 +126,7 @@ impl<'r> RateWorld<'r> {
         self.estimate_all(changed);
     }
 
-    /// Takes in that a cell is full now, or empty, and what that did to faces.
+    /// Processes a cell that became occupied or empty, and the resulting changes of faces.
     fn note_cell(&mut self, cell: Cell, is_full: bool, changes: Changes) {
         let mut changed = std::mem::take(&mut self.changed);
         let mut ways = 0;
@@ -138,7 +145,7 @@ impl<'r> RateWorld<'r> {
         self.estimate_all(changed);
     }
 
-    /// Estimates the faces of which something has `changed`.
+    /// Updates the capture times of the faces in `changed`.
     fn estimate_all(&mut self, mut changed: Vec<Slot>) {
         self.hazards.sort(&mut changed);
         for slot in changed.drain(..) {
@@ -147,7 +154,7 @@ impl<'r> RateWorld<'r> {
         self.changed = changed;
     }
 
-    /// A face waits no more, if it did: the cell that it was open to, and the way there.
+    /// Closes a face if it was open. Returns the cell in front and its direction.
     fn close(&mut self, face: usize) -> Option<(Cell, Face)> {
         let (seat, own) = site(face);
         let of = self.lattice.seats[seat];
@@ -157,7 +164,7 @@ impl<'r> RateWorld<'r> {
         Some((cell, of.orientation.to_structure(own)))
     }
 
-    /// A face begins to wait; for how long, nobody has said yet.
+    /// Opens a face. Its waiting time is not drawn yet.
     fn open(&mut self, face: usize, changed: &mut Vec<Slot>) {
         let (seat, own) = site(face);
         let of = self.lattice.seats[seat];
@@ -168,7 +175,7 @@ impl<'r> RateWorld<'r> {
         let left = exponential(threshold);
         let open = OpenFace::new(face, (cell, way), near, self.tick, left);
         let slot = self.hazards.open(open, changed);
-        // Those who were let go near it a moment ago may still be there.
+        // Recently released blocks may still be nearby.
         let tick = self.tick;
         let head_starts = self.head_starts;
         self.released
@@ -179,7 +186,8 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// By chance, a block that was let go near an open face, so many ticks ago, comes first.
+    /// Schedules, with some probability, the capture of a block that was released nearby this many
+    /// ticks ago.
     fn head_start(&mut self, slot: Slot, from: Cell, block: u32, since: u64) {
         let Some(face) = self.hazards.face(slot) else {
             return;
@@ -201,7 +209,7 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// Puts the time of a face's capture into the queue, from what is around it now.
+    /// Schedules the capture of a face from its current surroundings.
     fn estimate(&mut self, slot: Slot) {
         let Some(face) = self.hazards.face(slot) else {
             return;
@@ -213,7 +221,7 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// Estimates all faces anew where the number of free blocks has changed much.
+    /// Updates all capture times if the number of free blocks has changed much.
     fn follow_free_blocks(&mut self) {
         if self.hazards.follow(self.lattice.free.len()) {
             for slot in self.hazards.all() {
@@ -222,7 +230,7 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// The tick of the earliest capture that still holds: the first boundary at or after its time.
+    /// Returns the tick of the earliest valid capture: the first tick at or after its time.
     fn next_tick(&mut self) -> Option<u64> {
         loop {
             let (time, first) = self.queue.first()?;
@@ -248,7 +256,7 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// The earliest capture that still holds, if its tick has come.
+    /// Returns the earliest valid capture if its tick has come.
     fn next(&mut self) -> Option<ScheduledCapture> {
         while self.next_tick()? <= self.tick {
             let (time, first) = self.queue.first()?;
@@ -264,20 +272,22 @@ impl<'r> RateWorld<'r> {
         None
     }
 
-    /// Puts the exact time of a face's capture into the queue, where bounds of it do not say enough.
+    /// Schedules the exact capture time of a face whose bounds are not sufficient.
     fn look_closer(&mut self, slot: Slot) -> Option<()> {
         let time = self.hazards.time(slot)?;
         self.queue.put_off(slot, time);
         Some(())
     }
 
-    /// The hazard when so many blocks are free, over what hazards are meant for.
+    /// Returns the hazard with this number of free blocks, relative to the reference number of the
+    /// hazards.
     fn share(&self, free: u32) -> f64 {
         let hazards = &self.hazards;
         self.waits.of_free(hazards.part_of(free)) / self.waits.of_free(hazards.part())
     }
 
-    /// Docks a block on an open face, unless by chance there is none.
+    /// Captures a block at an open face, or rejects the event to correct for the number of free
+    /// blocks.
     fn capture(&mut self, scheduled: ScheduledCapture, dockings: &mut Vec<Docking>) {
         let slot = match scheduled {
             ScheduledCapture::OfAny(slot) => {
@@ -297,7 +307,7 @@ impl<'r> RateWorld<'r> {
         let free = self.lattice.free.len();
         let child = match scheduled {
             ScheduledCapture::HeadStart(start) => start.block,
-            // The hazard was that of more blocks than there are now.
+            // Thinning: the hazard was computed for more free blocks than there are.
             _ if free == 0 || unit(whether) >= self.share(free) => {
                 self.hazards.go_on(slot, exponential(threshold));
                 self.estimate(slot);
@@ -307,7 +317,7 @@ impl<'r> RateWorld<'r> {
         };
         let pose = below(how, 24) as u8;
         let docking = Docking {
-            // Nobody has come into any reach.
+            // Blocks have no positions in this model.
             entries: 0,
             ..self.lattice.docking(seat, face, child, pose, self.tick)
         };
@@ -316,7 +326,7 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// Puts a block into the cell before a face; `false`: there is no room.
+    /// Puts a block into the cell in front of a face. Returns `false` if the cell is occupied.
     fn put(&mut self, seat: usize, face: Face, docking: &Docking) -> bool {
         let Some(cell) = self.lattice.target(seat, face) else {
             return false;
@@ -338,7 +348,7 @@ fn not_known(what: &'static str) -> SceneError {
     }
 }
 
-/// The first tick at or after a time that is not negative; `u64::MAX`, which is never, where a tick more or less cannot be told.
+/// Returns the first tick at or after a time, or `u64::MAX` beyond the precision of ticks.
 fn boundary(time: f64) -> u64 {
     if time >= 9e15 {
         return u64::MAX;
@@ -347,7 +357,7 @@ fn boundary(time: f64) -> u64 {
     whole + u64::from((whole as f64) < time)
 }
 
-/// A draw from the exponential distribution of mean 1.
+/// Returns a draw from the exponential distribution with mean 1.
 fn exponential(word: u32) -> f64 {
     -libm::log(unit(word))
 }
@@ -401,7 +411,7 @@ impl World for RateWorld<'_> {
 
     fn skip(&mut self, last: u64) {
         let next = self.next_tick().unwrap_or(u64::MAX);
-        // The step that comes after this one docks.
+        // The step after this tick has the capture.
         self.tick = self.tick.max(next.saturating_sub(1).min(last));
     }
 

@@ -1,4 +1,4 @@
-//! The faces that are open, each with the hazard that it has still to use up.
+//! Open faces and the remaining hazard of each.
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
@@ -8,60 +8,60 @@ use stochc_rates::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells, rivalry};
 use crate::world::grid::ChunkedGrid;
 use crate::world::lattice::faces;
 
-/// Where an open face is kept. Another one may be there later.
+/// Index of an open face. It is reused after the face has closed.
 pub(super) type Slot = u32;
 
-/// The slot of no face.
+/// Index of no face.
 const NOWHERE: Slot = Slot::MAX;
 
-/// A face that is open.
+/// Open face.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct OpenFace {
-    /// Its number among all faces.
+    /// Index among all faces.
     pub number: usize,
-    /// Where the captured block will sit.
+    /// Cell of the block to be captured.
     pub cell: Cell,
-    /// The way there from the block that captures.
+    /// Direction from the capturing block to that cell.
     pub way: Face,
-    /// What is around the cell.
+    /// Occupancy around the cell.
     pub near: Neighbourhood,
-    /// The tick since when it is open.
+    /// Tick when the face was opened.
     pub since: u64,
-    /// Faces that wait near it.
+    /// Open faces nearby that compete for blocks.
     pub rivals: Rivals,
-    /// The hazard that it may still sum up before it captures.
+    /// Hazard to accumulate before the capture.
     left: f64,
-    /// What it waits for; `None`: nobody has said.
+    /// Current distribution of the waiting time. `None` until it is computed.
     wait: Option<Wait>,
-    /// The hazard of `wait` from the beginning to the tick in which it was said.
+    /// Hazard of `wait` from the opening to the tick of its last update.
     before: f64,
-    /// When it captures at the latest.
+    /// Upper bound of the capture time.
     latest: f64,
-    /// Which opening of all it is; 0: it is closed.
+    /// Sequence number of its opening. 0 if it is closed.
     opening: u64,
     /// Another face that is open to the same cell.
     next: Slot,
 }
 
-/// All of them.
+/// All open faces.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct OpenFaceHazards {
     faces: Vec<OpenFace>,
-    /// Slots without a face. That which has been so for longest comes first: faces that open as others close, one after
-    /// the other, stay near those that they were near.
+    /// Slots without a face, the longest vacant first. Faces that open as others close then stay
+    /// near their neighbours in memory.
     vacant: VecDeque<Slot>,
-    /// Cells to which a face is open are marked, and have its slot.
+    /// Grid with marks and slots in the cells in front of open faces.
     cells: ChunkedGrid<Slot>,
-    /// Openings so far.
+    /// Number of openings so far.
     opened: u64,
-    /// Blocks that were free at the beginning.
+    /// Number of blocks that were free at the start.
     count: u32,
-    /// Blocks that hazards are meant for: at least those that are free.
+    /// Reference number of free blocks for the hazards, at least the current number.
     meant_for: u32,
 }
 
 impl OpenFace {
-    /// A face that begins to wait, and captures when its hazard has summed up to `left`.
+    /// Returns a newly opened face that captures when its hazard has accumulated to `left`.
     pub fn new(
         number: usize,
         (cell, way): (Cell, Face),
@@ -85,17 +85,17 @@ impl OpenFace {
         }
     }
 
-    /// Which opening of all it is.
+    /// Returns the sequence number of its opening.
     pub fn opening(&self) -> u64 {
         self.opening
     }
 
-    /// When it captures at the latest.
+    /// Returns the upper bound of the capture time.
     pub fn latest(&self) -> f64 {
         self.latest
     }
 
-    /// Faces that were open to a cell are rivals no more: whether one was.
+    /// Removes faces of a cell from the rivals. Returns whether there were any.
     fn drop_rivals(&mut self, cell: Cell, ways: u8) -> bool {
         let mut has_fewer = false;
         for way in faces(ways) {
@@ -109,7 +109,7 @@ impl OpenFace {
 }
 
 impl OpenFaceHazards {
-    /// No face is open; those to these cells will be most often.
+    /// Returns an empty set. `often` are the cells that will be in front of open faces most.
     pub fn new(count: u32, often: impl Iterator<Item = Cell>) -> OpenFaceHazards {
         OpenFaceHazards {
             faces: Vec::new(),
@@ -121,7 +121,8 @@ impl OpenFaceHazards {
         }
     }
 
-    /// Adds a face: its slot. Those that have another rival now are added to `changed`, as it is.
+    /// Adds a face and returns its slot. Adds the faces with new rivals, including this one, to
+    /// `changed`.
     pub fn open(&mut self, mut face: OpenFace, changed: &mut Vec<Slot>) -> Slot {
         let this = (face.cell, face.way);
         self.each_near(face.cell, 1, |slot, near| {
@@ -147,7 +148,8 @@ impl OpenFaceHazards {
         slot
     }
 
-    /// Takes the face of a number that is open to a cell out, if it is there: the slot where it was. It still counts as a rival.
+    /// Removes a face that is open to a cell and returns its former slot. It still counts as a
+    /// rival.
     pub fn close(&mut self, number: usize, cell: Cell) -> Option<Slot> {
         let (mut slot, mut before) = (self.cells.get(cell), None);
         while self.faces.get(slot as usize)?.number != number {
@@ -165,8 +167,8 @@ impl OpenFaceHazards {
         Some(slot)
     }
 
-    /// Faces that were open to a cell, one bit for each of their directions, are rivals no more. Those that they were rivals of are
-    /// added to `changed`.
+    /// Removes faces of a cell from the rivals of all others, one direction bit each. Adds the
+    /// affected faces to `changed`.
     pub fn drop_rivals(&mut self, cell: Cell, ways: u8, changed: &mut Vec<Slot>) {
         self.each_near(cell, 1, |slot, face| {
             if face.drop_rivals(cell, ways) {
@@ -175,33 +177,33 @@ impl OpenFaceHazards {
         });
     }
 
-    /// The face in a slot, if it is open.
+    /// Returns the face in a slot if it is open.
     pub fn face(&self, slot: Slot) -> Option<&OpenFace> {
         let face = self.faces.get(slot as usize);
         face.filter(|face| face.opening != 0)
     }
 
-    /// The same, if this is still the opening that was meant.
+    /// Returns the face in a slot if this opening is still valid.
     pub fn opening(&self, slot: Slot, opening: u64) -> Option<&OpenFace> {
         let face = self.faces.get(slot as usize);
         face.filter(|face| face.opening == opening)
     }
 
-    /// Puts slots into the order of their faces' numbers, each once, and leaves those out that are not open.
+    /// Sorts slots by face index, and removes duplicates and closed faces.
     pub fn sort(&self, slots: &mut Vec<Slot>) {
         slots.retain(|slot| self.face(*slot).is_some());
         slots.sort_unstable_by_key(|slot| self.faces[*slot as usize].number);
         slots.dedup();
     }
 
-    /// All open faces, in the order of their numbers.
+    /// Returns all open faces by face index.
     pub fn all(&self) -> Vec<Slot> {
         let mut slots = (0..self.faces.len() as Slot).collect();
         self.sort(&mut slots);
         slots
     }
 
-    /// The open faces to which a cell matters, in the order of their numbers.
+    /// Returns the open faces whose surroundings include a cell, by face index.
     pub fn near(&mut self, cell: Cell) -> Vec<Slot> {
         let mut near = Vec::new();
         self.each_near(cell, SIGHT, |slot, _| near.push(slot));
@@ -209,8 +211,8 @@ impl OpenFaceHazards {
         near
     }
 
-    /// A cell is full now, or empty, and [faces that were open to it](OpenFaceHazards::drop_rivals) are so no more. Those of whose surroundings
-    /// the law sees something of that are added to `changed`.
+    /// Marks a cell as occupied or empty and removes its faces [as
+    /// rivals](OpenFaceHazards::drop_rivals). Adds the affected faces to `changed`.
     pub fn fill(&mut self, cell: Cell, is_full: bool, ways: u8, changed: &mut Vec<Slot>) {
         self.each_near(cell, SIGHT, |slot, face| {
             let offset = difference(cell, face.cell);
@@ -222,7 +224,7 @@ impl OpenFaceHazards {
         });
     }
 
-    /// Shows the open faces to cells that are no farther along each axis than `steps`.
+    /// Calls `show` with each open face whose cell is at most `steps` away along each axis.
     #[inline]
     fn each_near(&mut self, cell: Cell, steps: i32, mut show: impl FnMut(Slot, &mut OpenFace)) {
         let faces = &mut self.faces;
@@ -235,7 +237,8 @@ impl OpenFaceHazards {
         });
     }
 
-    /// A face has another wait from a tick on: when it captures at the earliest; `None`: that is as it was.
+    /// Sets the waiting-time distribution of a face from a tick on. Returns a lower bound of its
+    /// capture time, or `None` if nothing changed.
     pub fn update(&mut self, slot: Slot, tick: u64, wait: Wait) -> Option<f64> {
         let face = self.faces.get_mut(slot as usize)?;
         if face.wait == Some(wait) {
@@ -256,14 +259,14 @@ impl OpenFaceHazards {
         Some(face.since as f64 + earliest)
     }
 
-    /// When the face in a slot captures, exactly.
+    /// Computes the exact capture time of the face in a slot.
     pub fn time(&mut self, slot: Slot) -> Option<f64> {
         let face = self.faces.get_mut(slot as usize)?;
         face.latest = face.since as f64 + face.wait?.time_of(face.left + face.before);
         Some(face.latest)
     }
 
-    /// A face that could have captured goes on, with another hazard to sum up from now on.
+    /// Continues a face whose capture was rejected, with a new hazard to accumulate.
     pub fn go_on(&mut self, slot: Slot, left: f64) {
         if let Some(face) = self.faces.get_mut(slot as usize) {
             face.left = left;
@@ -271,17 +274,18 @@ impl OpenFaceHazards {
         }
     }
 
-    /// The part of the blocks that hazards are meant for.
+    /// Returns the reference fraction of free blocks.
     pub fn part(&self) -> f64 {
         self.part_of(self.meant_for)
     }
 
-    /// The part of the blocks that so many are.
+    /// Returns this number of blocks as a fraction of those free at the start.
     pub fn part_of(&self, blocks: u32) -> f64 {
         f64::from(blocks) / f64::from(self.count.max(1))
     }
 
-    /// So many blocks are free now: whether hazards are meant for another number from now on.
+    /// Updates the number of free blocks. Returns whether the reference number of the hazards has
+    /// changed.
     pub fn follow(&mut self, free: u32) -> bool {
         if free <= self.meant_for && self.meant_for / 2 <= free {
             return false;
@@ -291,7 +295,7 @@ impl OpenFaceHazards {
     }
 }
 
-/// The way from one cell to another that is near.
+/// Returns the offset from one cell to another nearby.
 fn difference(to: Cell, from: Cell) -> [i32; 3] {
     [to.x - from.x, to.y - from.y, to.z - from.z]
 }

@@ -1,18 +1,23 @@
-//! The least of many numbers of which any may change.
+//! Minimum of many numbers that change one at a time.
 use serde::{Deserialize, Serialize};
 
-/// Numbers in places from 0 on, and the least of them (D. E. Knuth 1973, The Art of Computer Programming 3, 5.2.3).
+/// Tournament tree of numbers in places from 0.
+///
+/// # Source
+///
+/// D. E. Knuth, The Art of Computer Programming 3 (1973), section 5.2.3.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Tournament {
-    /// The second half are the numbers themselves; before it, at i, is the lesser one of those at 2 i and 2 i + 1.
+    /// The second half are the numbers. Entry i before it is the minimum of entries 2 i and 2 i +
+    /// 1.
     winners: Vec<u128>,
 }
 
-/// What is in a place where no number is.
+/// Value of an empty place.
 pub(super) const NONE: u128 = u128::MAX;
 
 impl Tournament {
-    /// The number in a place.
+    /// Returns the number in a place.
     pub fn get(&self, place: usize) -> u128 {
         let number = self.winners.get(self.places() + place);
         number.copied().unwrap_or(NONE)
@@ -26,7 +31,7 @@ impl Tournament {
         let mut at = self.places() + place;
         self.winners[at] = number;
         while at > 1 {
-            // Which of the two it is, nobody can guess: no branch.
+            // Unpredictable, therefore without a branch.
             let is_other = self.winners[at ^ 1] < self.winners[at];
             let winner = self.winners[at ^ usize::from(is_other)];
             at /= 2;
@@ -37,14 +42,14 @@ impl Tournament {
         }
     }
 
-    /// The least number.
+    /// Returns the minimum.
     pub fn first(&self) -> u128 {
         self.winners.get(1).copied().unwrap_or(NONE)
     }
 
-    /// The least number but that in one place, which is the least of all.
+    /// Returns the minimum without place `first`, which must hold the overall minimum.
     pub fn second(&self, first: usize) -> u128 {
-        // It has lost to the first itself.
+        // The second has lost directly to the first.
         let mut at = self.places() + first;
         let mut second = NONE;
         while at > 1 {
@@ -83,7 +88,7 @@ mod tests {
         ) {
             let (mut tournament, mut plain) = (Tournament::default(), vec![NONE; 70]);
             for (place, number) in changes {
-                // Each number is there once.
+                // All numbers are distinct.
                 let number = number.map_or(NONE, |number| number << 32 | place as u128);
                 tournament.set(place, number);
                 plain[place] = number;

@@ -1,4 +1,4 @@
-//! Waits that have been asked for: the same surroundings come again and again.
+//! Cache of waiting times: equal surroundings occur again and again.
 use std::hash::{Hash, Hasher};
 
 use rustc_hash::FxHashMap;
@@ -7,25 +7,26 @@ use stochc_rates::{Neighbourhood, Rates, Wait, feature_cells};
 
 use super::open_face_hazards::OpenFace;
 
-/// Waits that are kept, at most.
+/// Capacity of the cache.
 const KEPT: usize = 1 << 16;
 
-/// The waits of faces in a gas with as many free blocks as at the beginning.
+/// Waiting times of faces with as many free blocks as at the start.
 #[derive(Clone, Debug)]
 pub(super) struct RateModel<'r> {
     rates: &'r Rates,
-    /// The cells around a face that matter, for faces of each direction.
+    /// Relevant cells around a face, for each direction.
     features: [Neighbourhood; 6],
-    /// Above this one, all layers are alike.
+    /// Layer above which all layers are equivalent.
     highest: i32,
     known: FxHashMap<Seen, Wait>,
 }
 
-/// All that a wait depends on, but for the number of free blocks.
+/// Cache key: everything that determines a waiting time, except the number of free blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Seen {
     near: Neighbourhood,
-    /// The layer, the direction of the face, its rivals, and whether it has been open since the first tick.
+    /// Packed layer, face direction, rivals, and whether the face has been open since the first
+    /// tick.
     others: u64,
 }
 
@@ -41,18 +42,18 @@ impl<'r> RateModel<'r> {
         RateModel {
             rates,
             features: Face::ALL.map(feature_cells),
-            // What is ahead of a face that looks down is different in the lowest one.
+            // A face down has different surroundings in the lowest layer.
             highest: i32::try_from(rates.profile.len().max(2)).unwrap_or(i32::MAX),
             known: FxHashMap::default(),
         }
     }
 
-    /// The factor of all rates when a part of the blocks is still free.
+    /// Returns the factor of all rates at this fraction of free blocks.
     pub fn of_free(&self, part: f64) -> f64 {
         self.rates.parameters.of_free(part)
     }
 
-    /// The wait of a face.
+    /// Returns the waiting time of a face.
     pub fn of(&mut self, face: &OpenFace) -> Wait {
         let near = face.near.within(self.features[face.way as usize]);
         let layer = face.cell.z.min(self.highest);

@@ -1,4 +1,4 @@
-//! Where every block is and how it moves.
+//! Positions and motions of all blocks.
 use std::ops::{Add, Sub};
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -14,37 +14,37 @@ use crate::world::real::{Real, cast};
 use crate::world::rotation::quaternion;
 use crate::world::{BodyState, Fault};
 
-/// The blocks by number.
+/// Blocks by number.
 ///
-/// What every step reads of all of them lies in groups. Orientations are brought up to date only when somebody looks:
-/// between two changes of its spin a cube turns at a constant rate, whatever its motion, as its inertia is the same about all
-/// axes.
+/// Data read in every step are stored in lanes. Rotations are updated only on access: a cube has
+/// isotropic inertia, so it rotates at a constant rate while its spin is constant.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies<R: Lane> {
-    /// The last one is filled up with blocks that are anchored for ever.
+    /// Lanes of motions. The last one is filled up with permanently anchored blocks.
     groups: Vec<MotionGroup<R>>,
     attitudes: Vec<Attitude<R>>,
-    /// Whose matrices are as of `shown_at`: a bit for each, which stay in the cache, whoever is asked for.
+    /// Blocks whose matrices are up to date at `shown_at`, one bit each. Compact enough to stay in
+    /// the cache.
     shown: Vec<u64>,
     shown_at: u64,
-    /// How a block sits in the structure; `None`: it is free.
+    /// Orientation in the structure. `None` if the block is free.
     anchored: Vec<Option<Orientation>>,
-    /// How many are not free.
+    /// Number of anchored blocks.
     anchored_count: usize,
-    /// Short steps that have passed.
+    /// Number of completed short steps.
     pub now: u64,
     /// Length of a short step \[tick\].
     pub dt: R,
 }
 
-/// How a block is turned, and how it turns.
+/// Rotation and spin of a block.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Attitude<R: Lane> {
-    /// As of `turned`, by the number of the substep.
+    /// Rotation at the substep `turned`.
     rotation: UnitQuaternion<R>,
     turned: u64,
-    /// The same as a matrix, as of when it was shown last.
+    /// The same as a matrix, as of its last update.
     axes: Rotation3<R>,
     spin: Vector3<R>,
 }
@@ -57,14 +57,15 @@ stochc_ir::state! {
 }
 
 impl<R: Lane> Attitude<R> {
-    /// What it has turned by since, as a rotation vector.
+    /// Returns the rotation since `turned`, as a rotation vector.
     fn late(&self, now: u64, dt: R) -> Vector3<R> {
         self.spin * (dt * R::of((now - self.turned) as f64))
     }
 }
 
 impl<R: Lane> Bodies<R> {
-    /// `step`: how long a step is; `dt`: how long the shortest one is that a block may take.
+    /// Returns blocks that take steps of length `step`. `dt` is the shortest step that a block may
+    /// take.
     pub fn new(blocks: &[BodyState], step: R, dt: R) -> Bodies<R> {
         let attitude = Attitude {
             rotation: UnitQuaternion::identity(),
@@ -90,7 +91,7 @@ impl<R: Lane> Bodies<R> {
         bodies
     }
 
-    /// All blocks, and some more in the end.
+    /// Returns all blocks, and padding at the end.
     pub(super) fn groups(&self) -> &[MotionGroup<R>] {
         &self.groups
     }
@@ -99,7 +100,7 @@ impl<R: Lane> Bodies<R> {
         &mut self.groups
     }
 
-    /// Length of the step that a block takes next \[tick\].
+    /// Returns the length of a block's next step \[tick\].
     pub fn step(&self, id: u32) -> R {
         let (group, lane) = place(id);
         self.groups[group].step[lane]
@@ -110,19 +111,19 @@ impl<R: Lane> Bodies<R> {
         self.groups[group].step[lane] = step;
     }
 
-    /// Changes the length of the step that a block has taken last \[tick\].
+    /// Sets the length of a block's last step \[tick\].
     pub fn set_last(&mut self, id: u32, step: R) {
         let (group, lane) = place(id);
         self.groups[group].last[lane] = step;
     }
 
-    /// Changes the motion of a block whose rotation is up to date.
+    /// Sets the motion of a block whose rotation is up to date.
     pub fn set_velocity_of_turned(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
         self.set_moved(id, velocity);
         self.attitudes[id as usize].spin = spin;
     }
 
-    /// Moves a block by this way, and changes its motion: its place, velocity and spin from now on, and how it is turned.
+    /// Displaces a block and changes its velocity, spin and rotation.
     pub fn correct(
         &mut self,
         id: u32,
@@ -142,7 +143,7 @@ impl<R: Lane> Bodies<R> {
         ([position, gather(&group.velocity, lane), spin], rotation)
     }
 
-    /// Changes the velocity alone: the block turns as before.
+    /// Sets the velocity alone, without updating the rotation.
     pub fn set_moved(&mut self, id: u32, velocity: Vector3<R>) {
         let (group, lane) = place(id);
         scatter(&mut self.groups[group].velocity, lane, velocity);
@@ -155,7 +156,7 @@ impl<R: Lane> Bodies<R> {
         scatter(&mut group.rounded, lane, Vector3::zeros());
     }
 
-    /// Moves a block by this way.
+    /// Displaces a block.
     pub fn shift(&mut self, id: u32, way: Vector3<R>) {
         let (group, lane) = place(id);
         let MotionGroup {
@@ -167,15 +168,16 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
-    /// How long the forces of a block act that it is moved by next: velocities are half a step behind places.
+    /// Returns the time over which forces act before a block's next move. Velocities lag positions
+    /// by half a step.
     pub fn span(&self, id: u32) -> R {
         let (group, lane) = place(id);
         let group = &self.groups[group];
         (group.step[lane] + group.last[lane]) * R::of(0.5)
     }
 
-    /// How long the force acts between two blocks that touch, of which one may be anchored: as long as that on whoever takes
-    /// the longer steps.
+    /// Returns the time over which the force between two touching blocks acts: that of the block
+    /// with the longer steps. One may be anchored.
     pub fn span_of_pair(&self, [a, b]: [u32; 2]) -> R {
         let steps = |id: u32| {
             let (group, lane) = place(id);
@@ -186,7 +188,7 @@ impl<R: Lane> Bodies<R> {
         (step.max(other_step) + last.max(other_last)) * R::of(0.5)
     }
 
-    /// The greatest speed \[side / tick\].
+    /// Returns the largest speed \[block lengths / tick\].
     pub fn fastest(&self) -> R {
         let mut most = R::Wide::splat(R::zero());
         for group in &self.groups {
@@ -196,31 +198,32 @@ impl<R: Lane> Bodies<R> {
         squares.fold(R::zero(), R::max).sqrt()
     }
 
-    /// How many are anchored.
+    /// Returns the number of anchored blocks.
     pub fn count_anchored(&self) -> usize {
         self.anchored_count
     }
 
-    /// How many blocks have a coordinate beyond this \[side\].
+    /// Returns the number of blocks with a coordinate beyond `span` \[block lengths\].
     pub fn count_beyond(&self, span: R) -> usize {
         let beyond = |&id: &u32| self.position(id).amax() > span;
         (0..self.count()).filter(beyond).count()
     }
 
-    /// How many blocks are higher than this \[side\].
+    /// Returns the number of blocks above this height \[block lengths\].
     pub fn count_above(&self, height: R) -> usize {
         let above = |&id: &u32| self.position(id).z > height;
         (0..self.count()).filter(above).count()
     }
 
     /// # Errors
-    /// If the motion of a block makes no sense.
+    ///
+    /// If the motion of a block is invalid.
     pub fn check(&self, id: u32, limits: &MotionLimits) -> Result<(), Fault> {
         let motion = [self.position(id), self.velocity(id), self.spin(id)];
         limits.check(id, motion, &self.attitudes[id as usize].rotation)
     }
 
-    /// Brings the matrices of these blocks up to date, several side by side.
+    /// Updates the matrices of these blocks, several at a time.
     pub fn show(&mut self, ids: impl Iterator<Item = u32>) {
         if self.shown_at != self.now {
             self.shown_at = self.now;
@@ -246,7 +249,7 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
-    /// At most [`ABREAST`] of them, and at least one.
+    /// Updates the matrices of at least one and at most [`ABREAST`] blocks.
     fn show_abreast(&mut self, blocks: &[usize]) {
         let lanes = filled(blocks).map(|i| &self.attitudes[i]);
         let rotation = transposed(lanes.map(|of| of.rotation.coords.into()));
@@ -277,19 +280,19 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
-    /// The same as a matrix, own directions to the world's, as of the last time that it was shown.
+    /// Returns the rotation matrix from block to world axes, as of its last update.
     pub fn axes(&self, id: u32) -> &Rotation3<R> {
         &self.attitudes[id as usize].axes
     }
 
-    /// Turns a block at once, about its centre.
+    /// Rotates a block about its centre at once.
     pub fn turn_now(&mut self, id: u32, angle: Vector3<R>) {
         let turned = turn(angle, self.rotation(id));
         self.attitudes[id as usize].rotation = turned;
         self.forget_axes(id);
     }
 
-    /// The free blocks whose centres are below a height, in rising order.
+    /// Lists the free blocks with centres below a height, in rising order.
     pub fn list_below(&self, height: R, found: &mut Vec<u32>) {
         found.clear();
         let (height, zero) = (R::Wide::splat(height), R::Wide::splat(R::zero()));
@@ -303,7 +306,7 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
-    /// Keeps also what rounding takes away.
+    /// Also keeps the part lost to rounding.
     fn set_exact_position(&mut self, id: u32, position: Vector3<f64>) {
         self.set_position(id, cast(position));
         let kept: Vector3<f64> = cast(self.position(id));
@@ -319,7 +322,7 @@ impl<R: Lane> Bodies<R> {
         self.forget_axes(id);
     }
 
-    /// The matrix of a block is not what it was shown as.
+    /// Marks the matrix of a block as out of date.
     fn forget_axes(&mut self, id: u32) {
         let (word, bit) = shown_bit(id);
         self.shown[word] &= !bit;
@@ -391,7 +394,7 @@ impl<R: Lane> Blocks for Bodies<R> {
 
     fn set_velocity(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
         if self.spin(id) != spin {
-            // What it is turned by now, it was turned to before its spin changes.
+            // Applies the rotation so far before the spin changes.
             self.rotation(id);
         }
         self.set_velocity_of_turned(id, velocity, spin);
@@ -418,12 +421,13 @@ impl<R: Lane> Blocks for Bodies<R> {
     }
 }
 
-/// Which bit says of a block that it is shown.
+/// Returns the word and bit that mark a block's matrix as up to date.
 fn shown_bit(id: u32) -> (usize, u64) {
     (id as usize / 64, 1 << (id % 64))
 }
 
-/// A place after a way, and what rounding has added to it; `rounded`: what it had added before.
+/// Returns a position after a displacement and its new rounding error. `rounded` is the error so
+/// far.
 #[inline(always)]
 pub(super) fn add<W: Copy + Add<Output = W> + Sub<Output = W>>(
     place: W,
@@ -435,7 +439,7 @@ pub(super) fn add<W: Copy + Add<Output = W> + Sub<Output = W>>(
     (moved, (moved - place) - way)
 }
 
-/// `rotation`, turned by a rotation vector: exact for a constant spin.
+/// Returns `rotation` turned by a rotation vector. Exact for a constant spin.
 fn turn<R: Real>(angle: Vector3<R>, rotation: UnitQuaternion<R>) -> UnitQuaternion<R> {
     let s = angle.norm_squared() * R::of(0.25);
     if s == R::zero() {

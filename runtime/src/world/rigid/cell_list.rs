@@ -1,9 +1,9 @@
-//! Which blocks are near each other: blocks sorted by cells of a grid.
+//! Neighbour search: blocks sorted by cells of a grid.
 //!
-//! Cells are long in x, and numbered along y first, so that the neighbours of a cell lie side by
-//! side in the sorted list: of all cells that touch it, half are two stretches of that list, and
-//! three more where a block is close to the end of its cell in x. Stretches are short, and asked
-//! four blocks at once, whether or not anybody is there: a guess that fails would cost more.
+//! Cells are long in x and numbered along y first, so that neighbouring cells are adjacent in the
+//! sorted list. Half of the cells around a cell form two ranges of the list, plus three for blocks
+//! close to the cell's end in x. Ranges are short and are tested four blocks at a time, without
+//! branches.
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -11,57 +11,57 @@ use super::bodies::Bodies;
 use super::simd::{ABREAST, LANES, Lane, Wide};
 use crate::world::blocks::Blocks;
 
-/// Farther apart than this \[side\], the centres of two cubes: they do not touch.
+/// Distance of cube centres beyond which they cannot touch \[block lengths\].
 pub(super) const TOUCH: f64 = 1.732_050_9;
 
-/// Thickness of a cell, in units of the distance that counts as near, unless there would be too many.
+/// Thickness of a cell relative to the search distance, unless there would be too many cells.
 const MARGIN: f64 = 1.005;
 
-/// At most so many cells per block; with more, the cells grow.
+/// Largest number of cells per block. Cells grow if there would be more.
 const CELLS_PER_BLOCK: f64 = 2.0;
 
-/// At least so many cells are allowed, and at most so many: they are numbered by floating point
-/// numbers, too.
+/// Smallest and largest limit of the number of cells. Cell numbers are also computed as
+/// floating-point numbers.
 const FEW: f64 = 1024.0;
 const MANY: f64 = 4_000_000.0;
 
-/// The blocks by cells.
+/// Blocks by cells.
 ///
-/// An empty cell is between two rows, and an empty row below and above each slab of cells: a
-/// neighbour is a fixed number away. Blocks outside of the grid count as inside of its outermost
-/// cells, which loses no neighbours.
+/// There is an empty cell between two rows, and an empty row below and above each slab, so every
+/// neighbour is at a fixed offset. Blocks outside the grid count as inside its outermost cells,
+/// which loses no neighbours.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct CellList<R: Lane> {
-    /// The middle of the first cell.
+    /// Centre of the first cell.
     low: [R; 3],
-    /// Cells per side.
+    /// Cells per block length.
     scale: [R; 3],
-    /// Closer than this is near \[side\].
+    /// Search distance \[block lengths\].
     near: R,
-    /// The last cell along each axis.
+    /// Last cell along each axis.
     last: [R; 3],
-    /// Cells in a row along y, and in a slab of rows, with the empty ones.
+    /// Cells in a row along y, and in a slab of rows, including the empty ones.
     stride: [usize; 2],
-    /// Where the blocks of a cell begin in the sorted list; the next one begins where they end.
+    /// Start of each cell in the sorted list, which is the end of the cell before.
     start: Vec<u32>,
-    /// Anchored blocks in the cells before each one; empty unless most blocks are anchored.
+    /// Number of anchored blocks before each cell. Empty unless most blocks are anchored.
     anchored: Vec<u32>,
-    /// The cell of each block by number.
+    /// Cell of each block by number.
     cells: Vec<u32>,
-    /// The blocks, sorted by cell and then by number: cell, who it is, and place.
+    /// Blocks sorted by cell and then by number: cell and tag.
     ///
-    /// Places go on for [`ABREAST`] blocks that are nowhere.
+    /// Positions are padded with [`ABREAST`] blocks at no position.
     sorted: Vec<(u32, Tag)>,
     places: [Vec<R>; 3],
-    /// Pairs as they are found, and where those of each block end: kept to be used again.
+    /// Buffers for pairs in order of discovery, and for the end of each block's pairs.
     #[serde(skip)]
     found: Vec<(u32, u32)>,
     #[serde(skip)]
     ends: Vec<u32>,
 }
 
-/// A block's number, and whether it is anchored.
+/// Number of a block, and whether it is anchored.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Tag(u32);
 
@@ -83,7 +83,7 @@ impl Tag {
     }
 }
 
-/// Turns counts into how many there are up to each.
+/// Replaces counts by cumulative sums.
 fn sum_up(counts: &mut [u32]) {
     let mut sum = 0;
     for count in counts {
@@ -93,8 +93,8 @@ fn sum_up(counts: &mut [u32]) {
 }
 
 impl<R: Lane> CellList<R> {
-    /// For blocks that mostly stay within `span` of the origin, and between two heights, and of which
-    /// those closer than `near` are looked for \[side\].
+    /// Returns a cell list for blocks that mostly stay within `span` of the origin and between two
+    /// heights. `near` is the search distance \[block lengths\].
     pub fn new(count: usize, span: f64, [floor, top]: [f64; 2], near: f64) -> CellList<R> {
         let mut edge = near * MARGIN;
         let span = span.max(edge);
@@ -111,13 +111,13 @@ impl<R: Lane> CellList<R> {
         let stride = [wide + 1, (wide + 1) * (high + 2)];
         let last = [slabs, wide as f64, high as f64].map(|cells| R::of(cells - 1.0));
         CellList {
-            // In x cells end where slabs do; elsewhere it does not matter.
+            // In x, cells end with slabs. Elsewhere the offset does not matter.
             low: [length / 2.0 - span, -span, floor].map(R::of),
             scale: [length, edge, edge].map(|edge| R::of(1.0 / edge)),
             near: R::of(near),
             last,
             stride,
-            // With the cells after the last one, and what counting needs.
+            // Includes padding after the last cell and space for counting.
             start: vec![0; stride[1] * slabs as usize + 4],
             anchored: Vec::new(),
             cells: vec![0; count.next_multiple_of(LANES)],
@@ -128,12 +128,12 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Takes in where the blocks are now.
+    /// Sorts the blocks by their current positions.
     pub fn sort(&mut self, bodies: &Bodies<R>) {
         self.look_up_cells(bodies);
         let cells = &self.cells[..self.sorted.len()];
-        // Two further on are counted: then places are given out one further on, and in the end
-        // each number is where it belongs.
+        // Counts are stored two places further on and positions are assigned one further on. At the
+        // end, each entry is at its own index.
         self.start.fill(0);
         for &cell in cells {
             self.start[cell as usize + 2] += 1;
@@ -171,7 +171,7 @@ impl<R: Lane> CellList<R> {
         let [row, slab] = self.stride.map(|cells| R::Wide::splat(R::of(cells as f64)));
         let first = R::Wide::splat(R::of(self.cell([0; 3]) as f64));
         let zero = R::Wide::splat(R::zero());
-        // So large a number has no fractions.
+        // Adding so large a number rounds to an integer.
         let large = R::Wide::splat(R::one() / R::default_epsilon());
         let (low, scale) = (self.low.map(R::Wide::splat), self.scale.map(R::Wide::splat));
         let last = self.last.map(R::Wide::splat);
@@ -179,7 +179,7 @@ impl<R: Lane> CellList<R> {
         for (group, cells) in bodies.groups().iter().zip(groups) {
             let along = |axis: usize, x: &[R; LANES]| {
                 let cell = (R::Wide::load(x) - low[axis]) * scale[axis];
-                // What is not a number is in the first cell.
+                // NaN maps to the first cell.
                 let cell = cell.above(zero).choose(cell, zero);
                 cell.minimum(last[axis]) + large - large
             };
@@ -191,25 +191,25 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// The number of the cell that a coordinate is in.
+    /// Returns the index of the cell at a coordinate.
     #[inline(always)]
     fn along(&self, axis: usize, x: R) -> usize {
         let cell = (x - self.low[axis]) * self.scale[axis];
         let last = self.last[axis];
-        // What is not a number is in the first cell.
+        // NaN maps to the first cell.
         let cell = if cell > R::zero() { cell } else { R::zero() };
         let cell = if cell < last { cell } else { last };
         cell.round_small() as usize
     }
 
-    /// The number of a cell among all.
+    /// Returns the number of a cell.
     #[inline(always)]
     fn cell(&self, [x, y, z]: [usize; 3]) -> usize {
         let [row, slab] = self.stride;
         x * slab + (z + 1) * row + y + 1
     }
 
-    /// Only from so far on in x, blocks of a slab may be near one of the next slab.
+    /// Returns the x beyond which blocks of a slab may be near blocks of the next slab.
     fn edge(&self, slab: usize, slabs: usize) -> R {
         if slab + 1 < slabs {
             R::of(slab as f64 + 0.5) / self.scale[0] + self.low[0] - self.near * R::of(MARGIN)
@@ -218,7 +218,7 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Whether all blocks that are asked for around a cell are known to be anchored.
+    /// Returns whether all blocks in the searched cells around a cell are anchored.
     fn has_no_free_neighbour(&self, cell: usize) -> bool {
         let [row, slab] = self.stride;
         let next = cell + slab;
@@ -233,8 +233,8 @@ impl<R: Lane> CellList<R> {
         !self.anchored.is_empty() && stretches.into_iter().all(are_anchored)
     }
 
-    /// Every pair of blocks that are near each other, but those of which both are anchored; once,
-    /// the lower number first, in rising order.
+    /// Lists every pair of nearby blocks with at least one free block. Pairs are unique and in
+    /// rising order, the lower number first.
     pub fn close_pairs(&mut self, pairs: &mut Vec<(u32, u32)>) {
         let mut found = std::mem::take(&mut self.found);
         self.find_pairs(&mut found);
@@ -242,7 +242,7 @@ impl<R: Lane> CellList<R> {
         self.found = found;
     }
 
-    /// The same, the lower number first, but in any order and some of them twice.
+    /// Finds the pairs in any order, some of them twice, the lower number first.
     fn find_pairs(&self, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
         let count = self.sorted.len();
@@ -278,7 +278,8 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Sorts pairs, each once: by counting for the first of both, as they are many and each has few others.
+    /// Sorts and deduplicates pairs, by counting the first block: there are many blocks, and each
+    /// has few pairs.
     fn in_order(&mut self, found: &[(u32, u32)], pairs: &mut Vec<(u32, u32)>) {
         let ends = &mut self.ends;
         ends.clear();
@@ -306,7 +307,8 @@ impl<R: Lane> CellList<R> {
         pairs.dedup();
     }
 
-    /// Adds the pairs of a block with those near it in a stretch of the sorted list, and maybe with some beyond its end.
+    /// Adds the pairs of a block within a range of the sorted list, and possibly a few beyond its
+    /// end.
     #[inline(always)]
     fn meet(&self, seeker: &Seeker<R>, stretch: [u32; 2], pairs: &mut Vec<(u32, u32)>) {
         let [mut from, to] = stretch.map(|at| at as usize);
@@ -314,7 +316,7 @@ impl<R: Lane> CellList<R> {
         loop {
             let squares = squares(places, &seeker.here, from);
             let hits = seeker.near.above(squares).bits();
-            // Whoever is near beyond the end of the stretch is met twice.
+            // Blocks beyond the end of the range may be found twice.
             if hits != 0 {
                 self.note(seeker.own, from, hits, pairs);
             }
@@ -325,7 +327,7 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Adds the pairs of a block with those of a group that are near it. Rare enough for a call.
+    /// Adds the pairs of a block with the nearby ones of a lane. Rare, hence not inlined.
     #[inline(never)]
     fn note(&self, own: Tag, from: usize, mut hits: u32, pairs: &mut Vec<(u32, u32)>) {
         while hits != 0 {
@@ -338,7 +340,7 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// The blocks that may be within `reach` of a place, in rising order.
+    /// Lists the blocks that may be within `reach` of a position, in rising order.
     pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
         found.clear();
         let range =
@@ -358,20 +360,20 @@ impl<R: Lane> CellList<R> {
     }
 }
 
-/// A block whose neighbours are looked for.
+/// Block whose neighbours are searched.
 struct Seeker<R: Lane> {
     own: Tag,
     here: [R::Quad; 3],
-    /// Closer than this is near, squared.
+    /// Square of the search distance.
     near: R::Quad,
 }
 
-/// How far a group of blocks is from a place, squared.
+/// Returns the squared distances of a lane of blocks from a position.
 #[inline(always)]
 fn squares<R: Lane>([x, y, z]: [&[R]; 3], here: &[R::Quad; 3], from: usize) -> R::Quad {
     let square = |places: &[R], here: R::Quad| {
         let group = places[from..from + ABREAST].first_chunk();
-        let way = R::Quad::load(group.expect("as many as there are lanes")) - here;
+        let way = R::Quad::load(group.expect("positions are padded to a full lane")) - here;
         way * way
     };
     square(x, here[0]) + square(y, here[1]) + square(z, here[2])
@@ -386,7 +388,7 @@ mod tests {
     use crate::world::BodyState;
     use stochc_protocol::Orientation;
 
-    /// Against every pair of blocks asked, in grids from a few cells on, some blocks outside of them.
+    /// Compares with a test of all pairs, in grids of various sizes, with some blocks outside.
     #[test]
     fn no_pair_is_lost_in_a_grid_of_any_size() {
         let mut dice = ChaCha8Rng::seed_from_u64(1);
@@ -403,7 +405,7 @@ mod tests {
                 })
                 .collect();
             let mut bodies: Bodies<f64> = Bodies::new(&blocks, 1.0, 1.0);
-            // Few of them, or most.
+            // A quarter of them, or three quarters.
             let anchored = |i: u32| i.is_multiple_of(4) == (case / 24 % 2 == 0);
             for i in (0..40).filter(|&i| anchored(i)) {
                 let place = blocks[i as usize].position;

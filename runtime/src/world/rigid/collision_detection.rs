@@ -1,4 +1,4 @@
-//! Who touches whom at the beginning of a substep.
+//! Collision detection at the beginning of a substep.
 use nalgebra::{Rotation3, Vector3};
 use stochc_ir::table;
 
@@ -17,11 +17,11 @@ use crate::world::free_bonds::FreeBonds;
 use crate::world::parameters::ContactParameters;
 use crate::world::real::Real;
 
-/// What blocks and ground look like to each other.
+/// Collision shapes of blocks and ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CollisionShape<R: Real> {
     spheres: bool,
-    /// A contact acts at one point of a patch, and not at all corners of a block.
+    /// Whether a contact acts at one point of its patch instead of all corners.
     compliant: bool,
     ground: Ground<R>,
 }
@@ -30,11 +30,11 @@ pub(super) struct CollisionShape<R: Real> {
 enum Ground<R: Real> {
     /// The plane z = 0, level with the plate.
     Plane,
-    /// Nothing but the plate.
+    /// Only the plate.
     Plate(PlateBox<R>),
 }
 
-/// The box that all seeds are.
+/// Box around all seeds.
 #[derive(Clone, Copy, Debug)]
 struct PlateBox<R: Real> {
     centre: Vector3<R>,
@@ -43,7 +43,7 @@ struct PlateBox<R: Real> {
 }
 
 impl<R: Lane> CollisionShape<R> {
-    /// Without an enclosure there is no floor.
+    /// Returns the shapes. Without an enclosure there is no floor.
     pub fn new(
         floor: bool,
         plate: &table::Plate,
@@ -67,7 +67,7 @@ impl<R: Lane> CollisionShape<R> {
         }
     }
 
-    /// Leaves out blocks, low enough for it, that cannot touch the ground.
+    /// Removes blocks that cannot touch the ground from a list of low blocks.
     fn keep_near_ground(&self, bodies: &Bodies<R>, low: &mut Vec<u32>) {
         if let Ground::Plate(plate) = &self.ground {
             low.retain(|&id| {
@@ -77,14 +77,14 @@ impl<R: Lane> CollisionShape<R> {
         }
     }
 
-    /// Shows how a block and the ground overlap, if they do.
+    /// Calls `touch` with the contact between a block and the ground, if they overlap.
     fn on_ground(&self, bodies: &Bodies<R>, id: u32, mut touch: impl FnMut(&Manifold<R>)) {
         let place = bodies.position(id);
         let on_plane = match &self.ground {
             Ground::Plane if self.spheres => ball_on_ground(place),
             Ground::Plane if self.compliant => face_on_ground(place, bodies.axes(id)),
             Ground::Plane => cube_on_ground(place, bodies.axes(id)),
-            // A ball on an edge of the plate is a rare thing that is not worth a rule of its own.
+            // A sphere on an edge of the plate is rare and uses the box as well.
             Ground::Plate(PlateBox { centre, axes, half }) => {
                 let (centre, half) = (*centre, *half);
                 let pair = (cube(bodies, id), Cuboid { centre, axes, half });
@@ -95,26 +95,27 @@ impl<R: Lane> CollisionShape<R> {
         on_plane.iter().for_each(touch);
     }
 
-    /// Whether it matters how blocks are turned that touch the ground, and those that touch each other.
+    /// Returns whether rotations matter for contacts with the ground, and for contacts between
+    /// blocks.
     fn has_edges(&self) -> [bool; 2] {
         let balls_only = self.spheres && matches!(self.ground, Ground::Plane);
         [!balls_only, !self.spheres]
     }
 }
 
-/// A block.
+/// Returns a block as a cuboid.
 fn cube<R: Lane>(bodies: &Bodies<R>, id: u32) -> Cuboid<'_, R> {
     Cuboid::cube(bodies.position(id), bodies.axes(id))
 }
 
-/// Who can touch what, and who does.
+/// Collision detection and the contacts found.
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<R: Lane> {
     shape: CollisionShape<R>,
     pub solver: Solver<R>,
-    /// Free blocks touch each other, and not only what does not move.
+    /// Whether free blocks collide with each other.
     mutual: bool,
-    /// Who may touch the ground, and who each other; kept to be used again.
+    /// Buffers: blocks near the ground, and nearby pairs.
     low: Vec<u32>,
     close: Vec<(u32, u32)>,
 }
@@ -152,7 +153,7 @@ impl<R: Lane> Contacts<R> {
         }
     }
 
-    /// Finds all contacts, in an order that depends on nothing but the blocks' numbers.
+    /// Finds all contacts, in an order that depends only on block numbers.
     pub fn find(
         &mut self,
         bodies: &mut Bodies<R>,
@@ -164,7 +165,7 @@ impl<R: Lane> Contacts<R> {
         self.find_among(bodies, bonds);
     }
 
-    /// The same of the blocks that take short steps, between two long ones.
+    /// Finds the contacts of the blocks with short steps, between two long steps.
     pub fn find_short(&mut self, bodies: &mut Bodies<R>, local: &LocalSteps<R>) {
         let (height, touch) = (R::of(TOUCH / 2.0), R::of(TOUCH * TOUCH));
         self.low.clear();
@@ -177,7 +178,7 @@ impl<R: Lane> Contacts<R> {
         self.find_among(bodies, None);
     }
 
-    /// Finds the contacts of those that have been listed.
+    /// Finds the contacts among the listed candidates.
     fn find_among(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>) {
         let Contacts {
             shape,

@@ -1,4 +1,5 @@
-//! What all blocks do in every substep, wherever the others are: shell, kicks, drag, and moving on.
+//! Free flight: the effects on all blocks in every substep that do not depend on other blocks.
+//! Shell, random impulses, drag and motion.
 use super::bodies::{Bodies, add};
 use super::simd::{LANES, Lane, Wide, square};
 use crate::counter_rng::{StepDraws, WORDS};
@@ -7,14 +8,14 @@ use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{self, Kicks};
 use crate::world::shell_force::ShellForce;
 
-/// Groups of blocks after which speeds and distances are looked at.
+/// Number of lanes after which speeds and distances are checked.
 const CHECKED: usize = 8;
 
-/// The terms that act on all blocks.
+/// Terms that act on all blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeFlight<R: Lane> {
     pub shell: Option<ShellForce<R>>,
-    /// Factors on the velocity in a long step and in a short one.
+    /// Factors on the velocity in a long and in a short step.
     pub drag: Option<[R; 2]>,
     /// Length of a short step \[tick\].
     short: R,
@@ -36,9 +37,9 @@ impl<R: Lane> FreeFlight<R> {
         }
     }
 
-    /// Changes all velocities, then moves all blocks; whether all motions still make sense.
+    /// Changes all velocities, then moves all blocks. Returns whether all motions are valid.
     ///
-    /// `kicks` are those of this substep, if it is one that has kicks.
+    /// `kicks` are the random impulses of this substep, if it has any.
     pub fn fly(
         &self,
         bodies: &mut Bodies<R>,
@@ -61,7 +62,7 @@ impl<R: Lane> FreeFlight<R> {
         }
     }
 
-    /// Moves those of these blocks that are free by a short step, in which there are no kicks.
+    /// Moves the free blocks among `ids` by a short step, without random impulses.
     pub fn fly_short(&self, bodies: &mut Bodies<R>, ids: &[u32]) {
         for &id in ids {
             if !bodies.is_free(id) {
@@ -79,7 +80,7 @@ impl<R: Lane> FreeFlight<R> {
         }
     }
 
-    /// One pass over all blocks; a term that is absent leaves no code behind.
+    /// Processes all blocks in one pass. Absent terms are compiled out.
     fn pass<const KICKS: bool, const SHELL: bool, const DRAG: bool>(
         &self,
         bodies: &mut Bodies<R>,
@@ -94,7 +95,7 @@ impl<R: Lane> FreeFlight<R> {
         });
         let [long, short] = self.drag.unwrap_or([R::one(); 2]).map(R::Wide::splat);
         let longer = R::Wide::splat(self.short * R::of(1.5));
-        // Below one as long as no speed and no distance is beyond its bound, and all are numbers.
+        // Relative squares: below one while all speeds and distances are within their limits.
         let (speeds, ways) = (
             R::of(1.0 / (self.limits.speed * self.limits.speed)),
             R::of(1.0 / (self.limits.far * self.limits.far)),
@@ -143,25 +144,26 @@ impl<R: Lane> FreeFlight<R> {
                 group.rounded = rounded.map(Wide::store);
                 group.velocity = v.map(Wide::store);
             }
-            // What is not a number is not below anything.
+            // Comparisons with NaN are false.
             sound &= excess.store().iter().all(|&excess| excess < R::one());
         }
         sound
     }
 }
 
-/// What the shell changes velocities by, per distance from its centre and inward, as [`ShellForce::push`] does for one.
+/// Returns the velocity change by the shell per distance from its centre, inward. The vector form
+/// of [`ShellForce::push`].
 #[inline(always)]
 fn shell_factor<R: Lane>(shell: &ShellForce<R>, x: &[R::Wide; 3]) -> R::Wide {
     let distance = square(*x).sqrt();
     let zero = R::Wide::splat(R::zero());
     let depth = (distance - R::Wide::splat(shell.radius)).maximum(zero);
-    // In the middle the distance is 0, and so is the depth.
+    // Avoids a division by 0 at the centre, where the depth is 0 as well.
     let tiny = R::Wide::splat(R::of(1e-30));
     R::Wide::splat(shell.stiffness) * depth / distance.maximum(tiny)
 }
 
-/// Kicks of speed `low + span u`, u evenly spread over (0, 1), in an isotropic direction.
+/// Random impulses of speed `low + span u`, with u uniform in (0, 1), in isotropic directions.
 #[derive(Clone, Copy, Debug)]
 struct Kick<R> {
     low: R,
@@ -184,7 +186,8 @@ impl<R: Lane> Kick<R> {
         }
     }
 
-    /// From the same words as `counter_rng::direction` and `counter_rng::unit`, for many blocks at once.
+    /// Returns the impulses of many blocks, from the same words as `counter_rng::direction` and
+    /// `counter_rng::unit`.
     #[inline(always)]
     fn draw(&self, drawn: &[[u8; 4]; WORDS as usize * LANES]) -> [R::Wide; 3] {
         let all = R::Wide::splat;
@@ -194,7 +197,7 @@ impl<R: Lane> Kick<R> {
                 let word = u32::from_le_bytes(drawn[lane * WORDS as usize + word]);
                 *bits = R::of_int((word >> 8) as i32);
             }
-            // Midpoints of 2^24 bins: what single precision can tell apart.
+            // Midpoints of 2^24 bins, the resolution of single precision.
             let bin = all(R::of(1.0 / 16_777_216.0));
             (R::Wide::load(&bits) + all(R::of(0.5))) * bin
         };
@@ -206,13 +209,13 @@ impl<R: Lane> Kick<R> {
     }
 }
 
-/// Sine and cosine of 2 pi `turns`, for `turns` in [0, 1], within 4e-8 but for rounding.
+/// Returns the sine and cosine of 2 pi `turns` for `turns` in [0, 1], within 4e-8 plus rounding.
 ///
-/// By polynomials instead of the library's functions, so that many are computed side by side.
+/// Uses polynomials instead of library functions, to compute many values at once.
 #[inline(always)]
 fn sincos_turns<R: Lane>(turns: R::Wide) -> (R::Wide, R::Wide) {
     let all = |value: f64| R::Wide::splat(R::of(value));
-    // Half of the angle, measured from the opposite direction: -1/2 .. 1/2 half turns.
+    // Half of the angle from the opposite direction: -1/2 to 1/2 half turns.
     let a = turns - all(0.5);
     let s = a * a;
     let mut cos = all(COS[0]);
@@ -222,14 +225,14 @@ fn sincos_turns<R: Lane>(turns: R::Wide) -> (R::Wide, R::Wide) {
         sin = sin * s + all(SIN[k]);
     }
     let sin = sin * a;
-    // The whole angle, and the opposite of that.
+    // Double-angle formulas, and the opposite direction.
     (all(-2.0) * sin * cos, all(2.0) * sin * sin - all(1.0))
 }
 
-/// Taylor coefficients of cos(pi a) in a^2, highest first: within 7e-9 for |a| <= 1/2.
+/// Taylor coefficients of cos(pi a) in a^2, highest first. Accurate within 7e-9 for |a| <= 1/2.
 const COS: [f64; 7] = series(0);
 
-/// The same of sin(pi a) / a.
+/// Taylor coefficients of sin(pi a) / a in a^2, highest first.
 const SIN: [f64; 7] = series(1);
 
 const fn series(odd: u32) -> [f64; 7] {

@@ -1,4 +1,4 @@
-//! Moves full rigid cubes and lets them collide, most of which fly alone most of the time.
+//! Integrator for rigid cubes that rarely touch.
 use nalgebra::Vector3;
 use stochc_ir::scene::ContactLaw;
 use stochc_ir::table::Plate;
@@ -18,17 +18,17 @@ use crate::world::parameters::{Kicks, WorldParameters};
 use crate::world::stepper::{Integrator, Moving};
 use crate::world::{BodyState, Fault, SceneError};
 
-/// An integrator in one precision.
+/// Integrator in one precision.
 pub(super) struct Kernel<R: Lane> {
     flight: FreeFlight<R>,
-    /// The words of one tick, kept to be used again.
+    /// Buffer for the random words of one tick.
     words: Vec<u8>,
     contacts: Option<Contacts<R>>,
-    /// `None` where nobody asks who is near whom.
+    /// Neighbour list. `None` if nothing needs neighbours.
     neighbours: Option<NeighbourList<R>>,
-    /// `None`: all blocks take the same steps.
+    /// Local time steps. `None` if all blocks take the same steps.
     local: Option<LocalSteps<R>>,
-    /// What rigid blocks are pulled down by \[side / tick^2\].
+    /// Weight of rigid blocks \[block lengths / tick^2\].
     weight: R,
     limits: MotionLimits,
 }
@@ -37,7 +37,7 @@ stochc_ir::state! {
     (<R: Lane>) Kernel<R>;
     values: neighbours, local;
     parts: ;
-    // Contacts are found anew in every step.
+    // Contacts are recomputed in every step.
     same: flight, words, contacts, weight, limits
 }
 
@@ -178,7 +178,7 @@ impl<R: Lane> Integrator for Kernel<R> {
 }
 
 impl<R: Lane> Kernel<R> {
-    /// Corrects the motion of the blocks that touch something.
+    /// Applies contact impulses to the blocks that touch something.
     fn collide(&mut self, bodies: &mut Bodies<R>) -> Result<(), Fault> {
         let Some(contacts) = &mut self.contacts else {
             return Ok(());

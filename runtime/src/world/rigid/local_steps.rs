@@ -1,8 +1,9 @@
-//! Which blocks take short steps: those in the field of a magnetized face, and whoever may touch them.
+//! Local time steps: short steps for blocks in the field of a magnetized face, and for blocks that
+//! may touch them.
 //!
-//! All others move once in a long step. A pair feels the force of its contact at the steps of whoever takes the longer ones, both
-//! by the same impulse, so that momentum is kept. Who is chosen depends on places and velocities at the beginning of
-//! a long step, and on which faces are on.
+//! All others move once per long step. The contact force on a pair acts at the longer of the two
+//! steps, with equal and opposite impulses, so momentum is conserved. The selection depends on
+//! positions, velocities and open faces at the beginning of a long step.
 use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
@@ -12,21 +13,21 @@ use super::simd::Lane;
 use crate::world::blocks::Blocks;
 use crate::world::real::Real;
 
-/// How much farther than at its present velocity a block may get in a step, which contacts and magnets change \[side\].
+/// Allowance for velocity changes by contacts and magnets within a step \[block lengths\].
 pub(super) const SURPRISE: f64 = 0.1;
 
-/// The blocks that take short steps in a long one.
+/// Blocks that take short steps within a long one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct LocalSteps<R: Real> {
     /// Lengths of a long and a short step \[tick\].
     long: R,
     short: R,
-    /// In rising order; and those of the long step before.
+    /// Blocks with short steps in rising order, in this long step and in the previous one.
     pub blocks: Vec<u32>,
     before: Vec<u32>,
-    /// The pairs among them, and with blocks that are anchored, that may touch in the long step; the lower number first, in
-    /// rising order.
+    /// Pairs of these blocks, and pairs with anchored blocks, that may touch in the long step. The
+    /// lower number first, in rising order.
     pub pairs: Vec<(u32, u32)>,
     found: Vec<u32>,
 }
@@ -43,12 +44,12 @@ impl<R: Lane> LocalSteps<R> {
         }
     }
 
-    /// How far a block may get in a long step.
+    /// Returns the largest path of a block in a long step.
     pub fn distance(&self, speed: R) -> R {
         speed * self.long + R::of(SURPRISE)
     }
 
-    /// Begins a long step, in which these blocks may come into the field of a face.
+    /// Begins a long step. During it, the blocks `in_field` may enter the field of a face.
     pub fn begin(
         &mut self,
         bodies: &mut Bodies<R>,
@@ -104,7 +105,7 @@ impl<R: Lane> LocalSteps<R> {
         self.found = found;
     }
 
-    /// The first short step is done.
+    /// Records that the first short step is complete.
     pub fn has_begun(&self, bodies: &mut Bodies<R>) {
         for &id in &self.blocks {
             bodies.set_last(id, self.short);

@@ -1,9 +1,8 @@
-//! Full rigid cubes by a kernel of our own, made for dilute suspensions.
+//! Rigid cubes by a custom kernel for dilute suspensions.
 //!
-//! The same scenes as the world of Rapier, in single or double precision, and the same rules for
-//! magnets. Almost every block flies alone almost always, so that a free block costs its draws and
-//! its flight, and nothing more: contacts are looked for among neighbours only, and orientations
-//! are computed when somebody looks.
+//! Same scenes and magnets as the world of Rapier, in single or double precision. Most blocks fly
+//! freely most of the time. A free block costs only its random draws and its motion: collision
+//! detection covers only neighbours, and rotations are computed on access.
 mod bodies;
 mod cell_list;
 mod collision_detection;
@@ -32,7 +31,7 @@ use crate::settings::{Precision, Settings};
 pub(super) use bodies::Bodies;
 use integrator::Kernel;
 
-/// A world of rigid cubes.
+/// World of rigid cubes.
 pub struct RigidWorld(ByPrecision);
 
 enum ByPrecision {
@@ -40,7 +39,7 @@ enum ByPrecision {
     Double(Box<Stepper<Kernel<f64>>>),
 }
 
-/// The same for either precision.
+/// Dispatches to either precision.
 macro_rules! either {
     (new $precision:expr, $stepper:expr) => {
         match $precision {

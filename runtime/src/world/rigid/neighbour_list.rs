@@ -1,4 +1,8 @@
-//! Which blocks are near each other, looked up once for several substeps (Verlet 1967).
+//! Neighbour list: nearby pairs of blocks, valid for several substeps.
+//!
+//! # Source
+//!
+//! L. Verlet (1967).
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -8,47 +12,48 @@ use super::simd::{LANES, Lane, Wide, square};
 use crate::world::blocks::Blocks;
 use crate::world::motion_limits::FARTHEST;
 
-/// So much farther apart than touching \[side\], pairs are on a list that is to last.
+/// Largest gap of listed pairs \[block lengths\].
 const SKIN: f64 = 1.6;
 
-/// More than rounding can change a distance by \[side\].
+/// Upper bound of rounding errors of a distance \[block lengths\].
 const ROUNDING: f64 = 0.01;
 
-/// A list has to last for so many steps, or it costs more than it saves.
+/// Number of steps that a list must last to pay off.
 const LASTING: f64 = 2.5;
 
-/// Steps until it is looked again how long a list would last, and how far blocks have spread.
+/// Number of steps between reviews of the list's lifetime and of the blocks' extent.
 const REVIEW: u32 = 64;
 
-/// At most one block in so many may be outside of the grid, where cells are crowded.
+/// At most one block in this many may be outside the grid, whose outermost cells are crowded.
 const OUTSIDE: usize = 8;
 
-/// The blocks near each other and near places.
+/// Search structure for blocks near each other and near a position.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct NeighbourList<R: Lane> {
-    /// The blocks mostly stay within this of the origin, and above the floor if there is one \[side\].
+    /// Half-width of the region with most blocks \[block lengths\].
     span: f64,
     floor: Option<f64>,
-    /// So high does the grid reach, below which most blocks are: a sediment, or a flat structure, would crowd the lowest cells
-    /// of a higher one \[side\].
+    /// Height of the grid, below which most blocks are \[block lengths\]. A higher grid would crowd
+    /// a sediment or a flat structure into its lowest cells.
     top: f64,
     grid: CellList<R>,
-    /// [`SKIN`], or 0: there is no list, and everybody is looked up in every step.
+    /// [`SKIN`], or 0 if all pairs are searched in every step.
     skin: f64,
     pairs: Vec<(u32, u32)>,
-    /// How far apart each of them was when the list was made, and by how much any two blocks have come closer since, at
-    /// most \[side\].
+    /// Distance of each pair when the list was made, and the largest approach of any two blocks
+    /// since \[block lengths\].
     distances: Vec<R>,
     closer: R,
-    /// Where the blocks were when the list was made, in the same groups; empty: there is none.
+    /// Positions when the list was made, in the same groups. Empty if there is no list.
     places: Vec<[[R; LANES]; 3]>,
     /// Steps until the next review.
     due: u32,
 }
 
 impl<R: Lane> NeighbourList<R> {
-    /// For blocks that mostly stay within `span` of the origin so far, and above `floor` \[side\].
+    /// Returns an empty list for blocks mostly within `span` of the origin and above `floor`
+    /// \[block lengths\].
     pub fn new(count: usize, span: f64, floor: Option<f64>) -> NeighbourList<R> {
         let heights = [floor.unwrap_or(-span), span];
         NeighbourList {
@@ -65,7 +70,7 @@ impl<R: Lane> NeighbourList<R> {
         }
     }
 
-    /// Takes in where the blocks are now; whether they had to be looked up anew.
+    /// Updates the list to the current positions. Returns whether it was rebuilt.
     pub fn follow(&mut self, bodies: &Bodies<R>) -> bool {
         match self.due.checked_sub(1) {
             Some(due) => self.due = due,
@@ -89,12 +94,12 @@ impl<R: Lane> NeighbourList<R> {
         true
     }
 
-    /// A block that was anchored is free: its pairs with others that still are may not be listed.
+    /// Invalidates the list after a release: pairs of a formerly anchored block may be missing.
     pub fn forget(&mut self) {
         self.places.clear();
     }
 
-    /// Decides whether there is to be a list, and how far the grid reaches.
+    /// Decides whether to keep a list, and sets the height of the grid.
     fn review(&mut self, bodies: &Bodies<R>) {
         self.due = REVIEW;
         let step = bodies.fastest().double() * bodies.dt.double();
@@ -123,7 +128,7 @@ impl<R: Lane> NeighbourList<R> {
         }
     }
 
-    /// Sees how far blocks have moved; whether no two of them have come closer by the skin.
+    /// Returns whether the list is valid: no two blocks have approached by more than the skin.
     fn holds(&mut self, bodies: &Bodies<R>) -> bool {
         let load = |x: &[R; LANES]| R::Wide::load(x);
         let [mut farthest, mut second] = [R::Wide::splat(R::zero()); 2];
@@ -142,8 +147,8 @@ impl<R: Lane> NeighbourList<R> {
         self.closer < R::of(self.skin)
     }
 
-    /// Every pair of blocks that may touch, but those of which both are anchored; once, the lower
-    /// number first, in rising order.
+    /// Lists every pair of blocks that may touch, with at least one free block. Pairs are unique
+    /// and in rising order, the lower number first.
     pub fn close_pairs(&mut self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
         if self.skin == 0.0 {
             self.grid.close_pairs(pairs);
@@ -151,7 +156,7 @@ impl<R: Lane> NeighbourList<R> {
         }
         let touch = R::of(TOUCH * TOUCH);
         pairs.clear();
-        // Farther apart than this then, they do not touch now, whatever rounding does.
+        // Pairs beyond this distance at that time cannot touch now, including rounding.
         let far = R::of(TOUCH + ROUNDING) + self.closer;
         for (&(i, j), &distance) in self.pairs.iter().zip(&self.distances) {
             if distance > far {
@@ -164,8 +169,8 @@ impl<R: Lane> NeighbourList<R> {
         }
     }
 
-    /// The blocks that may come within `reach` of a place before the list is made anew, in rising
-    /// order.
+    /// Lists the blocks that may come within `reach` of a position before the list is rebuilt, in
+    /// rising order.
     pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
         self.grid.around(centre, reach + R::of(self.skin), found);
     }
@@ -179,7 +184,7 @@ mod tests {
     use super::*;
     use crate::world::BodyState;
 
-    /// Against every pair asked, while blocks are slow enough for a list by times.
+    /// Compares with a test of all pairs, for blocks that are sometimes slow enough for a list.
     #[test]
     fn no_pair_is_lost_when_blocks_get_faster_and_slower() {
         let mut dice = ChaCha8Rng::seed_from_u64(1);

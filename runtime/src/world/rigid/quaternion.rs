@@ -1,9 +1,9 @@
-//! Turning: the same arithmetic for one block and for several side by side.
+//! Rotation by quaternions: the same arithmetic for one block and for SIMD lanes.
 use std::ops::{Add, Mul, Sub};
 
 use crate::world::real::Real;
 
-/// What can be computed with: a number, or several.
+/// Scalar or vector of scalars.
 pub(super) trait Arithmetic:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
@@ -11,14 +11,14 @@ pub(super) trait Arithmetic:
 
 impl<N: Copy + Add<Output = N> + Sub<Output = N> + Mul<Output = N>> Arithmetic for N {}
 
-/// For quarters of squared angles below this, [`small`] is right.
+/// Quarter of the squared angle below which [`small`] is accurate.
 pub(super) const SMALL: f64 = 0.04;
 
-/// Of a quarter of a squared angle: the cosine of half of the angle, and the sine of that over the
-/// angle itself.
+/// Returns the cosine of half an angle, and its sine divided by the angle. `s` is a quarter of the
+/// squared angle.
 #[inline(always)]
 pub(super) fn small<N: Arithmetic>(s: N, of: impl Fn(f64) -> N) -> (N, N) {
-    // Both series are cut where the next term is below 1e-10.
+    // Both series end at the first term below 1e-10.
     let nest = |by: [f64; 4]| {
         let term = |sum, &by: &f64| of(1.0) - s * of(1.0 / by) * sum;
         by.iter().rev().fold(of(1.0), term)
@@ -28,14 +28,14 @@ pub(super) fn small<N: Arithmetic>(s: N, of: impl Fn(f64) -> N) -> (N, N) {
     (cos, sinc * of(0.5))
 }
 
-/// The same for any angle.
+/// Like [`small`], for any angle.
 pub(super) fn large<R: Real>(s: R) -> (R, R) {
     let half = s.double().sqrt();
     let (sin, cos) = libm::sincos(half);
     (R::of(cos), R::of(sin / half / 2.0))
 }
 
-/// A quaternion (x, y, z, w), turned by a rotation vector whose cosine and sine are these.
+/// Rotates a quaternion (x, y, z, w) by a rotation vector with this cosine and scaled sine.
 #[inline(always)]
 pub(super) fn turned<N: Arithmetic>(
     [x, y, z, w]: [N; 4],
@@ -51,12 +51,12 @@ pub(super) fn turned<N: Arithmetic>(
         cos * w - a * x - b * y - c * z,
     ];
     let [i, j, k, l] = turned.map(|part| part * part);
-    // It is so close to one that one step of Newton's for the root will do.
+    // The norm is close to one, so one Newton step of the root suffices.
     let factor = (of(3.0) - ((i + k) + (j + l))) * of(0.5);
     turned.map(|part| part * factor)
 }
 
-/// The columns of the matrix of a unit quaternion.
+/// Returns the columns of the matrix of a unit quaternion.
 #[inline(always)]
 pub(super) fn columns<N: Arithmetic>([i, j, k, w]: [N; 4], of: impl Fn(f64) -> N) -> [[N; 3]; 3] {
     let (ww, ii, jj, kk) = (w * w, i * i, j * j, k * k);

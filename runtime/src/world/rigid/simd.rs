@@ -1,4 +1,4 @@
-//! Numbers side by side, in either precision: eight of different blocks, or a vector.
+//! SIMD vectors in either precision: eight numbers of different blocks, or a vector in space.
 use std::ops::{Add, AddAssign, BitAnd, Div, Mul, MulAssign, Sub, SubAssign};
 
 use nalgebra::Vector3;
@@ -6,23 +6,23 @@ use wide::{f32x4, f32x8, f64x4, f64x8};
 
 use crate::world::real::Real;
 
-/// How many numbers are computed side by side.
+/// Width of vectors for sequential data.
 pub(super) const LANES: usize = 8;
 
-/// The same where they have to be looked up one by one, and some lanes stay empty.
+/// Width of vectors for gathered data. Some lanes may be unused.
 pub(super) const ABREAST: usize = 4;
 
-/// A number that is computed with side by side.
+/// Scalar with SIMD vectors.
 pub(crate) trait Lane: Real {
-    /// Eight of it.
+    /// Vector of eight.
     type Wide: Wide<Self, LANES>;
-    /// Four of it, or a vector in space and a zero.
+    /// Vector of four, or a vector in space and a zero.
     type Quad: Quad<Self>;
 }
 
-/// `N` numbers.
+/// Vector of `N` numbers.
 ///
-/// What is greater than something is told by a mask: a pattern of bits in the place of a number.
+/// Comparisons return masks: bit patterns in place of numbers.
 pub(crate) trait Wide<R, const N: usize>:
     Copy
     + std::fmt::Debug
@@ -35,41 +35,41 @@ pub(crate) trait Wide<R, const N: usize>:
     + SubAssign
     + MulAssign
 {
-    /// From memory.
+    /// Loads a vector from memory.
     fn load(lanes: &[R; N]) -> Self;
-    /// To memory.
+    /// Stores a vector to memory.
     fn store(self) -> [R; N];
-    /// The same number everywhere.
+    /// Returns the same number in all lanes.
     fn splat(value: R) -> Self;
-    /// Square roots.
+    /// Returns the square roots.
     fn sqrt(self) -> Self;
-    /// The greater ones, where both are numbers.
+    /// Returns the larger numbers of each lane, if neither is NaN.
     fn maximum(self, other: Self) -> Self;
-    /// The lesser ones, where both are numbers.
+    /// Returns the smaller numbers of each lane, if neither is NaN.
     fn minimum(self, other: Self) -> Self;
-    /// Without their signs.
+    /// Returns the absolute values.
     fn abs(self) -> Self;
-    /// Where it is greater than the other, as a mask; what is not a number is not.
+    /// Returns a mask of the lanes that are greater than `other`. NaN is not.
     fn above(self, other: Self) -> Self;
-    /// By a mask: the first number where it says so, and the second one elsewhere.
+    /// Selects `yes` in the lanes of the mask and `no` elsewhere.
     fn choose(self, yes: Self, no: Self) -> Self;
-    /// A mask with a bit for each number.
+    /// Returns the mask as one bit per lane.
     fn bits(self) -> u32;
 }
 
-/// A vector in space whose components are computed side by side.
+/// Vector in space as one SIMD vector.
 pub(crate) trait Quad<R>: Wide<R, ABREAST> + Default {
-    /// The same vector.
+    /// Packs a vector.
     fn pack(vector: Vector3<R>) -> Self;
-    /// The same vector.
+    /// Unpacks a vector.
     fn unpack(self) -> Vector3<R>;
-    /// Every component multiplied by the same number.
+    /// Multiplies every component by the same number.
     fn scaled(self, by: R) -> Self;
-    /// The sum of the components.
+    /// Returns the sum of the components.
     fn sum(self) -> R;
 }
 
-/// Of vectors, each in its lane.
+/// Returns the cross products of the lanes' vectors.
 #[inline(always)]
 pub(super) fn cross<W: Copy + Mul<Output = W> + Sub<Output = W>>(a: [W; 3], b: [W; 3]) -> [W; 3] {
     [
@@ -79,33 +79,33 @@ pub(super) fn cross<W: Copy + Mul<Output = W> + Sub<Output = W>>(a: [W; 3], b: [
     ]
 }
 
-/// Of the components.
+/// Returns the sum of the components.
 #[inline(always)]
 pub(super) fn sum<W: Add<Output = W>>([x, y, z]: [W; 3]) -> W {
     x + y + z
 }
 
-/// Of vectors, each in its lane: their lengths squared.
+/// Returns the squared lengths of the lanes' vectors.
 #[inline(always)]
 pub(super) fn square<W: Copy + Add<Output = W> + Mul<Output = W>>(vector: [W; 3]) -> W {
     sum(vector.map(|part| part * part))
 }
 
-/// Vectors, each in its lane.
+/// Transposes vectors into lanes.
 #[inline(always)]
 pub(super) fn transposed<R: Lane, const K: usize>(vectors: [[R; K]; ABREAST]) -> [R::Quad; K] {
     let [a, b, c, d] = vectors;
     std::array::from_fn(|axis| R::Quad::load(&[a[axis], b[axis], c[axis], d[axis]]))
 }
 
-/// At most [`ABREAST`] of something and at least one, the last of them again in the lanes that are left.
+/// Returns one to [`ABREAST`] elements, padded with the last one.
 #[inline(always)]
 pub(super) fn filled<T: Copy>(some: &[T]) -> [T; ABREAST] {
     let last = some.len() - 1;
     [0, 1, 2, 3].map(|lane: usize| some[lane.min(last)])
 }
 
-/// So many lanes from the first on, as a mask.
+/// Returns a mask of the first `count` lanes.
 #[inline(always)]
 pub(super) fn first<R: Lane>(count: usize) -> R::Quad {
     let lanes = std::array::from_fn(|lane| if lane < count { R::one() } else { R::zero() });
@@ -135,7 +135,7 @@ macro_rules! wide {
                 minimum(other) = fast_min, above(other) = simd_gt, choose(yes, no) = select);
         }
     };
-    // What only has another name there.
+    // Operations with another name in the library.
     (@same $wide:ty; $($name:ident($($with:ident),*) = $theirs:ident),+) => {
         $(
             #[inline(always)]

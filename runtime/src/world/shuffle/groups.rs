@@ -1,18 +1,18 @@
-//! Free blocks that have bonded to each other.
+//! Groups of bonded free blocks.
 use serde::{Deserialize, Serialize};
 
-/// Sets of blocks that only grow together, and the size of the largest.
+/// Disjoint sets of blocks, and the size of the largest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct DisjointSets {
-    /// Of each block another one of its set, or itself: one for all.
+    /// Parent of each block: another block of its set, or itself for the root.
     towards: Vec<u32>,
-    /// Blocks in the set of such a one.
+    /// Size of the set of each root.
     sizes: Vec<u32>,
     largest: u32,
 }
 
 impl DisjointSets {
-    /// Blocks of which none are bonded.
+    /// Returns sets of one block each.
     pub fn new(count: u32) -> DisjointSets {
         DisjointSets {
             towards: (0..count).collect(),
@@ -21,12 +21,12 @@ impl DisjointSets {
         }
     }
 
-    /// Blocks of the largest set.
+    /// Returns the size of the largest set.
     pub fn largest(&self) -> u32 {
         self.largest
     }
 
-    /// Bonds two blocks, and with them their sets.
+    /// Merges the sets of two blocks.
     pub fn join(&mut self, one: u32, other: u32) {
         let (one, other) = (self.find(one), self.find(other));
         if one != other {

@@ -1,7 +1,7 @@
-//! A world without physics: each tick one magnetized face, drawn at random, captures a block.
+//! Model `shuffle`: no physics. Each tick, one random open face captures a block.
 //!
-//! It has the structure's geometry and no other: good for testing a protocol under many orders of
-//! events, useless for times.
+//! It has the geometry of the structure only. It tests protocols under many orders of events; its
+//! times are meaningless.
 mod groups;
 mod unplanned_faces;
 
@@ -19,20 +19,20 @@ use crate::counter_rng::{DrawsAhead, Stream, below, unit};
 use groups::DisjointSets;
 use unplanned_faces::ExposedFaces;
 
-/// A world of cells. A tick takes about the same time however many blocks there are.
+/// Lattice world. The cost of a tick is almost independent of the number of blocks.
 #[derive(Clone, Debug)]
 pub struct ShuffleWorld {
     tick: u64,
     draws: DrawsAhead,
-    /// Chance per tick that a block docks on a face that is off.
+    /// Probability per tick of a capture at a face that is off.
     strays: f64,
-    /// `None`: free blocks do not bond.
+    /// Groups of free blocks. `None` if free blocks do not bond.
     groups: Option<DisjointSets>,
     lattice: LatticeStructure,
-    /// The faces that are on and to which a block can come: six numbers for each seat.
+    /// Accessible open faces, six numbers per seat.
     open: RankedSet,
-    /// Where there are strays: the faces of the plate, and of blocks above it, that are off and to which a block can
-    /// come.
+    /// Accessible faces that are off, of the plate and of blocks above it. Only used for stray
+    /// captures.
     exposed: [ExposedFaces; 2],
 }
 
@@ -44,8 +44,8 @@ stochc_ir::state! {
 }
 
 impl ShuffleWorld {
-    /// A world of `count` free blocks around the blocks of the plate that have a name in these tables; its
-    /// chance is that of (`seed`, `run`).
+    /// Returns a world of `count` free blocks and the plate's blocks that are named in these
+    /// tables. (`seed`, `run`) is the key of its random draws.
     pub fn new(tables: &Tables, count: u32, seed: u64, run: u64) -> ShuffleWorld {
         let lattice = LatticeStructure::new(tables, count);
         ShuffleWorld {
@@ -59,7 +59,7 @@ impl ShuffleWorld {
         }
     }
 
-    /// The same, where in about every other tick two free blocks drawn at random bond to each other.
+    /// Lets two random free blocks bond to each other in about every other tick.
     pub(crate) fn with_groups(self) -> ShuffleWorld {
         ShuffleWorld {
             groups: Some(DisjointSets::new(self.lattice.count)),
@@ -67,8 +67,8 @@ impl ShuffleWorld {
         }
     }
 
-    /// The same, where with this chance per tick a block also docks on a face that nobody has
-    /// switched on, of those to which a block can come: as where every face always attracts.
+    /// Adds stray captures, with this probability per tick, at accessible faces that are off. This
+    /// imitates faces that always attract.
     pub fn with_strays(self, probability: f64) -> ShuffleWorld {
         let mut world = ShuffleWorld {
             strays: probability,
@@ -80,7 +80,7 @@ impl ShuffleWorld {
         world
     }
 
-    /// The occupied cells above the plate, each with the number of its block.
+    /// Returns the occupied cells above the plate, each with its block.
     pub fn cells(&self) -> BTreeMap<Cell, u32> {
         let of = &self.lattice;
         let anchored = (0..of.count).filter(|id| !of.free.contains(*id as usize));
@@ -88,7 +88,7 @@ impl ShuffleWorld {
         anchored.map(|id| (seats[id as usize].cell, id)).collect()
     }
 
-    /// How an anchored block sits.
+    /// Returns the orientation of an anchored block.
     pub fn orientation(&self, body: Body) -> Option<Orientation> {
         match body {
             Body::Seed(_) => Some(Orientation::IDENTITY),
@@ -98,7 +98,7 @@ impl ShuffleWorld {
 }
 
 impl ShuffleWorld {
-    /// Puts a block that docks on a face into its cell, which is empty.
+    /// Puts a captured block into its empty cell.
     #[inline]
     fn dock(&mut self, seat: usize, face: Face, cell: Cell, docking: &Docking) {
         let emit = |change| note(&mut self.open, change);
@@ -106,7 +106,7 @@ impl ShuffleWorld {
         self.expose(cell);
     }
 
-    /// Notes which faces in and around a cell a stray can come to.
+    /// Updates which faces in and around a cell are accessible to stray blocks.
     #[inline]
     fn expose(&mut self, cell: Cell) {
         if self.strays > 0.0 {
@@ -131,7 +131,7 @@ impl ShuffleWorld {
         }
     }
 
-    /// By chance, two blocks bond, and with them their groups.
+    /// Bonds two random blocks and their groups, with some probability.
     #[inline]
     fn gather(&mut self) {
         let Some(groups) = &mut self.groups else {
@@ -144,7 +144,7 @@ impl ShuffleWorld {
         }
     }
 
-    /// By chance, a block docks where nobody expects it.
+    /// Performs an unplanned capture, with some probability.
     #[inline]
     fn stray(&mut self, dockings: &mut Vec<Docking>) {
         if self.strays > 0.0 {
@@ -169,7 +169,7 @@ impl ShuffleWorld {
         }
     }
 
-    /// Docks a free block on a face to which it can come (there is room), both it and the way it is turned drawn by these words.
+    /// Captures a free block at an accessible face. The words select the block and its orientation.
     #[inline]
     fn dock_one(
         &mut self,
@@ -190,7 +190,7 @@ impl ShuffleWorld {
     }
 }
 
-/// Takes in what happened to a face.
+/// Updates the set of open faces.
 #[inline]
 fn note(open: &mut RankedSet, change: FaceChange) {
     match change {

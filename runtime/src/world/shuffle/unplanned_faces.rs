@@ -1,19 +1,19 @@
-//! The faces on which a block can dock unasked, in the order of their cells.
+//! Faces available for unplanned captures, in the order of their cells.
 use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, Face};
 
 use crate::world::lattice::faces;
 
-/// Blocks in a run of them, at most.
+/// Largest number of blocks in a run.
 const MAX: usize = 256;
 
-/// Some faces of some blocks, in the order of the blocks' cells: runs of blocks, each with the number of its faces.
+/// Exposed faces by cell: runs of blocks, each with its number of faces.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct ExposedFaces {
     runs: Vec<(u32, Vec<Exposed>)>,
 }
 
-/// The exposed faces of one block, one bit each.
+/// Exposed faces of one block, one bit each.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Exposed {
     cell: Cell,
@@ -22,12 +22,12 @@ struct Exposed {
 }
 
 impl ExposedFaces {
-    /// How many faces there are.
+    /// Returns the number of faces.
     pub fn len(&self) -> u32 {
         self.runs.iter().map(|(faces, _)| faces).sum()
     }
 
-    /// Says which faces of the block in a cell are exposed; none: there is no need to know the block.
+    /// Sets the exposed faces of the block in a cell. The block is irrelevant if there are none.
     pub fn set(&mut self, cell: Cell, body: u32, faces: u8) {
         let later = (self.runs)
             .partition_point(|(_, run)| run.first().is_some_and(|first| first.cell <= cell));
@@ -66,7 +66,7 @@ impl ExposedFaces {
         }
     }
 
-    /// The face before which there are `rank` others, fewer than all.
+    /// Returns the face of a rank, which must be below the number of faces.
     pub fn select(&self, mut rank: u32) -> Option<(u32, Face)> {
         let (_, run) = self.runs.iter().find(|(faces, _)| {
             let is_here = rank < *faces;

@@ -1,4 +1,4 @@
-//! Two boxes: where they touch.
+//! Contact points between two boxes.
 use nalgebra::Vector3;
 use smallvec::smallvec;
 
@@ -9,8 +9,8 @@ use super::{Manifold, ManifoldPoint};
 use crate::world::real::Real;
 use crate::world::rigid::simd::{ABREAST, Lane};
 
-/// Shows how pairs of boxes overlap, as many of them as count: which it is, and its manifold. Normals point from the second
-/// box to the first.
+/// Calls `touch` with the index and manifold of each overlapping pair among the first `count`.
+/// Normals point from the second box to the first.
 pub fn boxes<'a, R: Lane>(
     pairs: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
     count: usize,
@@ -26,7 +26,7 @@ pub fn boxes<'a, R: Lane>(
     }
 }
 
-/// Where two boxes touch that overlap least like this.
+/// Returns the contact points of two boxes with this least overlap.
 fn manifold<R: Lane>(
     a: &Cuboid<'_, R>,
     b: &Cuboid<'_, R>,
@@ -66,7 +66,7 @@ fn manifold<R: Lane>(
     }
 }
 
-/// `axis` or its opposite, whichever points along `towards`.
+/// Returns `axis` or its opposite, whichever points along `towards`.
 fn outward<R: Real>(axis: Vector3<R>, towards: Vector3<R>) -> Vector3<R> {
     if axis.dot(&towards) < R::zero() {
         -axis
@@ -75,7 +75,8 @@ fn outward<R: Real>(axis: Vector3<R>, towards: Vector3<R>) -> Vector3<R> {
     }
 }
 
-/// Halfway between the edge of `a` that is farthest along `out` and the edge of `b` farthest back.
+/// Returns the midpoint between the edge of `a` farthest along `out` and the edge of `b` farthest
+/// against it.
 fn between<R: Real>(
     a: &Cuboid<'_, R>,
     own: usize,
@@ -91,7 +92,7 @@ fn between<R: Real>(
     };
     let (from, to) = (middle(a, own, out), middle(b, other, -out));
     let (u, v) = (a.axis(own), b.axis(other));
-    // The closest points of two lines that are not parallel.
+    // Closest points of two lines that are not parallel.
     let way = to - from;
     let (uv, uw, vw) = (u.dot(&v), u.dot(&way), v.dot(&way));
     let rest = R::one() - uv * uv;

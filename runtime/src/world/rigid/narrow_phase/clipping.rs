@@ -1,4 +1,8 @@
-//! The part of a face that lies inside of another box (Sutherland, Hodgman 1974).
+//! Clipping of a face to the part inside another box.
+//!
+//! # Source
+//!
+//! I. E. Sutherland and G. W. Hodgman (1974).
 use nalgebra::Vector3;
 use smallvec::SmallVec;
 
@@ -6,13 +10,15 @@ use super::ManifoldPoint;
 use super::cuboid::Cuboid;
 use crate::world::real::Real;
 
-/// Points, and how much deeper they are per length.
+/// Points, and the gradient of the depth.
 type Patch<R> = (SmallVec<[ManifoldPoint<R>; 8]>, Vector3<R>);
 
 pub type Polygon<R> = SmallVec<[Vector3<R>; 8]>;
 
-/// The points of `other`'s most opposite face that are below the face of `own` that looks along
-/// `out`, which is its direction number `axis` or the opposite; and how much deeper they are per length.
+/// Returns the points of `other`'s most opposite face that are below a face of `own`, and the
+/// gradient of the depth.
+///
+/// `out` is the normal of that face, along the axis number `axis` of `own` or against it.
 pub fn face_points<R: Real>(
     own: &Cuboid<'_, R>,
     other: &Cuboid<'_, R>,
@@ -41,13 +47,13 @@ pub fn face_points<R: Real>(
     (!points.is_empty()).then(|| (points, slope(opposite, out)))
 }
 
-/// How much deeper a face that looks along `face` is per length below one that looks along `out`.
+/// Returns the gradient of the depth of a face with normal `face` below one with normal `out`.
 pub fn slope<R: Real>(face: Vector3<R>, out: Vector3<R>) -> Vector3<R> {
     let against = face.dot(&out);
     face / against - out
 }
 
-/// The corners of the face that looks most against `out`, in order, and where it looks.
+/// Returns the corners, in order, and the normal of the face most opposite to `out`.
 pub fn opposite_face<R: Real>(of: &Cuboid<'_, R>, out: Vector3<R>) -> (Polygon<R>, Vector3<R>) {
     let along = of.axes.inverse_transform_vector(&out);
     let axis = along.iamax();
@@ -69,7 +75,7 @@ pub fn opposite_face<R: Real>(of: &Cuboid<'_, R>, out: Vector3<R>) -> (Polygon<R
     (SmallVec::from_iter(corners), face)
 }
 
-/// Cuts off what is farther than `limit` along a direction.
+/// Removes the part of a polygon beyond `limit` along a direction.
 fn clip<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     let is_within = |corner: &Vector3<R>| along.dot(corner) - limit <= R::zero();
     if polygon.iter().all(is_within) {
@@ -78,7 +84,7 @@ fn clip<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     cut(polygon, along, limit);
 }
 
-/// The same where there is something to cut off.
+/// Slow path of `clip`, for polygons that are partly beyond the limit.
 fn cut<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     let Some(&last) = polygon.last() else {
         return;

@@ -1,20 +1,20 @@
-//! A box that is turned any way.
+//! Box with any orientation.
 use nalgebra::{Rotation3, Vector3};
 
 use crate::world::real::Real;
 
-/// A box in space.
+/// Box in space.
 #[derive(Clone, Copy, Debug)]
 pub struct Cuboid<'a, R: Real> {
     pub centre: Vector3<R>,
-    /// Own directions to the world's.
+    /// Rotation from the box's axes to the world's.
     pub axes: &'a Rotation3<R>,
-    /// Half of its edges.
+    /// Half of the edge lengths.
     pub half: Vector3<R>,
 }
 
 impl<R: Real> Cuboid<'_, R> {
-    /// A block.
+    /// Returns a block as a cuboid.
     pub fn cube(centre: Vector3<R>, axes: &Rotation3<R>) -> Cuboid<'_, R> {
         Cuboid {
             centre,

@@ -1,4 +1,4 @@
-//! Bodies on the plane z = 0.
+//! Contacts with the plane z = 0.
 use nalgebra::{Rotation3, Vector3};
 use smallvec::{SmallVec, smallvec};
 
@@ -7,7 +7,7 @@ use super::cuboid::Cuboid;
 use super::{Manifold, ManifoldPoint};
 use crate::world::real::Real;
 
-/// The corners of a cube that are below the ground.
+/// Returns the corners of a cube that are below the ground.
 pub fn cube_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Option<Manifold<R>> {
     let half = R::of(0.5);
     let row = axes.matrix().row(2) * half;
@@ -38,7 +38,7 @@ pub fn cube_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Optio
     })
 }
 
-/// The corners of a cube's lowest face that are below the ground.
+/// Returns the corners of a cube's lowest face that are below the ground.
 pub fn face_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Option<Manifold<R>> {
     let half = R::of(0.5);
     let row = axes.matrix().row(2) * half;
@@ -55,7 +55,7 @@ pub fn face_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Optio
     })
 }
 
-/// A ball of diameter 1 that reaches below the ground.
+/// Returns the contact of a sphere of diameter 1 that reaches below the ground.
 pub fn ball_on_ground<R: Real>(centre: Vector3<R>) -> Option<Manifold<R>> {
     let lowest = centre - Vector3::z() * R::of(0.5);
     (lowest.z < R::zero()).then(|| Manifold {
@@ -65,7 +65,7 @@ pub fn ball_on_ground<R: Real>(centre: Vector3<R>) -> Option<Manifold<R>> {
     })
 }
 
-/// A place below the ground, as a contact halfway up.
+/// Returns a contact halfway between a position below the ground and the ground.
 fn raised<R: Real>(place: Vector3<R>) -> ManifoldPoint<R> {
     ManifoldPoint {
         place: Vector3::new(place.x, place.y, place.z * R::of(0.5)),

@@ -1,4 +1,4 @@
-//! Where two convex bodies overlap: along which direction least, and at which points.
+//! Overlap of two convex bodies: direction of least overlap, and contact points.
 mod box_box;
 mod clipping;
 mod cuboid;
@@ -14,26 +14,26 @@ pub(super) use box_box::boxes;
 pub(super) use cuboid::Cuboid;
 pub(super) use ground::{ball_on_ground, cube_on_ground, face_on_ground};
 
-/// The points at which one body touches another.
+/// Contact points between two bodies.
 #[derive(Clone, Debug)]
 pub(super) struct Manifold<R: Real> {
-    /// The direction in which the first body leaves the second one soonest.
+    /// Direction of the shortest path of the first body out of the second.
     pub normal: Vector3<R>,
-    /// In order around the patch, unless several faces of a body touch.
+    /// Points in order around the patch, unless several faces of a body touch.
     pub points: SmallVec<[ManifoldPoint<R>; 8]>,
-    /// How much deeper the bodies overlap per length across the normal; 0 if they touch in a point.
+    /// Gradient of the depth across the normal. 0 for contact at a single point.
     pub slope: Vector3<R>,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ManifoldPoint<R: Real> {
-    /// In the middle of the overlap.
+    /// Position in the middle of the overlap.
     pub place: Vector3<R>,
-    /// How far the bodies overlap there \[side\], more than 0.
+    /// Depth of the overlap, positive \[block lengths\].
     pub depth: R,
 }
 
-/// Two balls as large as a cube's faces let them be.
+/// Returns the contact between the inscribed spheres of two cubes.
 pub(super) fn balls<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Option<Manifold<R>> {
     let offset = a - b;
     let distance = offset.norm();

@@ -1,53 +1,57 @@
-//! The fifteen separating axes of two boxes (Gottschalk, Lin, Manocha 1996), for several pairs side
-//! by side: most pairs that are near each other do not touch, and which axis says so is hard to
-//! guess.
+//! Separating-axis test of two boxes, for several pairs at once.
+//!
+//! Most nearby pairs do not touch, and the separating axis is hard to predict.
+//!
+//! # Source
+//!
+//! S. Gottschalk, M. C. Lin and D. Manocha (1996).
 use super::cuboid::Cuboid;
 use crate::world::rigid::simd::{ABREAST, Lane, Wide, first, sum, transposed};
 
-/// Edges count as parallel when the sine of their angle is below this.
+/// Sine of the angle below which edges count as parallel.
 const PARALLEL: f64 = 1e-3;
 
-/// A face is preferred to an edge that is not shallower by more than this \[side\]: several points
-/// hold better than one.
+/// Preference of faces over edges \[block lengths\]: several contact points are more stable than
+/// one.
 const PREFER_FACE: f64 = 1e-3;
 
-/// The direction in which two boxes overlap least.
+/// Direction of the least overlap of two boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Direction {
-    /// Normal to a face of the first or second box.
+    /// Normal of a face of the first or second box.
     Face { first: bool, axis: usize },
-    /// Normal to an edge of each.
+    /// Normal to an edge of each box.
     Edges { own: usize, other: usize },
 }
 
-/// How two boxes overlap.
+/// Overlap of two boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LeastOverlap<R> {
     pub direction: Direction,
     pub depth: R,
 }
 
-/// Three numbers of each pair, or three times three.
+/// A vector for each pair.
 type LaneVector<R> = [<R as Lane>::Quad; 3];
 type LaneMatrix<R> = [LaneVector<R>; 3];
 
 /// One box of each pair.
 struct Boxes<R: Lane> {
-    /// Own directions in the world.
+    /// Axes of the boxes in the world.
     axes: LaneMatrix<R>,
     half: LaneVector<R>,
 }
 
-/// What has been found so far.
+/// State of the search.
 struct SeparatingAxisSearch<R: Lane> {
-    /// The pairs that no axis separates.
+    /// Pairs that no axis separates so far.
     meet: R::Quad,
-    /// The least depth, and the number of its axis.
+    /// Least depth so far, and the number of its axis.
     depth: R::Quad,
     axis: R::Quad,
 }
 
-/// How pairs of boxes overlap, as many of them as count; `None`: they do not.
+/// Returns the least overlap of the first `count` pairs of boxes, or `None` for separate boxes.
 pub(super) fn least_overlaps<'a, R: Lane>(
     pairs: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],
     count: usize,
@@ -78,7 +82,7 @@ pub(super) fn least_overlaps<'a, R: Lane>(
         let (own1, own2) = ((own + 1) % 3, (own + 2) % 3);
         for other in 0..3 {
             let (other1, other2) = ((other + 1) % 3, (other + 2) % 3);
-            // The cross product of the two edges, in the frame of `a`.
+            // Cross product of the two edges, in the frame of `a`.
             let square = R::Quad::splat(R::one()) - turn[own][other] * turn[own][other];
             let reach = a.half[own1] * size[own2][other]
                 + a.half[own2] * size[own1][other]
@@ -167,7 +171,7 @@ fn gather<'a, R: Lane>(
     }
 }
 
-/// A vector of each pair.
+/// Returns a vector of each pair.
 #[inline(always)]
 fn vector<'a, R: Lane>(
     [a, b, c, d]: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],

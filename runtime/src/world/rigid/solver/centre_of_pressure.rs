@@ -1,20 +1,20 @@
-//! Where on a patch the force of a compliant contact acts.
+//! Centre of pressure: the point of attack of a compliant contact's force on a patch.
 //!
-//! The energy of a contact is k d² / 2 with d its greatest depth, so that the force acts at the deepest point. On a
-//! patch that is nearly level that point jumps from corner to corner when the patch rocks by next to nothing: it does
-//! so many times in a step. What the force does on average is to keep the patch level as long as a point within
-//! it can: it acts at the x for which d(x) - r (x - x0)² / 2 is greatest. With g the slope of the depth and r
-//! the slope that the force makes per length in a step, that is the point of the patch nearest to x0 + g / r.
+//! A contact has the energy k d² / 2 with d its largest depth, so its force acts at the deepest
+//! point. On an almost level patch, that point jumps between corners many times per step. On
+//! average the force keeps the patch level, as long as a point within the patch can. It acts at the
+//! x that maximizes d(x) - r (x - x0)² / 2. Here g is the gradient of the depth, and r the gradient
+//! that the force makes per length in a step. This is the point of the patch nearest to x0 + g / r.
 use nalgebra::Vector3;
 
 use crate::world::real::Real;
 use crate::world::rigid::narrow_phase::{Manifold, ManifoldPoint};
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// The one point that stands for a patch.
+/// Returns the point that represents a patch.
 ///
-/// `centres`: of the bodies that move. `response`: what a unit of depth changes the velocity of a block by in a step, times
-/// the step.
+/// `centres` are those of the moving bodies. `response` is the velocity change of a block by a unit
+/// of depth in a step, times the step.
 pub(super) fn centre_of_pressure<R: Real>(
     manifold: &Manifold<R>,
     centres: [Option<Vector3<R>>; 2],
@@ -41,7 +41,7 @@ pub(super) fn centre_of_pressure<R: Real>(
     let normal = manifold.normal;
     let flat = |way: Vector3<R>| way - normal * normal.dot(&way);
     let wanted = flat(middle) + manifold.slope / levelling;
-    // Within the patch, if it is on the same side of all of its edges.
+    // A point is within the patch if it is on the same side of all edges.
     let nexts = points[1..].iter().chain(&points[..1]);
     let edges = || (points.iter().zip(nexts.clone())).map(|(from, to)| (from.place, to.place));
     let (mut left, mut right) = (points.len() > 2, points.len() > 2);

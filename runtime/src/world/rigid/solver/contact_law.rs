@@ -1,23 +1,23 @@
-//! What a contact does.
+//! Contact laws.
 use stochc_ir::scene::ContactLaw;
 
 use crate::world::parameters::ContactParameters;
 use crate::world::real::Real;
 use crate::world::rigid::simd::{Lane, Quad};
 
-/// Part of an overlap that is undone in a substep.
+/// Fraction of an overlap that is corrected per substep.
 pub(super) const RECOVERY: f64 = 0.2;
 
-/// Overlap that is left alone \[side\].
+/// Overlap that is tolerated \[block lengths\].
 pub(super) const SLOP: f64 = 0.001;
 
-/// Fastest recovery from an overlap \[side / tick\].
+/// Largest speed of correction \[block lengths / tick\].
 pub(super) const FASTEST: f64 = 0.1;
 
-/// Changes of velocity below this part of the fastest approach are left alone.
+/// Relative tolerance of velocities, as a fraction of the fastest approach.
 pub(super) const PRECISION: f64 = 1e-4;
 
-/// The law of all contacts.
+/// Law of all contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Law<R> {
     pub friction: R,
@@ -29,7 +29,7 @@ pub enum LawKind<R> {
     Rigid {
         restitution: R,
     },
-    /// Per depth \[1 / tick^2\] and per speed \[1 / tick\], for a block of mass 1.
+    /// Force per depth \[1 / tick^2\] and per speed \[1 / tick\], for a block of mass 1.
     Compliant {
         stiffness: R,
         damping: R,
@@ -52,7 +52,7 @@ impl<R: Real> Law<R> {
         }
     }
 
-    /// Of bodies that yield \[1 / tick^2\].
+    /// Returns the stiffness of compliant contacts \[1 / tick^2\].
     pub fn stiffness(&self) -> Option<R> {
         match self.kind {
             LawKind::Rigid { .. } => None,
@@ -60,7 +60,7 @@ impl<R: Real> Law<R> {
         }
     }
 
-    /// Of bodies that do not yield: how much of their approach they recede with.
+    /// Returns the coefficient of restitution of rigid contacts.
     pub fn restitution(&self) -> Option<R> {
         match self.kind {
             LawKind::Rigid { restitution } => Some(restitution),
@@ -69,8 +69,8 @@ impl<R: Real> Law<R> {
     }
 }
 
-/// The spring and the damper of a step, as what an impulse x has to bring about: that the bodies part at the speed
-/// `target - softness x`.
+/// Spring and damper over a step. The impulse x must make the bodies separate at the speed `target
+/// - softness x`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spring<W> {
     pub target: W,
@@ -78,14 +78,18 @@ pub(super) struct Spring<W> {
 }
 
 impl<W: Copy> Spring<W> {
-    /// For bodies that overlap by `depth`, part at the speed `parting`, and whose speed a unit impulse changes by
-    /// `yields`.
+    /// Returns the spring for an overlap `depth` and separation speed `parting`. `yields` is the
+    /// velocity change per unit impulse.
     ///
-    /// With u' the speed after the step, x = h (k (d - h (s u' + b (u' - u))) - c (u + t (u' - u))). Velocities are half
-    /// a step behind places. As long as a step resolves the spring, s = 0 and b = 1/12, which is of second order and
-    /// takes no energy (the error of a period is of the fourth order, Fox and Goodwin 1949); where the spring turns
-    /// by more than a radian in a step, s grows to 1, the implicit Euler method, which only takes. The damper
-    /// is felt at the mean velocity, t = 1/2, and at most stops the bodies.
+    /// With u' the speed after the step, x = h (k (d - h (s u' + b (u' - u))) - c (u + t (u' -
+    /// u))). Velocities lag positions by half a step. If a step resolves the spring, s = 0 and b =
+    /// 1/12: second order, without dissipation. The error of a period is of fourth order. For more
+    /// than a radian per step, s grows to 1, the implicit Euler method, which dissipates. The
+    /// damper acts on the mean velocity, t = 1/2, and at most stops the bodies.
+    ///
+    /// # Source
+    ///
+    /// L. Fox and E. T. Goodwin (1949).
     pub fn new<R>(stiffness: R, damping: R, h: W, depth: W, parting: W, yields: W) -> Spring<W>
     where
         R: Lane<Quad = W>,

@@ -1,4 +1,4 @@
-//! Contacts as they are found, before anything is solved.
+//! Contacts found by collision detection, before they are solved.
 use std::ops::Range;
 
 use nalgebra::Vector3;
@@ -6,28 +6,28 @@ use nalgebra::Vector3;
 use crate::world::real::Real;
 use crate::world::rigid::narrow_phase::ManifoldPoint;
 
-/// Two bodies that touch, or one and the ground.
+/// Contact of two bodies, or of one body with the ground.
 #[derive(Clone, Debug)]
 pub(super) struct TouchingBodies<R: Real> {
     pub bodies: [usize; 2],
-    /// How long the force acts in this step \[tick\].
+    /// Time over which the force acts in this step \[tick\].
     pub span: R,
-    /// Along the normal, and across it.
+    /// Directions along the normal and across it.
     pub frame: [Vector3<R>; 3],
-    /// Among the points of all contacts.
+    /// Range of its points among the points of all contacts.
     pub points: Range<usize>,
 }
 
 /// One point of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactPoint<R: Real> {
-    /// How far the bodies overlap here.
+    /// Depth of the overlap.
     pub depth: R,
-    /// From the centres of the two bodies.
+    /// Vectors from the centres of the two bodies.
     pub arms: [Vector3<R>; 2],
 }
 
-/// The contacts of a substep, and their points.
+/// Contacts of a substep, and their points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactList<R: Real> {
     pub list: Vec<TouchingBodies<R>>,
@@ -40,7 +40,7 @@ impl<R: Real> ContactList<R> {
         self.points.clear();
     }
 
-    /// Adds the contact of two bodies with these centres; `None`: something that never moves.
+    /// Adds the contact of two bodies with these centres. `None` is an immovable body.
     pub fn add(
         &mut self,
         bodies: [usize; 2],
@@ -72,7 +72,7 @@ impl<R: Real> ContactList<R> {
         });
     }
 
-    /// The points of a contact.
+    /// Returns the points of a contact.
     pub fn points_of(&self, touch: &TouchingBodies<R>) -> &[ContactPoint<R>] {
         &self.points[touch.points.clone()]
     }

@@ -1,10 +1,14 @@
-//! Contacts: which there are, and the impulses that keep them (sequential impulses, Catto 2005).
+//! Contact solver: sequential impulses.
 //!
-//! A rigid contact is solved twice: for velocities, with restitution and Coulomb's friction, and
-//! for the overlap that the time step has let through, by a motion that leaves no velocity behind.
-//! A compliant one is a spring and a damper, taken implicitly. Most bodies touch one thing only:
-//! such contacts are solved side by side, and all others one after the other, by the same
+//! Rigid contacts are solved twice. The first pass finds velocities, with restitution and Coulomb
+//! friction. The second corrects the overlap of the time step by a displacement that leaves no
+//! velocity. Compliant contacts are springs and dampers, integrated implicitly. Most bodies touch
+//! one thing only: their contacts are solved in parallel, all others in sequence, by the same
 //! arithmetic.
+//!
+//! # Source
+//!
+//! E. Catto, Iterative Dynamics with Temporal Coherence (2005).
 mod centre_of_pressure;
 mod contact_law;
 mod contact_list;
@@ -26,21 +30,21 @@ use contact_list::ContactList;
 use parallel::ParallelContacts;
 use solver_bodies::{GROUND, SolverBodies};
 
-/// Finds the impulses of all contacts of a substep.
+/// Solver of all contacts of a substep.
 #[derive(Clone, Debug)]
 pub(super) struct Solver<R: Lane> {
     law: Law<R>,
     iterations: u32,
     touches: ContactList<R>,
     moving: SolverBodies<R>,
-    /// The contacts that share no body with another: with something that does not move, and of two.
+    /// Contacts whose bodies have no other contact: one body against an immovable one, and pairs.
     single: ParallelContacts<R, 1>,
     double: ParallelContacts<R, 2>,
     chains: SequentialContacts<R>,
 }
 
 impl<R: Lane> Solver<R> {
-    /// `turns`: whether contacts can turn blocks at all.
+    /// Returns a solver. `turns` is whether contacts can rotate blocks.
     pub fn new(law: Law<R>, count: usize, iterations: u32, turns: bool) -> Solver<R> {
         Solver {
             law,
@@ -53,13 +57,13 @@ impl<R: Lane> Solver<R> {
         }
     }
 
-    /// Forgets all contacts.
+    /// Removes all contacts.
     pub fn clear(&mut self) {
         self.moving.clear();
         self.touches.clear();
     }
 
-    /// Adds the contact of block `a` with block `b`, or with something that never moves.
+    /// Adds the contact of block `a` with block `b` or an immovable body.
     pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, manifold: &Manifold<R>) {
         let places = [Some(a), b].map(|id| match id {
             Some(id) if bodies.is_free(id) => self.moving.place(id),
@@ -77,20 +81,20 @@ impl<R: Lane> Solver<R> {
         }
     }
 
-    /// A force has changed the velocity of a block in this step, of rigid blocks.
+    /// Records the velocity change of a rigid block by a force in this step.
     pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
         if self.law.restitution().is_some() {
             self.moving.pushed(id, change);
         }
     }
 
-    /// Solves all contacts, whose bodies have been moved with the velocities that they would have
-    /// without: changes the velocities, and moves the bodies by the difference.
+    /// Solves all contacts after their bodies moved without them. Changes the velocities and
+    /// corrects the positions by the difference.
     ///
-    /// `push` is what the shell, and the weight of rigid blocks, do to a block at a place in unit time: in the middle of a step,
-    /// when blocks are where they touch, half of that was still to come. A collision at another velocity than that would add
-    /// to the energy of all blocks that fall, or meet in the shell. `moved` is told of every block whose motion has
-    /// changed: its place, velocity and spin, and how it is turned.
+    /// `push` is the acceleration by the shell, and by the weight of rigid blocks, at a position.
+    /// Contacts occur in the middle of a step, before half of this change. Otherwise collisions
+    /// would add energy to blocks that fall or meet the shell. `moved` receives every changed block
+    /// with its position, velocity, spin and rotation.
     pub fn solve(
         &mut self,
         bodies: &mut Bodies<R>,
@@ -120,7 +124,7 @@ impl<R: Lane> Solver<R> {
         }
     }
 
-    /// Solves all contacts for the motions of their bodies.
+    /// Finds the impulses of all contacts.
     fn find_impulses(&mut self) {
         let (law, rounds) = (&self.law, self.iterations);
         let (touches, moving) = (&self.touches, &mut self.moving);
@@ -174,8 +178,8 @@ mod tests {
 
     const BLOCKS: u32 = 41;
 
-    /// What becomes of blocks that hit the ground or another block, all at once, at random points;
-    /// solved side by side, or one after the other.
+    /// Returns the motions of blocks after simultaneous collisions with the ground or another block
+    /// at random points. Contacts are solved in parallel or in sequence.
     fn collide(contact: &ContactParameters, side_by_side: bool) -> Vec<[Vector3<f32>; 4]> {
         let mut dice = ChaCha8Rng::seed_from_u64(1);
         let mut vector = |size: f32| Vector3::from_fn(|_, _| dice.random_range(-size..size));
@@ -189,7 +193,7 @@ mod tests {
         let bodies = Bodies::<f32>::new(&blocks, 0.5, 0.5);
         let mut solver = Solver::new(Law::new(contact), blocks.len(), 50, true);
         solver.clear();
-        // By rounding, a corner that is below the ground may seem to be level with it.
+        // By rounding, a corner slightly below the ground may appear level with it.
         let least = match contact.law {
             ContactLaw::Rigid { .. } => 0.0,
             ContactLaw::Compliant { .. } => 0.01,

@@ -1,41 +1,41 @@
-//! Contacts that share no body with another: solved side by side.
+//! Contacts that share no body with another, solved in SIMD lanes.
 //!
-//! Each lane is a contact of its own, with the arithmetic of [`super::sequential`] in the same order: it
-//! does not matter to a contact which others are beside it. What a lane no longer takes part in
-//! goes on as a change by nothing.
+//! Each lane is one contact, with the arithmetic of [`super::sequential`] in the same order.
+//! Results do not depend on the other lanes. Inactive lanes continue with zero changes.
 use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP, Spring};
 use super::contact_list::ContactList;
 use super::solver_bodies::{SolverBodies, SolverBody};
 use crate::world::rigid::simd::{ABREAST, Lane, Wide, cross, filled, first, sum, transposed};
 
-/// Contacts of `N` bodies that move: two, or one with something that does not.
+/// Contacts of `N` moving bodies: two, or one against an immovable body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ParallelContacts<R: Lane, const N: usize> {
-    /// Their numbers among all.
+    /// Indices of the contacts among all.
     numbers: Vec<usize>,
-    /// More than are needed now are kept to be used again.
+    /// Batches, including spare ones for reuse.
     groups: Vec<Batch<R, N>>,
 }
 
-/// At most [`ABREAST`] of them.
+/// Batch of at most [`ABREAST`] contacts.
 #[derive(Clone, Debug)]
 struct Batch<R: Lane, const N: usize> {
-    /// Where the bodies are in the lists.
+    /// Indices of the bodies in the lists.
     places: [[usize; N]; ABREAST],
-    /// The lanes that hold a contact.
+    /// Mask of the lanes with a contact.
     real: R::Quad,
     bodies: [BatchBody<R>; N],
-    /// By how much velocities change after the middle of the step, of the first body less that of the second, in the frame.
+    /// Relative velocity change after the middle of the step, of the first body minus the second,
+    /// in the contact frame.
     late: BatchVector<R>,
     shifts: [BatchBody<R>; N],
-    /// Along the normal, and across it.
+    /// Directions along the normal and across it.
     frame: [BatchVector<R>; 3],
-    /// How much an impulse softens the velocity.
+    /// Softness: velocity reduction per impulse.
     softness: R::Quad,
     spots: Vec<BatchPoint<R, N>>,
 }
 
-/// A vector of each lane.
+/// A vector for each lane.
 type BatchVector<R> = [<R as Lane>::Quad; 3];
 
 /// A body of each contact.
@@ -50,16 +50,16 @@ struct BatchBody<R: Lane> {
 /// A point of each contact.
 #[derive(Clone, Copy, Debug)]
 struct BatchPoint<R: Lane, const N: usize> {
-    /// Which contacts have so many points.
+    /// Mask of the contacts with this many points.
     real: R::Quad,
     depth: R::Quad,
-    /// Velocity along the normal that is asked for, or what a spring asks for.
+    /// Target velocity along the normal, or that of a spring.
     target: R::Quad,
-    /// Motion per tick that undoes the overlap.
+    /// Displacement per tick that corrects the overlap.
     recovery: R::Quad,
-    /// Torques of unit impulses, in the directions of the frame, about the centres of the bodies.
+    /// Torques of unit impulses in the frame's directions, about the centres of the bodies.
     torques: [[BatchVector<R>; N]; 3],
-    /// Impulses that change the velocity here by one: along the normal, and across it.
+    /// Effective masses: impulses for unit velocity change, along the normal and across it.
     masses: [R::Quad; 2],
     impulses: BatchVector<R>,
     shift: R::Quad,
@@ -74,14 +74,14 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
         self.numbers.push(number);
     }
 
-    /// The groups that are in use.
+    /// Returns the batches in use.
     fn groups(&mut self) -> &mut [Batch<R, N>] {
         &mut self.groups[..self.numbers.len().div_ceil(ABREAST)]
     }
 
-    /// Looks all contacts up; how fast their points approach at most.
+    /// Loads all contacts. Returns the largest approach speed of their points.
     pub fn load(&mut self, touches: &ContactList<R>, moving: &SolverBodies<R>, law: &Law<R>) -> R {
-        // Those with equally many points side by side.
+        // Contacts with equally many points share a batch.
         let points = |&number: &usize| std::cmp::Reverse(touches.list[number].points.len());
         self.numbers.sort_by_key(points);
         let groups = self.numbers.chunks(ABREAST);
@@ -95,28 +95,28 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
             })
     }
 
-    /// Finds the velocities of all bodies, those at points up to `tolerance`.
+    /// Solves for the velocities of all bodies, up to `tolerance`.
     pub fn push(&mut self, law: &Law<R>, rounds: u32, tolerance: R, inertia: R) {
         for group in self.groups() {
             group.push(law, rounds, tolerance, inertia);
         }
     }
 
-    /// Has what bounces come out of an overlap by itself.
+    /// Reduces overlap corrections for points that separate by restitution.
     pub fn spare(&mut self) {
         for group in self.groups() {
             group.spare();
         }
     }
 
-    /// Finds the motions that undo overlaps.
+    /// Solves for the displacements that correct overlaps.
     pub fn part(&mut self, rounds: u32, tolerance: R) {
         for group in self.groups() {
             group.part(rounds, tolerance);
         }
     }
 
-    /// Writes down what has been found; `rigid`: what undoes overlaps as well.
+    /// Stores the results; for `rigid` contacts, also the displacements.
     pub fn store(&mut self, moving: &mut SolverBodies<R>, rigid: bool) {
         for group in self.groups() {
             group.store(moving, rigid);
@@ -125,7 +125,7 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
 }
 
 impl<R: Lane, const N: usize> Batch<R, N> {
-    /// No contacts.
+    /// Returns an empty batch.
     fn new() -> Batch<R, N> {
         let nothing = BatchBody {
             velocity: [all::<R>(0.0); 3],
@@ -145,8 +145,8 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         }
     }
 
-    /// Takes the contacts with these numbers, those with most points first, in the place of those
-    /// that it had; how fast their points approach at most.
+    /// Loads the contacts with these indices, most points first. Returns the largest approach
+    /// speed.
     fn load(
         &mut self,
         touches: &ContactList<R>,
@@ -203,9 +203,9 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         self.prepare(law, span)
     }
 
-    /// Works out what each point asks for; the fastest approach.
+    /// Computes the target of each point. Returns the largest approach speed.
     ///
-    /// `span`: how long forces act.
+    /// `span` is the time over which forces act.
     fn prepare(&mut self, law: &Law<R>, span: R::Quad) -> R {
         let mut fastest = all::<R>(0.0);
         self.softness = all::<R>(0.0);
@@ -256,7 +256,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         }
     }
 
-    /// One round of impulses; the greatest change of velocity at a point.
+    /// Performs one round of impulses. Returns the largest velocity change at a point.
     #[inline(always)]
     fn push_once(
         &mut self,
@@ -276,7 +276,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             push(change, along, &spot.torques[0], bodies);
             greatest = greatest.maximum((change / spot.masses[0]).abs());
             if friction > R::zero() {
-                // Coulomb's cone, of the impulse that presses now.
+                // Coulomb friction cone of the current normal impulse.
                 let most = R::Quad::splat(friction) * spot.impulses[0];
                 let [one, two] = [0, 1].map(|row| {
                     let slip =
@@ -315,7 +315,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         }
     }
 
-    /// One round of undoing overlaps; the greatest change of speed at a point.
+    /// Performs one round of overlap correction. Returns the largest change of speed at a point.
     fn part_once(&mut self, active: R::Quad) -> R::Quad {
         let mut greatest = all::<R>(0.0);
         let mut shifts = self.shifts;
@@ -333,7 +333,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         greatest
     }
 
-    /// Bodies must not be livelier than before.
+    /// Limits the energy of the bodies to that before the contact.
     fn keep_energy(&mut self, before: &[BatchBody<R>; N], inertia: R) {
         let inertia = R::Quad::splat(inertia);
         let (mut work, mut square) = (all::<R>(0.0), all::<R>(0.0));
@@ -372,7 +372,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
 }
 
 impl<R: Lane, const N: usize> BatchPoint<R, N> {
-    /// Makes an impulse what is wanted where contacts are active; the change.
+    /// Sets an impulse in the active lanes. Returns the change.
     #[inline(always)]
     fn press(&mut self, row: usize, wanted: R::Quad, active: R::Quad) -> R::Quad {
         let before = self.impulses[row];
@@ -397,7 +397,7 @@ impl<R: Lane> BatchBody<R> {
         }
     }
 
-    /// What does not move is not changed: nothing has pushed it.
+    /// Immovable bodies are not written, as no impulse changes them.
     fn scatter(&self, places: impl Iterator<Item = usize>, motions: &mut [SolverBody<R>]) {
         let [velocity, spin] = [self.velocity, self.spin].map(|vector| vector.map(Wide::store));
         for (lane, place) in places.enumerate() {
@@ -409,7 +409,7 @@ impl<R: Lane> BatchBody<R> {
         }
     }
 
-    /// By how much velocity and spin are other than before.
+    /// Returns the changes of velocity and spin.
     fn less(&self, before: &BatchBody<R>) -> (BatchVector<R>, BatchVector<R>) {
         (
             [0, 1, 2].map(|axis| self.velocity[axis] - before.velocity[axis]),
@@ -418,13 +418,13 @@ impl<R: Lane> BatchBody<R> {
     }
 }
 
-/// The same in all lanes.
+/// Returns the same value in all lanes.
 #[inline(always)]
 fn all<R: Lane>(value: f64) -> R::Quad {
     R::Quad::splat(R::of(value))
 }
 
-/// Of the first body as seen from the second, at a point and in a direction.
+/// Returns the relative velocity of the first body at a point in a direction.
 #[inline(always)]
 fn velocity<R: Lane, const N: usize>(
     direction: &BatchVector<R>,
@@ -442,7 +442,7 @@ fn velocity<R: Lane, const N: usize>(
     }))
 }
 
-/// How much the velocity in one direction of the frame changes by a unit impulse in the other.
+/// Returns the velocity change in one direction of the frame by a unit impulse in the other.
 #[inline(always)]
 fn yields<R: Lane, const N: usize>(
     frame: &[BatchVector<R>; 3],
@@ -465,7 +465,7 @@ fn yields<R: Lane, const N: usize>(
     }))
 }
 
-/// Pushes the bodies apart by an impulse.
+/// Applies an impulse to both bodies.
 #[inline(always)]
 fn push<R: Lane, const N: usize>(
     impulse: R::Quad,

@@ -1,6 +1,6 @@
-//! Contacts that share bodies: solved one after the other, again and again.
+//! Contacts that share bodies, solved in sequence and repeatedly.
 //!
-//! A contact is visited again only as long as one of its two bodies has changed since.
+//! A contact is revisited only if one of its bodies has changed since.
 use std::ops::Range;
 
 use petgraph::unionfind::UnionFind;
@@ -10,52 +10,52 @@ use super::contact_list::{ContactList, ContactPoint, TouchingBodies};
 use super::solver_bodies::{GROUND, SolverBodies, SolverBody};
 use crate::world::rigid::simd::{Lane, Quad, Wide};
 
-/// The contacts of bodies that touch several things.
+/// Contacts of bodies that touch several things.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SequentialContacts<R: Lane> {
     contacts: Vec<SequentialContact>,
-    /// The points of all contacts.
+    /// Points of all contacts.
     spots: Vec<PointConstraint<R>>,
-    /// When a body was changed last, counted in visits.
+    /// Visit of the last change of each body.
     changed: Vec<u32>,
 }
 
-/// A contact that has been visited or not.
+/// Contact with the state of its visits.
 #[derive(Clone, Debug)]
 struct SequentialContact {
     a: usize,
     b: usize,
     points: Range<usize>,
-    /// When it was visited last, in visits; whether it was content then.
+    /// Visit number of the last visit, and whether it changed nothing.
     visited: u32,
     content: bool,
 }
 
-/// One point of a contact, ready to be solved.
+/// Constraint at one point of a contact.
 #[derive(Clone, Copy, Debug)]
 struct PointConstraint<R: Lane> {
-    /// How far the bodies overlap here.
+    /// Depth of the overlap.
     depth: R,
-    /// Velocity along the normal that is asked for, or what a spring asks for.
+    /// Target velocity along the normal, or that of a spring.
     target: R,
-    /// Of a compliant contact: how much an impulse softens the velocity.
+    /// Softness of a compliant contact: velocity reduction per impulse.
     softness: R,
-    /// Motion per tick that undoes the overlap.
+    /// Displacement per tick that corrects the overlap.
     recovery: R,
-    /// By how much the velocity changes after the middle of the step: along the normal, and across it.
+    /// Velocity change after the middle of the step, along the normal and across it.
     late: [R; 3],
     along: ConstraintRow<R>,
     across: [ConstraintRow<R>; 2],
     shift: R,
 }
 
-/// A direction at a point, in which the bodies can push each other.
+/// Direction of impulses between the bodies at a point.
 #[derive(Clone, Copy, Debug)]
 struct ConstraintRow<R: Lane> {
     direction: R::Quad,
-    /// Torque of a unit impulse about the centres of the two bodies.
+    /// Torques of a unit impulse about the centres of the two bodies.
     torques: [R::Quad; 2],
-    /// Impulse that changes the velocity here by one.
+    /// Effective mass: impulse for unit velocity change.
     mass: R,
     impulse: R,
 }
@@ -66,7 +66,7 @@ impl<R: Lane> SequentialContacts<R> {
         self.spots.clear();
     }
 
-    /// Adds a contact; how fast its points approach at most.
+    /// Adds a contact. Returns the largest approach speed of its points.
     pub fn add(
         &mut self,
         touches: &ContactList<R>,
@@ -91,7 +91,7 @@ impl<R: Lane> SequentialContacts<R> {
         approach
     }
 
-    /// Finds the velocities of all bodies; those at points change by less than `tolerance` at last.
+    /// Solves for the velocities of all bodies until no point changes by more than `tolerance`.
     pub fn push(&mut self, moving: &mut SolverBodies<R>, law: &Law<R>, rounds: u32, tolerance: R) {
         let (motions, friction) = (&mut moving.motions, law.friction);
         self.repeat(motions, rounds, |contact, spots, motions| {
@@ -102,7 +102,8 @@ impl<R: Lane> SequentialContacts<R> {
         }
     }
 
-    /// Has what bounces come out of an overlap by itself: lifted as well, it would have more energy than before.
+    /// Reduces overlap corrections for points that separate by restitution. Both together would add
+    /// energy.
     pub fn spare(&mut self, moving: &SolverBodies<R>) {
         for contact in &self.contacts {
             let (a, b) = (&moving.motions[contact.a], &moving.motions[contact.b]);
@@ -113,16 +114,15 @@ impl<R: Lane> SequentialContacts<R> {
         }
     }
 
-    /// Finds the motions that undo overlaps.
+    /// Solves for the displacements that correct overlaps.
     pub fn part(&mut self, moving: &mut SolverBodies<R>, rounds: u32, tolerance: R) {
         self.repeat(&mut moving.shifts, rounds, |contact, spots, shifts| {
             contact.part(spots, shifts) > tolerance
         });
     }
 
-    /// Takes back what rounds cut short have given too much: blocks that hang together by contacts
-    /// must not be livelier than before. All their impulses are made smaller alike, which keeps
-    /// momentum.
+    /// Removes energy gained by an incomplete iteration. Scales all impulses within a connected set
+    /// of blocks equally, which conserves momentum.
     fn keep_energy(&self, moving: &mut SolverBodies<R>) {
         let mut groups = UnionFind::<usize>::new(moving.motions.len());
         let mut chained = vec![false; moving.motions.len()];
@@ -138,7 +138,7 @@ impl<R: Lane> SequentialContacts<R> {
             motions, before, ..
         } = moving;
         let before = |place: usize| (before[place].velocity, before[place].spin);
-        // Twice the energy is E0 + 2 s work + s^2 square, with s the part of the impulses.
+        // Twice the energy is E0 + 2 s work + s^2 square, with s the fraction of the impulses.
         let mut sums = vec![(R::zero(), R::zero()); motions.len()];
         for place in (1..motions.len()).filter(of_chains) {
             let motion = &motions[place];
@@ -160,7 +160,7 @@ impl<R: Lane> SequentialContacts<R> {
         }
     }
 
-    /// Visits contacts until none changes anything, or for as many rounds as are allowed.
+    /// Visits contacts until nothing changes, at most `rounds` times.
     fn repeat(
         &mut self,
         motions: &mut [SolverBody<R>],
@@ -189,7 +189,7 @@ impl<R: Lane> SequentialContacts<R> {
                     content = false;
                     self.changed[contact.a] = visits;
                     self.changed[contact.b] = visits;
-                    // Whatever happens, the ground has not changed.
+                    // The ground never changes.
                     self.changed[GROUND] = 0;
                 }
             }
@@ -222,9 +222,9 @@ impl<R: Lane> PointConstraint<R> {
 }
 
 impl SequentialContact {
-    /// Works out what each point asks for; the fastest approach.
+    /// Computes the target of each point. Returns the largest approach speed.
     ///
-    /// `span`: how long forces act.
+    /// `span` is the time over which forces act.
     fn prepare<R: Lane>(
         &self,
         spots: &mut [PointConstraint<R>],
@@ -241,12 +241,12 @@ impl SequentialContact {
             fastest = fastest.max(approach.abs());
             match law.kind {
                 LawKind::Rigid { restitution } => {
-                    // Of a point that recedes as well: what a rocking patch is given must not
-                    // make it livelier than it was.
+                    // Also for separating points: impulses on a rocking patch must not add energy.
                     let target = -restitution * approach;
                     point.late = [&point.along, &point.across[0], &point.across[1]]
                         .map(|row| (row.direction * late).sum());
-                    // What lies stays: its weight presses in the other half of the step as well.
+                    // Resting blocks stay at rest: their weight also acts in the other half of the
+                    // step.
                     point.target = if approach < R::zero() {
                         target.max(-point.late[0])
                     } else {
@@ -270,8 +270,8 @@ impl SequentialContact {
                 let (k11, k22) = (one.yields(one, &a, &b), two.yields(two, &a, &b));
                 let k12 = one.yields(two, &a, &b);
                 let (mean, half) = ((k11 + k22) * R::of(0.5), (k11 - k22) * R::of(0.5));
-                // One mass for all sideways directions, the least there is: with one for each, a
-                // contact that slides would be held in another direction than it slides in.
+                // One effective mass, the smallest, for all tangential directions. Different masses
+                // would deflect friction from the sliding direction.
                 let mass = R::one() / (mean + (half * half + k12 * k12).sqrt());
                 for across in &mut point.across {
                     across.mass = mass;
@@ -281,7 +281,7 @@ impl SequentialContact {
         fastest
     }
 
-    /// One round of impulses; the greatest change of velocity at a point.
+    /// Performs one round of impulses. Returns the largest velocity change at a point.
     fn push<R: Lane>(
         &self,
         spots: &mut [PointConstraint<R>],
@@ -295,7 +295,7 @@ impl SequentialContact {
             let missing = point.target - row.velocity(&a, &b) - point.softness * row.impulse;
             let impulse = (row.impulse + missing * row.mass).max(R::zero());
             greatest = greatest.max(row.apply(impulse, &mut a, &mut b));
-            // Coulomb's cone, of the impulse that presses now.
+            // Coulomb friction cone of the current normal impulse.
             let most = friction * point.along.impulse;
             if most > R::zero() || point.across[0].impulse != R::zero() {
                 let mut wanted = [R::zero(); 2];
@@ -318,7 +318,7 @@ impl SequentialContact {
         greatest
     }
 
-    /// One round of undoing overlaps; the greatest change of speed at a point.
+    /// Performs one round of overlap correction. Returns the largest change of speed at a point.
     fn part<R: Lane>(&self, spots: &mut [PointConstraint<R>], motions: &mut [SolverBody<R>]) -> R {
         let mut greatest = R::zero();
         let (mut a, mut b) = (motions[self.a], motions[self.b]);
@@ -337,7 +337,7 @@ impl SequentialContact {
 }
 
 impl<R: Lane> ConstraintRow<R> {
-    /// How much the velocity in this direction changes by a unit impulse in the other.
+    /// Returns the velocity change in this direction by a unit impulse in the other.
     fn yields(&self, other: &ConstraintRow<R>, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
         let turned = |i: usize| self.torques[i] * other.torques[i];
         let moved = self.direction * other.direction;
@@ -347,14 +347,14 @@ impl<R: Lane> ConstraintRow<R> {
         .sum()
     }
 
-    /// Of `a` as seen from `b`.
+    /// Returns the velocity of `a` relative to `b`.
     #[inline(always)]
     fn velocity(&self, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
         let turned = self.torques[0] * a.spin - self.torques[1] * b.spin;
         (self.direction * (a.velocity - b.velocity) + turned).sum()
     }
 
-    /// Makes the impulse what is given; how much that has changed the velocity here.
+    /// Sets the impulse. Returns the resulting velocity change.
     #[inline(always)]
     fn apply(&mut self, impulse: R, a: &mut SolverBody<R>, b: &mut SolverBody<R>) -> R {
         let change = impulse - self.impulse;
@@ -363,7 +363,7 @@ impl<R: Lane> ConstraintRow<R> {
         (change / self.mass).abs()
     }
 
-    /// Pushes both bodies apart by an impulse.
+    /// Applies an impulse to both bodies.
     #[inline(always)]
     fn push(&self, impulse: R, a: &mut SolverBody<R>, b: &mut SolverBody<R>) {
         a.velocity += self.direction.scaled(impulse * a.inverse_mass);

@@ -1,10 +1,10 @@
-//! The bodies that touch something, and how contacts change their motion.
+//! Bodies with contacts, and the change of their motion.
 use nalgebra::Vector3;
 
 use crate::world::rigid::simd::{Lane, Quad};
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// How a body moves, and how much it minds being pushed.
+/// Motion and inverse inertia of a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SolverBody<R: Lane> {
     pub velocity: R::Quad,
@@ -13,39 +13,40 @@ pub(super) struct SolverBody<R: Lane> {
     pub inverse_inertia: R,
 }
 
-/// The first body is the ground, or something else that never moves.
+/// Index of the immovable body.
 pub(super) const GROUND: usize = 0;
 
-/// No block, or none of the bodies.
+/// Number of no block, or of no body.
 pub(super) const NOBODY: u32 = u32::MAX;
 
-/// All bodies, [`GROUND`] first: the arrays are in the same order.
+/// All bodies, [`GROUND`] first. The arrays are in the same order.
 #[derive(Clone, Debug)]
 pub(super) struct SolverBodies<R: Lane> {
-    /// Their numbers as blocks.
+    /// Block number of each body.
     blocks: Vec<u32>,
-    /// In how many contacts each is.
+    /// Number of contacts of each body.
     contacts: Vec<u32>,
     pub motions: Vec<SolverBody<R>>,
-    /// Their motions before any impulse.
+    /// Motions before any impulse.
     pub before: Vec<SolverBody<R>>,
-    /// Of rigid contacts and the shell: what forces have changed velocities by after the middle of the step.
+    /// Velocity changes by forces after the middle of the step, for rigid contacts and the shell.
     pub late: Vec<R::Quad>,
-    /// What undoes overlaps: moves the blocks in this substep and is forgotten. Empty if contacts give way.
+    /// Displacements that correct overlaps, applied in this substep only. Empty for compliant
+    /// contacts.
     pub shifts: Vec<SolverBody<R>>,
-    /// Which body a block is, or [`NOBODY`].
+    /// Body of each block, or [`NOBODY`].
     place: Vec<u32>,
     inverse_inertia: R,
 }
 
-/// What contacts have done to a block.
+/// Effect of contacts on a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SolverBodyChange<R: Lane> {
-    /// By how much its velocity is another.
+    /// Change of its velocity.
     pub velocity: Vector3<R>,
-    /// Its spin now.
+    /// New spin.
     pub spin: Vector3<R>,
-    /// What undoes its overlaps, as a velocity and a spin.
+    /// Overlap correction, as a velocity and a spin.
     pub shift: [Vector3<R>; 2],
 }
 
@@ -61,7 +62,7 @@ impl<R: Lane> SolverBody<R> {
 }
 
 impl<R: Lane> SolverBodies<R> {
-    /// Of `count` blocks in all; `turns`: whether contacts can turn blocks at all.
+    /// Returns an empty list for `count` blocks. `turns` is whether contacts can rotate blocks.
     pub fn new(count: usize, turns: bool) -> SolverBodies<R> {
         SolverBodies {
             blocks: Vec::new(),
@@ -93,7 +94,7 @@ impl<R: Lane> SolverBodies<R> {
         self.late.push(R::Quad::default());
     }
 
-    /// The body of a free block in one more contact; it gets its place in the lists at its first one.
+    /// Returns the body of a free block and counts a contact. Adds the body at its first contact.
     pub fn place(&mut self, id: u32) -> usize {
         let place = &mut self.place[id as usize];
         if *place == NOBODY {
@@ -108,27 +109,27 @@ impl<R: Lane> SolverBodies<R> {
         *place as usize
     }
 
-    /// A force has changed the velocity of a block by so much, half of it after the middle of the step.
+    /// Records a force's velocity change of a block. Half of it acts after the middle of the step.
     pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
         if let Some(late) = self.late.get_mut(self.place[id as usize] as usize) {
             *late += R::Quad::pack(change * R::of(0.5));
         }
     }
 
-    /// Whether none of these bodies is in another contact as well.
+    /// Returns whether none of these bodies has another contact.
     pub fn is_alone(&self, bodies: [usize; 2]) -> bool {
         bodies.iter().all(|&place| self.contacts[place] <= 1)
     }
 
-    /// Has all bodies seem to be in several contacts.
+    /// Makes all bodies appear to have several contacts.
     #[cfg(test)]
     pub fn entangle(&mut self) {
         self.contacts.iter_mut().for_each(|count| *count += 2);
     }
 
-    /// Begins with the velocities of the blocks in the middle of the step: as they are, less what is `late`; and with their spins.
+    /// Loads the velocities in the middle of the step, which exclude `late`, and the spins.
     ///
-    /// `rigid`: whether overlaps are undone.
+    /// `rigid` is whether overlaps are corrected.
     pub fn start(&mut self, rigid: bool, motion_of: impl Fn(u32) -> [Vector3<R>; 3]) {
         self.shifts.clear();
         if rigid {
@@ -144,7 +145,7 @@ impl<R: Lane> SolverBodies<R> {
         self.before.clone_from(&self.motions);
     }
 
-    /// What has become of each block.
+    /// Returns the change of each block.
     pub fn changes(&self) -> impl Iterator<Item = (u32, SolverBodyChange<R>)> + '_ {
         let places = self.blocks.iter().enumerate().skip(1);
         places.map(|(place, &id)| {
@@ -160,7 +161,7 @@ impl<R: Lane> SolverBodies<R> {
         })
     }
 
-    /// Of a body that contacts turn; 0: they do not.
+    /// Returns the moment of inertia, or 0 if contacts do not rotate blocks.
     pub fn inertia(&self) -> R {
         if self.inverse_inertia > R::zero() {
             R::one() / self.inverse_inertia
