@@ -244,7 +244,7 @@ impl PythonProgram {
             let program = programs.pop();
             program
                 .map(PythonProgram::from)
-                .ok_or_else(|| Failure::usage("it holds no program"))
+                .ok_or_else(|| Failure::usage("it contains no program"))
         })
     }
 }

@@ -117,7 +117,7 @@ pub fn matched(
         }
         if program.sources.is_empty() {
             return Err(Failure::usage(format!(
-                "`{name}` is compiled already; name the file of its text instead"
+                "`{name}` is already compiled; name its source file instead"
             )));
         }
         let place = observed.iter().position(|(of, _)| of == name);

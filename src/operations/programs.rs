@@ -66,9 +66,9 @@ fn read(
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
     match executables(file) {
-        Some(Ok(found)) if found.is_empty() => {
-            Err(Failure::usage(format!("`{file}` holds no program to run")))
-        }
+        Some(Ok(found)) if found.is_empty() => Err(Failure::usage(format!(
+            "`{file}` contains no program to run"
+        ))),
         Some(Ok(found)) => Ok(compiled(found)),
         Some(Err(reason)) => Err(Failure::usage(format!("`{file}`: {reason}"))),
         None => accept(file, crate::check_within(file, levels, imports), host),

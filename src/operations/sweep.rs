@@ -35,7 +35,7 @@ pub fn points(
     for program in programs {
         if program.sources.is_empty() {
             return Err(Failure::usage(format!(
-                "--sweep: `{}` is compiled already; name the file of its text instead",
+                "--sweep: `{}` is already compiled; name its source file instead",
                 program.name
             )));
         }

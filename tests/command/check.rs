@@ -432,7 +432,7 @@ fn a_folder_is_the_programs_in_it() {
     );
     assert_eq!((said.status, said.out), (2, tower_of_several()));
     assert!(
-        said.err.contains("holds no program (`*.sa`)"),
+        said.err.contains("contains no program (`*.sa`)"),
         "{}",
         said.err
     );

@@ -126,7 +126,7 @@ fn an_executable_is_simulated_without_its_text() {
     assert_eq!(said.status, 0, "{}", said.err);
     let said = stochc_with("simulate --sweep free=10..20/2", &[&program]);
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("is compiled already"), "{}", said.err);
+    assert!(said.err.contains("is already compiled"), "{}", said.err);
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn an_executable_of_nothing_is_neither_written_nor_run() {
     for command in ["estimate", "simulate --runs 1"] {
         let said = stochc_with(command, &[&none]);
         assert_eq!(said.status, 2, "{}", said.err);
-        assert!(said.err.contains("holds no program"), "{}", said.err);
+        assert!(said.err.contains("contains no program"), "{}", said.err);
     }
 }
 

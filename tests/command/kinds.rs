@@ -14,7 +14,11 @@ fn pipe(path: &str) {
 }
 
 fn refused(said: &Said, status: i32, what: &str) {
-    let told = ["it is no ordinary file", "is a folder", "holds no program"];
+    let told = [
+        "it is not a regular file",
+        "is a folder",
+        "contains no program",
+    ];
     let told = told.iter().any(|reason| said.err.contains(reason));
     assert!(told, "{what}: {}{}", said.out, said.err);
     assert_eq!(said.status, status, "{what}: {}", said.err);

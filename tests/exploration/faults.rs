@@ -179,7 +179,7 @@ fn a_stray_that_sticks_stands_in_the_way_or_stays() {
     );
     for violation in violations {
         let what = match violation.property {
-            Property::NoHang => "which is full",
+            Property::NoHang => "which is occupied",
             _ => "with a block without a name",
         };
         assert!(violation.what.contains(what), "{violation}");

@@ -52,7 +52,7 @@ fn a_cell_that_is_closed_in_one_order_is_a_hang() {
         });
         let violation = report.violation().unwrap();
         assert_eq!(violation.property, Property::NoHang);
-        let why = "M.up waits for foot at (1, 1, 1), to which no block can come";
+        let why = "M.up waits for foot at (1, 1, 1), which no block can reach";
         assert!(violation.what.contains(why), "{violation}");
         assert!(
             violation

@@ -158,7 +158,7 @@ fn plans_that_may_jam_pass_the_check() {
     assert!(text.contains("allow tight-approach"), "{text}");
     let explained = stochc::planner::explanation(&at_once.unwrap().plan);
     assert!(
-        explained.contains("ways in: not searched for"),
+        explained.contains("access paths: not checked"),
         "{explained}"
     );
 }

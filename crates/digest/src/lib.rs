@@ -1,15 +1,17 @@
-//! A digest of a crate's sources, for its build script: two builds with one digest compute the same.
+//! Digest of a crate's sources, for its build script. Two builds with equal digests compute equal
+//! results.
 //!
-//! It depends on the names of files within `src` and on what is in them, and on nothing else: not on where
-//! they are, nor on how a system ends its lines.
+//! It depends only on the names and contents of files in `src`, not on their location or line
+//! endings.
 use std::io;
 use std::path::Path;
 
-/// Has Cargo set the variable `STOCHC_SOURCES` while it compiles the crate whose build script calls this,
-/// anew whenever a file in its `src` changes.
+/// Sets the variable `STOCHC_SOURCES` for the crate of the calling build script. Cargo repeats this
+/// whenever a file in `src` changes.
 ///
 /// # Errors
-/// When the sources cannot be read.
+///
+/// If the sources cannot be read.
 pub fn emit() -> io::Result<()> {
     println!("cargo::rerun-if-changed=src");
     println!("cargo::rerun-if-changed=build.rs");
@@ -17,12 +19,13 @@ pub fn emit() -> io::Result<()> {
     Ok(())
 }
 
-/// The digest of a folder, as 32 hexadecimal digits.
+/// Returns the digest of a folder as 32 hexadecimal digits.
 ///
-/// Pages of documentation (`.md`) do not count.
+/// Ignores documentation pages (`.md`).
 ///
 /// # Errors
-/// When something in the folder cannot be read.
+///
+/// If the folder or one of its files cannot be read.
 pub fn of(folder: &Path) -> io::Result<String> {
     let mut files = Vec::new();
     collect(folder, "", &mut files)?;
@@ -51,7 +54,11 @@ fn collect(folder: &Path, within: &str, files: &mut Vec<(String, Vec<u8>)>) -> i
     Ok(())
 }
 
-/// FNV-1a of 128 bits (G. Fowler, L. C. Noll and K.-P. Vo): short, and good against chance.
+/// 128-bit FNV-1a hash. Short, and sufficient against accidental collisions.
+///
+/// # Source
+///
+/// G. Fowler, L. C. Noll and K.-P. Vo.
 struct Fnv(u128);
 
 impl Fnv {
@@ -59,7 +66,7 @@ impl Fnv {
         Fnv(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
     }
 
-    /// Adds bytes, and their number, so that no two lists of parts run together.
+    /// Adds bytes after their length, so that different lists of parts give different hashes.
     fn part(&mut self, bytes: &[u8]) {
         self.bytes(&(bytes.len() as u64).to_le_bytes());
         self.bytes(bytes);
@@ -77,7 +84,7 @@ impl Fnv {
 mod tests {
     use super::*;
 
-    /// From the authors' table of test vectors.
+    /// Test vectors from the authors' table.
     #[test]
     fn the_hash_is_that_of_its_authors() {
         for (text, hash) in [

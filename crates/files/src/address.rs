@@ -1,7 +1,8 @@
-//! Paths as addresses.
+//! Paths as parts of URLs.
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
-/// What stands in the path of an address as it is (RFC 3986, 3.3); a colon could be taken for a scheme's.
+/// Characters that need no escape in a path (RFC 3986, section 3.3). A colon is escaped, since it
+/// could end a scheme.
 const KEPT: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'/')
     .remove(b'-')
@@ -9,7 +10,7 @@ const KEPT: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'.')
     .remove(b'~');
 
-/// A path as part of an address: what would end or change it is written in hexadecimal.
+/// Returns a path as part of a URL, with special characters percent-encoded.
 pub fn address(path: &str) -> String {
     utf8_percent_encode(path, KEPT).to_string()
 }

@@ -1,21 +1,21 @@
-//! The folders within which the imports of a program stay.
+//! Folders that a program may import from.
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// Folders, links resolved.
+/// Folders with all links resolved.
 #[derive(Clone, Debug)]
 pub struct ImportFolders(Vec<PathBuf>);
 
 impl ImportFolders {
-    /// The folder of a program, and further ones as [`folder`] gives them.
+    /// Returns the folder of a program and further folders, as [`folder`] resolves them.
     pub fn new(program: &str, further: &[PathBuf]) -> ImportFolders {
         let own = Path::new(program).parent().unwrap_or(Path::new(""));
         let own = std::iter::once(resolved(own));
         ImportFolders(own.chain(further.iter().cloned()).collect())
     }
 
-    /// The folder of the program, where a file is in none of the folders: whether it is there or not, nothing of it
-    /// is told.
+    /// Returns the program's folder if a file is outside all allowed folders. Does not reveal
+    /// whether the file exists.
     pub fn outside(&self, path: &str) -> Option<String> {
         let path = resolved(Path::new(path));
         let is_above = |folder: &PathBuf| path.starts_with(folder);
@@ -24,10 +24,11 @@ impl ImportFolders {
     }
 }
 
-/// A folder, links resolved.
+/// Returns a folder with links resolved.
 ///
 /// # Errors
-/// Those of the file system, and of what is no folder.
+///
+/// Errors of the file system, and a path that is not a folder.
 pub fn folder(path: &Path) -> io::Result<PathBuf> {
     let path = std::fs::canonicalize(path)?;
     if path.is_dir() {
@@ -37,13 +38,13 @@ pub fn folder(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-/// The path of a file that is there with all links resolved, which is the same by whatever path it is asked for.
+/// Returns the path of an existing file with all links resolved, equal for all its paths.
 pub fn identity(path: &str) -> Option<String> {
     let path = std::fs::canonicalize(Path::new(".").join(path)).ok()?;
     path.into_os_string().into_string().ok()
 }
 
-/// A path with all links resolved, as far as there is anything at it.
+/// Resolves links in the part of a path that exists.
 fn resolved(path: &Path) -> PathBuf {
     let path = Path::new(".").join(path);
     let absolute = std::path::absolute(&path).unwrap_or(path);
@@ -67,10 +68,7 @@ fn resolved(path: &Path) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
-    #![allow(
-        clippy::disallowed_methods,
-        reason = "the test makes the files that it asks about"
-    )]
+    #![allow(clippy::disallowed_methods, reason = "the test creates its files")]
     use super::*;
 
     #[test]

@@ -1,17 +1,17 @@
-//! How much is read of files that somebody else may have made: the one table of it, told in docs/limits.md.
+//! Size limits for reading files from untrusted sources. docs/limits.md lists them.
 //!
-//! What a file claims to hold never decides how much memory is asked for.
+//! Memory is never allocated by sizes claimed in a file.
 use std::io;
 
 const MIB: u64 = 1 << 20;
 const GIB: u64 = 1 << 30;
 
-/// How much is read of a kind of file.
+/// Size limit of a kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadBudget {
-    /// Its bytes, fewer than which it has to have.
+    /// Limit \[bytes\]; files must be smaller.
     pub bytes: u64,
-    /// Whether it is JSON, in which there are no holes.
+    /// Whether it is JSON, which cannot contain holes.
     pub is_json: bool,
 }
 
@@ -25,52 +25,54 @@ const fn any(bytes: u64) -> ReadBudget {
     ReadBudget { bytes, is_json }
 }
 
-/// A program: places in it are counted with 32 bits.
+/// Program. Positions in it have 32 bits.
 pub const PROGRAM: ReadBudget = any(4 * GIB);
-/// A file of compiled programs.
+/// File of compiled programs.
 pub const EXECUTABLE: ReadBudget = json(4 * GIB);
-/// The manifest of an ensemble.
+/// Manifest of an ensemble.
 pub const MANIFEST: ReadBudget = json(4 * GIB);
-/// The checksums of a folder.
+/// Checksums of a folder.
 pub const CHECKSUMS: ReadBudget = json(16 * MIB);
-/// How an ensemble is cut into pieces.
+/// Shards of an ensemble.
 pub const SHARDS: ReadBudget = json(MIB);
-/// The rates of a scene.
+/// Rates of a scene.
 pub const RATES: ReadBudget = json(16 * MIB);
-/// A table of times to fit to.
+/// Table of times to fit.
 pub const TIMES: ReadBudget = any(256 * MIB);
-/// Voxels to be planned.
+/// Voxels of a target.
 pub const VOXELS: ReadBudget = any(256 * MIB);
-/// The page of an earlier report.
+/// Page of an earlier report.
 pub const PAGE: ReadBudget = any(GIB);
-/// A journal.
+/// Journal.
 pub const JOURNAL: ReadBudget = json(256 * GIB);
-/// A recording, packed.
+/// Compressed recording.
 pub const RECORDING: ReadBudget = any(64 * GIB);
 
-/// The state of a run under way, with its recording so far.
+/// State of a running simulation, with its recording so far.
 pub const CHECKPOINT: ReadBudget = any(128 * GIB);
 
-/// Bytes of the header of a recording, at most.
+/// Largest header of a recording \[bytes\].
 pub const RECORDING_HEADER: u64 = MIB;
-/// Bytes of one part of a recording, packed or unpacked, at most.
+/// Largest part of a recording, compressed or not \[bytes\].
 pub const RECORDING_PART: u64 = 256 * MIB;
-/// Bytes of a recording that is held in memory as a whole, at most; the command never does so.
+/// Largest recording held in memory as a whole \[bytes\]. The command never does so.
 pub const RECORDING_WHOLE: u64 = GIB;
-/// Bytes of an event in a recording, at most.
+/// Largest event in a recording \[bytes\].
 pub const RECORDING_EVENT: usize = 1 << 10;
 
-/// Bytes of the record of a run in a journal or a recording, unpacked, at most: of a program with so many captures.
+/// Returns the limit of a run's uncompressed record, for a program with this number of captures
+/// \[bytes\].
 pub const fn record(captures: u64) -> u64 {
     let most = captures.saturating_mul(1 << 10).saturating_add(64 * MIB);
     if most < GIB { most } else { GIB }
 }
 
 impl ReadBudget {
-    /// Refuses a file of so many bytes.
+    /// Checks the size of a file.
     ///
     /// # Errors
-    /// Where it has too many.
+    ///
+    /// If it exceeds the limit.
     pub fn admits(self, bytes: u64) -> io::Result<()> {
         if bytes < self.bytes {
             Ok(())
@@ -79,12 +81,13 @@ impl ReadBudget {
         }
     }
 
-    /// Refuses a part of a large file with a hole, which costs whoever has made it nothing.
+    /// Rejects a part of a large file with a hole, since holes let small files claim huge sizes.
     ///
     /// # Errors
-    /// Where there is one that no such file has.
+    ///
+    /// If there is a hole in a kind of file that cannot contain one.
     pub(super) fn accepts(self, part: &[u8]) -> io::Result<()> {
-        /// A page of a disk.
+        /// Size of a disk page.
         const PAGE: usize = 1 << 12;
         let is_hole = |page: &[u8]| page.iter().all(|byte| *byte == 0);
         if self.is_json && part.chunks_exact(PAGE).any(is_hole) {
@@ -95,12 +98,12 @@ impl ReadBudget {
     }
 }
 
-/// An error about something that is larger than is allowed.
+/// Returns an error for something larger than allowed.
 pub fn too_large(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, what)
 }
 
-/// A number of bytes, as messages tell it.
+/// Formats a number of bytes for messages.
 pub fn size(bytes: u64) -> String {
     match bytes {
         GIB.. if bytes.is_multiple_of(GIB) => format!("{} GiB", bytes / GIB),

@@ -1,27 +1,27 @@
-//! Checksums (CRC-32) of lines, parts and whole files: any flipped bit is found.
+//! CRC-32 checksums of lines, parts and whole files. They detect accidental corruption.
 use std::fmt::Write as _;
 use std::io::{self, BufRead as _, BufReader, Read, Write};
 
 use flate2::Crc;
 
-/// The checksum of some bytes.
+/// Returns the checksum of bytes.
 pub fn crc32(bytes: &[u8]) -> u32 {
     let mut crc = Crc::new();
     crc.update(bytes);
     crc.sum()
 }
 
-/// How many bytes there are, and their checksum.
+/// Number of bytes and checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sum {
-    /// How many.
+    /// Number of bytes.
     pub bytes: u64,
-    /// Their checksum.
+    /// Checksum.
     pub crc32: u32,
 }
 
 impl Sum {
-    /// Of some bytes.
+    /// Returns the checksum of bytes.
     pub fn from_bytes(bytes: &[u8]) -> Sum {
         Sum {
             bytes: bytes.len() as u64,
@@ -30,7 +30,7 @@ impl Sum {
     }
 }
 
-/// Sums up what is written through it.
+/// Writer that computes a checksum of its output.
 #[derive(Debug)]
 pub struct Summed<W> {
     to: W,
@@ -39,7 +39,7 @@ pub struct Summed<W> {
 }
 
 impl<W> Summed<W> {
-    /// Before the first byte.
+    /// Wraps a writer.
     pub fn new(to: W) -> Summed<W> {
         Summed {
             to,
@@ -48,7 +48,7 @@ impl<W> Summed<W> {
         }
     }
 
-    /// Where it was written to, and what.
+    /// Returns the inner writer and the checksum.
     pub fn finish(self) -> (W, Sum) {
         let sum = Sum {
             bytes: self.bytes,
@@ -71,10 +71,11 @@ impl<W: Write> Write for Summed<W> {
     }
 }
 
-/// Sums up the beginning of a file, of at most `length` bytes.
+/// Computes the checksum of the first `length` bytes of a file.
 ///
 /// # Errors
-/// Those of the file system.
+///
+/// Errors of the file system.
 pub fn of_file(file: impl Read, length: u64) -> io::Result<Sum> {
     let mut crc = Crc::new();
     let mut from = BufReader::with_capacity(1 << 16, file.take(length));
@@ -92,34 +93,35 @@ pub fn of_file(file: impl Read, length: u64) -> io::Result<Sum> {
     }
 }
 
-/// What a line of JSON says of itself.
+/// Integrity of a line of JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineIntegrity {
-    /// It is as it was written.
+    /// The checksum matches.
     Sound,
-    /// It is not.
+    /// The checksum does not match.
     Damaged,
-    /// It bears no checksum.
+    /// There is no checksum.
     Unsealed,
 }
 
-/// How the checksum of a line begins, which is the last field of its object.
+/// Start of the checksum field, the last of its object.
 const FIELD: &[u8] = b",\"crc\":\"";
 /// `,"crc":"01234567"}`
 const LENGTH: usize = FIELD.len() + 8 + 2;
 
-/// A JSON object with a field more, `crc`: the checksum, in hexadecimal, of all before it.
+/// Appends the field `crc` to a JSON object: the hexadecimal checksum of everything before it.
 ///
 /// # Panics
-/// Where it is no object with a field, without white space behind it.
+///
+/// If it is not an object with at least one field, or has trailing white space.
 pub fn sealed(mut object: String) -> String {
-    assert_eq!(object.pop(), Some('}'), "an object ends so");
+    assert_eq!(object.pop(), Some('}'), "an object ends with a brace");
     let crc = crc32(object.as_bytes());
-    write!(object, ",\"crc\":\"{crc:08x}\"}}").expect("a string takes everything");
+    write!(object, ",\"crc\":\"{crc:08x}\"}}").expect("writing to a string cannot fail");
     object
 }
 
-/// Holds a line, without the line break, against its checksum.
+/// Checks a line, without its line break, against its checksum.
 pub fn check(line: &[u8]) -> LineIntegrity {
     let Some(at) = line.len().checked_sub(LENGTH) else {
         return LineIntegrity::Unsealed;
@@ -128,7 +130,7 @@ pub fn check(line: &[u8]) -> LineIntegrity {
     if !seal.starts_with(FIELD) {
         return LineIntegrity::Unsealed;
     }
-    // Digit by digit, so that none has two forms.
+    // Compares digits, so that only one form is valid.
     let crc = crc32(body);
     let digits = (0..8).map(|place| b"0123456789abcdef"[(crc >> (28 - 4 * place) & 15) as usize]);
     let expected = digits.chain(*b"\"}");

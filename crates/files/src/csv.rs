@@ -3,44 +3,47 @@ use std::borrow::Cow;
 
 use csv::{Terminator, Writer, WriterBuilder};
 
-/// A table that grows row by row in memory.
+/// Table in memory that grows by rows.
 pub struct CsvTable(Writer<Vec<u8>>);
 
 impl CsvTable {
-    /// A table without rows.
+    /// Returns a table with a header and no rows.
     pub fn new(columns: impl IntoIterator<Item = impl AsRef<str>>) -> CsvTable {
         let mut table = CsvTable::part();
         table.row(columns);
         table
     }
 
-    /// Rows that go on with a table.
+    /// Returns an empty continuation of a table, without a header.
     pub fn part() -> CsvTable {
         let mut builder = WriterBuilder::new();
         CsvTable(builder.terminator(Terminator::CRLF).from_writer(Vec::new()))
     }
 
-    /// Adds a row, which has to have a cell for each column; [`original`] tells what a cell was.
+    /// Adds a row with one cell per column. [`original`] recovers the text of a cell.
     ///
     /// # Panics
-    /// Where it has not.
+    ///
+    /// If the number of cells differs from the number of columns.
     pub fn row(&mut self, cells: impl IntoIterator<Item = impl AsRef<str>>) {
         for cell in cells {
             let cell = inert(cell.as_ref());
-            self.0.write_field(&*cell).expect("memory takes everything");
+            self.0
+                .write_field(&*cell)
+                .expect("writing to memory cannot fail");
         }
         let end = self.0.write_record(None::<&[u8]>);
         end.expect("every row has a cell for each column");
     }
 
-    /// The text of the file.
+    /// Returns the text of the file.
     pub fn finish(self) -> String {
-        let bytes = self.0.into_inner().expect("memory takes everything");
+        let bytes = self.0.into_inner().expect("writing to memory cannot fail");
         String::from_utf8(bytes).expect("cells are text")
     }
 }
 
-/// A cell that no spreadsheet computes: text that would be a formula has an apostrophe in front.
+/// Makes a cell safe for spreadsheets: text that would be a formula gets an apostrophe in front.
 fn inert(cell: &str) -> Cow<'_, str> {
     if is_computed(cell) && cell.parse::<f64>().is_err() {
         format!("'{cell}").into()
@@ -49,7 +52,7 @@ fn inert(cell: &str) -> Cow<'_, str> {
     }
 }
 
-/// What a cell was before a [`CsvTable`] made it inert.
+/// Recovers the text of a cell of a [`CsvTable`].
 pub fn original(cell: &str) -> &str {
     match cell.strip_prefix('\'') {
         Some(rest) if is_computed(rest) => rest,
@@ -57,7 +60,7 @@ pub fn original(cell: &str) -> &str {
     }
 }
 
-/// Whether a spreadsheet takes a cell for a formula, with or without apostrophes in front.
+/// Returns whether spreadsheets treat a cell as a formula, possibly after apostrophes.
 fn is_computed(cell: &str) -> bool {
     let bare = cell.trim_start_matches('\'');
     bare.starts_with(['=', '+', '-', '@', '\t', '\r', '\n'])

@@ -1,5 +1,5 @@
-//! The one way to the disk of all that keeps results: what it asks of the system is a [`Call`], each of which a test can have
-//! fail, to see what is left then.
+//! Disk access for all code that keeps results. Each request to the system is a [`Call`], and tests
+//! can make any call fail.
 use std::fs::{self, Metadata, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Deref;
@@ -7,71 +7,71 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, RwLock};
 
-/// What is asked of the system.
+/// Request to the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Call<'a> {
-    /// To open a file that is there.
+    /// Opens an existing file.
     Open,
-    /// To make a file, or open the one that is there.
+    /// Creates a file, or opens an existing one.
     Create,
-    /// To read some bytes.
+    /// Reads bytes.
     Read,
-    /// To write these bytes where the file stands.
+    /// Writes these bytes at the current position.
     Write(&'a [u8]),
-    /// To cut a file to so many bytes.
+    /// Sets the length of a file \[bytes\].
     SetLength(u64),
-    /// To have what is in a file survive a loss of power.
+    /// Makes the content of a file survive a power failure.
     Sync,
-    /// To have the names in a folder survive that.
+    /// Makes the names in a folder survive a power failure.
     SyncFolder,
-    /// To make a folder.
+    /// Creates a folder.
     MakeFolder,
-    /// To give a file this name, whatever has had it before.
+    /// Renames a file to this path, replacing any file there.
     Rename(&'a Path),
-    /// To remove a file or an empty folder.
+    /// Removes a file or an empty folder.
     Remove,
-    /// To list a folder.
+    /// Lists a folder.
     List,
-    /// To say what is there.
+    /// Reads the metadata of a path.
     Look,
-    /// To lock a file.
+    /// Locks a file.
     Lock,
 }
 
-/// What becomes of a call.
+/// Outcome of a call.
 #[derive(Debug)]
 pub enum CallDecision {
-    /// The system is asked.
+    /// The system is called.
     Proceed,
-    /// It fails.
+    /// The call fails.
     Fail(io::Error),
-    /// Of a write: so many bytes are written, and then it fails.
+    /// This number of bytes is written, and then the call fails.
     Torn(usize, io::Error),
-    /// It is said to be done, and is not.
+    /// The call succeeds without effect.
     Pretend,
 }
 
-/// In the place of the disk.
+/// Test double of the disk.
 pub trait Double: Send + Sync {
-    /// Decides on a call that is about to be made.
+    /// Decides the outcome of a call before it is made.
     fn decide(&self, path: &Path, call: Call) -> CallDecision;
 }
 
-/// The doubles, each for what lies in a folder.
+/// Test doubles, each for the contents of a folder.
 static DOUBLES: RwLock<Vec<(PathBuf, Arc<dyn Double>)>> = RwLock::new(Vec::new());
-/// How many there are: none, but in a test.
+/// Number of test doubles: 0 except in tests.
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 
-/// Puts a double in the place of the disk for all that lies in a folder, until [`restore`].
+/// Installs a test double for the contents of a folder, until [`restore`].
 pub fn replace_by(folder: &Path, double: Arc<dyn Double>) {
-    let mut doubles = DOUBLES.write().expect("nobody panics while it is held");
+    let mut doubles = DOUBLES.write().expect("no panic while it is locked");
     doubles.push((folder.to_owned(), double));
     COUNT.store(doubles.len(), Ordering::SeqCst);
 }
 
-/// Ends [`replace_by`].
+/// Removes the test double of a folder.
 pub fn restore(folder: &Path) {
-    let mut doubles = DOUBLES.write().expect("nobody panics while it is held");
+    let mut doubles = DOUBLES.write().expect("no panic while it is locked");
     doubles.retain(|(of, _)| of != folder);
     COUNT.store(doubles.len(), Ordering::SeqCst);
 }
@@ -81,14 +81,14 @@ fn decide(path: &Path, call: Call) -> CallDecision {
         return CallDecision::Proceed;
     }
     let double = {
-        let doubles = DOUBLES.read().expect("nobody panics while it is held");
+        let doubles = DOUBLES.read().expect("no panic while it is locked");
         let of = doubles.iter().find(|(folder, _)| path.starts_with(folder));
         of.map(|(_, double)| double.clone())
     };
     double.map_or(CallDecision::Proceed, |double| double.decide(path, call))
 }
 
-/// Makes a call, unless it fails before.
+/// Makes a call unless a test double decides otherwise.
 pub(crate) fn ask<T: Default>(
     path: &Path,
     call: Call,
@@ -101,12 +101,13 @@ pub(crate) fn ask<T: Default>(
     }
 }
 
-/// Fails where a call fails that gives something; what is only said to be done is done.
+/// Returns an error if a test double makes the call fail. Used for calls with a result, which
+/// cannot be pretended.
 pub(crate) fn may(path: &Path, call: Call) -> io::Result<()> {
     ask(path, call, || Ok(()))
 }
 
-/// Writes to something that is the file at `path`.
+/// Writes to the file at `path`.
 pub(crate) fn write(path: &Path, bytes: &[u8], mut to: impl Write) -> io::Result<usize> {
     match decide(path, Call::Write(bytes)) {
         CallDecision::Proceed => to.write(bytes),
@@ -116,7 +117,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8], mut to: impl Write) -> io::Result
     }
 }
 
-/// A file that is open.
+/// Open file.
 #[derive(Debug)]
 pub struct File {
     file: fs::File,
@@ -132,35 +133,39 @@ impl File {
         })
     }
 
-    /// As [`fs::File::sync_all`].
+    /// Calls [`fs::File::sync_all`].
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn sync_all(&self) -> io::Result<()> {
         ask(&self.path, Call::Sync, || self.file.sync_all())
     }
 
-    /// As [`fs::File::sync_data`].
+    /// Calls [`fs::File::sync_data`].
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn sync_data(&self) -> io::Result<()> {
         ask(&self.path, Call::Sync, || self.file.sync_data())
     }
 
-    /// As [`fs::File::set_len`].
+    /// Calls [`fs::File::set_len`].
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn set_len(&self, length: u64) -> io::Result<()> {
         let call = Call::SetLength(length);
         ask(&self.path, call, || self.file.set_len(length))
     }
 
-    /// As [`fs::File::try_clone`].
+    /// Calls [`fs::File::try_clone`].
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn try_clone(&self) -> io::Result<File> {
         Ok(File {
             file: self.file.try_clone()?,
@@ -168,10 +173,11 @@ impl File {
         })
     }
 
-    /// Locks it. Returns `None` if another handle has the lock.
+    /// Locks the file. Returns `None` if another handle has the lock.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn try_lock(self) -> io::Result<Option<FileLock>> {
         may(&self.path, Call::Lock)?;
         let is_held = match lock(self.file.try_lock())? {
@@ -185,13 +191,13 @@ impl File {
         }))
     }
 
-    /// What the system has, for those to whom no test speaks.
+    /// Returns the system's file, without test doubles.
     pub(crate) fn as_plain(&mut self) -> &mut fs::File {
         &mut self.file
     }
 }
 
-/// A file that has no name any more.
+/// Wraps a file that no longer has a name.
 impl From<fs::File> for File {
     fn from(file: fs::File) -> File {
         let path = PathBuf::new();
@@ -252,20 +258,22 @@ impl Seek for File {
     }
 }
 
-/// Where the entries of a folder are.
+/// Returns the paths of a folder's entries.
 ///
 /// # Errors
-/// Those of the file system.
+///
+/// Errors of the file system.
 pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
     may(folder, Call::List)?;
     let entries = fs::read_dir(folder)?;
     entries.map(|entry| Ok(entry?.path())).collect()
 }
 
-/// What is at a path, which may be a link.
+/// Returns the metadata of a path without following links.
 ///
 /// # Errors
-/// Those of the file system.
+///
+/// Errors of the file system.
 pub fn look(path: &Path) -> io::Result<Metadata> {
     may(path, Call::Look)?;
     fs::symlink_metadata(path)
@@ -274,15 +282,17 @@ pub fn look(path: &Path) -> io::Result<Metadata> {
 /// Removes a file.
 ///
 /// # Errors
-/// Those of the file system.
+///
+/// Errors of the file system.
 pub fn remove(path: &Path) -> io::Result<()> {
     ask(path, Call::Remove, || fs::remove_file(path))
 }
 
-/// Removes a folder that is empty.
+/// Removes an empty folder.
 ///
 /// # Errors
-/// Those of the file system.
+///
+/// Errors of the file system.
 pub fn remove_folder(path: &Path) -> io::Result<()> {
     ask(path, Call::Remove, || fs::remove_dir(path))
 }
@@ -302,17 +312,17 @@ impl FileLock {
 }
 
 impl Drop for FileLock {
-    /// Unlocks the file explicitly. Closing it is not enough: a process that is being started by
-    /// another thread shares the open file, and with it the lock, until it executes its program.
+    /// Unlocks the file explicitly. Closing is not enough: a child process being started by another
+    /// thread shares the open file, and its lock, until it executes its program.
     fn drop(&mut self) {
         if self.is_held {
-            // The lock ends at the latest with the process.
+            // The lock ends with the process at the latest.
             let _ = self.file.file.unlock();
         }
     }
 }
 
-/// The answer of the file system to a request for a lock.
+/// Response of the file system to a lock request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Lock {
     Ours,
@@ -338,7 +348,7 @@ mod tests {
     #[test]
     fn a_file_system_without_locks_keeps_nobody_out() {
         let tried = |number| fs::TryLockError::Error(io::Error::from_raw_os_error(number));
-        // ENOSYS and EOPNOTSUPP, as Lustre without `flock` and some mounts of NFS answer.
+        // ENOSYS and EOPNOTSUPP, returned by Lustre without `flock` and some NFS mounts.
         #[cfg(target_os = "linux")]
         for number in [38, 95] {
             assert_eq!(lock(Err(tried(number))).unwrap(), Lock::Unsupported);

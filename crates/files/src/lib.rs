@@ -1,4 +1,4 @@
-//! Reading ordinary files, and writing whole ones.
+//! Reads regular files within size limits, and writes files atomically.
 pub mod address;
 pub mod atomic;
 pub mod bound;
@@ -17,31 +17,33 @@ use std::path::Path;
 use budget::{PROGRAM, ReadBudget};
 pub use disk::File;
 
-/// The bytes of a file, for the compiler.
+/// Returns the bytes of a file for the compiler.
 ///
 /// # Errors
 ///
-/// In the system's words, or if the file is no ordinary one or larger than the language allows.
+/// A message, if the file is not a regular file or is larger than the language allows.
 pub fn read(path: &str) -> Result<Vec<u8>, String> {
     read_file(Path::new(path), PROGRAM).map_err(|error| error.to_string())
 }
 
-/// The bytes of an ordinary file.
+/// Returns the bytes of a regular file.
 ///
 /// # Errors
-/// Those of [`open`], and of a file beyond its budget.
+///
+/// The errors of [`open`], and a file beyond its limit.
 pub fn read_file(path: &Path, budget: ReadBudget) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     budget.admits(file.metadata()?.len())?;
     read_stream(file, budget)
 }
 
-/// All that a stream gives, such as the standard input.
+/// Returns all bytes of a stream such as the standard input.
 ///
 /// # Errors
-/// Those of the stream, and of one beyond its budget.
+///
+/// Errors of the stream, and a stream beyond its limit.
 pub(crate) fn read_stream(mut stream: impl Read, budget: ReadBudget) -> io::Result<Vec<u8>> {
-    /// Bytes between two looks at what has come; smaller files are not worth one.
+    /// Number of bytes between two checks. Smaller files are not checked.
     const PIECE: u64 = 1 << 24;
     let mut bytes = Vec::new();
     loop {
@@ -57,16 +59,17 @@ pub(crate) fn read_stream(mut stream: impl Read, budget: ReadBudget) -> io::Resu
     }
 }
 
-/// Opens an ordinary file for reading, or the one that a link leads to.
+/// Opens a regular file for reading, following links.
 ///
 /// # Errors
-/// Those of the file system, and of a folder, a pipe, a socket and a device: opening them may wait for
-/// somebody else or do something, and reading them may never end.
+///
+/// Errors of the file system. Folders, pipes, sockets and devices are rejected: opening them may
+/// block or have side effects, and reading may never end.
 pub fn open(path: &Path) -> io::Result<File> {
     open_with(path, OpenOptions::new().read(true)).map_err(in_words)
 }
 
-/// Replaces the system's words for the two most frequent errors.
+/// Replaces the system's messages for the two most frequent errors.
 fn in_words(error: io::Error) -> io::Error {
     let words = match error.kind() {
         io::ErrorKind::NotFound => "file not found",
@@ -76,7 +79,8 @@ fn in_words(error: io::Error) -> io::Error {
     io::Error::new(error.kind(), words)
 }
 
-/// [`open`], for other purposes than reading; the file need not be there if `options` create it.
+/// Opens a regular file with other options than [`open`]. The file may be missing if `options`
+/// create it.
 pub fn open_with(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     open_flagged(path, options, FOLLOW)
 }
@@ -101,11 +105,11 @@ const FOLLOW: Flags = ();
 fn open_flagged(path: &Path, options: &mut OpenOptions, flags: Flags) -> io::Result<File> {
     let is_there = match std::fs::metadata(path) {
         Ok(metadata) => is_ordinary(&metadata).map(|()| true)?,
-        // It may be made now; if not, opening it says so.
+        // Creation may be requested; otherwise opening reports the error.
         Err(error) if error.kind() == io::ErrorKind::NotFound => false,
         Err(error) => return Err(error),
     };
-    // What takes its place meanwhile is not waited for either.
+    // Prevents blocking if the file is replaced in the meantime.
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(
         options,
@@ -116,10 +120,11 @@ fn open_flagged(path: &Path, options: &mut OpenOptions, flags: Flags) -> io::Res
     Ok(file)
 }
 
-/// [`open_with`], for a file of ours: not the one that a link leads to.
+/// Opens a file of ours, without following links.
 ///
 /// # Errors
-/// Those of [`open`], and of a link.
+///
+/// The errors of [`open`], and a link.
 pub fn open_own(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     match disk::look(path) {
         Ok(metadata) => atomic::no_link(&metadata)?,
@@ -136,7 +141,7 @@ fn is_ordinary(metadata: &Metadata) -> io::Result<()> {
     let what = if metadata.is_dir() {
         "it is a folder"
     } else {
-        "it is no ordinary file"
+        "it is not a regular file"
     };
     Err(io::Error::new(io::ErrorKind::InvalidInput, what))
 }

@@ -1,4 +1,4 @@
-//! What the system says of this process.
+//! Status of this process.
 
 /// Returns a field of `/proc/self/status` (proc(5)), such as `SigIgn`. Returns `None` except on Linux.
 pub fn status(field: &str) -> Option<String> {

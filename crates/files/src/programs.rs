@@ -1,4 +1,4 @@
-//! Which programs the arguments of a command stand for.
+//! Programs named by command-line arguments.
 use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::fs::{DirEntry, File};
@@ -11,17 +11,17 @@ use stochc_ir::Executable;
 use super::bound::identity;
 use super::budget::{EXECUTABLE, PROGRAM};
 
-/// The argument that stands for the standard input.
+/// Argument for the standard input.
 pub const STDIN: &str = "-";
 
-/// What messages call the standard input.
+/// Name of the standard input in messages.
 pub const STDIN_NAME: &str = "<stdin>";
 
-/// An argument that stands for no program, and why, in a message.
+/// Message about an argument that names no program.
 pub type Unusable = String;
 
-/// The programs that arguments stand for, each once: files themselves, the programs (`*.sa`) of
-/// folders and those below them, and [`STDIN_NAME`] for [`STDIN`].
+/// Returns the programs named by arguments, each once: files, programs (`*.sa`) in folders and
+/// subfolders, and [`STDIN_NAME`] for [`STDIN`].
 pub fn programs(arguments: &[String]) -> Vec<Result<String, Unusable>> {
     let mut seen = BTreeSet::new();
     let mut programs = Vec::new();
@@ -32,7 +32,7 @@ pub fn programs(arguments: &[String]) -> Vec<Result<String, Unusable>> {
             path => vec![Ok(path.to_owned())],
         };
         if found.is_empty() {
-            programs.push(Err(format!("`{argument}` holds no program (`*.sa`)")));
+            programs.push(Err(format!("`{argument}` contains no program (`*.sa`)")));
         }
         programs.extend(found.into_iter().filter(|program| match program {
             Ok(program) => seen.insert(program.clone()),
@@ -61,7 +61,7 @@ fn in_folder(path: &str) -> Vec<Result<String, Unusable>> {
     found.into_list()
 }
 
-/// Entries found in a folder so far.
+/// Entries found in folders so far.
 #[derive(Default)]
 struct FolderPrograms {
     folders: Vec<String>,
@@ -72,7 +72,7 @@ struct FolderPrograms {
 }
 
 impl FolderPrograms {
-    /// Takes the next folder to read: a link only if no other is left.
+    /// Returns the next folder to read. Links come last.
     fn next_folder(&mut self) -> Option<String> {
         self.folders
             .pop()
@@ -115,7 +115,7 @@ impl FolderPrograms {
         self.unusable.push(format!("cannot read {path}: {reason}"));
     }
 
-    /// Returns all of it, with each file once.
+    /// Returns all results, with each file once.
     fn into_list(self) -> Vec<Result<String, Unusable>> {
         let mut listed = BTreeSet::new();
         let all = self.programs.into_iter().chain(self.linked_programs);
@@ -128,11 +128,11 @@ impl FolderPrograms {
     }
 }
 
-/// The bytes of one of the [`programs`]; those of the standard input are kept, since they come once.
+/// Returns the bytes of one of the [`programs`]. The standard input is read once and kept.
 ///
 /// # Errors
 ///
-/// In the system's words, or those of [`super::read`], and of a file of compiled programs.
+/// A message of the system or of [`super::read`], and a file of compiled programs.
 pub fn read(program: &str) -> Result<Vec<u8>, String> {
     static INPUT: OnceLock<Result<Vec<u8>, String>> = OnceLock::new();
     let all =
@@ -142,25 +142,26 @@ pub fn read(program: &str) -> Result<Vec<u8>, String> {
         file => super::read(file),
     }?;
     if Executable::is_file(&text) {
-        Err("it is compiled already: name the file of its text".to_owned())
+        Err("it is already compiled; name its source file".to_owned())
     } else {
         Ok(text)
     }
 }
 
-/// Whether a file looks like one of compiled programs.
+/// Returns whether a file looks like compiled programs.
 ///
 /// # Errors
-/// Those of the file system.
+///
+/// Errors of the file system.
 pub fn is_executable(file: &mut File) -> io::Result<bool> {
-    /// Enough to tell.
+    /// Number of bytes examined.
     const HEAD: u64 = 64;
     let mut head = Vec::new();
     file.take(HEAD).read_to_end(&mut head)?;
     Ok(Executable::is_file(&head))
 }
 
-/// The compiled programs of a file; `None`: it does not look like one of those.
+/// Returns the compiled programs of a file, or `None` if it does not look like one.
 pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
     let mut file = super::open(Path::new(path)).ok()?;
     is_executable(file.as_plain()).ok()?.then(|| {
@@ -170,7 +171,7 @@ pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
     })
 }
 
-/// Why an argument cannot be had by a command that takes nothing but files.
+/// Returns a message about an argument that is not a file, for commands that accept only files.
 pub fn not_a_file(argument: &str) -> Option<String> {
     let what = match argument {
         STDIN => "the standard input",

@@ -1,6 +1,6 @@
-//! Commands that can be copied into a shell.
+//! Quoting for shell commands.
 
-/// A word as any POSIX shell reads it, for scripts: every sign as it is, in quotes where it needs them.
+/// Returns a word for scripts of any POSIX shell, quoted if necessary.
 pub fn quoted(word: &str) -> String {
     let plain = |sign: char| sign.is_ascii_alphanumeric() || "_-./:=+,@%".contains(sign);
     if !word.is_empty() && word.chars().all(plain) {
@@ -9,8 +9,10 @@ pub fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// A word as a person copies it into a shell: as [`quoted`], but control characters by their numbers, so that it stays on
-/// one line. The shells that people type into read `$'...'` (bash, zsh, ksh); a `/bin/sh` may not.
+/// Returns a word for copying into an interactive shell. Like [`quoted`], but control characters
+/// are escaped to keep it on one line.
+///
+/// bash, zsh and ksh accept the form `$'...'`; `/bin/sh` may not.
 pub fn visible(word: &str) -> String {
     if !word.chars().any(|sign| sign.is_ascii_control()) {
         return quoted(word);
@@ -23,7 +25,7 @@ pub fn visible(word: &str) -> String {
     format!("$'{}'", spelled.collect::<String>())
 }
 
-/// An argument of a command that is shown, which names a file: never taken for an option.
+/// Returns a file argument of a displayed command, never mistaken for an option.
 pub fn file(path: &str) -> String {
     if path.starts_with('-') {
         visible(&format!("./{path}"))

@@ -1,4 +1,4 @@
-//! Changes that fix findings.
+//! Code actions that fix diagnostics.
 use std::collections::HashMap;
 
 use gen_lsp_types::{CodeAction, CodeActionKind, TextEdit, Uri, WorkspaceEdit};
@@ -8,7 +8,7 @@ use super::analysis::Analysis;
 use super::diagnostics::lsp_diagnostic;
 use super::documents::Documents;
 
-/// The changes that mend what is found between two bytes of a program's file.
+/// Returns the fixes of diagnostics between two bytes of a program's file.
 pub fn actions(
     analysis: &Analysis,
     path: &str,

@@ -1,4 +1,4 @@
-//! What is known of an open program, in the client's terms.
+//! Analysis of an open program, in the client's terms.
 use gen_lsp_types::{Location, Range};
 use stochc_compiler::names::{Names, Occurrence};
 use stochc_compiler::{
@@ -8,25 +8,25 @@ use stochc_compiler::{
 use super::documents::Documents;
 use super::position::{Encoding, LineIndex, line_starts};
 
-/// Everything that is known of an open program and the files it imports.
+/// Analysis of an open program and its imported files.
 #[derive(Debug)]
 pub struct Analysis {
-    /// What the compiler says.
+    /// Results of the compiler.
     pub checked: Checked,
-    /// What its names refer to.
+    /// Definitions and references of its names.
     pub names: Names,
-    /// How the client counts characters.
+    /// Character encoding of the client's positions.
     encoding: Encoding,
-    /// Where the lines of each file begin.
+    /// Starts of the lines of each file.
     lines: Vec<Vec<usize>>,
 }
 
 impl Analysis {
-    /// Checks the program in a file, as long as the result is wanted.
+    /// Checks the program in a file.
     ///
     /// # Errors
     ///
-    /// [`Cancelled`] if it is not.
+    /// [`Cancelled`] if the check is cancelled.
     pub fn new(
         path: &str,
         reader: &mut dyn Reader,
@@ -45,30 +45,30 @@ impl Analysis {
         })
     }
 
-    /// The path of a file.
+    /// Returns the path of a file.
     pub fn path(&self, file: FileId) -> &str {
         &self.checked.sources.file(file).name
     }
 
-    /// The file with a path, if it is part of the program.
+    /// Returns the file with a path, if it is part of the program.
     pub fn file(&self, path: &str) -> Option<FileId> {
         let mut files = self.checked.sources.files().iter();
         let number = files.position(|file| file.name == path)?;
         Some(FileId(number as u32))
     }
 
-    /// The lines of a file.
+    /// Returns the lines of a file.
     pub fn lines(&self, file: FileId) -> LineIndex<'_> {
         let text = &self.checked.sources.file(file).text;
         LineIndex::known(text, &self.lines[file.0 as usize], self.encoding)
     }
 
-    /// The range of a span in a file.
+    /// Returns the range of a span in a file.
     pub fn range(&self, location: SourceLocation) -> Range {
         self.lines(location.file).range(location.span)
     }
 
-    /// A place for the client.
+    /// Returns a location for the client.
     pub fn location(&self, location: SourceLocation, documents: &Documents) -> Location {
         Location {
             uri: documents.uri(self.path(location.file)).into(),
@@ -76,7 +76,7 @@ impl Analysis {
         }
     }
 
-    /// The name at a byte of the program's own file.
+    /// Returns the name at a byte of the program's own file.
     pub fn name_at(&self, at: usize) -> Option<&Occurrence> {
         self.names.at(FileId(0), at as u32)
     }

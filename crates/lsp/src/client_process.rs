@@ -1,25 +1,28 @@
-//! The process of a client that has gone without a word.
+//! Detection of clients that have ended without notice.
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
 use super::event::ServerEvent;
 use super::wire::Incoming;
 
-/// How often it is looked for.
+/// Interval of checks.
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// Ends the conversation once a process has ended whose stream somebody else holds open. One that is not there from the
-/// beginning may be of another machine or container, and is not waited for.
+/// Ends the session after the client's process has ended, even if another process keeps its stream
+/// open.
+///
+/// A process that is absent from the start may be on another machine or in a container, and is
+/// ignored.
 pub fn watch(id: i32, events: SyncSender<ServerEvent>) {
     if !is_running(id) {
         return;
     }
-    // Without a thread the stream tells of the end, as it mostly does.
+    // Without a thread, the end of the stream usually reports this.
     let _ = std::thread::Builder::new().spawn(move || {
         while is_running(id) {
             std::thread::sleep(PAUSE);
         }
-        // Nobody listens after the end.
+        // The receiver may already have ended.
         let _ = events.send(ServerEvent::Incoming(Incoming::End));
     });
 }
@@ -28,12 +31,12 @@ pub fn watch(id: i32, events: SyncSender<ServerEvent>) {
 fn is_running(id: i32) -> bool {
     use rustix::io::Errno;
     use rustix::process::{Pid, test_kill_process};
-    // One of another user is there as well, though no signal may be sent to it.
+    // A process of another user exists even if it cannot be signalled.
     let found = (id > 0).then(|| Pid::from_raw(id)).flatten();
     found.is_some_and(|id| test_kill_process(id) != Err(Errno::SRCH))
 }
 
-/// Nothing is known of it.
+/// Unknown on this system.
 #[cfg(not(unix))]
 fn is_running(_: i32) -> bool {
     false

@@ -1,4 +1,4 @@
-//! Where things are declared, and where they are used.
+//! Definitions and references.
 use std::collections::BTreeSet;
 
 use gen_lsp_types::Range;
@@ -9,11 +9,11 @@ use stochc_grammar::tree::ItemKind;
 
 use super::analysis::Analysis;
 
-/// The places that introduce what is named at a byte: of a block its seed or its captures.
+/// Returns the declarations of the name at a byte: for a block, its seed or captures.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// [`Cancelled`] if the request is cancelled.
 pub fn definitions(
     analysis: &Analysis,
     at: usize,
@@ -30,7 +30,7 @@ pub fn definitions(
     if names.kind(name.definition) != NameKind::Block {
         return Ok(declarations);
     }
-    // Of all blocks with this word, the very ones that are meant here.
+    // Among all blocks with this word, the ones meant here.
     let mut locations: Vec<SourceLocation> = Vec::new();
     for location in introductions(analysis, at, cancellation)? {
         let end = location.span.end;
@@ -48,7 +48,7 @@ pub fn definitions(
     })
 }
 
-/// The seeds and captures of the blocks that are meant at a byte.
+/// Returns the seeds and captures of the blocks meant at a byte.
 fn introductions(
     analysis: &Analysis,
     at: usize,
@@ -69,7 +69,7 @@ fn introductions(
     Ok(locations)
 }
 
-/// The beginning of the file whose import is named at a byte.
+/// Returns the start of the file that is imported at a byte.
 fn imported(analysis: &Analysis, at: usize) -> Option<SourceLocation> {
     let checked = &analysis.checked;
     let import = checked
@@ -91,13 +91,14 @@ fn imported(analysis: &Analysis, at: usize) -> Option<SourceLocation> {
     Some(SourceLocation { file, span })
 }
 
-/// A place in a file by its path, which means the same in every program.
+/// Range in a file given by its path, which is valid in every program.
 pub type FileRange = (String, u32, u32);
 
-/// Every place, in any of the programs, where the thing at a place is named.
+/// Returns all occurrences, in all programs, of the thing named at a location.
 ///
 /// # Errors
-/// If somebody cancels it.
+///
+/// If the request is cancelled.
 pub fn everywhere(
     analyses: &[&Analysis],
     from: FileRange,
@@ -119,7 +120,7 @@ pub fn everywhere(
                 let span = occurrence.location.span;
                 let path = analysis.path(occurrence.location.file);
                 let found = (path.to_owned(), span.start, span.end);
-                // Another program may know of more.
+                // Other programs may have further occurrences.
                 if places.insert(found.clone()) && analyses.len() > 1 {
                     waiting.push(found);
                 }
@@ -129,7 +130,7 @@ pub fn everywhere(
     Ok(places)
 }
 
-/// The name at a place, if it is part of a program.
+/// Returns the name at a location, if that is part of a program.
 pub fn named_at<'a>(
     analysis: &'a Analysis,
     (path, start, _): &FileRange,
@@ -137,11 +138,12 @@ pub fn named_at<'a>(
     analysis.names.at(analysis.file(path)?, *start)
 }
 
-/// Every place in the program's own file where the thing at a byte is named, and whether it is declared there.
+/// Returns the occurrences of the name at a byte in the program's own file, and whether each is a
+/// declaration.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// [`Cancelled`] if the request is cancelled.
 pub fn highlights(
     analysis: &Analysis,
     at: usize,

@@ -1,4 +1,4 @@
-//! Findings, as the client shows them.
+//! Diagnostics in the client's terms.
 use std::collections::BTreeMap;
 
 use gen_lsp_types::{
@@ -10,7 +10,7 @@ use stochc_compiler::diagnostic::{Diagnostic, Severity, visible};
 use super::analysis::Analysis;
 use super::documents::Documents;
 
-/// The diagnostics of a program, by the path of their file; those of its own file always.
+/// Returns the diagnostics of a program by file path, always including its own file.
 pub fn of(
     analysis: &Analysis,
     path: &str,
@@ -26,7 +26,7 @@ pub fn of(
     all
 }
 
-/// A finding.
+/// Converts a diagnostic.
 pub fn lsp_diagnostic(
     diagnostic: &Diagnostic,
     analysis: &Analysis,

@@ -1,4 +1,4 @@
-//! The texts that the client has open, whether they are saved or not.
+//! Texts open in the client, saved or not.
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -10,24 +10,24 @@ use stochc_grammar::BYTE_ORDER_MARK;
 use super::position::Encoding;
 use super::uri;
 
-/// Open texts, by the paths of their files; all copies are the same ones, which only one thread changes.
+/// Open texts by file path. Copies share their content, which only one thread changes.
 #[derive(Clone, Debug, Default)]
 pub struct Documents(Arc<Mutex<BTreeMap<String, Document>>>);
 
-/// An open text.
+/// Open text.
 #[derive(Clone, Debug)]
 pub struct Document {
-    /// Its address, as the client writes it.
+    /// URI in the client's spelling.
     pub uri: String,
-    /// As it is now: a rope, so that a change takes no longer in a long text, and a copy nothing.
+    /// Current text. A rope makes changes of long texts and copies cheap.
     pub text: Rope,
-    /// The client's number of it.
+    /// Version number of the client.
     pub version: i32,
 }
 
 impl Document {
-    /// The text as the compiler and the layout see it. A mark of the byte order at its beginning, which the client counts as a
-    /// character, is as much space.
+    /// Returns the text for the compiler and the formatter. A leading byte order mark, which the
+    /// client counts as a character, becomes spaces.
     pub fn program_text(&self, encoding: Encoding) -> String {
         let text = self.text.to_string();
         match text.strip_prefix(BYTE_ORDER_MARK) {
@@ -42,7 +42,7 @@ impl Documents {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Opens a text; the path of its file.
+    /// Opens a text and returns its file path.
     pub fn open(&self, uri: String, text: String, version: i32) -> String {
         let path = uri::path(&uri);
         let text = Rope::from(text);
@@ -51,7 +51,7 @@ impl Documents {
         path
     }
 
-    /// Changes a text; its path, if it is open.
+    /// Changes a text and returns its path, if it is open.
     pub fn change(
         &self,
         uri: &str,
@@ -81,33 +81,33 @@ impl Documents {
         Some(path)
     }
 
-    /// Closes a text; its path.
+    /// Closes a text and returns its path.
     pub fn close(&self, uri: &str) -> String {
         let path = uri::path(uri);
         self.all().remove(&path);
         path
     }
 
-    /// The open text of a file.
+    /// Returns the open text of a file.
     pub fn get(&self, path: &str) -> Option<Document> {
         self.all().get(path).cloned()
     }
 
-    /// Whether the client has a file open.
+    /// Returns whether the client has a file open.
     pub fn is_open(&self, path: &str) -> bool {
         self.all().contains_key(path)
     }
 
-    /// The address of a file, as the client writes it if it has it open.
+    /// Returns the URI of a file, in the client's spelling if it is open.
     pub fn uri(&self, path: &str) -> String {
         (self.get(path)).map_or_else(|| uri::uri(path), |document| document.uri)
     }
 
-    /// The bytes of a file: what the editor has of it, or else what the disk has.
+    /// Returns the bytes of a file: the open text, otherwise the file on disk.
     ///
     /// # Errors
     ///
-    /// Those of [`files::read`].
+    /// The errors of [`files::read`].
     pub fn read(&self, path: &str, encoding: Encoding) -> Result<Vec<u8>, String> {
         if let Some(document) = self.get(path) {
             return Ok(document.program_text(encoding).into_bytes());
@@ -116,7 +116,8 @@ impl Documents {
     }
 }
 
-/// The character of a position, as [`LineIndex::offset`](super::position::LineIndex::offset) has its byte.
+/// Returns the character index of a position.
+/// [`LineIndex::offset`](super::position::LineIndex::offset) returns its byte.
 fn offset(text: &Rope, position: Position, encoding: Encoding) -> usize {
     let line = position.line as usize;
     if line >= text.len_lines() {
@@ -152,7 +153,7 @@ mod tests {
     }
 
     proptest! {
-        /// A text of a plain string does the same.
+        /// Compares with changes of a plain string.
         #[test]
         fn changes_are_those_of_a_plain_text(
             start in "[ab\u{b5}\u{1f600}\u{2028}\n\r]{0,30}",

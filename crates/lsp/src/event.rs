@@ -1,23 +1,23 @@
-//! What the server waits for.
+//! Events of the server.
 use serde_json::Value;
 
 use super::jobs::JobId;
 use super::programs::CheckedProgram;
 use super::wire::{Incoming, RequestFailure};
 
-/// What the server waits for.
+/// Event of the server.
 pub enum ServerEvent {
-    /// Something from the client.
+    /// Input from the client.
     Incoming(Incoming),
-    /// The end of a job; nothing has come out of one that was cancelled or has failed.
+    /// End of a job. `None` if it was cancelled or has failed.
     Done(JobId, Option<Done>),
 }
 
-/// What comes out of a job.
+/// Result of a job.
 pub enum Done {
-    /// A program has been checked.
+    /// Result of a check.
     Checked(CheckedProgram),
-    /// A request has been worked out.
+    /// Response to a request.
     Answered(Result<Value, RequestFailure>),
 }
 

@@ -1,4 +1,4 @@
-//! The layout of a text, as changes to it.
+//! Formatting as text edits.
 use std::time::Duration;
 
 use gen_lsp_types::TextEdit;
@@ -9,17 +9,18 @@ use stochc_grammar::{FormatError, format};
 use super::position::LineIndex;
 use super::wire::RequestFailure;
 
-/// After this, texts are compared coarsely: more lines are changed than need be, to the same end.
+/// Time limit for an exact comparison. After it, edits may cover more lines than necessary.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Why there are none.
-const WRONG: &str = "the program has errors of syntax: mend them first";
+/// Error for programs that cannot be formatted.
+const WRONG: &str = "the program has syntax errors; fix them first";
 
-/// The changes that lay a text out: of the lines that change only, so that the rest keeps its marks.
+/// Returns the edits that format a text. Only changed lines are edited, so that marks on other
+/// lines survive.
 ///
 /// # Errors
 ///
-/// If the text has errors of syntax.
+/// If the text has syntax errors.
 pub fn edits(text: &str, lines: &LineIndex<'_>) -> Result<Vec<TextEdit>, RequestFailure> {
     if lone_returns(FileId(0), text).is_some() {
         return Err(RequestFailure::request_failed(WRONG));
@@ -27,10 +28,10 @@ pub fn edits(text: &str, lines: &LineIndex<'_>) -> Result<Vec<TextEdit>, Request
     let laid_out = format(text).map_err(|error| {
         RequestFailure::request_failed(match error {
             FormatError::Wrong(_) => WRONG,
-            FormatError::Unfaithful => "the layout would change the program: please report this",
+            FormatError::Unfaithful => "formatting would change the program; please report this",
         })
     })?;
-    // Of lines as the language has them: a `\r` alone ends none.
+    // Lines as the language defines them: a lone `\r` does not end a line.
     let of = |text| str::split_inclusive(text, '\n').collect::<Vec<_>>();
     let (old_lines, new_lines) = (of(text), of(&laid_out));
     let diff = TextDiff::configure()

@@ -1,4 +1,4 @@
-//! What is known of a name, in Markdown.
+//! Hover texts in Markdown.
 use std::fmt::Write as _;
 
 use stochc_compiler::cost::{Cost, estimate};
@@ -16,18 +16,18 @@ use stochc_rates::{GUESS_ERROR, LowerBoundReasons, Rates};
 use super::analysis::Analysis;
 use super::scene;
 
-/// Blocks that are described in full, and those that are listed at most.
+/// Largest numbers of blocks described in full, and of blocks listed.
 const MAX_DESCRIBED: usize = 3;
 const MAX_LISTED: usize = 12;
 
-/// Events of a program whose times are estimated, at most: nobody waits for more.
+/// Largest number of events for an estimate of times, to limit the response time.
 const MAX_ESTIMATED: usize = 10_000;
 
-/// What is known of the name at a byte, and where that stands.
+/// Returns the hover text of the name at a byte, and its range.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// [`Cancelled`] if the request is cancelled.
 pub fn hover(
     analysis: &Analysis,
     at: usize,
@@ -37,7 +37,7 @@ pub fn hover(
         return Ok(scene::hover(analysis, at));
     };
     let kind = analysis.names.kind(name.definition);
-    // A parameter may stand for a block.
+    // A parameter may refer to a block.
     if matches!(kind, NameKind::Block | NameKind::Parameter) {
         let place = (FileId(0), at as u32);
         let located = blocks_at(&analysis.checked, place, Limits::EDITOR, cancellation)?;
@@ -80,7 +80,7 @@ fn blocks(analysis: &Analysis, located: &Located) -> String {
     text
 }
 
-/// Four blanks would make a block of code inside the block of code.
+/// Removes four spaces, which would be a nested code block.
 fn unindented(duties: &str) -> String {
     let lines = duties.lines();
     lines
@@ -88,7 +88,7 @@ fn unindented(duties: &str) -> String {
         .collect()
 }
 
-/// One block, and how it came where it is.
+/// Describes a block and its capture.
 fn block(
     analysis: &Analysis,
     program: &Program,
@@ -148,7 +148,7 @@ fn block(
     text
 }
 
-/// How long it takes, in a scene whose rates are known or can be guessed.
+/// Estimates the times in a scene with known or estimated rates.
 fn times(program: &Program) -> Option<Cost> {
     let scene = program.scene.as_ref()?;
     let rates = Rates::known_or_guessed(&[], scene)?;
@@ -165,7 +165,7 @@ fn because(bound: LowerBoundReasons) -> String {
     }
 }
 
-/// What times are by, in words.
+/// Returns the basis of the times in words.
 fn by(program: &Program) -> String {
     let is_known = (program.scene.as_ref()).is_some_and(|it| Rates::built_in(it).is_some());
     if is_known {
@@ -187,7 +187,7 @@ fn phase_of(program: &Program, event: EventId) -> Option<&PlanPhase> {
     program.plan.phases.get(number)
 }
 
-/// What is written where a thing is declared.
+/// Describes the declaration of a thing.
 fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String {
     let names = &analysis.names;
     let word = analysis.checked.symbols.word(names.word(name.definition));
@@ -224,7 +224,7 @@ fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String
     text
 }
 
-/// The documentation of the innermost item around a byte.
+/// Returns the documentation of the innermost item around a byte.
 fn docs(tree: &Tree, at: u32) -> &[String] {
     let mut items: &[Item] = &tree.items;
     let mut docs: &[String] = &[];
@@ -236,7 +236,7 @@ fn docs(tree: &Tree, at: u32) -> &[String] {
     docs
 }
 
-/// What is known of the phases with a name, which may stand in a loop.
+/// Describes the phases with a name, which may be in a loop.
 fn phases(analysis: &Analysis, location: SourceLocation) -> String {
     let mut text = String::new();
     for program in &analysis.checked.programs {

@@ -1,4 +1,4 @@
-//! Work beside the thread that answers: each job on a thread of its own, and each can be cancelled.
+//! Background jobs: each has a thread of its own and can be cancelled.
 use std::collections::BTreeMap;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -8,32 +8,34 @@ use std::thread::{self, JoinHandle};
 
 use stochc_compiler::Cancellation;
 
-/// Jobs that run at once, at most: each may hold a program of the size that [`stochc_compiler::Limits::EDITOR`] allows.
+/// Largest number of concurrent jobs. Each may use as much memory as
+/// [`stochc_compiler::Limits::EDITOR`] allows.
 const MAX: usize = 4;
 
-/// Of these, the jobs that nobody has asked for.
+/// Largest number of background jobs among these.
 const MAX_UNASKED: usize = 2;
 
-/// Bytes of a thread's stack: as deep as expressions and patterns may be nested, twice over.
+/// Stack size of a thread \[bytes\]: twice the need of the deepest nesting of expressions and
+/// patterns.
 const STACK: usize = 16 << 20;
 
-/// A job that has been started.
+/// Number of a started job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct JobId(u64);
 
-/// What a job is for.
+/// Reason of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JobTrigger {
-    /// A request waits for it.
+    /// A request is waiting for it.
     Requested,
-    /// Nobody waits.
+    /// It was started in the background.
     Background,
 }
 
-/// What is done with the outcome of a job; of one that was cancelled or has failed there is none.
+/// Callback for the end of a job. The result is `None` if the job was cancelled or has failed.
 type OnEnd<T> = dyn Fn(JobId, Option<T>) + Send + Sync;
 
-/// The jobs under way, each with a `T` as its outcome.
+/// Running jobs with results of type `T`.
 pub struct Jobs<T> {
     on_end: Arc<OnEnd<T>>,
     running: BTreeMap<JobId, Running>,
@@ -46,7 +48,7 @@ struct Running {
 }
 
 impl<T: 'static> Jobs<T> {
-    /// None yet; `on_end` is called by the thread of each.
+    /// Returns an empty set of jobs. `on_end` is called by the thread of each job.
     pub fn new(on_end: impl Fn(JobId, Option<T>) + Send + Sync + 'static) -> Jobs<T> {
         Jobs {
             on_end: Arc::new(on_end),
@@ -55,7 +57,7 @@ impl<T: 'static> Jobs<T> {
         }
     }
 
-    /// Whether one more may be started.
+    /// Returns whether another job may be started.
     pub fn has_room(&self, wanted: JobTrigger) -> bool {
         self.running.len()
             < match wanted {
@@ -79,7 +81,7 @@ impl<T: 'static> Jobs<T> {
         let (asked, on_end) = (is_cancelled.clone(), self.on_end.clone());
         let thread = thread::Builder::new().stack_size(STACK).spawn(move || {
             let ask = || asked.load(Ordering::Relaxed);
-            // A mistake of the server's costs an answer, not the conversation.
+            // A panic costs one response, not the session.
             let done = catch_unwind(AssertUnwindSafe(|| work(Cancellation::new(&ask))));
             on_end(id, done.ok().flatten());
         })?;
@@ -95,19 +97,19 @@ impl<T: 'static> Jobs<T> {
 }
 
 impl<T> Jobs<T> {
-    /// Lets a job end soon; its end is still reported.
+    /// Cancels a job. Its end is still reported.
     pub fn cancel(&self, id: JobId) {
         if let Some(running) = self.running.get(&id) {
             running.is_cancelled.store(true, Ordering::Relaxed);
         }
     }
 
-    /// Lets all of them end soon.
+    /// Cancels all jobs.
     pub fn cancel_all(&self) {
         self.running.keys().for_each(|&id| self.cancel(id));
     }
 
-    /// Takes note that a job has ended.
+    /// Removes a job that has ended.
     pub fn ended(&mut self, id: JobId) {
         if let Some(running) = self.running.remove(&id) {
             let _ = running.thread.join();
@@ -116,7 +118,7 @@ impl<T> Jobs<T> {
 }
 
 impl<T> Drop for Jobs<T> {
-    /// No thread outlives the conversation.
+    /// Joins all threads, so that none outlives the session.
     fn drop(&mut self) {
         self.cancel_all();
         for (_, running) in std::mem::take(&mut self.running) {

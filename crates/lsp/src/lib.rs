@@ -1,16 +1,17 @@
-//! The language server: what editors ask about programs while they are written.
+//! The language server for editors.
 //!
-//! One thread reads messages (`wire`), one answers them (`server`) and does nothing that takes long. Programs are
-//! checked (`programs`) and requests worked out (`requests`) beside it (`jobs`), each on a thread that can be
-//! cancelled. Each feature is a module of pure functions over an `analysis` of what the editor has, saved or
-//! not (`documents`). A change is checked once nothing more has come in for a moment, or somebody asks.
+//! One thread reads messages (`wire`). Another one answers them (`server`) and does no long work.
+//! Background jobs (`jobs`) check programs (`programs`) and compute responses (`requests`), each on
+//! a thread that can be cancelled. Each feature is a module of pure functions over an `analysis` of
+//! the editor's texts, saved or not (`documents`). A change is checked after a short pause in the
+//! input, or when a request needs it.
 //!
 //! ```
 //! # fn main() -> std::io::Result<()> {
 //! let message = r#"{"jsonrpc":"2.0","id":1,"method":"initialize","params":{"capabilities":{}}}"#;
 //! let input = format!("Content-Length: {}\r\n\r\n{message}", message.len());
 //! let mut output = Vec::new();
-//! // The client goes without a goodbye.
+//! // The client disconnects without `shutdown`.
 //! assert!(!stochc_lsp::serve(std::io::Cursor::new(input), &mut output)?);
 //! assert!(String::from_utf8_lossy(&output).contains("hoverProvider"));
 //! # Ok(())
@@ -43,20 +44,21 @@ use std::sync::mpsc;
 use event::ServerEvent;
 use wire::Incoming;
 
-/// Messages that wait for their turn, at most; then the client has to.
+/// Largest number of queued messages. Beyond it the client must wait.
 const MAX_WAITING: usize = 256;
 
-/// Serves a client over a pair of streams until it says goodbye; whether it did so properly.
+/// Serves a client over a pair of streams until it exits. Returns whether it shut down properly.
 ///
 /// # Errors
-/// Where the system has no thread more.
+///
+/// If the system has no thread left.
 pub fn serve(
     input: impl std::io::Read + Send + 'static,
     output: impl Write,
 ) -> std::io::Result<bool> {
     let (sender, receiver) = mpsc::sync_channel(MAX_WAITING);
     let events = sender.clone();
-    // It ends with the stream, or with the process.
+    // The thread ends with the stream or the process.
     let reader = std::thread::Builder::new();
     reader.spawn(move || {
         let mut messages = wire::MessageStream::new(BufReader::new(input));

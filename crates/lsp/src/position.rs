@@ -1,32 +1,32 @@
-//! Bytes of a text, and the lines and characters by which clients count.
+//! Conversion between bytes of a text and the client's lines and characters.
 use std::borrow::Cow;
 
 use gen_lsp_types::{Position, Range};
 use stochc_compiler::Span;
 
-/// What the characters of a line are counted in.
+/// Unit of characters within a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {
     /// Bytes.
     Utf8,
-    /// Halves of characters, what the protocol wants unless something else is agreed on.
+    /// UTF-16 code units, the default of the protocol.
     #[default]
     Utf16,
 }
 
 impl Encoding {
-    /// What a text counts for.
+    /// Returns the length of a text in this unit.
     pub fn width(self, text: &str) -> usize {
         match self {
             Encoding::Utf8 => text.len(),
-            // Most are, and this is seen at once also of long lines.
+            // Fast path for ASCII, even on long lines.
             Encoding::Utf16 if text.is_ascii() => text.len(),
             Encoding::Utf16 => text.chars().map(char::len_utf16).sum(),
         }
     }
 }
 
-/// A text with the places where its lines begin; a line ends with `\n`, `\r\n` or `\r`.
+/// Text with the starts of its lines. A line ends with `\n`, `\r\n` or `\r`.
 #[derive(Clone, Debug)]
 pub struct LineIndex<'t> {
     text: &'t str,
@@ -40,7 +40,7 @@ impl<'t> LineIndex<'t> {
         LineIndex::known(text, line_starts(text), encoding)
     }
 
-    /// The lines of a text, of which [`line_starts`] are known.
+    /// Returns the index of a text with known [`line_starts`].
     pub fn known(
         text: &'t str,
         starts: impl Into<Cow<'t, [usize]>>,
@@ -53,7 +53,7 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// The position of a byte; of the end for what is behind it.
+    /// Returns the position of a byte, or of the end for bytes beyond it.
     pub fn position(&self, at: usize) -> Position {
         let mut at = at.min(self.text.len());
         while !self.text.is_char_boundary(at) {
@@ -68,7 +68,7 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// The range of a span.
+    /// Returns the range of a span.
     pub fn range(&self, span: Span) -> Range {
         Range {
             start: self.position(span.start as usize),
@@ -76,8 +76,8 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// The byte of a position: behind the end of a line its end, behind the last one that of the
-    /// text, and inside a character its first byte.
+    /// Returns the byte of a position. Positions beyond a line or text map to its end, and
+    /// positions within a character to its first byte.
     pub fn offset(&self, position: Position) -> usize {
         let line = position.line as usize;
         let Some(&start) = self.starts.get(line) else {
@@ -97,7 +97,7 @@ impl<'t> LineIndex<'t> {
     }
 }
 
-/// The bytes at which the lines of a text begin.
+/// Returns the bytes at the starts of a text's lines.
 pub fn line_starts(text: &str) -> Vec<usize> {
     let bytes = text.as_bytes();
     let ends = bytes.iter().enumerate().filter(|&(i, byte)| match byte {

@@ -1,4 +1,4 @@
-//! What is known of each open program, and what is being found out.
+//! Open programs and the state of their analysis.
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,60 +14,60 @@ use super::jobs::{JobId, JobTrigger, Jobs};
 use super::position::Encoding;
 use super::reads::Reads;
 
-/// Diagnostics by the path of their file.
+/// Diagnostics by file path.
 pub type DiagnosticsByFile = BTreeMap<String, Vec<LspDiagnostic>>;
 
-/// A program that has been checked.
+/// Result of checking a program.
 pub struct CheckedProgram {
     analysis: Arc<Analysis>,
     found: DiagnosticsByFile,
 }
 
-/// The open programs, by the paths of their files.
+/// Open programs by file path.
 #[derive(Default)]
 pub struct Programs(BTreeMap<String, OpenProgram>);
 
-/// An open program.
+/// Open program.
 #[derive(Default)]
 struct OpenProgram {
     state: AnalysisState,
-    /// The files that the last check has asked for.
+    /// Files read by the last check.
     reads: Arc<Reads>,
-    /// The client has not seen its findings as they are now.
+    /// Whether the client lacks its current diagnostics.
     is_unseen: bool,
-    /// Its diagnostics, as they were found last.
+    /// Its latest diagnostics.
     found: DiagnosticsByFile,
 }
 
-/// What is known of a program as its texts are now.
+/// State of the analysis of a program's current texts.
 #[derive(Default)]
 enum AnalysisState {
     #[default]
     Unknown,
     UnderWay(JobId),
     Known(Arc<Analysis>),
-    /// The check has failed, by a mistake of the server's.
+    /// The check has panicked.
     Failed,
 }
 
-/// Whether a program can be spoken of.
+/// Availability of an analysis.
 pub enum Knowledge {
-    /// All that there is.
+    /// The analysis.
     Known(Arc<Analysis>),
-    /// A check has to come first, or to end.
+    /// A check must start or end first.
     Waiting,
     /// The check has failed.
     Failed,
 }
 
 impl Programs {
-    /// The paths of all of them.
+    /// Returns all paths.
     pub fn paths(&self) -> impl Iterator<Item = &String> {
         self.0.keys()
     }
 
-    /// Takes note that a text has been opened or changed; the programs of which something else is known now than
-    /// was before.
+    /// Records that a text was opened or changed. Returns the programs whose analysis is now out of
+    /// date.
     pub fn changed<T>(&mut self, path: &str, jobs: &Jobs<T>) -> BTreeSet<String> {
         self.0.entry(path.to_owned()).or_default();
         self.outdate(jobs, |own, reads| {
@@ -75,7 +75,8 @@ impl Programs {
         })
     }
 
-    /// Compares all files that are not open with the disk. Returns the programs that have to be checked again.
+    /// Compares all files that are not open with the disk. Returns the programs that have to be
+    /// checked again.
     pub fn changed_on_disk<T>(
         &mut self,
         documents: &Documents,
@@ -85,7 +86,7 @@ impl Programs {
         self.outdate(jobs, |_, reads| reads.are_outdated(documents, encoding))
     }
 
-    /// Forgets a program that is closed, and takes note that its text is that of the disk again.
+    /// Removes a closed program and records that its text is again that on disk.
     pub fn closed<T>(&mut self, path: &str, jobs: &Jobs<T>) -> BTreeSet<String> {
         let mut outdated = self.changed(path, jobs);
         self.0.remove(path);
@@ -93,7 +94,7 @@ impl Programs {
         outdated
     }
 
-    /// Forgets what is known of some programs, and lets their checks end.
+    /// Invalidates the analyses of some programs and cancels their checks.
     fn outdate<T>(
         &mut self,
         jobs: &Jobs<T>,
@@ -101,8 +102,8 @@ impl Programs {
     ) -> BTreeSet<String> {
         let mut outdated = BTreeSet::new();
         for (path, program) in &mut self.0 {
-            // A check notes a file before it reads it, and the text has changed before this call. So files that are
-            // not noted yet will be read as they are now.
+            // A check records a file before reading it, and the text changed before this call.
+            // Unrecorded files will therefore be read in their new state.
             if !is_outdated(path, &program.reads) {
                 continue;
             }
@@ -116,7 +117,7 @@ impl Programs {
         outdated
     }
 
-    /// What is known of a program; `None` if it is not open.
+    /// Returns the availability of an analysis, or `None` if the program is not open.
     pub fn known(&self, path: &str) -> Option<Knowledge> {
         Some(match &self.0.get(path)?.state {
             AnalysisState::Known(analysis) => Knowledge::Known(analysis.clone()),
@@ -125,17 +126,17 @@ impl Programs {
         })
     }
 
-    /// Whether the findings of a file are still to be found.
+    /// Returns whether the diagnostics of a file are not yet determined.
     pub fn is_unseen(&self, path: &str) -> bool {
         self.0.get(path).is_some_and(|program| program.is_unseen)
     }
 
-    /// The diagnostics of all programs, by the path of their file.
+    /// Returns the diagnostics of all programs by file path.
     pub fn found(&self) -> impl Iterator<Item = (&String, &Vec<LspDiagnostic>)> {
         self.0.values().flat_map(|program| &program.found)
     }
 
-    /// A program that has changed and waits for its check.
+    /// Returns a changed program that is waiting for its check.
     pub fn unchecked(&self) -> Option<&String> {
         let is_unchecked = |program: &OpenProgram| {
             program.is_unseen && matches!(program.state, AnalysisState::Unknown)
@@ -144,7 +145,7 @@ impl Programs {
         unchecked.map(|(path, _)| path)
     }
 
-    /// Starts the check of a program of which nothing is known, if there is room for it.
+    /// Starts the check of a program without an analysis, if another job is allowed.
     pub fn check<T: From<CheckedProgram> + 'static>(
         &mut self,
         path: &str,
@@ -169,7 +170,8 @@ impl Programs {
         program.state = job.map_or(AnalysisState::Failed, AnalysisState::UnderWay);
     }
 
-    /// Takes over what a check has found, unless it is out of date; whether it was a check that is still wanted.
+    /// Stores the result of a check unless it is out of date. Returns whether the check was still
+    /// wanted.
     pub fn checked(&mut self, job: JobId, checked: Option<CheckedProgram>) -> bool {
         let is_it = |program: &&mut OpenProgram| matches!(program.state, AnalysisState::UnderWay(own) if own == job);
         let Some(program) = self.0.values_mut().find(is_it) else {
@@ -187,7 +189,7 @@ impl Programs {
     }
 }
 
-/// Reads what a program asks for, and takes note of it.
+/// Reader that records the files of a program.
 struct ProgramReader<'a> {
     documents: &'a Documents,
     encoding: Encoding,
@@ -209,7 +211,7 @@ impl Reader for ProgramReader<'_> {
     }
 }
 
-/// Checks a program, which may import from these folders, and says which files it has asked for.
+/// Checks a program that may import from these folders, and records its files.
 fn check(
     path: &str,
     documents: &Documents,

@@ -1,4 +1,4 @@
-//! The files that a check has read, so that later changes on the disk are noticed.
+//! Files read by a check, for detecting later changes on disk.
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -6,17 +6,17 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::documents::Documents;
 use super::position::Encoding;
 
-/// The files that a check has asked for, by path.
+/// Files requested by a check, by path.
 #[derive(Debug, Default)]
 pub struct Reads(Mutex<BTreeMap<String, ReadState>>);
 
-/// How far the reading of a file is.
+/// State of reading a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReadState {
     /// It may be read before or after a change.
     Pending,
     Missing,
-    /// The digest of its bytes.
+    /// Digest of its bytes.
     Read(u64),
 }
 
@@ -25,10 +25,11 @@ impl Reads {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Reads a file for a check: the open text, or else the file on the disk.
+    /// Reads a file for a check: the open text, otherwise the file on disk.
     ///
     /// # Errors
-    /// Those of [`Documents::read`].
+    ///
+    /// The errors of [`Documents::read`].
     pub fn read(
         &self,
         path: &str,
@@ -41,19 +42,19 @@ impl Reads {
         text
     }
 
-    /// Whether the check has asked for a file.
+    /// Returns whether the check has requested a file.
     pub fn include(&self, path: &str) -> bool {
         self.all().contains_key(path)
     }
 
-    /// Whether a file could not be read.
+    /// Returns whether a file could not be read.
     pub fn lack_a_file(&self) -> bool {
         self.all()
             .values()
             .any(|state| *state == ReadState::Missing)
     }
 
-    /// Whether a file that is not open has other bytes on the disk now. Reads these files.
+    /// Returns whether a file that is not open has changed on disk. Reads these files.
     pub fn are_outdated(&self, documents: &Documents, encoding: Encoding) -> bool {
         let all = self.all().clone();
         let mut closed = all.iter().filter(|(path, _)| !documents.is_open(path));

@@ -1,4 +1,4 @@
-//! New names for things, where that changes nothing but the name.
+//! Renaming, provided that nothing else changes.
 use std::collections::{BTreeMap, HashMap};
 
 use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
@@ -13,11 +13,11 @@ use super::definition::{FileRange, everywhere};
 use super::documents::Documents;
 use super::wire::RequestFailure;
 
-/// The name at a byte of a program's own file, if it can be changed.
+/// Returns the name at a byte of a program's own file, if it can be changed.
 ///
 /// # Errors
 ///
-/// If there is none, or if it is not the program that gives it.
+/// If there is nothing to rename, or the program does not define the name.
 pub fn renameable(analysis: &Analysis, at: usize) -> Result<SourceLocation, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
         return Err(RequestFailure::request_failed("there is no name here"));
@@ -38,12 +38,12 @@ pub fn renameable(analysis: &Analysis, at: usize) -> Result<SourceLocation, Requ
     Ok(name.location)
 }
 
-/// The changes that give the thing at a byte of a program's own file another name, in all the
-/// programs that know it.
+/// Returns the edits that rename the thing at a byte of a program's own file in all programs that
+/// use it.
 ///
 /// # Errors
 ///
-/// If the name cannot be changed, is no name, or would mean something else anywhere.
+/// If the name cannot be changed, is invalid, or would have another meaning anywhere.
 pub fn rename(
     analysis: &Analysis,
     all: &[&Analysis],
@@ -91,20 +91,20 @@ fn check_name(name: &str) -> Result<(), RequestFailure> {
     let rest = |c: char| is_letter(c) || c.is_ascii_digit();
     if !name.starts_with(is_letter) || !name.chars().all(rest) {
         return Err(RequestFailure::request_failed(
-            "a name begins with a letter or `_` and goes on with letters, digits and `_`",
+            "a name consists of letters, digits and `_`, and does not begin with a digit",
         ));
     }
     let symbols = Symbols::new();
     match symbols.get(name) {
         Some(_) => Err(RequestFailure::request_failed(format!(
-            "`{name}` is a word of the language"
+            "`{name}` is a keyword"
         ))),
         None => Ok(()),
     }
 }
 
-/// Tries the new name: every name has to refer to the same as before, and nothing may be wrong
-/// that was not.
+/// Checks the new name: every name must have the same definition as before, and no new diagnostic
+/// may appear.
 fn stays_the_same(
     analysis: &Analysis,
     places: &BTreeMap<&str, Vec<&FileRange>>,
@@ -116,7 +116,7 @@ fn stays_the_same(
     for file in old.sources.files() {
         let parsed = parse_cancellable(&file.text, &mut Symbols::new(), cancellation)?;
         if !parsed.errors.is_empty() {
-            let why = format!("`{}` has errors of syntax: mend them first", file.name);
+            let why = format!("`{}` has syntax errors; fix them first", file.name);
             return Err(RequestFailure::request_failed(why));
         }
         let mut text = String::new();
@@ -140,21 +140,21 @@ fn stays_the_same(
     let names = Names::new(&new, cancellation)?;
     let is_same_structure = same_structure(&analysis.names, &names);
     let (before, after) = (scenes(old), scenes(&new));
-    // Another scene brings other warnings, so this comes before the comparison of codes.
+    // Another scene causes other warnings, so this precedes the comparison of codes.
     if is_same_structure && before.len() == after.len() && before != after {
         let why = format!(
-            "with a scene called `{new_name}`, assemblies that name none would run in another"
+            "with a scene called `{new_name}`, assemblies without a scene would run in another one"
         );
         return Err(RequestFailure::request_failed(why));
     }
     if !is_same_structure || before != after || codes(old) != codes(&new) {
-        let why = format!("`{new_name}` already means something where it would stand");
+        let why = format!("`{new_name}` already has a meaning at one of these places");
         return Err(RequestFailure::request_failed(why));
     }
     Ok(())
 }
 
-/// Whether names that were the same are the same, and others are others.
+/// Returns whether equal names remain equal and different ones remain different.
 fn same_structure(old: &Names, new: &Names) -> bool {
     if old.all().len() != new.all().len() {
         return false;
@@ -178,7 +178,7 @@ fn codes(checked: &Checked) -> Vec<Code> {
     codes
 }
 
-/// Whether a finding comes and goes with the `_` that a name begins with, or says of an `allow` that it has come or gone.
+/// Returns whether a diagnostic depends on a leading `_` of a name, or reports an unused `allow`.
 fn says_of_names(code: Code) -> bool {
     matches!(
         code,
@@ -190,7 +190,7 @@ fn says_of_names(code: Code) -> bool {
     )
 }
 
-/// What each program runs in, whatever that is called.
+/// Returns the scene of each program without its name.
 fn scenes(checked: &Checked) -> Vec<Option<Scene>> {
     let nameless = |scene: &Scene| Scene {
         name: String::new(),

@@ -1,4 +1,4 @@
-//! From methods of the protocol to features.
+//! Mapping from methods of the protocol to features.
 use std::sync::Arc;
 
 use gen_lsp_types::{
@@ -29,17 +29,17 @@ fn value(result: impl Serialize) -> Result<Value, RequestFailure> {
         .map_err(|error| RequestFailure::new(Reason::InternalError, error.to_string()))
 }
 
-/// What the client lets the server know.
+/// Notification from the client.
 pub enum Notification {
-    /// It has another text than before.
+    /// A text was opened or changed.
     Changed(String),
-    /// Files on the disk may have changed.
+    /// Files on disk may have changed.
     ChangedOnDisk,
-    /// It has closed a text.
+    /// A text was closed.
     Closed(String),
 }
 
-/// Takes note of something; `None`: nothing is to be done, or it cannot be understood.
+/// Processes a notification. Returns `None` if it is invalid or needs no action.
 pub fn notification(
     method: &str,
     raw: Value,
@@ -63,7 +63,7 @@ pub fn notification(
             params::<DidSaveTextDocumentParams>(raw).ok()?;
             Some(Notification::ChangedOnDisk)
         }
-        // Which files changed does not matter: a link or a folder may have changed as well.
+        // The changed paths are irrelevant: a link or a folder may have changed as well.
         "workspace/didChangeWatchedFiles" => Some(Notification::ChangedOnDisk),
         "textDocument/didClose" => {
             let it = params::<DidCloseTextDocumentParams>(raw).ok()?;
@@ -75,55 +75,55 @@ pub fn notification(
     }
 }
 
-/// The programs that have to be known for an answer.
+/// Programs that a response depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// None: the text alone.
+    /// None: only the text.
     Text,
-    /// The one that is asked about.
+    /// The program of the request.
     Own,
-    /// All that are open.
+    /// All open programs.
     All,
 }
 
-/// What a request asks.
+/// Parsed request.
 pub struct Query {
-    /// The file that it is about.
+    /// File of the request.
     pub path: String,
-    /// What has to be known first.
+    /// Required programs.
     pub needs: Needs,
-    /// Whether the answer may hold edits of files.
+    /// Whether the response may contain edits of files.
     pub has_edits: bool,
-    /// Works the answer out.
+    /// Function that computes the response.
     pub answer: RequestHandler,
 }
 
-/// Works an answer out.
+/// Function that computes a response.
 pub type RequestHandler =
     Box<dyn FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send>;
 
-/// What an answer is worked out from.
+/// Input of a response.
 pub struct RequestContext<'c> {
-    /// The file that is asked about.
+    /// File of the request.
     pub path: String,
-    /// What is known of the programs that are needed, the own one first.
+    /// Analyses of the required programs, that of the request first.
     pub programs: Vec<Arc<Analysis>>,
     /// All open texts.
     pub documents: Documents,
-    /// How the client counts characters.
+    /// Character encoding of the client's positions.
     pub encoding: Encoding,
-    /// Whether the client still waits.
+    /// Cancellation by the client.
     pub cancellation: Cancellation<'c>,
 }
 
 impl RequestContext<'_> {
-    /// What is known of the program that is asked about.
+    /// Returns the analysis of the request's program.
     fn own(&self) -> Result<&Analysis, RequestFailure> {
         let own = self.programs.first();
         own.map(|own| &**own).ok_or_else(not_open)
     }
 
-    /// The same, and a byte of its file.
+    /// Returns the same, and the byte of a position in its file.
     fn at(&self, position: Position) -> Result<(&Analysis, usize), RequestFailure> {
         let analysis = self.own()?;
         if analysis.checked.sources.files().is_empty() {
@@ -138,7 +138,7 @@ impl RequestContext<'_> {
     }
 }
 
-/// Says that a file is not open.
+/// Returns the error for a file that is not open.
 pub fn not_open() -> RequestFailure {
     RequestFailure::request_failed("the file is not open")
 }
@@ -157,7 +157,7 @@ impl Query {
         }
     }
 
-    /// The same for an answer with edits of files that may not be open.
+    /// Marks the response as containing edits of files that may not be open.
     fn with_edits(self) -> Query {
         Query {
             has_edits: true,
@@ -165,7 +165,7 @@ impl Query {
         }
     }
 
-    /// A question about a place.
+    /// Returns a request about a position.
     fn at(
         it: TextDocumentPositionParams,
         needs: Needs,
@@ -179,11 +179,11 @@ impl Query {
         })
     }
 
-    /// What a request asks.
+    /// Parses a request.
     ///
     /// # Errors
     ///
-    /// If that cannot be understood.
+    /// If it is invalid.
     pub fn parse(method: &str, raw: Value) -> Result<Query, RequestFailure> {
         Ok(match method {
             "textDocument/hover" => {
@@ -230,7 +230,7 @@ impl Query {
                 let it = it.text_document_position_params;
                 Query::at(it, Needs::Own, |context, analysis, at| {
                     let places = definition::highlights(analysis, at, context.cancellation)?;
-                    // Reading, or writing.
+                    // Read or write access.
                     let kind = |declares| if declares { 3 } else { 2 };
                     let shown = places
                         .into_iter()
@@ -301,7 +301,7 @@ impl Query {
             _ => {
                 return Err(RequestFailure::new(
                     Reason::MethodNotFound,
-                    format!("`{method}` is not known"),
+                    format!("unknown method `{method}`"),
                 ));
             }
         })

@@ -1,4 +1,4 @@
-//! What is known of the words of a scene.
+//! Hover and completion for keywords of scenes.
 use serde_json::{Value, json};
 use stochc_compiler::scene::WordContext;
 use stochc_compiler::{FileId, SourceLocation, Span};
@@ -7,10 +7,10 @@ use stochc_ir::scene::schema::SchemaEntry;
 
 use super::analysis::Analysis;
 
-/// The kind of a completion that is a word of the language, in the protocol.
+/// Completion kind of keywords in the protocol.
 const KEYWORD: u32 = 14;
 
-/// What the word at a byte says, and where it stands.
+/// Returns the description of the keyword at a byte, and its range.
 pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, SourceLocation)> {
     let words = words(analysis, at)?;
     let (entry, outer) = words.path.split_last()?;
@@ -37,7 +37,7 @@ pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, SourceLocation)>
     Some((text, location))
 }
 
-/// The words that may stand at a byte.
+/// Returns the keywords allowed at a byte.
 pub fn completions(analysis: &Analysis, at: usize) -> Vec<Value> {
     let item = |entry: &&SchemaEntry| {
         json!({

@@ -1,4 +1,4 @@
-//! The conversation: what has come in, what is still to be answered, and what has been said.
+//! The session: incoming messages, pending requests and published diagnostics.
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,19 +21,19 @@ use super::requests::{self, Needs, Notification, Query, RequestContext, RequestH
 use super::uri;
 use super::wire::{self, ClientMessage, Incoming, Reason, RequestFailure};
 
-/// How long nothing has to come in before a changed text is checked unasked.
+/// Idle time before a changed text is checked in the background.
 const PAUSE: Duration = Duration::from_millis(120);
 
-/// How far the conversation is.
+/// Stage of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SessionStage {
     Begun,
     Serving,
-    /// The client has said that it will leave.
+    /// The client has requested shutdown.
     Leaving,
 }
 
-/// A client, and what it has open.
+/// Session with a client.
 pub struct Server<W> {
     output: W,
     stage: SessionStage,
@@ -42,19 +42,19 @@ pub struct Server<W> {
     documents: Documents,
     encoding: Encoding,
     programs: Programs,
-    /// Those that the client has open, from which every program may import.
+    /// Workspace folders of the client. Every program may import from them.
     folders: Arc<[PathBuf]>,
-    /// Whether the client offers to report changes of files.
+    /// Whether the client can report changes of files.
     can_watch: bool,
-    /// Requests without an answer, in the order in which they have come in.
+    /// Pending requests in the order of arrival.
     requests: Vec<PendingRequest>,
-    /// The diagnostics of each file, as the client has them, and the number of its text.
+    /// Diagnostics published for each file, with the version of its text.
     shown: BTreeMap<String, (Option<i32>, Vec<LspDiagnostic>)>,
-    /// Nobody listens any more.
+    /// Whether the client has disconnected.
     gone: bool,
 }
 
-/// A request without an answer.
+/// Pending request.
 struct PendingRequest {
     id: Value,
     method: String,
@@ -64,15 +64,15 @@ struct PendingRequest {
     work: Work,
 }
 
-/// How far a request is.
+/// Progress of a request.
 enum Work {
-    /// Something has to be known first.
+    /// It waits for analyses.
     Waiting(RequestHandler),
     UnderWay(JobId),
 }
 
 impl PendingRequest {
-    /// Whether its answer would be about texts that are not as they are now.
+    /// Returns whether its response would be out of date after a change.
     fn is_about(&self, changed: &str, outdated: &BTreeSet<String>) -> bool {
         match self.needs {
             Needs::Text => self.path == changed,
@@ -86,14 +86,15 @@ impl PendingRequest {
 }
 
 impl<W: Write> Server<W> {
-    /// Waits for a client; the ends of jobs come in with its messages.
+    /// Returns a session that waits for a client. Ends of jobs arrive as events together with
+    /// messages.
     pub fn new(output: W, events: SyncSender<ServerEvent>) -> Server<W> {
         let of_jobs = events.clone();
         Server {
             output,
             stage: SessionStage::Begun,
             jobs: Jobs::new(move |job, done| {
-                // Nobody listens after the end.
+                // The receiver may already have ended.
                 let _ = of_jobs.send(ServerEvent::Done(job, done));
             }),
             events,
@@ -108,7 +109,7 @@ impl<W: Write> Server<W> {
         }
     }
 
-    /// Answers until the end; whether the client said `shutdown` before it left.
+    /// Serves until the end. Returns whether the client sent `shutdown` before exiting.
     pub fn run(mut self, receiver: Receiver<ServerEvent>) -> bool {
         while !self.gone {
             let event = match self.unchecked() {
@@ -138,7 +139,7 @@ impl<W: Write> Server<W> {
             }
             self.proceed();
         }
-        // A job that has ended meanwhile need not wait to be heard.
+        // Unblocks jobs that have ended in the meantime.
         drop(receiver);
         self.stage == SessionStage::Leaving
     }
@@ -155,7 +156,7 @@ impl<W: Write> Server<W> {
             return;
         };
         if method.is_empty() {
-            // An answer; nothing has been asked.
+            // A response, although no request was sent.
             return;
         }
         let result = match (method.as_str(), self.stage) {
@@ -220,7 +221,8 @@ impl<W: Write> Server<W> {
         self.fail(|request| request.is_about(&path, &outdated), &modified());
     }
 
-    /// Compares the files of all programs with the disk. Returns the programs that have to be checked again.
+    /// Compares the files of all programs with the disk. Returns the programs that have to be
+    /// checked again.
     fn changed_on_disk(&mut self) -> BTreeSet<String> {
         let (documents, jobs) = (&self.documents, &self.jobs);
         self.programs
@@ -231,7 +233,7 @@ impl<W: Write> Server<W> {
         self.fail(|request| request.id == *id, &RequestFailure::cancelled());
     }
 
-    /// Says of some requests why they are not answered, and lets their work end.
+    /// Answers some requests with an error and cancels their jobs.
     fn fail(&mut self, is_meant: impl Fn(&PendingRequest) -> bool, why: &RequestFailure) {
         let (meant, rest) = std::mem::take(&mut self.requests)
             .into_iter()
@@ -245,7 +247,7 @@ impl<W: Write> Server<W> {
         }
     }
 
-    /// Takes over what has come out of a job.
+    /// Processes the result of a job.
     fn done(&mut self, job: JobId, done: Option<Done>) {
         self.jobs.ended(job);
         let is_it =
@@ -289,7 +291,7 @@ impl<W: Write> Server<W> {
         }
     }
 
-    /// Goes on with the requests: starts the checks that they wait for, and those that wait for nothing more.
+    /// Advances the pending requests: starts required checks, and jobs whose input is complete.
     fn proceed(&mut self) {
         for mut request in std::mem::take(&mut self.requests) {
             if let Work::Waiting(answer) = request.work {
@@ -316,8 +318,10 @@ impl<W: Write> Server<W> {
         }
     }
 
-    /// What is known of the programs that a request needs, the own one first: an error, if a check of one of them has failed.
-    /// `None`: something has to be checked first, and is, as soon as there is room.
+    /// Returns the analyses that a request needs, that of its own program first. An error if one of
+    /// the checks has failed.
+    ///
+    /// Returns `None` if a check must come first. It is started as soon as another job is allowed.
     fn needed(&mut self, path: &str, needs: Needs) -> Option<Result<Vec<Arc<Analysis>>, ()>> {
         let paths: Vec<String> = match needs {
             Needs::Text => Vec::new(),
@@ -347,7 +351,7 @@ impl<W: Write> Server<W> {
         programs.map(Ok)
     }
 
-    /// Starts to work an answer out; `None`: there is no thread for it.
+    /// Starts a job that computes a response. Returns `None` if no thread is available.
     fn work_out(
         &mut self,
         path: String,
@@ -368,7 +372,7 @@ impl<W: Write> Server<W> {
         job.ok()
     }
 
-    /// A program that is to be checked unasked, if there is room for that.
+    /// Returns a program to check in the background, if another job is allowed.
     fn unchecked(&self) -> Option<String> {
         let unchecked = self.programs.unchecked();
         unchecked
@@ -437,13 +441,13 @@ impl<W: Write> Server<W> {
         }));
     }
 
-    /// Tells the client of every file whose diagnostics have changed.
+    /// Publishes the diagnostics of every file whose diagnostics have changed.
     fn show(&mut self) {
         let mut now: BTreeMap<String, Vec<LspDiagnostic>> = BTreeMap::new();
         for (path, diagnostics) in self.programs.found() {
             let all = now.entry(path.clone()).or_default();
             for diagnostic in diagnostics {
-                // Two programs that import one file find the same in it.
+                // Programs with a common import find the same diagnostics in it.
                 if !all.contains(diagnostic) {
                     all.push(diagnostic.clone());
                 }
@@ -452,7 +456,7 @@ impl<W: Write> Server<W> {
         let mut shown = std::mem::take(&mut self.shown);
         let paths: BTreeSet<String> = now.keys().chain(shown.keys()).cloned().collect();
         for path in paths {
-            // Of a text that is still to be checked, what is known is out of date.
+            // The diagnostics of an unchecked text are out of date.
             if self.programs.is_unseen(&path) {
                 now.remove(&path);
                 if let Some(old) = shown.remove(&path) {
@@ -489,18 +493,18 @@ impl<W: Write> Server<W> {
     }
 }
 
-/// Reports that an answer would be about a text of the past.
+/// Returns the error for a response that would be about an old text.
 fn modified() -> RequestFailure {
     RequestFailure::new(Reason::ContentModified, "the text has changed")
 }
 
-/// Says that the server has made a mistake.
+/// Returns the error for a failure of the server.
 fn failed(method: &str) -> RequestFailure {
     let why = format!("`{method}` failed: please report this with the program");
     RequestFailure::new(Reason::InternalError, why)
 }
 
-/// The folders that a client has open when it introduces itself.
+/// Returns the folders that the client has open at initialization.
 fn folders(params: &Value) -> Arc<[PathBuf]> {
     let several = params["workspaceFolders"].as_array();
     let several = several.map(|all| all.iter().map(|folder| &folder["uri"]).collect());

@@ -1,11 +1,11 @@
-//! The outline of a file.
+//! Outline of a file.
 use gen_lsp_types::{DocumentSymbol, SymbolKind};
 use stochc_compiler::{Span, Symbols};
 use stochc_grammar::tree::{Item, ItemKind};
 
 use super::position::LineIndex;
 
-/// The declarations of a file, with what is declared inside them.
+/// Returns the declarations of a file, with nested ones.
 pub fn symbols(items: &[Item], words: &Symbols, lines: &LineIndex<'_>) -> Vec<DocumentSymbol> {
     items
         .iter()
@@ -36,15 +36,15 @@ fn symbol(item: &Item, words: &Symbols, lines: &LineIndex<'_>) -> Option<Documen
             (word(&name.name), SymbolKind::Field, "seed")
         }
         ItemKind::For(it) => (word(&it.counter), SymbolKind::Variable, "for"),
-        // Captures and what else is done is no declaration; imports have no names.
+        // Captures and other actions are not declarations, and imports have no names.
         _ => return None,
     };
     let children = symbols(item.body(), words, lines);
-    // A loop is of interest for what it declares only.
+    // Loops are included only for their declarations.
     if matches!(item.kind, ItemKind::For(_)) && children.is_empty() {
         return None;
     }
-    #[allow(deprecated, reason = "the protocol has a field that nobody is to use")]
+    #[allow(deprecated, reason = "the protocol has a deprecated field")]
     Some(DocumentSymbol {
         name,
         detail: (!detail.is_empty()).then(|| detail.to_owned()),

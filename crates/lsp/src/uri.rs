@@ -1,23 +1,23 @@
-//! Paths of files as addresses, and back.
+//! Conversion between file paths and URIs.
 use percent_encoding::percent_decode_str;
 use stochc_files::address::address;
 
-/// The path of a file by its address, with `/` between folders; what is no file keeps its address.
+/// Returns the path of a file URI, with `/` between folders. Other URIs are returned unchanged.
 pub fn path(uri: &str) -> String {
     let Some(rest) = uri.strip_prefix("file://") else {
         return uri.to_owned();
     };
-    // Between the slashes stands a machine, which is this one.
+    // The host name is ignored: it is this machine.
     let path = rest.find('/').map_or(rest, |slash| &rest[slash..]);
     let path = percent_decode_str(path).decode_utf8_lossy();
-    // `/c:/x` is `c:/x` where drives have letters.
+    // `/c:/x` is `c:/x` on systems with drive letters.
     match path.as_bytes() {
         [b'/', drive, b':', ..] if drive.is_ascii_alphabetic() => path[1..].to_owned(),
         _ => path.into_owned(),
     }
 }
 
-/// The address of a file.
+/// Returns the URI of a file.
 pub fn uri(path: &str) -> String {
     if path.contains("://") || path.starts_with("untitled:") {
         return path.to_owned();

@@ -1,55 +1,55 @@
 //! JSON-RPC messages over a pair of streams.
 //!
-//! A message that is no JSON is answered and passed over, and a length that nobody can mean is
-//! refused before anything is allocated for it: a careless client does no harm.
+//! Messages that are not valid JSON are answered with an error and skipped. Unreasonable lengths
+//! are rejected before allocation. A faulty client does no harm.
 use std::io::{self, BufRead, Read as _, Write};
 
 use serde_json::{Value, json};
 use stochc_compiler::Cancelled;
 
-/// Bytes of one message, at most.
+/// Largest message \[bytes\].
 const MAX_BYTES: u64 = 1 << 28;
 
-/// Bytes of one line of a message's head, at most.
+/// Largest header line \[bytes\].
 const MAX_HEAD: u64 = 1 << 12;
 
-/// A message from the client.
+/// Message from the client.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClientMessage {
-    /// What its answer refers to; a message without it wants none.
+    /// Number for the response. Messages without one need no response.
     pub id: Option<Value>,
-    /// What is wanted; empty: an answer of the client's.
+    /// Method. Empty for a response of the client.
     pub method: String,
-    /// With what.
+    /// Parameters.
     pub params: Value,
 }
 
-/// What came in.
+/// Input.
 #[derive(Debug)]
 pub enum Incoming {
     /// A message.
     Message(ClientMessage),
-    /// Bytes that are none, and why.
+    /// Invalid input, with the reason.
     Garbage(String),
-    /// The stream has ended, or cannot be followed any more.
+    /// The stream has ended or cannot be parsed further.
     End,
 }
 
-/// The messages of a stream.
+/// Messages of a stream.
 #[derive(Debug)]
 pub struct MessageStream<R> {
     input: R,
-    /// The last message could not be followed, so that what comes next may be the rest of it.
+    /// Whether the last message was invalid, so that its rest may follow.
     lost: bool,
 }
 
 impl<R: BufRead> MessageStream<R> {
-    /// Those that come in from now on.
+    /// Wraps a stream.
     pub fn new(input: R) -> MessageStream<R> {
         MessageStream { input, lost: false }
     }
 
-    /// Waits for the next one.
+    /// Waits for the next message.
     pub fn read(&mut self) -> Incoming {
         let body = match self.body() {
             Ok(Ok(body)) => body,
@@ -75,9 +75,10 @@ impl<R: BufRead> MessageStream<R> {
         }
     }
 
-    /// The next message, or why it cannot be read.
+    /// Returns the next message, or the reason why it is invalid.
     ///
     /// # Errors
+    ///
     /// At the end of the stream.
     fn body(&mut self) -> io::Result<Result<Vec<u8>, &'static str>> {
         let length = match self.head()? {
@@ -93,7 +94,7 @@ impl<R: BufRead> MessageStream<R> {
         }
     }
 
-    /// The length of the message that follows.
+    /// Returns the length of the next message.
     fn head(&mut self) -> io::Result<Result<u64, &'static str>> {
         let mut lengths = Vec::new();
         loop {
@@ -102,7 +103,7 @@ impl<R: BufRead> MessageStream<R> {
             let line = line.trim_end();
             match content_length(line, self.lost) {
                 Some(length) => {
-                    // What comes before it may still be the rest of the message that was lost.
+                    // Earlier lines may belong to the invalid message.
                     if self.lost {
                         lengths.clear();
                     }
@@ -117,7 +118,7 @@ impl<R: BufRead> MessageStream<R> {
             return Ok(Err(if lengths.is_empty() {
                 "a message without its `Content-Length`"
             } else {
-                "a `Content-Length` that is no number of bytes"
+                "a `Content-Length` that is not a number of bytes"
             }));
         };
         Ok(if lengths.iter().any(|other| other != &Ok(*length)) {
@@ -129,7 +130,7 @@ impl<R: BufRead> MessageStream<R> {
         })
     }
 
-    /// The next line with its end, or the last [`MAX_HEAD`] bytes of a longer one.
+    /// Returns the next line with its end, or the last [`MAX_HEAD`] bytes of a longer one.
     fn line(&mut self) -> io::Result<Vec<u8>> {
         let mut line = Vec::new();
         loop {
@@ -145,10 +146,10 @@ impl<R: BufRead> MessageStream<R> {
     }
 }
 
-/// What a line of a head says of the length; `None`: nothing.
+/// Returns the length in a header line, or `None` if it has none.
 ///
-/// A message that could not be followed has no end of its own: behind `lost` ones the next head may
-/// begin in the middle of a line. Within JSON it cannot, because no text in it has an end of a line.
+/// After a `lost` message, the next header may begin in the middle of a line, since messages have
+/// no end mark. It cannot be within JSON, because JSON strings contain no line ends.
 fn content_length(line: &str, lost: bool) -> Option<Result<u64, ()>> {
     const NAME: &str = "content-length";
     let (before, value) = line.rsplit_once(':')?;
@@ -167,14 +168,14 @@ fn content_length(line: &str, lost: bool) -> Option<Result<u64, ()>> {
 ///
 /// # Errors
 ///
-/// Those of the stream, such as a client that has gone.
+/// Errors of the stream, such as a disconnected client.
 pub fn write(output: &mut impl Write, message: &Value) -> io::Result<()> {
     let body = message.to_string();
     write!(output, "Content-Length: {}\r\n\r\n{body}", body.len())?;
     output.flush()
 }
 
-/// What kind of reason there is for not answering, with the protocol's number.
+/// Error code of the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     ParseError = -32700,
@@ -188,17 +189,17 @@ pub enum Reason {
     ContentModified = -32801,
 }
 
-/// Why a request cannot be answered.
+/// Error response to a request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RequestFailure {
-    /// What kind of reason.
+    /// Error code.
     pub reason: Reason,
-    /// The reason, for people.
+    /// Message for users.
     pub message: String,
 }
 
 impl RequestFailure {
-    /// A reason of a kind.
+    /// Returns an error.
     pub fn new(reason: Reason, message: impl Into<String>) -> RequestFailure {
         RequestFailure {
             reason,
@@ -206,12 +207,12 @@ impl RequestFailure {
         }
     }
 
-    /// The client does not want the answer any more.
+    /// Returns the error for a request cancelled by the client.
     pub fn cancelled() -> RequestFailure {
         RequestFailure::new(Reason::RequestCancelled, "cancelled")
     }
 
-    /// What was wanted makes sense, but cannot be done here.
+    /// Returns the error for a valid request that cannot be fulfilled.
     pub fn request_failed(message: impl Into<String>) -> RequestFailure {
         RequestFailure::new(Reason::RequestFailed, message)
     }
@@ -223,7 +224,7 @@ impl From<Cancelled> for RequestFailure {
     }
 }
 
-/// An answer.
+/// Returns a response.
 pub fn answer(id: &Value, result: Result<Value, RequestFailure>) -> Value {
     match result {
         Ok(result) => json!({ "jsonrpc": "2.0", "id": id, "result": result }),
@@ -308,7 +309,7 @@ mod tests {
             let cut = format!("Content-Length: {length}\r\n\r\n{A}");
             let seen = all(&[cut, framed(B), framed(A)].concat());
             assert_eq!(seen.last().map(String::as_str), Some("a"), "{seen:?}");
-            // Without its end a message is no JSON; what is too long takes the next one with it.
+            // A truncated message is invalid JSON; one that is too long includes the next message.
             let whole = seen.iter().filter(|seen| *seen == "b").count();
             assert_eq!(whole, usize::from(length < A.len()), "{seen:?}");
         }

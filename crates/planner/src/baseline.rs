@@ -1,4 +1,4 @@
-//! Plans that need no thought, to compare others with: they may be faster, and they may jam.
+//! Baseline plans without a search, for comparison. They may be faster, and they may jam.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -10,22 +10,22 @@ use crate::rate_law::{CellState, Moment, RateLaw};
 use crate::schedule::Schedule;
 use crate::sites::{NONE, Sites};
 
-/// A plan that needs no thought.
+/// Plan without a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Baseline {
-    /// One block after the other along a walk through the shape.
+    /// Blocks one by one, along a walk through the shape.
     Chain,
-    /// Everything at once, by the shortest ways from the plate.
+    /// All faces at once, by the shortest paths from the plate.
     AtOnce,
-    /// All of a layer at once, one layer after the other.
+    /// All faces of a layer at once, layer by layer.
     Layers,
-    /// One block after the other, the nearest to the plate first.
+    /// Blocks one by one, the nearest to the plate first.
     Nearest,
 }
 
 impl Baseline {
-    /// All of them.
+    /// All baselines.
     pub const ALL: [Baseline; 4] = [
         Baseline::Chain,
         Baseline::AtOnce,
@@ -33,17 +33,18 @@ impl Baseline {
         Baseline::Nearest,
     ];
 
-    /// In words.
+    /// Returns a short description.
     pub fn words(self) -> &'static str {
         match self {
-            Baseline::Chain => "one block after the other, along a walk",
+            Baseline::Chain => "one block at a time, along a walk",
             Baseline::AtOnce => "everything at once",
             Baseline::Layers => "layer by layer",
-            Baseline::Nearest => "one block after the other, the nearest to the plate first",
+            Baseline::Nearest => "one block at a time, the nearest to the plate first",
         }
     }
 
-    /// A tree from the plate: the sites in the order in which they are added, each with the way from its parent and its stage.
+    /// Returns a tree from the plate: the sites in order, each with the direction from its parent
+    /// and its stage.
     fn tree(self, sites: &Sites<'_>) -> Vec<(u32, Face, u32)> {
         let height = |site: u32| sites.cell(site).z as u32;
         let stage = |before: u32, site: u32| match self {
@@ -53,7 +54,7 @@ impl Baseline {
         let feet = (0..sites.len() as u32).filter(|&site| sites.is_on_seed(site));
         let mut added = vec![false; sites.len()];
         let mut tree = Vec::with_capacity(sites.len());
-        // Of the chain, what was found last goes first; of the others, what has the earliest stage.
+        // The chain visits the latest site first; the others visit the earliest stage first.
         let mut found = 0_u64;
         let mut entry = |stage: u32, site: u32, way: Face| {
             found += 1;
@@ -79,7 +80,7 @@ impl Baseline {
         tree
     }
 
-    /// When what opens, and what waits for what.
+    /// Returns the opening order and the dependencies.
     pub fn schedule(
         self,
         sites: &Sites<'_>,
@@ -121,7 +122,7 @@ impl Baseline {
 }
 
 impl Schedule {
-    /// Mean waits of sites in the structure as it stands when their turn comes and all captures take equally long.
+    /// Sets the mean waiting times of sites, as if all captures took equally long.
     pub fn set_means(
         &mut self,
         sites: &Sites<'_>,
@@ -130,7 +131,8 @@ impl Schedule {
         waiting: &Waiting,
     ) {
         let first = self.first_phase;
-        // What comes in the second phase is not there in the first one, and keeps its waits; what stands has waited.
+        // Sites of the second phase are absent in the first and keep their waiting times. Existing
+        // blocks do not wait.
         let mut level: Vec<u32> = vec![u32::MAX; sites.len()];
         let standing = sites.existing_count();
         for &site in &self.order[..standing] {

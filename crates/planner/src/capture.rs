@@ -1,30 +1,30 @@
-//! The captures of a plan.
+//! Captures of a plan.
 use serde::Serialize;
 use stochc_ir::{Cell, Face};
 
 use crate::precedence::Why;
 
-/// One capture of a plan.
+/// Capture of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Capture {
-    /// Where the block comes to.
+    /// Cell of the block.
     pub cell: Cell,
-    /// From its parent: the face that captures it.
+    /// Direction from its parent: the capturing face.
     pub way: Face,
-    /// The mean ticks that the face is open.
+    /// Mean waiting time \[ticks\].
     pub wait: f64,
-    /// The cells that have to be full before the face opens, and why; what follows from others is left out.
+    /// Cells that must be occupied before the face opens, with reasons. Implied ones are omitted.
     pub after: Vec<(Cell, Why)>,
-    /// Whether no way in two cells wide was found.
+    /// Whether no access path two cells wide was found.
     pub is_tight: bool,
     /// Whether the block belongs to a scaffold.
     pub is_temporary: bool,
-    /// The part of runs in which it is on the chain of captures that decides when the run ends.
+    /// Fraction of runs with this capture on the critical path.
     pub decides: f32,
 }
 
 impl Capture {
-    /// One that waits for nothing and takes no time.
+    /// Returns a capture without predecessors and waiting time.
     pub(crate) fn at_once(cell: Cell, way: Face) -> Capture {
         Capture {
             cell,

@@ -1,8 +1,9 @@
-//! Ways in: which blocks have to come later so that a cell can be reached in every order.
+//! Access paths: blocks that must come later so that a cell is reachable in every order.
 //!
-//! In an order that builds the target, each cell has a way in between what is built before it. What is built later must not
-//! close that way, whatever chance does: the blocks of the target that lie in it wait for the cell. A way may end at the
-//! first place of the way of a block that waits: what lies in the rest of that way waits for this block, and so for the cell.
+//! In an order that builds the target, each cell has an access path between the earlier blocks.
+//! Later blocks must not close that path in any run. Target blocks on the path therefore wait for
+//! the cell. A path may end at the first position on the path of a waiting block. Blocks on the
+//! rest of that path wait for this block, and so for the cell.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -15,24 +16,25 @@ use crate::disassembly::Disassembly;
 use crate::free_space::WayIn;
 use crate::sites::{NONE, Sites};
 
-/// What waits for each site, so that its way in stays open.
+/// Sites that wait to keep access paths open.
 #[derive(Clone, Debug)]
 pub struct Corridors {
-    /// Of each site, those that wait for it, sorted.
+    /// For each site, the sites that wait for it, sorted.
     pub waiting: Vec<Vec<u32>>,
-    /// Of each site that is a gap, the axis along which a face has to capture it.
+    /// For each site in a gap, the axis of the capturing face.
     pub along: Vec<Option<Face>>,
 }
 
-/// The cost of a step of a way, and of a block that waits: near its cell, elsewhere, and for each capture that it would have
-/// come earlier. A block near the cell would not have been open together with it in any case.
+/// Costs of a step of a path, and of a waiting block: near its cell, elsewhere, and per capture of
+/// delay. A nearby block would not have been open at the same time anyway.
 const COSTS: [u32; 4] = [1, 2, 6, 4];
 
 impl Corridors {
-    /// The cheapest way for each site, the last one first.
+    /// Returns the cheapest path of each site, the last site first.
     ///
     /// # Errors
-    /// [`Cancelled`] if nobody waits for it.
+    ///
+    /// [`Cancelled`] if the search is cancelled.
     pub fn new(
         sites: &Sites<'_>,
         disassembly: &Disassembly,
@@ -62,12 +64,12 @@ impl Corridors {
 struct CorridorSearch<'a> {
     sites: &'a Sites<'a>,
     disassembly: &'a Disassembly,
-    /// Of cubes of two sides and of one: the sites whose ways begin at a place.
+    /// For cubes of sizes two and one, the sites whose paths begin at a position.
     first: [FxHashMap<Cell, u32>; 2],
 }
 
 impl CorridorSearch<'_> {
-    /// The sites that wait for one, by the cheapest way.
+    /// Returns the sites that wait for a site on its cheapest path.
     fn cheapest(&mut self, site: u32) -> Vec<u32> {
         let way_in = self.disassembly.way_in[site as usize];
         let number = usize::from(way_in.is_none());
@@ -92,7 +94,8 @@ impl CorridorSearch<'_> {
             if best[&low].0 < cost {
                 continue;
             }
-            // A site in this place waits, and with it whatever would close the rest of its way.
+            // The site at this position waits, and so does everything that would close the rest of
+            // its path.
             let leads_on = (self.first[number].get(&low))
                 .is_some_and(|&other| self.disassembly.rank[other as usize] > rank);
             if space.is_always_open(low) || leads_on {
@@ -109,10 +112,10 @@ impl CorridorSearch<'_> {
                 }
             }
         }
-        unreachable!("a site that was taken had a way")
+        unreachable!("a removed site has an access path")
     }
 
-    /// What it costs to keep a place open that is entered from another.
+    /// Returns the cost of keeping a position open, entered from another one.
     fn toll(&self, site: u32, number: usize, low: Cell, from: Option<Cell>) -> u32 {
         let space = &self.disassembly.spaces[number];
         let level = |site: u32| self.disassembly.level[site as usize];
@@ -130,7 +133,7 @@ impl CorridorSearch<'_> {
         toll.sum()
     }
 
-    /// The sites in a way that ends at `low`, which is kept for those that come before.
+    /// Returns the sites on a path that ends at `low`, and keeps the path for earlier sites.
     fn follow(
         &mut self,
         site: u32,
@@ -150,7 +153,8 @@ impl CorridorSearch<'_> {
             low = before;
         }
         match self.disassembly.way_in[site as usize] {
-            // Nothing stands beside the gap. Whoever is in the place before it need not wait for what comes into it.
+            // No block is next to the gap. A block at the position in front need not wait for the
+            // block in the gap.
             Some(WayIn::Gap(axis)) => {
                 let beside = beside_gap(self.sites.cell(site), axis);
                 waiting.extend(
@@ -159,7 +163,8 @@ impl CorridorSearch<'_> {
                         .filter(|&other| other != NONE),
                 );
             }
-            // Later sites are looked at first: what is here already comes later than this one, and waits for nobody before it.
+            // Later sites are processed first. A recorded site comes later than this one and waits
+            // for no earlier site.
             _ => {
                 self.first[number].insert(low, site);
             }

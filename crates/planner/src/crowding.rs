@@ -1,26 +1,30 @@
-//! Which faces are not open at the same time, because blocks jam between them.
+//! Faces that must not be open at the same time, because blocks jam between them.
 //!
-//! A block that comes between two faces is held by both. In simulations of the default scene it gets free again, but not always: of two faces of the plate side
-//! by side one pair in 500 took more than 6000 ticks, of two side by side on towers and of two across a corner one in some thousands. Of three in a square of four
-//! cells it is one in 200, of a whole square on the plate one in four. Elsewhere nobody has measured it as far as that, and two across a corner, around a cell of the
-//! target, count as jamming. Faces that share no more than a corner do not hinder each other.
+//! A block between two open faces is held by both. In simulations of the default scene it usually
+//! gets free, but not always. For two adjacent faces of the plate, one pair in 500 took more than
+//! 6000 ticks. For adjacent faces on towers and for faces across a corner, the fraction was one in
+//! several thousand. For three faces in a square of four cells it was one in 200, and for a full
+//! square on the plate one in four. Other scenes have not been measured, so two faces across a
+//! corner around a target cell count as jamming. Faces that share only a corner do not interfere.
 use stochc_ir::Face;
 
 use crate::sites::{NONE, Sites};
 
-/// What of faces near each other is never open together.
+/// Rules for faces that must not be open together.
 #[derive(Clone, Copy, Debug)]
 pub struct Crowding<'a> {
-    /// The cells.
+    /// Cells.
     pub sites: &'a Sites<'a>,
-    /// Whether faces attract all the time: nothing can wait then.
+    /// Whether faces always attract. Waiting is then impossible.
     pub attracts_always: bool,
-    /// Whether blocks are known to pass between two faces across a corner, as long as no third one of the square is open.
+    /// Whether blocks are known to pass between two faces across a corner, if no third face of the
+    /// square is open.
     pub has_passable_corners: bool,
 }
 
 impl Crowding<'_> {
-    /// Whether a face may open while others are: of a site whose face is, `open` says the way.
+    /// Returns whether a face may open while others are open. `open` returns the direction of a
+    /// site's open face.
     pub fn may_open(&self, site: u32, way: Face, open: impl Fn(u32) -> Option<Face>) -> bool {
         if self.attracts_always {
             return true;
@@ -41,8 +45,8 @@ impl Crowding<'_> {
             && !self.beside_on_plate(site, way, &open).any(|_| true)
     }
 
-    /// The sites that one waits for, some of them more than once, so that never more is open than may be: `before` says of those that open before their way, and
-    /// when their blocks come.
+    /// Returns the sites to wait for, possibly with duplicates. `before` returns the direction and
+    /// completion time of sites that open earlier.
     pub fn waits(
         &self,
         site: u32,
@@ -57,7 +61,7 @@ impl Crowding<'_> {
             let [one, two, across] = square;
             let is_before = |near: u32| near != NONE && before(near).is_some();
             if self.has_passable_corners {
-                // All but the one that comes last.
+                // All except the last one to complete.
                 let end = |near: &u32| before(*near).map_or(0.0, |(_, end)| end);
                 let mut others: Vec<u32> =
                     square.into_iter().filter(|&near| is_before(near)).collect();
@@ -73,7 +77,7 @@ impl Crowding<'_> {
         waits
     }
 
-    /// The sites beside one that the plate captures, which it captures as well.
+    /// Returns the adjacent sites that the plate captures, if it captures this one as well.
     fn beside_on_plate(
         &self,
         site: u32,

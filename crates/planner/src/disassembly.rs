@@ -1,8 +1,9 @@
-//! An order in which the target can be built, found by taking it apart.
+//! Construction order by disassembly of the target.
 //!
-//! A block may go if a free one could come to its place, and all that stays hangs together with the plate. Taking a block away
-//! only opens ways, so what has a way may wait; what is taken last is built first. Blocks with a way in two cells wide, up to a gap where
-//! gaps are passed, go before others, and blocks far from the plate before near ones.
+//! A block may be removed if a free one could reach its place, and the rest stays attached to the
+//! plate. Removal only opens paths, so a removable block stays removable. The last block removed is
+//! built first. Blocks with an access path two cells wide, or at the end of a passable gap, are
+//! removed first. Blocks far from the plate are removed before near ones.
 use std::collections::BinaryHeap;
 
 use stochc_grammar::Cancellation;
@@ -13,35 +14,37 @@ use crate::grid::shifted;
 use crate::sites::{NONE, Sites};
 use crate::support::Support;
 
-/// An order, and what was learned on the way.
+/// Construction order with its access paths.
 #[derive(Clone, Debug)]
 pub struct Disassembly {
-    /// The sites in an order that builds the target.
+    /// Sites in construction order.
     pub order: Vec<u32>,
-    /// The place of each site in that order.
+    /// Position of each site in that order.
     pub rank: Vec<u32>,
-    /// How a block comes to each site, at the end of a way in two cells wide; `None`: there is no such way.
+    /// Access to each site from a path two cells wide. `None` if there is no such path.
     pub way_in: Vec<Option<WayIn>>,
-    /// Steps from the plate to each site within the whole target.
+    /// Number of steps from the plate to each site within the complete target.
     pub level: Vec<u32>,
-    /// Where cubes of two sides and of one can be.
+    /// Free positions of cubes of sizes two and one.
     pub spaces: [FreeSpace; 2],
 }
 
 impl Disassembly {
-    /// How many sites have no way in two cells wide.
+    /// Returns the number of sites without an access path two cells wide.
     pub fn narrow_count(&self) -> usize {
         self.way_in.iter().filter(|way| way.is_none()).count()
     }
 }
 
-/// Sites that may be taken, the most urgent first.
+/// Removable sites, the most urgent first.
 type Frontier = BinaryHeap<(u32, u32)>;
 
-/// Takes a target apart; of sites at about the same distance from the plate, those with a high key go first.
+/// Disassembles a target. Among sites at about the same distance from the plate, a higher key is
+/// removed first.
 ///
 /// # Errors
-/// [`TargetError::Sealed`] if nothing that is left may go, and [`TargetError::Cancelled`].
+///
+/// [`TargetError::Sealed`] if no remaining block can be removed, and [`TargetError::Cancelled`].
 pub fn disassemble(
     sites: &Sites<'_>,
     spaces: [FreeSpace; 2],
@@ -54,7 +57,7 @@ pub fn disassemble(
         .collect();
     let urgency = |site: u32| {
         let key = level[site as usize] as f32 + 2.0 * keys[site as usize];
-        // The bits of positive numbers are ordered as they are.
+        // Positive numbers sort like their bits.
         (key.to_bits(), site)
     };
     let mut disassembler = Disassembler {
@@ -98,7 +101,7 @@ pub fn disassemble(
         spaces,
         ..
     } = disassembler;
-    // What is there before comes first.
+    // Existing blocks come first.
     order.extend(sites.existing().map(|(site, _)| site));
     order.reverse();
     let mut rank = vec![0; order.len()];
@@ -120,17 +123,18 @@ struct Disassembler<'a, U> {
     spaces: [FreeSpace; 2],
     taken: Vec<u32>,
     way_in: Vec<Option<WayIn>>,
-    /// Of each space, the sites that may have a way by now.
+    /// For each space, the sites that may have a path.
     frontiers: [Frontier; 2],
-    /// Of each space, whether a site is among these.
+    /// For each space, whether a site is queued.
     is_queued: [Vec<bool>; 2],
-    /// Of each space, sites with a way that were passed over because they may hold others.
+    /// For each space, sites with a path that were skipped because they may hold others.
     doubtful: [Vec<u32>; 2],
     urgency: &'a U,
 }
 
 impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
-    /// A site that may go by way of a space. Others are looked at again when something near them has changed.
+    /// Returns a site that can be removed through a space. Other sites are reconsidered after a
+    /// change nearby.
     fn next(&mut self, space: usize) -> Option<(u32, WayIn)> {
         while let Some((_, site)) = self.frontiers[space].pop() {
             self.is_queued[space][site as usize] = false;
@@ -149,7 +153,7 @@ impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
         None
     }
 
-    /// The same of those that were passed over, by looking at all of what stands.
+    /// Like `next` for the skipped sites, by a search of the whole structure.
     fn next_exactly(&mut self, space: usize) -> Option<(u32, WayIn)> {
         let support = &self.support;
         self.doubtful[space].retain(|&site| support.stands(site));
@@ -191,7 +195,7 @@ impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
     }
 }
 
-/// The sites no more than two steps away from one in every direction.
+/// Returns the sites at most two steps away in every direction.
 fn around<'a>(sites: &'a Sites<'_>, site: u32) -> impl Iterator<Item = u32> + 'a {
     let cell = sites.cell(site);
     let cells = (0..125).map(move |i| shifted(cell, i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2));
@@ -211,7 +215,7 @@ mod tests {
     use super::*;
     use crate::target::held;
 
-    /// The cells of a cube of so many sides.
+    /// Returns the cells of a cube of `size` cells.
     fn cube(low: Cell, size: i32) -> impl Iterator<Item = Cell> {
         let steps = move || 0..size;
         steps().flat_map(move |dz| {
@@ -219,7 +223,8 @@ mod tests {
         })
     }
 
-    /// Whether a cube of so many sides brings a block to a cell from outside, between full cells: every place is tried.
+    /// Returns whether a cube of `size` cells can bring a block to a cell from outside, by trying
+    /// every position.
     fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
         comes_out(
             full,
@@ -228,8 +233,8 @@ mod tests {
         )
     }
 
-    /// Whether a cube of two sides comes beside a gap along an axis, so that it holds a cell beside the gap but not the gap, and all cells beside it
-    /// above the ground are empty.
+    /// Returns whether a cube of size two can reach a gap along an axis. It must cover a cell next
+    /// to the gap but not the gap. All cells next to the gap above the ground must be empty.
     fn has_way_to_gap(full: &BTreeSet<Cell>, cell: Cell, axis: Face) -> bool {
         let aside = || {
             let faces = Face::ALL.into_iter();
@@ -243,7 +248,7 @@ mod tests {
         aside().all(|beside| beside.z < 1 || !full.contains(&beside)) && comes_out(full, lows, 2)
     }
 
-    /// Whether a cube of so many sides gets from one of these places to the outside.
+    /// Returns whether a cube of `size` cells can move from one of these positions to the outside.
     fn comes_out(full: &BTreeSet<Cell>, lows: impl Iterator<Item = Cell>, size: i32) -> bool {
         let inside = |low: Cell| [low.x, low.y, low.z].iter().all(|at| (-4..=9).contains(at));
         let is_free = |low: Cell| low.z >= 1 && cube(low, size).all(|cell| !full.contains(&cell));
@@ -277,7 +282,7 @@ mod tests {
             let spaces = || [FreeSpace::new(&sites, 2).with_gaps(has_gaps), FreeSpace::new(&sites, 1)];
             let keys = vec![0.5; sites.len()];
             let disassembly = disassemble(&sites, spaces(), &keys, Cancellation::NEVER);
-            // Whatever hangs together can be built.
+            // Every connected structure can be built.
             let disassembly = disassembly.unwrap();
             let mut full: BTreeSet<Cell> = BTreeSet::new();
             for &site in &disassembly.order {

@@ -1,4 +1,4 @@
-//! A plan in words and as a picture.
+//! Explanation of a plan in words and as a picture.
 use std::fmt::Write as _;
 
 use stochc_ir::{Cell, CellBounds, counted};
@@ -9,16 +9,16 @@ use crate::plan::{Alternative, BuildPlan, RaceTimes};
 use crate::precedence::Why;
 use crate::target_error::listed_cells;
 
-/// Captures that decide the time, as told.
+/// Largest number of critical captures in the explanation.
 const MAX_TOLD: usize = 6;
 
-/// Cells of a picture along x, at most.
+/// Largest number of cells of a picture along x.
 const WIDEST: i32 = 24;
 
-/// Layers of a picture, at most.
+/// Largest number of layers of a picture.
 const MAX_LAYERS: i32 = 12;
 
-/// What a plan does, in which order, what limits it, and what the alternatives would cost.
+/// Explains a plan: its order, its limits, and the costs of alternatives.
 pub fn explanation(plan: &BuildPlan) -> String {
     let mut out = String::new();
     let captures: Vec<Capture> = plan.all_captures().cloned().collect();
@@ -52,14 +52,14 @@ pub fn explanation(plan: &BuildPlan) -> String {
         .map(|it| it.cell)
         .collect();
     let _ = match narrow.len() {
-        0 if plan.baseline.is_some() => writeln!(out, "ways in: not searched for"),
+        0 if plan.baseline.is_some() => writeln!(out, "access paths: not checked"),
         0 => writeln!(
             out,
-            "ways in: two cells wide for every cell, in every order"
+            "access paths: two cells wide for every cell, in every order"
         ),
         _ => writeln!(
             out,
-            "ways in: two cells wide, but for {} of one: {}",
+            "access paths: two cells wide, except for {} one cell wide: {}",
             narrow.len(),
             listed_cells(&narrow)
         ),
@@ -140,7 +140,8 @@ pub fn race_to_text(race: &[RaceTimes]) -> String {
     out
 }
 
-/// The place of each cell in the order, layer by layer; nothing for what is too large.
+/// Draws the opening order of the cells, layer by layer. Returns an empty string if it is too
+/// large.
 fn picture(captures: &[Capture]) -> String {
     let Some(CellBounds { low, high }) = CellBounds::enclosing(captures.iter().map(|it| it.cell))
     else {
@@ -157,7 +158,7 @@ fn picture(captures: &[Capture]) -> String {
         .collect();
     order.sort_unstable();
     let width = captures.len().to_string().len();
-    let mut out = "order in which faces open, north at the top\n".to_owned();
+    let mut out = "opening order of the faces, north at the top\n".to_owned();
     for z in low.z..=high.z {
         let _ = writeln!(out, "  layer {z}");
         for y in (low.y..=high.y).rev() {

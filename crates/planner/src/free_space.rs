@@ -1,43 +1,43 @@
-//! Where a free cube can be, and come to from outside.
+//! Free positions of a cube that are reachable from outside.
 use stochc_ir::{Cell, Face};
 use stochc_rates::{beside_gap, gap_entrances};
 
 use crate::grid::{Grid, shifted};
 use crate::sites::{NONE, Sites};
 
-/// The places of a cube of one or two sides, by its low corner, that it comes to from outside.
+/// Positions of a cube of size one or two, by its low corner, that are reachable from outside.
 #[derive(Clone, Debug)]
 pub struct FreeSpace {
-    /// Edge of the cube, in cells.
+    /// Edge length of the cube \[cells\].
     size: i32,
-    /// Whether it also brings blocks to gaps before it.
+    /// Whether it also gives access to adjacent gaps.
     has_gaps: bool,
     reach: Grid<PlaceReach>,
 }
 
-/// How a cube brings a block to a cell.
+/// Access of a cube to a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WayIn {
-    /// It holds the cell.
+    /// The cube covers the cell.
     Inside,
-    /// The block slides from it into a gap, along which a face has to capture it: this one or the opposite one.
+    /// The block slides from the cube into a gap. A face along this axis must capture it.
     Gap(Face),
 }
 
-/// How a place can be reached.
+/// Reachability of a position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum PlaceReach {
-    /// Not, or not yet.
+    /// Not reachable so far.
     #[default]
     Closed,
-    /// Once parts of the target are gone.
+    /// Reachable after parts of the target were removed.
     Opened,
-    /// Even when all of the target stands.
+    /// Reachable with the complete target.
     Always,
 }
 
 impl FreeSpace {
-    /// For a cube of `size` sides, with all of a target standing.
+    /// Returns the space of a cube of `size` cells, for the complete target.
     pub fn new(sites: &Sites<'_>, size: i32) -> FreeSpace {
         let cells = sites.target.cells();
         let mut space = FreeSpace {
@@ -52,7 +52,8 @@ impl FreeSpace {
                 .get(i + 1)
                 .is_none_or(|next| (next.x, next.y) != (cell.x, cell.y));
             if is_top {
-                // Outside, above and beside everything near: the sky is seen from the highest of a neighbourhood.
+                // Positions outside, above and next to all nearby cells. The highest cell of a
+                // neighbourhood has free space above.
                 open.extend(space.beside_top(sites, cell));
             }
         }
@@ -60,13 +61,13 @@ impl FreeSpace {
         space
     }
 
-    /// The same, which brings blocks to gaps as well.
+    /// Sets whether gaps are accessible as well.
     #[must_use]
     pub fn with_gaps(self, has_gaps: bool) -> FreeSpace {
         FreeSpace { has_gaps, ..self }
     }
 
-    /// Places above the top of a column from which nothing stops a cube on its way up.
+    /// Returns positions above the top of a column with nothing above them.
     fn beside_top(&self, sites: &Sites<'_>, top: Cell) -> Vec<Cell> {
         let size = self.size;
         let lows = (0..size).flat_map(|dy| (0..size).map(move |dx| shifted(top, -dx, -dy, 1)));
@@ -84,7 +85,7 @@ impl FreeSpace {
         lows.filter(sees_sky).collect()
     }
 
-    /// Adds places that hang together with those of `open`, which are free.
+    /// Marks all free positions connected to those in `open`.
     fn flood(
         &mut self,
         sites: &Sites<'_>,
@@ -115,14 +116,14 @@ impl FreeSpace {
         is_new
     }
 
-    /// The cells of a cube.
+    /// Returns the cells of a cube.
     pub fn cells(&self, low: Cell) -> impl Iterator<Item = Cell> + use<> {
         let count = self.size * self.size * self.size;
         let size = self.size;
         (0..count).map(move |i| shifted(low, i % size, i / size % size, i / (size * size)))
     }
 
-    /// The places of a cube that hold a cell, above the ground.
+    /// Returns the positions of a cube above the ground that cover a cell.
     pub fn around(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
         let lows = self.cells(cell).map(move |high| {
             Cell::new(
@@ -134,17 +135,17 @@ impl FreeSpace {
         lows.filter(|low| low.z >= 1)
     }
 
-    /// Whether a cube fits, above the ground, between what stands.
+    /// Returns whether a cube above the ground fits at a position.
     pub fn is_free(&self, sites: &Sites<'_>, low: Cell, stands: &impl Fn(u32) -> bool) -> bool {
         low.z >= 1 && self.cells(low).all(|cell| is_empty(sites, cell, stands))
     }
 
-    /// Whether a cube comes to a place whatever of the target stands.
+    /// Returns whether a position is reachable with the complete target.
     pub fn is_always_open(&self, low: Cell) -> bool {
         self.reach.get(low) == Some(PlaceReach::Always)
     }
 
-    /// How a cube can bring a block to a standing site, if that one goes.
+    /// Returns the access to a standing site if its block is removed.
     pub fn way_in(
         &self,
         sites: &Sites<'_>,
@@ -178,7 +179,7 @@ impl FreeSpace {
         reach.is_some_and(|reach| reach != PlaceReach::Closed)
     }
 
-    /// A site is gone: what opens with it. `reached` is told of new places.
+    /// Updates the space after a removal. `reached` receives the new positions.
     pub fn open(
         &mut self,
         sites: &Sites<'_>,
@@ -193,7 +194,7 @@ impl FreeSpace {
         self.flood(sites, open, stands, PlaceReach::Opened, reached);
     }
 
-    /// The sites that a new place can matter to.
+    /// Returns the sites that a new position can affect.
     pub fn concerned(&self, sites: &Sites<'_>, low: Cell) -> impl Iterator<Item = u32> {
         let size = self.size;
         let edge = size + 2;
@@ -211,7 +212,7 @@ impl FreeSpace {
     }
 }
 
-/// Whether nothing stands in a cell.
+/// Returns whether a cell is empty.
 fn is_empty(sites: &Sites<'_>, cell: Cell, stands: &impl Fn(u32) -> bool) -> bool {
     let site = sites.at(cell);
     site == NONE || !stands(site)

@@ -1,29 +1,29 @@
-//! Values by cell, around the cells of a structure.
+//! Grid of values around the cells of a structure.
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, offsets_within};
 
-/// A value for each cell that is no more than a margin away from a structure, in every coordinate.
+/// Value for each cell within a margin of a structure, in every coordinate.
 #[derive(Clone, Debug)]
 pub struct Grid<T> {
     low: Cell,
-    /// Cells along x, y and z.
+    /// Number of cells along x, y and z.
     size: [i64; 3],
     values: Values<T>,
 }
 
 #[derive(Clone, Debug)]
 enum Values<T> {
-    /// All of the box around the structure, x first.
+    /// All cells of the box around the structure, x first.
     Dense(Vec<T>),
-    /// Where that box is mostly empty: what lies near a cell.
+    /// Cells near the structure, if the box is mostly empty.
     Sparse(FxHashMap<Cell, T>),
 }
 
-/// Cells of the box around a structure that are always kept, and so many more for each of its own.
+/// Largest dense box: a constant number of cells, plus this many per cell of the structure.
 const DENSE: (i128, i128) = (1 << 22, 32);
 
 impl<T: Copy + Default> Grid<T> {
-    /// The default for every cell; coordinates are far from the ends of their range.
+    /// Returns a grid with default values. Coordinates must be far from the ends of their range.
     pub fn around(cells: &[Cell], margin: i32) -> Grid<T> {
         let first = cells.first().copied().unwrap_or_default();
         let (mut low, mut high) = (first, first);
@@ -58,7 +58,7 @@ impl<T: Copy + Default> Grid<T> {
         inside.then(|| ((z * depth + y) * width + x) as usize)
     }
 
-    /// The value of a cell; `None`: too far away to have one.
+    /// Returns the value of a cell, or `None` outside the grid.
     pub fn get(&self, cell: Cell) -> Option<T> {
         match &self.values {
             Values::Dense(values) => Some(values[self.place(cell)?]),
@@ -66,7 +66,7 @@ impl<T: Copy + Default> Grid<T> {
         }
     }
 
-    /// Another value for a cell that has one.
+    /// Sets the value of a cell within the grid.
     pub fn set(&mut self, cell: Cell, value: T) {
         let place = self.place(cell);
         match &mut self.values {
@@ -94,7 +94,7 @@ fn dilated<T: Default>(cells: &[Cell], margin: i32) -> FxHashMap<Cell, T> {
     values
 }
 
-/// A cell some steps away from one that is far from the ends of the range of coordinates.
+/// Returns the cell at an offset. Coordinates must be far from the ends of their range.
 pub fn shifted(cell: Cell, dx: i32, dy: i32, dz: i32) -> Cell {
     Cell::new(cell.x + dx, cell.y + dy, cell.z + dz)
 }

@@ -1,19 +1,19 @@
-//! What a plan has to know of the blocks.
+//! Hardware properties that a plan depends on.
 use stochc_ir::scene::{BondKind, Scene};
 
-/// What blocks can do.
+/// Capabilities of the blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hardware {
-    /// Faces that one block can open at the same time.
+    /// Number of faces that one block can open at the same time.
     pub faces: u8,
-    /// Whether every face attracts all the time, so that none can be kept closed.
+    /// Whether every face always attracts, so that none can be kept closed.
     pub attracts_always: bool,
-    /// Free blocks.
+    /// Number of free blocks.
     pub free: u32,
 }
 
 impl Hardware {
-    /// That of a scene.
+    /// Returns the hardware of a scene.
     pub fn from_scene(scene: &Scene) -> Hardware {
         let attracts_always = BondKind::from_scene(scene).is_passive();
         Hardware {

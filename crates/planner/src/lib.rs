@@ -1,10 +1,10 @@
-//! From a shape to an order of captures that builds it, and to the program of that order. Pure: no IO, clock or chance but
-//! that of a seed.
+//! Plans the captures that build a shape, and writes them as a program. Pure: no I/O, no clock, and
+//! random numbers only from a seed.
 //!
-//! [`Target`] is what is to be built, and says what is wrong with it. [`plan`] takes it apart (`disassembly`), which gives an
-//! order with a way in for every cell; looks for the ways that have to stay open, and lets the blocks that would close
-//! them wait (`corridor`); decides which face opens next (`scheduling`); and tries other decisions on sampled times to
-//! completion (`search`). [`program`] writes it down.
+//! [`Target`] is the validated structure to build. [`plan`] disassembles it (`disassembly`), which
+//! gives an order with an access path for every cell. It then finds the paths that must stay open
+//! and makes obstructing blocks wait (`corridor`). It chooses the next face to open (`scheduling`)
+//! and compares alternatives by sampled completion times (`search`). [`program`] writes the result.
 //!
 //! ```
 //! use stochc_ir::table::Plate;
@@ -13,7 +13,7 @@
 //! let cells = layers("##\n##").expect("layers of text");
 //! let plate = Plate { width: 2, depth: 2 };
 //! assert!(Target::new(cells.clone(), plate.clone(), None, /* free */ 300).is_ok());
-//! // Blocks that nothing holds.
+//! // Blocks without support.
 //! let floating = cells.into_iter().map(|cell| stochc_ir::Cell::new(cell.x, cell.y, cell.z + 1));
 //! assert!(Target::new(floating.collect(), plate, None, 300).is_err());
 //! ```

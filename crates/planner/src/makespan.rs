@@ -1,4 +1,4 @@
-//! How long a schedule takes, by sampling.
+//! Completion time of a schedule by sampling.
 use std::cell::RefCell;
 
 use rand::RngExt as _;
@@ -12,40 +12,40 @@ use crate::precedence::Waiting;
 use crate::schedule::Schedule;
 use crate::sites::Sites;
 
-/// What a plan should make small.
+/// Objective of a plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Objective {
-    /// The mean time to completion.
+    /// Mean completion time.
     #[default]
     Mean,
-    /// The time in which nine runs of ten are complete.
+    /// 90th percentile of the completion time.
     P90,
 }
 
-/// Times to completion \[ticks\], as far as mean waits tell.
+/// Estimated completion time, from mean waiting times \[ticks\].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct PlanEstimate {
-    /// Their mean.
+    /// Mean.
     pub mean: f64,
-    /// The time in which nine runs of ten are complete.
+    /// 90th percentile.
     pub p90: f64,
-    /// Whether waits are taken to be as in the default scene, because nobody has measured those of this one: plans are ranked by such times,
-    /// which may be off by a factor of fifty.
+    /// Whether waiting times are those of the default scene, because this scene has not been
+    /// calibrated. Such times rank plans, but may be off by a factor of fifty.
     pub is_typical: bool,
-    /// Whether they are by a first guess of the rates of the scene.
+    /// Whether the rates are uncalibrated estimates.
     pub is_first_guess: bool,
-    /// Reasons why they are lower bounds. Empty if they are estimates.
+    /// Reasons why the times are lower bounds. Empty if they are estimates.
     pub lower_bound: LowerBoundReasons,
 }
 
 impl PlanEstimate {
-    /// What it rests on, where that has to be told.
+    /// Returns the caveat of the estimate, if it has one.
     pub(crate) fn caveat(&self) -> String {
         let origin = match (self.is_typical, self.is_first_guess) {
             (true, _) => {
-                ", if waits were those of the default scene: nobody has measured them in this one"
+                ", with waiting times of the default scene: this scene has not been calibrated"
             }
-            (_, true) => ", by a first guess of its waits: nobody has measured them in this scene",
+            (_, true) => ", by an uncalibrated estimate of its waiting times",
             (false, false) => "",
         };
         if self.lower_bound.is_empty() {
@@ -55,7 +55,7 @@ impl PlanEstimate {
         }
     }
 
-    /// The number that matters.
+    /// Returns the value of the objective.
     pub fn of(self, objective: Objective) -> f64 {
         match objective {
             Objective::Mean => self.mean,
@@ -64,24 +64,26 @@ impl PlanEstimate {
     }
 }
 
-/// Waits of each site in a few runs, of mean 1: the same for every schedule, so that schedules differ by themselves alone.
+/// Sampled waiting times of each site in a few runs, with mean 1. All schedules use the same
+/// samples, so differences come from the schedules.
 #[derive(Clone, Debug)]
 pub struct Samples {
     runs: usize,
-    /// By site, then by run.
+    /// Waiting times by site, then by run.
     waits: Vec<f32>,
 }
 
-/// So many waits of mean 1.
+/// Returns `count` samples with mean 1.
 fn drawn(count: usize, seed: u64) -> impl Iterator<Item = f32> {
-    /// A face draws blocks only when the crowd around it has come close: a part of the wait is no exponential.
+    /// A face captures only after nearby blocks have come closer, so this fraction of the waiting
+    /// time is constant.
     const DELAY: f32 = 0.27;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut log = move || -(1.0 - rng.random::<f32>()).ln();
     (0..count).map(move |_| DELAY * 0.5 * (log() + log()) + (1.0 - DELAY) * log())
 }
 
-/// Waits by cell, so that targets whose sites are not the same differ by their schedules alone.
+/// Waiting times by cell. Targets with different sites thus share samples.
 #[derive(Debug)]
 pub struct CellSamples {
     runs: usize,
@@ -90,7 +92,7 @@ pub struct CellSamples {
 }
 
 impl CellSamples {
-    /// So many runs, of a seed.
+    /// Returns samples of this number of runs from a seed.
     pub fn new(runs: usize, seed: u64) -> CellSamples {
         CellSamples {
             runs,
@@ -99,7 +101,7 @@ impl CellSamples {
         }
     }
 
-    /// The samples of some sites.
+    /// Returns the samples of some sites.
     pub fn of(&self, sites: &Sites<'_>) -> Samples {
         let mut known = self.known.borrow_mut();
         let mut waits = Vec::with_capacity(sites.len() * self.runs);
@@ -117,18 +119,18 @@ impl CellSamples {
 }
 
 impl Samples {
-    /// So many runs of so many sites, of a seed.
+    /// Returns samples of this number of sites and runs from a seed.
     pub fn new(sites: usize, runs: usize, seed: u64) -> Samples {
         let waits = drawn(sites * runs, seed).collect();
         Samples { runs, waits }
     }
 
-    /// The times of each site in each run, in the order in which sites open \[ticks\].
+    /// Computes the completion time of each site in each run, in opening order \[ticks\].
     fn times(&self, schedule: &Schedule, waiting: &Waiting, times: &mut Vec<f32>) {
         let runs = self.runs;
         times.clear();
         times.reserve(schedule.order.len() * runs);
-        // When the phase before is over.
+        // Ends of the previous phase.
         let mut begin = vec![0.0f32; runs];
         for (i, (&site, before)) in schedule.order.iter().zip(&waiting.before).enumerate() {
             if i == schedule.first_phase {
@@ -142,12 +144,12 @@ impl Samples {
         }
     }
 
-    /// The waits of a site in all runs, of mean 1.
+    /// Returns the waiting times of a site in all runs, with mean 1.
     fn waits(&self, site: u32) -> &[f32] {
         &self.waits[site as usize * self.runs..][..self.runs]
     }
 
-    /// Turns the last times, when a site may begin to wait at the earliest, into when its block comes.
+    /// Converts the last times from the earliest start of each wait to its completion.
     fn wait(&self, site: u32, mean: f32, before: &[u32], times: &mut [f32]) {
         let runs = self.runs;
         let (done, here) = times.split_at_mut(times.len() - runs);
@@ -181,7 +183,7 @@ impl Samples {
         }
     }
 
-    /// How long a schedule takes; `times` is working space.
+    /// Estimates the completion time of a schedule. `times` is a buffer.
     pub fn estimate(
         &self,
         schedule: &Schedule,
@@ -192,7 +194,7 @@ impl Samples {
         self.summed_up(times)
     }
 
-    /// How often each site, by number, decided when a run ended: it is on the chain of what was waited for last.
+    /// Returns the fraction of runs with each site on the critical path, by site.
     pub fn criticality(&self, schedule: &Schedule, waiting: &Waiting) -> Vec<f32> {
         let mut times = Vec::new();
         self.times(schedule, waiting, &mut times);

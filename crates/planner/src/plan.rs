@@ -1,4 +1,4 @@
-//! A target and what is known of the hardware to a plan.
+//! Planning of a target for given hardware.
 use serde::Serialize;
 use stochc_ir::Cell;
 
@@ -19,73 +19,74 @@ use crate::search::{FoundSchedule, PlanSearch, search};
 use crate::sites::Sites;
 use crate::{Target, TargetError};
 
-/// An order of captures that builds a target.
+/// Plan: an order of captures that builds a target.
 #[derive(Clone, Debug, Serialize)]
 pub struct BuildPlan {
-    /// The captures of the first phase, in the order in which their faces open if all waits are as long as their means.
+    /// Captures of the first phase, in opening order for mean waiting times.
     pub captures: Vec<Capture>,
-    /// The second phase, where far parts of the target grow from scaffolds first.
+    /// Second phase, if far parts of the target first grow from scaffolds.
     pub dismantling: Option<Dismantling>,
-    /// How long it takes, as far as mean waits tell \[ticks\].
+    /// Estimated completion time, from mean waiting times \[ticks\].
     pub estimate: PlanEstimate,
-    /// Faces that are open at the same time, at most, if all waits are as long as their means.
+    /// Largest number of faces open at the same time, for mean waiting times.
     pub widest: usize,
-    /// Schedules that were tried.
+    /// Number of schedules tried.
     pub rounds: u64,
-    /// The plan that needs no thought which it is; `None`: one that was looked for.
+    /// The baseline that this plan is. `None` for the result of a search.
     pub baseline: Option<Baseline>,
-    /// What plans that need no thought would take; none where nobody has looked.
+    /// Times of the baselines. Empty if they were not computed.
     pub alternatives: Vec<Alternative>,
-    /// Whether scaffolds were tried, and their gain.
+    /// Result of the search for scaffolds.
     pub scaffolds: ScaffoldTrial,
-    /// Times of the plans that raced, this one among them. Empty without a race.
+    /// Times of the plans in a race, including this one. Empty without a race.
     pub race: Vec<RaceTimes>,
 }
 
-/// Times of a plan in runs with physics.
+/// Times of a plan in simulated runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct RaceTimes {
-    /// Its name if it needs no thought. `None` for the plan that was looked for.
+    /// Its baseline. `None` for the result of a search.
     pub baseline: Option<Baseline>,
     /// Number of runs.
     pub runs: u64,
-    /// Number of runs that were stopped. Their times count up to then.
+    /// Number of right-censored runs. Their times count up to censoring.
     pub stopped: u64,
-    /// Mean time to completion \[ticks\].
+    /// Mean completion time \[ticks\].
     pub mean: f64,
-    /// Half of its 95 % confidence interval \[ticks\].
+    /// 95 % confidence interval, half-width \[ticks\].
     pub error: f64,
 }
 
-/// A plan that needs no thought, beside another.
+/// Baseline plan, for comparison.
 #[derive(Clone, Debug, Serialize)]
 pub struct Alternative {
-    /// Which.
+    /// The baseline.
     pub baseline: Baseline,
-    /// How long it takes, if no block jams \[ticks\].
+    /// Estimated completion time if no block jams \[ticks\].
     pub estimate: PlanEstimate,
-    /// What the check finds in its program first, if anything.
+    /// First diagnostic of its program, if there is one.
     pub finding: Option<&'static str>,
 }
 
-/// Runs on which an estimate rests: fewer for what is large.
+/// Returns the number of runs for an estimate. Large targets use fewer.
 fn runs(sites: usize) -> usize {
     (400_000 / sites).clamp(16, 1000)
 }
 
-/// How a target can be built.
+/// Plans of a target.
 #[derive(Clone, Debug)]
 pub struct Plans {
-    /// In one phase.
+    /// Plan in one phase.
     pub plain: BuildPlan,
-    /// With scaffolds, where they are estimated to pay.
+    /// Plan with scaffolds, if the estimate favours it.
     pub scaffolded: Option<BuildPlan>,
 }
 
-/// Plans how to build a target.
+/// Plans a target.
 ///
 /// # Errors
-/// If no order builds it, or nobody waits for it.
+///
+/// If no order builds it, or planning is cancelled.
 pub fn plan(
     target: &Target,
     hardware: Hardware,
@@ -96,7 +97,7 @@ pub fn plan(
     let scaffolds = may_have_scaffolds(target, hardware, how);
     let mut search_plain = how;
     if scaffolds.is_ok() {
-        // Half of the time is for them.
+        // Half of the time is reserved for scaffolds.
         search_plain.enough = how.halfway;
     }
     let found = search(&sites, hardware, waits, search_plain)?;
@@ -116,7 +117,7 @@ pub fn plan(
     })
 }
 
-/// The plans that need no thought, whose ways in nobody has looked at.
+/// Returns the baseline plans. Their access paths are not checked.
 pub fn baseline_plans(
     target: &Target,
     hardware: Hardware,
@@ -160,19 +161,19 @@ impl BuildPlan {
         }
     }
 
-    /// All captures but those of blocks that are handed over: of the first phase and of the second.
+    /// Iterates over the captures of both phases, without handed-over blocks.
     pub fn all_captures(&self) -> impl Iterator<Item = &Capture> {
         let rest = self.dismantling.iter().flat_map(|it| &it.captures);
         self.captures.iter().chain(rest)
     }
 
-    /// The same, to be changed.
+    /// Iterates over the same captures mutably.
     pub fn all_captures_mut(&mut self) -> impl Iterator<Item = &mut Capture> {
         let rest = self.dismantling.iter_mut().flat_map(|it| &mut it.captures);
         self.captures.iter_mut().chain(rest)
     }
 
-    /// The cells of what stands at the end, sorted.
+    /// Returns the cells of the final structure, sorted.
     pub fn cells(&self) -> Vec<Cell> {
         let are_kept = self.dismantling.as_ref().is_some_and(|it| it.are_kept);
         let stays = |capture: &&Capture| are_kept || !capture.is_temporary;
@@ -183,7 +184,7 @@ impl BuildPlan {
         cells
     }
 
-    /// The schedule that was found for a job.
+    /// Returns the plan of a found schedule.
     fn of_found(job: &SchedulingJob<'_>, found: &FoundSchedule, seed: u64) -> BuildPlan {
         let schedule = &found.schedule;
         let waiting = job.waiting(schedule);
@@ -194,7 +195,8 @@ impl BuildPlan {
         }
     }
 
-    /// A schedule; of its ways in, what lies in that of each site, and how its block comes to it.
+    /// Returns the plan of a schedule. `ways` are the sites on each access path, and the access to
+    /// each site.
     fn new(
         sites: &Sites<'_>,
         hardware: Hardware,
@@ -204,7 +206,7 @@ impl BuildPlan {
         seed: u64,
     ) -> BuildPlan {
         let afters = waiting.afters(sites, hardware, schedule, in_way);
-        // Other chances than those by which it was chosen.
+        // A separate seed, independent of the samples that selected the schedule.
         let samples = Samples::new(sites.len(), runs(sites.len()), seed ^ 0x5eed);
         let estimate = samples.estimate(schedule, waiting, &mut Vec::new());
         let decides = samples.criticality(schedule, waiting);
@@ -240,7 +242,7 @@ impl BuildPlan {
     }
 }
 
-/// Faces that are open at the same time, at most, if all waits are as long as their means.
+/// Returns the largest number of faces open at the same time, for mean waiting times.
 fn widest(waiting: &Waiting, schedule: &Schedule) -> usize {
     let Schedule {
         order,
@@ -261,7 +263,7 @@ fn widest(waiting: &Waiting, schedule: &Schedule) -> usize {
         ends.push(end);
         changes.extend([(start, 1i64), (end, -1)]);
     }
-    // What ends makes room before something begins.
+    // Faces that close come before faces that open at the same time.
     changes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let open = changes.iter().scan(0i64, |open, (_, change)| {
         *open += change;

@@ -1,38 +1,40 @@
-//! What waits for what in a schedule, and which of that has to be said.
+//! Dependencies of a schedule, and the ones that a program must state.
 
 use crate::hardware::Hardware;
 use crate::schedule::Schedule;
 use crate::sites::Sites;
 
-/// What each site waits for, by the place of sites in the order in which they open.
+/// Dependencies by position in the opening order.
 #[derive(Clone, Debug)]
 pub struct Waiting {
-    /// Of the sites in their order: the places of those that each waits for, all before it.
+    /// For each position, the earlier positions that it waits for.
     pub before: Vec<Vec<u32>>,
 }
 
-/// Why a site waits for another one.
+/// Reason of a dependency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Why {
-    /// It lies in the way in of the other.
+    /// The site is on the access path of the other.
     Way,
-    /// Faces near each other are not open at the same time.
+    /// Nearby faces must not be open at the same time.
     Near,
 }
 
-/// A wait that the program has to say.
+/// Dependency that the program must state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct After {
-    /// The site that is waited for.
+    /// Site to wait for.
     pub site: u32,
-    /// Why.
+    /// Reason.
     pub why: Why,
 }
 
 impl Waiting {
-    /// Of each site, by its number, the waits that do not follow from others, from being held and from taking turns; `in_way`: of each site,
-    /// those that lie in its way in, sorted.
+    /// Returns the dependencies of each site that the program must state.
+    ///
+    /// Omits dependencies implied by others, by attachment and by turns of a parent. `in_way` are
+    /// the sites on each access path, sorted.
     pub fn afters(
         &self,
         sites: &Sites<'_>,
@@ -41,7 +43,7 @@ impl Waiting {
         in_way: &[Vec<u32>],
     ) -> Vec<Vec<After>> {
         let mut afters = vec![Vec::new(); self.before.len()];
-        // What is said, and what need not be, of the sites before.
+        // All dependencies of earlier sites, stated or not.
         let mut edges: Vec<Vec<u32>> = Vec::with_capacity(self.before.len());
         let mut search = Ancestors::new(self.before.len());
         let existing = sites.existing_count();
@@ -52,7 +54,7 @@ impl Waiting {
                 .into_iter()
                 .chain(schedule.turn(sites, hardware, site))
                 .collect();
-            // The latest first: what they wait for themselves goes without saying.
+            // Latest first: their own dependencies are implied.
             for &other in before.iter().rev() {
                 if kept.contains(&other) || search.reach(&edges, &kept, other) {
                     continue;
@@ -71,9 +73,9 @@ impl Waiting {
     }
 }
 
-/// Looks for what others wait for.
+/// Search among transitive dependencies.
 struct Ancestors {
-    /// Of each place, the number of the last search that came to it.
+    /// For each position, the number of the last search that reached it.
     seen: Vec<u32>,
     search: u32,
     open: Vec<u32>,
@@ -88,7 +90,8 @@ impl Ancestors {
         }
     }
 
-    /// Whether one of `from` waits for `to`, directly or not; a long way may be missed.
+    /// Returns whether one of `from` depends on `to`, directly or transitively. Long chains may be
+    /// missed.
     fn reach(&mut self, edges: &[Vec<u32>], from: &[u32], to: u32) -> bool {
         const MAX: usize = 300;
         self.search += 1;

@@ -1,4 +1,4 @@
-//! How long a face waits for its block.
+//! Mean waiting times of faces, for planning.
 use std::borrow::Cow;
 use std::cell::RefCell;
 
@@ -11,51 +11,52 @@ use stochc_rates::{
 
 use crate::grid::shifted;
 
-/// What is in a cell when a face near it opens.
+/// State of a cell when a nearby face opens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellState {
     /// Nothing.
     Empty,
-    /// Nothing yet: a face is open towards it, in this direction.
+    /// Empty, with a face open towards it in this direction.
     Awaited(Face),
     /// A block.
     Full,
 }
 
-/// What a wait depends on besides what is near.
+/// Conditions of a wait other than its surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Blocks that are free over those that were at the beginning.
+    /// Fraction of the initial free blocks that are still free.
     pub free: f64,
-    /// Whether it is the beginning of the run.
+    /// Whether the run has just begun.
     pub is_first: bool,
 }
 
-/// The law of rates, with what was measured of a scene if anything was.
+/// Rate model of a scene, calibrated if possible.
 #[derive(Debug)]
 pub struct RateLaw<'a> {
     rates: Option<Cow<'a, Rates>>,
     /// Whether blocks are known to pass gaps.
     has_passable_gaps: bool,
-    /// Surroundings that have been asked for before, by layer, direction and the cells in sight that are full.
+    /// Cache of surroundings, by layer, direction and occupied cells in sight.
     seen: RefCell<FxHashMap<(i32, Face, Neighbourhood), Surroundings>>,
-    /// Mean waits in docking times, by [`STEPS`].
+    /// Cache of mean waiting times in docking times, by [`STEPS`].
     scaled: RefCell<FxHashMap<i32, f64>>,
 }
 
-/// The mean wait in a pit \[tick\], and in a gap where gaps are not known to be passed: free blocks jam there, of which the law knows
-/// nothing. In another scene a straight beam took 8,800 and more to close, a pit 10,000.
+/// Mean waiting time in a pit, and in a gap unless gaps are known to be passable \[ticks\]. Blocks
+/// jam there, and the rate model does not cover it. In another scene, closing a straight beam took
+/// at least 8,800 ticks, and a pit 10,000.
 const JAM: f64 = 15_000.0;
 
-/// Layers above this one are alike.
+/// Layer above which all layers are equivalent.
 const HIGHEST: i32 = 30;
 
-/// Steps of a table over the logarithm of captures that come into reach in a docking time.
+/// Steps per unit of the logarithm of captures per docking time.
 const STEPS: f64 = 100.0;
 
 impl<'a> RateLaw<'a> {
-    /// For a scene, by given rates, those that come with the program, or a first guess; where there is none, typical rates rank plans,
-    /// though they may be off by a factor.
+    /// Returns the model of a scene: given rates, built-in rates or an uncalibrated estimate.
+    /// Otherwise typical rates, which can only rank plans.
     pub fn for_scene(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
         RateLaw {
             has_passable_gaps: Rates::pass_gaps(scene),
@@ -63,7 +64,7 @@ impl<'a> RateLaw<'a> {
         }
     }
 
-    /// By rates of a scene; `None`: typical ones.
+    /// Returns the model of given rates, or of typical rates.
     pub fn new(rates: Option<Cow<'a, Rates>>) -> RateLaw<'a> {
         RateLaw {
             rates,
@@ -73,24 +74,26 @@ impl<'a> RateLaw<'a> {
         }
     }
 
-    /// The rates of the scene, if they are known or guessed.
+    /// Returns the rates of the scene, if calibrated or estimated.
     pub fn rates(&self) -> Option<&Rates> {
         self.rates.as_deref()
     }
 
-    /// Whether blocks are known to pass gaps.
+    /// Returns whether blocks are known to pass gaps.
     pub fn has_passable_gaps(&self) -> bool {
         self.has_passable_gaps
     }
 
-    /// Whether blocks are known to get free again between two faces across a corner. That has been looked at in plans for the default scene, the one of which it is
-    /// known as well that blocks pass gaps.
+    /// Returns whether blocks are known to escape from between two faces across a corner. Tested
+    /// only in the default scene, where gaps are known to be passable as well.
     pub(crate) fn has_passable_corners(&self) -> bool {
         self.has_passable_gaps
     }
 
-    /// The mean ticks from when a face opens until its block is anchored in `cell`, `way` from its parent, in what is around it by `state`; of
-    /// what is awaited half is taken to come before.
+    /// Returns the mean waiting time of a face open to `cell` in direction `way`.
+    ///
+    /// `state` is the state of surrounding cells. Half of the awaited cells are assumed to fill
+    /// before.
     pub fn mean(
         &self,
         cell: Cell,
@@ -144,7 +147,7 @@ impl<'a> RateLaw<'a> {
         moment: Moment,
         rivals: Rivals,
     ) -> Wait {
-        // The law asks for nothing but the layer of the cell.
+        // The model depends only on the layer of the cell.
         let cell = Cell::new(0, 0, layer.min(HIGHEST));
         let mut seen = self.seen.borrow_mut();
         let seen = seen
@@ -164,7 +167,7 @@ impl<'a> RateLaw<'a> {
         })
     }
 
-    /// The mean of a wait, to half a percent.
+    /// Returns the mean of a waiting time, within half a percent.
     fn mean_of(&self, wait: Wait) -> f64 {
         let step = ((wait.rate * wait.docking).ln() * STEPS).round();
         let mut scaled = self.scaled.borrow_mut();
@@ -212,7 +215,7 @@ mod tests {
         assert_eq!(mean(Face::Up, &[]), mean(Face::Up, &[]));
     }
 
-    /// Cells as far away as the law looks, some of them awaited.
+    /// Cells up to the sight of the model, some of them awaited.
     #[test]
     fn means_are_those_of_the_law() {
         let law = RateLaw::new(None);

@@ -1,30 +1,30 @@
-//! An order in which cells open, with their parents.
+//! Opening order of cells, with their parents.
 use stochc_ir::Face;
 
 use crate::hardware::Hardware;
 use crate::sites::{NONE, Sites};
 
-/// An order with its parents.
+/// Schedule: an order with parents.
 #[derive(Clone, Debug)]
 pub struct Schedule {
-    /// The sites in the order in which they open.
+    /// Sites in opening order.
     pub order: Vec<u32>,
-    /// The place of each site in that order.
+    /// Position of each site in that order.
     pub rank: Vec<u32>,
-    /// For each site the way from its parent, which is the site or the seed on the other side.
+    /// Direction to each site from its parent, which is a site or a seed.
     pub way: Vec<Face>,
-    /// The mean wait of each site \[ticks\].
+    /// Mean waiting time of each site \[ticks\].
     pub mean: Vec<f32>,
-    /// When the block of each site comes, if all waits are as long as their means \[ticks\].
+    /// Capture time of each site for mean waiting times \[ticks\].
     pub end: Vec<f32>,
-    /// How many sites open before the phase in which blocks are handed over; that many as there are without scaffolds.
+    /// Number of sites opened before the hand-over phase. All sites without scaffolds.
     pub first_phase: usize,
-    /// Of each site that is handed over, the one that has to be there before; empty without scaffolds.
+    /// For each handed-over site, the block required before. Empty without scaffolds.
     pub roots: Vec<u32>,
 }
 
 impl Schedule {
-    /// Nothing of so many sites.
+    /// Returns an empty schedule for this number of sites.
     pub fn empty(sites: usize) -> Schedule {
         Schedule {
             order: Vec::with_capacity(sites),
@@ -37,7 +37,7 @@ impl Schedule {
         }
     }
 
-    /// Adds a site that opens after all others, at a time, and waits for so long \[ticks\].
+    /// Adds a site that opens last at time `start` and waits for `mean` \[ticks\].
     pub(crate) fn add(&mut self, site: u32, way: Face, start: f32, mean: f32) {
         let here = site as usize;
         self.rank[here] = self.order.len() as u32;
@@ -47,31 +47,32 @@ impl Schedule {
         self.end[here] = start + mean;
     }
 
-    /// The site that holds another one; [`NONE`]: a seed does.
+    /// Returns the parent of a site, or [`NONE`] for a seed.
     pub fn parent(&self, sites: &Sites<'_>, site: u32) -> u32 {
         sites.next(site, self.way[site as usize].opposite())
     }
 
-    /// The way to a site that opens before a place in the order, and when its block comes \[ticks\].
+    /// Returns the direction and capture time of a site that opens before a position \[ticks\].
     pub fn before(&self, site: u32, place: u32) -> Option<(Face, f32)> {
         let here = site as usize;
         (self.rank[here] < place).then(|| (self.way[here], self.end[here]))
     }
 
-    /// The sites that one holds, once all have a way.
+    /// Returns the children of a site, once all directions are set.
     pub fn children(&self, sites: &Sites<'_>, parent: u32) -> impl Iterator<Item = u32> {
         let adjacent = sites.adjacent(parent);
         adjacent.filter(move |&other| self.parent(sites, other) == parent)
     }
 
-    /// Says of each site its place in the order, after that has changed.
+    /// Updates the positions of all sites after a change of the order.
     pub(crate) fn set_ranks(&mut self) {
         for (rank, &site) in (0..).zip(&self.order) {
             self.rank[site as usize] = rank;
         }
     }
 
-    /// The place in the order of what has to be there in the same phase to hold a site; `None`: it is there before.
+    /// Returns the position of the block that must be captured in the same phase to hold a site.
+    /// `None` if it exists before.
     pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
         let parent = self.parent(sites, site);
         let same = |other: u32| (other != NONE && self.is_same_phase(site, other)).then_some(other);
@@ -80,13 +81,14 @@ impl Schedule {
         holder.map(|holder| self.rank[holder as usize])
     }
 
-    /// Whether two sites open in the same phase.
+    /// Returns whether two sites open in the same phase.
     pub fn is_same_phase(&self, site: u32, other: u32) -> bool {
         let is_first = |site: u32| (self.rank[site as usize] as usize) < self.first_phase;
         is_first(site) == is_first(other)
     }
 
-    /// The place in the order of the capture of the same parent that comes just before a site's, where only one face may be open.
+    /// Returns the position of the previous capture by the same parent, if only one face may be
+    /// open at a time.
     pub fn turn(&self, sites: &Sites<'_>, hardware: Hardware, site: u32) -> Option<u32> {
         if hardware.faces != 1 || hardware.attracts_always {
             return None;

@@ -1,7 +1,7 @@
-//! Which cell opens next: list scheduling on mean waits.
+//! List scheduling on mean waiting times: selects the cell that opens next.
 //!
-//! The most urgent cell that may open does: its blocks to wait for are there, a neighbour of it stands and has a face to spare,
-//! and no face is open that [jams together with it](crate::crowding).
+//! The most urgent eligible cell opens. Its predecessors must be present, a neighbour must have a
+//! face available, and no open face may [jam with it](crate::crowding).
 mod phase;
 mod priorities;
 mod serial;
@@ -25,27 +25,28 @@ use crate::sites::{NONE, Sites};
 use phase::SchedulePhase;
 pub use priorities::Priorities;
 
-/// Ticks of a wait of which nothing is known yet.
+/// Assumed waiting time before anything is known \[ticks\].
 pub const WAIT: f32 = 650.0;
 
-/// What stays the same from one schedule to the next.
+/// Constant data of all schedules.
 pub struct SchedulingJob<'a> {
-    /// The cells.
+    /// Cells.
     pub sites: &'a Sites<'a>,
-    /// What waits for what.
+    /// Dependencies for access paths.
     pub corridors: &'a Corridors,
-    /// What blocks can do.
+    /// Capabilities of blocks.
     pub hardware: Hardware,
-    /// How long faces wait.
+    /// Waiting times of faces.
     pub waits: &'a RateLaw<'a>,
-    /// What the sites are for, where there are scaffolds.
+    /// Roles of sites, if there are scaffolds.
     pub roles: Option<&'a SiteRoles>,
-    /// Mean ticks from the opening of each site to the end, through all that surely comes after it.
+    /// Mean time from the opening of each site to the end, along its longest chain of successors
+    /// \[ticks\].
     tail: Vec<f32>,
 }
 
 impl<'a> SchedulingJob<'a> {
-    /// Prepares schedules.
+    /// Prepares the scheduling of a target.
     pub fn new(
         sites: &'a Sites<'a>,
         disassembly: &'a Disassembly,
@@ -59,7 +60,7 @@ impl<'a> SchedulingJob<'a> {
             for &other in &corridors.waiting[site as usize] {
                 tail[site as usize] = tail[site as usize].max(WAIT + tail[other as usize]);
             }
-            // The neighbour that was built first holds it, as far as is known.
+            // Provisionally, its parent is the neighbour that was built first.
             let held = sites
                 .adjacent(site)
                 .filter(|&next| !sites.is_inert(next))
@@ -83,7 +84,7 @@ impl<'a> SchedulingJob<'a> {
         }
     }
 
-    /// The same with scaffolds: the longest way through a mast and its pieces is the most urgent.
+    /// Adds scaffolds: the longest path through a mast and its pieces is the most urgent.
     pub fn with_roles(mut self, roles: &'a SiteRoles) -> SchedulingJob<'a> {
         for piece in roles.pieces() {
             // From the end of the piece to the mast, and down to the plate.
@@ -105,7 +106,7 @@ impl<'a> SchedulingJob<'a> {
         self
     }
 
-    /// Which faces are not open together.
+    /// Returns the rules for faces that must not be open together.
     pub fn crowding(&self) -> Crowding<'_> {
         Crowding {
             sites: self.sites,
@@ -114,7 +115,7 @@ impl<'a> SchedulingJob<'a> {
         }
     }
 
-    /// What waits for what in a schedule: everything that it has in some order.
+    /// Returns all dependencies of a schedule.
     pub fn waiting(&self, schedule: &Schedule) -> Waiting {
         let mut before: Vec<Vec<u32>> = vec![Vec::new(); schedule.order.len()];
         let existing = self.sites.existing_count();
@@ -132,7 +133,7 @@ impl<'a> SchedulingJob<'a> {
         }
         let first = schedule.first_phase as u32;
         for (before, i) in before.iter_mut().zip(0..) {
-            // A phase waits for all of the one before.
+            // A phase waits for the whole previous phase.
             before.retain(|&other| (other < first) == (i < first) && other >= existing as u32);
             before.sort_unstable();
             before.dedup();
@@ -140,8 +141,9 @@ impl<'a> SchedulingJob<'a> {
         Waiting { before }
     }
 
-    /// Estimates how long the program of a schedule takes. It uses the mean waits of `check --cost`, because the waits
-    /// of the search depend on the order of faces that open at the same time.
+    /// Estimates the completion time of a schedule's program. It uses the mean waiting times of
+    /// `check --cost`. The search's waiting times depend on the order of faces that open at the
+    /// same time.
     pub fn estimated(
         &self,
         samples: &Samples,
@@ -153,12 +155,13 @@ impl<'a> SchedulingJob<'a> {
         samples.estimate(&settled, waiting, &mut Vec::new())
     }
 
-    /// The site that holds another one: across the face opposite to the way; [`NONE`]: a seed does.
+    /// Returns the parent of a site in a direction, or [`NONE`] for a seed.
     pub fn parent(&self, site: u32, way: Face) -> u32 {
         self.sites.next(site, way.opposite())
     }
 
-    /// Whether a block may come to a site by a way: along its corridor, towards the plate or what `holds`.
+    /// Returns whether a block may come to a site in a direction: along its corridor, from the
+    /// plate or a site that `holds`.
     fn is_way(&self, site: u32, way: Face, holds: impl FnOnce(u32) -> bool) -> bool {
         let along = self.corridors.along[site as usize];
         if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
@@ -170,17 +173,19 @@ impl<'a> SchedulingJob<'a> {
         }
     }
 
-    /// What ways into a site are compared by: a wait, and whether it goes on straight \[ticks\].
+    /// Returns the price for comparing directions \[ticks\]: the waiting time, slightly less for
+    /// straight continuation.
     fn price(&self, schedule: &Schedule, site: u32, way: Face, wait: f32) -> f32 {
         let parent = self.parent(site, way);
         let is_straight = parent == NONE || schedule.way[parent as usize] == way;
         if is_straight { 0.98 * wait } else { wait }
     }
 
-    /// A schedule in which urgent cells open early.
+    /// Returns a schedule that opens urgent cells early.
     ///
     /// # Errors
-    /// [`Cancelled`] if nobody waits for it.
+    ///
+    /// [`Cancelled`] if scheduling is cancelled.
     pub fn schedule(
         &self,
         priorities: &Priorities,
@@ -195,7 +200,7 @@ impl<'a> SchedulingJob<'a> {
             Some(schedule) => Some(schedule),
             None => self.within(priorities, f32::INFINITY, cancellation)?,
         };
-        let mut schedule = schedule.expect("an order that builds it all is known");
+        let mut schedule = schedule.expect("a complete order is known");
         if priorities.is_settled {
             let waiting = self.waiting(&schedule);
             schedule.set_means(self.sites, self.hardware, self.waits, &waiting);
@@ -203,10 +208,11 @@ impl<'a> SchedulingJob<'a> {
         Ok(schedule)
     }
 
-    /// One of these: with scaffolds there may be none.
+    /// Returns a schedule if there is one. With scaffolds there may be none.
     ///
     /// # Errors
-    /// [`Cancelled`] if nobody waits for it.
+    ///
+    /// [`Cancelled`] if scheduling is cancelled.
     pub fn any(
         &self,
         priorities: &Priorities,
@@ -218,8 +224,10 @@ impl<'a> SchedulingJob<'a> {
         }
     }
 
-    /// The same with scaffolds. What need not be there when blocks are handed over opens before only if half of its wait is over by then.
-    /// `None`: the ways in leave no such order.
+    /// Returns a schedule with scaffolds, or `None` if access paths allow none.
+    ///
+    /// Sites not needed for the hand-over open before it only if half of their waiting time is over
+    /// by then.
     fn scaffolded(
         &self,
         roles: &SiteRoles,
@@ -235,7 +243,8 @@ impl<'a> SchedulingJob<'a> {
         Ok(self.within(priorities, last, cancellation)?.or(Some(first)))
     }
 
-    /// A schedule in which nothing opens that is not needed, half of whose wait would be over too late for the first phase.
+    /// Returns a schedule that omits unneeded openings whose waiting time would be half over after
+    /// `limit`.
     fn within(
         &self,
         priorities: &Priorities,
@@ -261,7 +270,7 @@ impl<'a> SchedulingJob<'a> {
         Ok((state.schedule.order.len() == count).then_some(state.schedule))
     }
 
-    /// How many others each site waits for, so that ways in stay open.
+    /// Returns for each site the number of others that it waits for, to keep access paths open.
     fn missing(&self) -> Vec<u32> {
         let mut missing = vec![0; self.sites.len()];
         for &site in self.corridors.waiting.iter().flatten() {
@@ -270,7 +279,7 @@ impl<'a> SchedulingJob<'a> {
         missing
     }
 
-    /// Nothing has been opened yet: there is what stands before.
+    /// Returns the initial state, with existing blocks only.
     fn begin<'b>(&'b self, priorities: &'b Priorities) -> ScheduleState<'b> {
         let count = self.sites.len();
         let mut state = vec![SiteState::Absent; count];
@@ -302,7 +311,7 @@ enum SiteState {
     Absent,
     Open,
     Anchored,
-    /// It was there, and has been taken away.
+    /// Removed after it was present.
     Gone,
 }
 
@@ -310,25 +319,25 @@ enum SiteState {
 struct ScheduleState<'a> {
     job: &'a SchedulingJob<'a>,
     priorities: &'a Priorities,
-    /// Of each site, those it still has to wait for.
+    /// For each site, the number of predecessors still missing.
     missing: Vec<u32>,
     state: Vec<SiteState>,
-    /// Faces that each site has open.
+    /// Number of open faces of each site.
     open_faces: Vec<u8>,
-    /// Sites that may open, by urgency.
+    /// Eligible sites by urgency.
     ready: BinaryHeap<(u32, Reverse<u32>)>,
     is_ready: Vec<bool>,
-    /// Open sites, by the time when their block comes.
+    /// Open sites by capture time.
     opened: BinaryHeap<Reverse<(u32, u32)>>,
     schedule: Schedule,
-    /// How many are anchored.
+    /// Number of anchored sites.
     anchored: u32,
-    /// `None`: there are no scaffolds.
+    /// Phase of the schedule. `None` without scaffolds.
     phase: Option<SchedulePhase<'a>>,
 }
 
 impl ScheduleState<'_> {
-    /// Remembers a site that may open, if it is one.
+    /// Queues a site if it may open.
     fn consider(&mut self, site: u32) {
         let here = site as usize;
         let is_next = self.state[here] == SiteState::Absent && self.missing[here] == 0;
@@ -349,7 +358,7 @@ impl ScheduleState<'_> {
 
     fn open_ready(&mut self, now: f32) {
         while let Some((_, Reverse(site))) = self.ready.pop() {
-            // What cannot open now is considered again when something near it is anchored.
+            // Sites that cannot open now are reconsidered when something nearby is anchored.
             self.is_ready[site as usize] = false;
             if let Some((way, mean)) = self.best_way(site, now)
                 && self.is_its_phase(site, now + 0.5 * mean)
@@ -359,14 +368,14 @@ impl ScheduleState<'_> {
         }
     }
 
-    /// The way to a site whose face is open.
+    /// Returns the direction of a site's open face.
     fn open_way(&self, site: u32) -> Option<Face> {
         let here = site as usize;
         (self.state[here] == SiteState::Open).then(|| self.schedule.way[here])
     }
 
-    /// The way with the shortest wait from a parent that has a face to spare, or another one if priorities say so; the straight one of two
-    /// equal ones.
+    /// Returns the direction with the lowest price from a parent with an available face, unless
+    /// priorities select another.
     fn best_way(&self, site: u32, now: f32) -> Option<(Face, f32)> {
         let ways = self.ways(site, now).map(|(way, mean)| {
             let price = self.job.price(&self.schedule, site, way, mean);
@@ -375,7 +384,8 @@ impl ScheduleState<'_> {
         self.priorities.chosen(site, ways)
     }
 
-    /// The ways from parents that have a face to spare, each with its mean wait \[ticks\].
+    /// Returns the directions from parents with an available face, each with its mean waiting time
+    /// \[ticks\].
     fn ways(&self, site: u32, now: f32) -> impl Iterator<Item = (Face, f32)> {
         let job = self.job;
         let cell = job.sites.cell(site);
@@ -448,7 +458,8 @@ impl ScheduleState<'_> {
     }
 }
 
-/// Looks at the job that a target makes of so many free blocks, with one face a block and typical rates.
+/// Calls `look` with the job of a target for a number of free blocks, one face per block and
+/// typical rates.
 #[cfg(test)]
 pub(crate) fn with_job<T>(
     target: &crate::Target,

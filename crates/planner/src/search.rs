@@ -1,4 +1,4 @@
-//! Better schedules, by trying others: other ways in and other priorities, with the same chance for all.
+//! Search for better schedules: varies access paths and priorities, on common random samples.
 use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -15,36 +15,36 @@ use crate::schedule::Schedule;
 use crate::scheduling::{Priorities, SchedulingJob, WAIT};
 use crate::sites::Sites;
 
-/// How to look for a plan.
+/// Settings of the search.
 #[derive(Clone, Copy)]
 pub struct PlanSearch<'a> {
-    /// What to make small.
+    /// Objective to minimize.
     pub objective: Objective,
-    /// Schedules that are tried, at most; the first one is there in any case.
+    /// Largest number of schedules to try. The first one is always made.
     pub rounds: u64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Whether it is time to look for scaffolds instead, where there is a place for any.
+    /// Cancels the search in favour of scaffolds, if there is a place for any.
     pub halfway: Cancellation<'a>,
-    /// Whether the best until now is enough.
+    /// Ends the search with the best plan so far.
     pub enough: Cancellation<'a>,
-    /// Whether nobody waits for a plan any more, before there is a first one.
+    /// Cancels planning before the first plan.
     pub cancellation: Cancellation<'a>,
-    /// Whether scaffolds stay where they are.
+    /// Whether scaffolds remain.
     pub keeps_scaffolds: bool,
-    /// Is told how many schedules have been tried, and how long the best takes \[ticks\].
+    /// Receives the number of schedules tried and the best completion time \[ticks\].
     pub tried: &'a dyn Fn(u64, f64),
 }
 
 impl PlanSearch<'_> {
-    /// What plans are compared by: how long one takes, and what its narrow ways cost.
+    /// Returns the value for comparing plans: the objective plus the cost of narrow access paths.
     pub(crate) fn value(&self, estimate: &PlanEstimate, disassembly: &Disassembly) -> f64 {
         estimate.of(self.objective) + JAMS * disassembly.narrow_count() as f64
     }
 }
 
 impl Default for PlanSearch<'_> {
-    /// The first plan for the mean time, and no other.
+    /// Returns settings for the first plan only, by mean completion time.
     fn default() -> Self {
         PlanSearch {
             objective: Objective::Mean,
@@ -59,21 +59,21 @@ impl Default for PlanSearch<'_> {
     }
 }
 
-/// The best that was found.
+/// Best schedule found.
 #[derive(Clone, Debug)]
 pub struct FoundSchedule {
-    /// How ways are kept open.
+    /// Construction order and access.
     pub disassembly: Disassembly,
-    /// What waits so that they are.
+    /// Dependencies for access paths.
     pub corridors: Corridors,
-    /// In which order, and held by whom.
+    /// Opening order and parents.
     pub schedule: Schedule,
-    /// Schedules that were tried.
+    /// Number of schedules tried.
     pub rounds: u64,
 }
 
 impl FoundSchedule {
-    /// The job that it is a schedule of.
+    /// Returns the scheduling job of the result.
     pub fn job<'a>(
         &'a self,
         sites: &'a Sites<'a>,
@@ -84,7 +84,7 @@ impl FoundSchedule {
     }
 }
 
-/// Where cubes of two sides and of one come to before anything is built.
+/// Free positions of cubes of sizes two and one around the complete target.
 struct Spaces<'a> {
     sites: &'a Sites<'a>,
     wide: FreeSpace,
@@ -100,7 +100,7 @@ impl<'a> Spaces<'a> {
         }
     }
 
-    /// Ways in, by the keys of the order in which the target is taken apart, and what waits so that they stay open.
+    /// Returns the disassembly for these keys and its dependencies.
     fn ways(
         &self,
         keys: &[f32],
@@ -115,11 +115,11 @@ impl<'a> Spaces<'a> {
     }
 }
 
-/// Ways and the best schedule with them.
+/// Access paths, and the best schedule with them.
 struct ScheduleCandidate {
-    /// Keys of the order in which the target was taken apart.
+    /// Keys of the disassembly order.
     order: Vec<f32>,
-    /// Whether ways lead through gaps.
+    /// Whether paths lead through gaps.
     has_gaps: bool,
     disassembly: Disassembly,
     corridors: Corridors,
@@ -127,52 +127,54 @@ struct ScheduleCandidate {
     value: f64,
 }
 
-/// A schedule, what it was made by, and how long its program takes.
+/// Schedule with its priorities and estimate.
 #[derive(Clone)]
 pub struct PrioritizedSchedule {
-    /// What it was made by.
+    /// Its priorities.
     pub priorities: Priorities,
     /// The schedule.
     pub schedule: Schedule,
-    /// How long its program takes.
+    /// Estimated completion time of its program.
     pub estimate: PlanEstimate,
 }
 
-/// Runs by which schedules are compared: fewer for what is large.
+/// Returns the number of runs for comparing schedules. Large targets use fewer.
 fn runs(sites: usize) -> usize {
     (4000 / sites.max(1)).clamp(32, 128)
 }
 
-/// What a cell without a wide way costs: it can jam, which no mean tells \[tick\].
+/// Cost of a cell without a wide access path, which can jam \[ticks\]. Mean waiting times do not
+/// include this.
 const JAMS: f64 = 20_000.0;
 
-/// Ways in are looked for in so many orders, and at most in a quarter of the rounds.
+/// Number of disassembly orders tried, in at most a quarter of the rounds.
 const VARIANTS: u64 = 8;
 
-/// Other ways in that are tried around the best ones in a row, times cells: the same effort for targets of all sizes.
+/// Consecutive variations of access paths, times cells: equal effort for all target sizes.
 const WAYS: u64 = 2000;
 
-/// Other priorities that are tried after that in a row.
+/// Consecutive variations of priorities after that.
 const PRIORITIES: u64 = 150;
 
-/// Schedules of small targets, each with other ways in and by other priorities, from which it is begun: changes one by one seldom lead from one to what
-/// another leads to.
+/// Number of independent starts for small targets. Single changes seldom lead from one local
+/// optimum to another.
 const STARTS: u64 = 8;
 
-/// Schedules that are tried with the ways in that look worse, at most.
+/// Largest number of schedules tried with the less promising access paths.
 const MAX_FIRST: u64 = 1500;
 
-/// The part by which a schedule may take longer than the best and is gone on from, at first; of larger targets less, as a change of theirs changes
-/// less.
+/// Initial relative tolerance for continuing from worse schedules. Smaller for large targets, where
+/// a single change matters less.
 const TOLERANCE: f64 = 0.02;
 
-/// Sites of a small target, at most.
+/// Largest number of sites of a small target.
 pub const SMALL: usize = 12;
 
-/// The best schedule of a target.
+/// Returns the best schedule of a target.
 ///
 /// # Errors
-/// If there is none, or nobody waits for the first one.
+///
+/// If there is none, or planning is cancelled before the first one.
 pub fn search(
     sites: &Sites<'_>,
     hardware: Hardware,
@@ -214,7 +216,8 @@ pub fn search(
         takes_gaps(waits, 1),
         search.cancellation,
     )?;
-    // The best with ways through gaps, and without: which of them gets better by another schedule cannot be seen before.
+    // The best with and without gaps. Schedules for both must be improved before they can be
+    // compared.
     let mut best = vec![first];
     let each = if waits.has_passable_gaps() { 2 } else { 1 };
     let variants = each * VARIANTS;
@@ -233,7 +236,7 @@ pub fn search(
             Err(_) => break,
         }
     }
-    // The better one comes last, and has all the time that is left.
+    // The better one comes last and gets the remaining time.
     best.sort_by(|a, b| b.value.total_cmp(&a.value));
     let left = search.rounds.saturating_sub(rounds);
     let share = (left / (best.len() as u64 + 1)).min(MAX_FIRST);
@@ -251,7 +254,7 @@ pub fn search(
             ..best
         }
     };
-    // No more starts than there are tries for them.
+    // No more starts than tries.
     let starts = if sites.len() <= SMALL {
         share.clamp(1, STARTS)
     } else {
@@ -279,8 +282,8 @@ pub fn search(
             };
         }
     }
-    let mut found = found.expect("there is one candidate at least");
-    // Other ways in, and then other urgencies, by turns.
+    let mut found = found.expect("at least one candidate");
+    // Alternates between other access paths and other priorities.
     while rounds < search.rounds && !search.enough.is_cancelled() {
         let most = search.rounds.min(rounds + WAYS / sites.len() as u64);
         while rounds < most && !search.enough.is_cancelled() {
@@ -305,10 +308,11 @@ pub fn search(
     })
 }
 
-/// Keys by which a target is taken apart in another order: a few others, or in the order in which blocks come, but for chance.
+/// Returns keys for another disassembly order: a few random changes, or the order of captures with
+/// noise.
 fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
     const MAX: usize = 4;
-    /// Waits by which chance moves a block.
+    /// Amplitude of the noise \[waiting times\].
     const CHANCE: f32 = 3.0;
     let sites = of.order.len();
     let mut order = of.order.clone();
@@ -331,14 +335,18 @@ fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
     order
 }
 
-/// Whether ways in lead through gaps, where blocks pass them: in every other variant, since waiting for no gap may be faster.
+/// Returns whether access paths use passable gaps: in every other variant, since avoiding them may
+/// be faster.
 fn takes_gaps(waits: &RateLaw<'_>, variant: u64) -> bool {
     waits.has_passable_gaps() && variant % 2 == 1
 }
 
-/// Returns the best schedule of a job that is found by changing priorities, and the rounds made by then. A schedule a bit longer than the best is
-/// also continued from, less and less so (G. Dueck and T. Scheuer, *Threshold accepting*, Journal of Computational Physics 90,
-/// 1990).
+/// Improves a schedule by changing priorities. Returns it with the number of rounds so far. Accepts
+/// slightly worse schedules, with decreasing tolerance.
+///
+/// # Source
+///
+/// G. Dueck and T. Scheuer, *Threshold accepting*, Journal of Computational Physics 90 (1990).
 pub fn improved(
     job: &SchedulingJob<'_>,
     samples: &Samples,
@@ -370,7 +378,7 @@ pub fn improved(
         };
         let left = (search.rounds - rounds) as f64 / (search.rounds - from) as f64;
         let most = value(&best) * (1.0 + tolerance * left);
-        // Equally good ones as well, to get across plateaus.
+        // Equal values are accepted as well, to cross plateaus.
         if value(&other) <= most.max(value(&current)) {
             if value(&other) != value(&current) {
                 critical = samples.criticality(&other.schedule, &waiting);

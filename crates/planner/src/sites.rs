@@ -1,31 +1,31 @@
-//! The cells of a target by number, with their neighbours.
+//! Cells of a target by number, with their neighbours.
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face, offsets_within};
 
 use crate::Target;
 use crate::grid::{Grid, shifted};
 
-/// No site.
+/// Number of no site.
 pub const NONE: u32 = u32::MAX;
 
-/// The cells around one, itself included: bit (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
+/// Set of cells in a window of 3 x 3 x 3: bit (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
 pub type NeighbourMask = u32;
 
-/// The bit of the cell in the middle of its window.
+/// Index of the centre of a window.
 pub const MIDDLE: usize = 13;
 
-/// The place of a cell some steps away, none of them longer than 1, in a window.
+/// Returns the index of a cell in a window. Offsets are at most 1.
 pub const fn place(dx: i32, dy: i32, dz: i32) -> usize {
     ((dx + 1) + 3 * (dy + 1) + 9 * (dz + 1)) as usize
 }
 
-/// The place of the cell across a face in a window.
+/// Returns the index of the cell across a face in a window.
 pub const fn across(face: Face) -> usize {
     let [dx, dy, dz] = face.normal();
     place(dx, dy, dz)
 }
 
-/// The cells of a window that share an edge with the middle and no face, each with the two that share a face with both.
+/// Cells of a window that share only an edge with the centre, each with the two common neighbours.
 const DIAGONAL: [(usize, [usize; 2]); 12] = {
     const AXES: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
     let mut diagonal = [(0, [0; 2]); 12];
@@ -49,18 +49,18 @@ const DIAGONAL: [(usize, [usize; 2]); 12] = {
     diagonal
 };
 
-/// A target's cells as numbers.
+/// Cells of a target by number.
 #[derive(Debug)]
 pub struct Sites<'a> {
-    /// What they are of.
+    /// The target.
     pub target: &'a Target,
     number: Grid<Number>,
     windows: Vec<[u32; 27]>,
-    /// Of the sites whose blocks are there before, whether they can capture.
+    /// Sites with existing blocks, and whether these can capture.
     existing: FxHashMap<u32, bool>,
 }
 
-/// The number of a site, or none.
+/// Number of a site, or [`NONE`].
 #[derive(Clone, Copy, Debug)]
 struct Number(u32);
 
@@ -71,7 +71,7 @@ impl Default for Number {
 }
 
 impl<'a> Sites<'a> {
-    /// The cells of a target, in their order.
+    /// Numbers the cells of a target in order.
     pub fn new(target: &'a Target) -> Sites<'a> {
         let cells = target.cells();
         let mut number = Grid::around(cells, 3);
@@ -99,33 +99,33 @@ impl<'a> Sites<'a> {
         }
     }
 
-    /// The sites whose blocks are there before, each with the way from its parent.
+    /// Returns the sites with existing blocks, each with the direction from its parent.
     pub fn existing(&self) -> impl Iterator<Item = (u32, Face)> + '_ {
         let blocks = self.target.existing().iter();
         blocks.map(|block| (self.at(block.cell), block.way))
     }
 
-    /// How many sites there are whose blocks are there before.
+    /// Returns the number of sites with existing blocks.
     pub fn existing_count(&self) -> usize {
         self.existing.len()
     }
 
-    /// Whether the block of a site is there before.
+    /// Returns whether a site has an existing block.
     pub fn is_existing(&self, site: u32) -> bool {
         !self.existing.is_empty() && self.existing.contains_key(&site)
     }
 
-    /// Whether the block of a site can hold no other.
+    /// Returns whether the block of a site cannot hold others.
     pub fn is_inert(&self, site: u32) -> bool {
         !self.existing.is_empty() && self.existing.get(&site) == Some(&false)
     }
 
-    /// Whether a site is held by what is there before: by a block of the plate, or because its own block is.
+    /// Returns whether a site is on a block of the plate or has an existing block.
     pub fn is_root(&self, site: u32) -> bool {
         self.is_on_seed(site) || self.is_existing(site)
     }
 
-    /// Whether a block of those that stand, or of the plate, can capture a site by a face along an axis.
+    /// Returns whether a standing block or the plate can capture a site by a face along an axis.
     pub fn is_held_along(&self, site: u32, axis: Face, stands: &impl Fn(u32) -> bool) -> bool {
         let holds = |way: Face| match self.next(site, way.opposite()) {
             NONE => way == Face::Up && self.is_on_seed(site),
@@ -134,54 +134,55 @@ impl<'a> Sites<'a> {
         holds(axis) || holds(axis.opposite())
     }
 
-    /// How many there are.
+    /// Returns the number of sites.
     pub fn len(&self) -> usize {
         self.windows.len()
     }
 
-    /// The cell of a site.
+    /// Returns the cell of a site.
     pub fn cell(&self, site: u32) -> Cell {
         self.target.cells()[site as usize]
     }
 
-    /// The site in a cell, or [`NONE`].
+    /// Returns the site in a cell, or [`NONE`].
     pub fn at(&self, cell: Cell) -> u32 {
         self.number.get(cell).map_or(NONE, |number| number.0)
     }
 
-    /// The site across a face, or [`NONE`].
+    /// Returns the site across a face, or [`NONE`].
     pub fn next(&self, site: u32, face: Face) -> u32 {
         self.windows[site as usize][across(face)]
     }
 
-    /// The sites across the six faces.
+    /// Returns the sites across the six faces.
     pub fn adjacent(&self, site: u32) -> impl Iterator<Item = u32> + '_ {
         let next = Face::ALL.into_iter().map(move |face| self.next(site, face));
         next.filter(|&next| next != NONE)
     }
 
-    /// The sites that share a face, an edge or a corner with one.
+    /// Returns the sites that share a face, an edge or a corner with a site.
     pub fn near(&self, site: u32) -> impl Iterator<Item = u32> + '_ {
         let window = self.windows[site as usize].iter().enumerate();
         let others = window.filter(|&(i, &near)| i != MIDDLE && near != NONE);
         others.map(|(_, &near)| near)
     }
 
-    /// The squares of four cells that one is in: each time the two sites beside it, and the one across, or [`NONE`].
+    /// Returns the squares of four cells around a site: two adjacent sites and the diagonal one
+    /// each, or [`NONE`].
     pub fn squares(&self, site: u32) -> impl Iterator<Item = [u32; 3]> + '_ {
         let window = &self.windows[site as usize];
         let squares = DIAGONAL.iter();
         squares.map(|&(across, [one, two])| [window[one], window[two], window[across]])
     }
 
-    /// Which cells of a site's window `has`.
+    /// Returns the set of cells of a site's window that fulfil `has`.
     pub fn window(&self, site: u32, has: impl Fn(u32) -> bool) -> NeighbourMask {
         let window = self.windows[site as usize].iter().enumerate();
         let full = window.filter(|&(_, &near)| near != NONE && has(near));
         full.fold(0, |bits, (i, _)| bits | 1 << i)
     }
 
-    /// Whether a block of the plate may capture it.
+    /// Returns whether a block of the plate may capture a site.
     pub fn is_on_seed(&self, site: u32) -> bool {
         self.target.is_on_seed(self.cell(site))
     }

@@ -1,13 +1,16 @@
-//! Whether what stands hangs together with the plate.
+//! Connection of the standing blocks to the plate.
 use std::collections::VecDeque;
 
 use crate::sites::{MIDDLE, NONE, Sites, across, place};
 use stochc_ir::Face;
 
-/// What stands, with a level for each site: a site on a seed has 1, and any other a neighbour of a lower level.
+/// Standing blocks, with a level for each site: 1 on a seed, otherwise above that of a neighbour.
 ///
-/// The levels are those of a breadth-first search, and are raised when blocks go, as in the dynamic trees of Even and
-/// Shiloach.
+/// Levels start from a breadth-first search and are raised when blocks are removed.
+///
+/// # Source
+///
+/// S. Even and Y. Shiloach, An on-line edge-deletion problem (1981).
 #[derive(Clone, Debug)]
 pub struct Support {
     level: Vec<u32>,
@@ -15,7 +18,7 @@ pub struct Support {
 }
 
 impl Support {
-    /// All of a target.
+    /// Returns the state of a complete target.
     pub fn new(sites: &Sites<'_>) -> Support {
         let mut level = vec![NONE; sites.len()];
         let mut queue: VecDeque<u32> = (0..sites.len() as u32)
@@ -36,17 +39,18 @@ impl Support {
         Support { level, stands }
     }
 
-    /// Steps from the plate to a site through what stands.
+    /// Returns the number of steps from the plate to a site through standing blocks.
     pub fn level(&self, site: u32) -> u32 {
         self.level[site as usize]
     }
 
-    /// Whether a site still stands.
+    /// Returns whether a site still stands.
     pub fn stands(&self, site: u32) -> bool {
         self.stands[site as usize]
     }
 
-    /// Whether all else surely hangs together without a site; not every site of which that is true is found.
+    /// Returns whether everything else is certainly connected without a site. May miss some such
+    /// sites.
     pub fn can_spare(&self, sites: &Sites<'_>, site: u32) -> bool {
         let is_held = |next: u32| {
             let level = self.level(next);
@@ -59,12 +63,13 @@ impl Support {
     }
 
     fn present_neighbours(&self, sites: &Sites<'_>, site: u32) -> impl Iterator<Item = u32> {
-        // What can hold nothing needs no support either.
+        // Blocks that hold nothing need no support as parents.
         let able = sites.adjacent(site).filter(|&next| !sites.is_inert(next));
         able.filter(|&next| self.stands(next))
     }
 
-    /// Whether the neighbours of a site hang together within its window, and with the plate if the site does.
+    /// Returns whether the neighbours of a site are connected within its window, and to the plate
+    /// if the site is.
     fn is_locally_connected(&self, sites: &Sites<'_>, site: u32) -> bool {
         const ROOT: u32 = 1 << 27;
         let stands = |near| self.stands(near) && !sites.is_inert(near);
@@ -96,7 +101,7 @@ impl Support {
         }
     }
 
-    /// A site goes, without which all else hangs together.
+    /// Removes a site that is not needed for the connection of others.
     pub fn remove(&mut self, sites: &Sites<'_>, site: u32) {
         self.stands[site as usize] = false;
         let mut queue: Vec<u32> = self.present_neighbours(sites, site).collect();
@@ -117,21 +122,21 @@ impl Support {
         }
     }
 
-    /// The standing sites without which something else would hang in the air: the articulation points of what
-    /// stands, seen from the plate.
+    /// Returns the standing sites whose removal would disconnect others: the articulation points as
+    /// seen from the plate.
     pub fn articulation_points(&self, sites: &Sites<'_>) -> Vec<bool> {
         let count = sites.len();
         let mut is_cut = vec![false; count];
         let mut entered = vec![0u32; count];
         let mut lowest = vec![0u32; count];
-        // The plate is entered first.
+        // The search enters the plate first.
         let mut clock = 1;
         for root in 0..count as u32 {
             let is_root = sites.is_root(root) && !sites.is_inert(root);
             if !self.stands(root) || !is_root || entered[root as usize] > 0 {
                 continue;
             }
-            // A site, where it was reached from, and the faces that were looked at.
+            // A site, its predecessor, and the number of faces examined.
             let mut stack = vec![(root, NONE, 0usize)];
             while let Some((site, from, looked)) = stack.last_mut() {
                 let (site, from) = (*site, *from);
@@ -165,7 +170,7 @@ impl Support {
     }
 }
 
-/// The cells across the six faces.
+/// Bits of the cells across the six faces.
 const FACES: u32 = {
     let mut bits = 0;
     let mut i = 0;
@@ -176,7 +181,7 @@ const FACES: u32 = {
     bits
 };
 
-/// For each cell of a window, those beside it.
+/// For each cell of a window, its adjacent cells.
 const BESIDE: [u32; 27] = {
     let mut beside = [0; 27];
     let mut i = 0;
@@ -205,7 +210,7 @@ mod tests {
     use super::*;
     use crate::target::held;
 
-    /// Whether all that stands but one site hangs together with the plate.
+    /// Returns whether all standing sites except one are connected to the plate.
     fn hangs_together(sites: &Sites<'_>, support: &Support, without: u32) -> bool {
         let stands = |site: u32| site != without && support.stands(site);
         let all = || (0..sites.len() as u32).filter(|&site| stands(site));
@@ -247,7 +252,7 @@ mod tests {
                 if standing.is_empty() {
                     break;
                 }
-                // Something can always go.
+                // Some site can always be removed.
                 prop_assert!(!free.is_empty());
                 support.remove(&sites, free[order as usize % free.len()]);
                 order = order.rotate_left(7) ^ 0x9e37;

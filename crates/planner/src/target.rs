@@ -1,4 +1,4 @@
-//! What is to be built, and on what.
+//! Target structure and plate.
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::VecDeque;
 
@@ -8,42 +8,45 @@ use stochc_ir::{Cell, Face};
 use crate::limits::{FARTHEST, MAX_CELLS};
 use crate::target_error::{LoosePart, TargetError};
 
-/// Maximum number of cells that the search for one bridge visits, and that all searches of a target visit.
+/// Largest number of cells visited in the search for one bridge, and in all searches of a target.
 const MAX_BRIDGE_STEPS: usize = 200_000;
 const MAX_STEPS_OF_ALL: usize = 2_000_000;
 
-/// A structure that can be built: every cell hangs together with a block of the plate that may capture, or with one that stands.
+/// Buildable structure: every cell is connected to a capturing block of the plate or to an existing
+/// block.
 #[derive(Clone, Debug)]
 pub struct Target {
-    /// Sorted, each once; z is at least 1.
+    /// Cells, sorted and unique, with z at least 1.
     cells: Vec<Cell>,
-    /// The blocks that are there before, sorted by cell.
+    /// Existing blocks, sorted by cell.
     existing: Vec<ExistingBlock>,
-    /// The blocks that are let go before anything is captured, sorted by cell.
+    /// Blocks released before the first capture, sorted by cell.
     released: Vec<ExistingBlock>,
     plate: Plate,
-    /// The blocks of the plate that may capture, sorted; `None`: all of them.
+    /// Blocks of the plate that may capture, sorted. `None` if all may.
     seeds: Option<Vec<(i32, i32)>>,
-    /// Whether its first captures begin with the run, when the gas is at rest.
+    /// Whether its first captures begin with the run, when the free blocks are at rest.
     is_at_rest: bool,
 }
 
-/// A block of a target that is there before anything is captured.
+/// Block that exists before the first capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ExistingBlock {
-    /// Where it is.
+    /// Its cell.
     pub cell: Cell,
-    /// The way there from its parent.
+    /// Direction from its parent.
     pub way: Face,
     /// Whether it can capture others.
     pub can_capture: bool,
 }
 
 impl Target {
-    /// A target on a plate, of which all blocks may capture, or those at the places (x, y) of `seeds`; `free` blocks are there to build it.
+    /// Returns a target on a plate. `seeds` are the positions (x, y) of capturing blocks, or all if
+    /// `None`. `free` is the number of free blocks.
     ///
     /// # Errors
-    /// What is wrong with it, with all cells concerned.
+    ///
+    /// If the target is invalid. The error lists all cells concerned.
     pub fn new(
         cells: Vec<Cell>,
         plate: Plate,
@@ -53,11 +56,12 @@ impl Target {
         Target::with_existing(cells, (Vec::new(), Vec::new()), plate, seeds, free)
     }
 
-    /// The same where some blocks stand, which are taken from the free ones, and others that are let go first. What stands belongs to the
-    /// target, whether `cells` has it or not.
+    /// Returns a target with existing blocks, which count as used free blocks, and with blocks to
+    /// release first. Existing blocks are added to `cells`.
     ///
     /// # Errors
-    /// As [`Target::new`]; also if nothing is missing.
+    ///
+    /// As [`Target::new`], and if no cell is missing.
     pub fn with_existing(
         mut cells: Vec<Cell>,
         (mut existing, mut released): (Vec<ExistingBlock>, Vec<ExistingBlock>),
@@ -110,12 +114,12 @@ impl Target {
         }
     }
 
-    /// The same plate with other cells; `None`: they cannot be built.
+    /// Returns a target with other cells on the same plate, or `None` if it is invalid.
     pub(crate) fn with_cells(&self, cells: Vec<Cell>, free: u32) -> Option<Target> {
         Target::new(cells, self.plate.clone(), self.seeds.clone(), free).ok()
     }
 
-    /// The same where other captures come before its first.
+    /// Returns the target for use after other captures.
     #[must_use]
     pub fn behind_others(self) -> Target {
         Target {
@@ -124,27 +128,27 @@ impl Target {
         }
     }
 
-    /// Whether its first captures begin with the run, when the gas is at rest.
+    /// Returns whether its first captures begin with the run, when the free blocks are at rest.
     pub(crate) fn is_at_rest(&self) -> bool {
         self.is_at_rest
     }
 
-    /// Its cells, sorted.
+    /// Returns its cells, sorted.
     pub fn cells(&self) -> &[Cell] {
         &self.cells
     }
 
-    /// The blocks that are there before, sorted by cell.
+    /// Returns the existing blocks, sorted by cell.
     pub fn existing(&self) -> &[ExistingBlock] {
         &self.existing
     }
 
-    /// The blocks that are let go before anything is captured, sorted by cell.
+    /// Returns the blocks released before the first capture, sorted by cell.
     pub fn released(&self) -> &[ExistingBlock] {
         &self.released
     }
 
-    /// The block in a cell that is there before.
+    /// Returns the existing block in a cell.
     pub(crate) fn existing_at(&self, cell: Cell) -> Option<&ExistingBlock> {
         let at = self
             .existing
@@ -152,18 +156,18 @@ impl Target {
         at.ok().map(|at| &self.existing[at])
     }
 
-    /// Whether what is in a cell can hold no other block.
+    /// Returns whether the block in a cell cannot hold others.
     fn is_inert(&self, cell: Cell) -> bool {
         self.existing_at(cell)
             .is_some_and(|block| !block.can_capture)
     }
 
-    /// The plate.
+    /// Returns the plate.
     pub fn plate(&self) -> &Plate {
         &self.plate
     }
 
-    /// Whether a block of the plate that may capture lies under a cell.
+    /// Returns whether a capturing block of the plate is under a cell.
     pub fn is_on_seed(&self, cell: Cell) -> bool {
         cell.z == 1 && self.has_seed(cell.x, cell.y)
     }
@@ -178,8 +182,8 @@ impl Target {
         }
     }
 
-    /// Returns the parts that are attached to no seed, each with its bridge. The bridges of earlier parts are
-    /// taken to be there.
+    /// Returns the parts that are attached to no seed, each with its bridge. Assumes that the
+    /// bridges of earlier parts exist.
     fn loose(&self) -> Vec<LoosePart> {
         let mut all: FxHashSet<Cell> = self.cells.iter().copied().collect();
         let mut open: Vec<Cell> = self.cells.to_vec();
@@ -233,7 +237,7 @@ impl Target {
         let mut open: VecDeque<(Cell, usize)> = part.iter().map(|&cell| (cell, 0)).collect();
         while let Some((at, more)) = open.pop_front() {
             if from[&at].1 < more {
-                // Another way to it takes fewer.
+                // Reached earlier with fewer cells.
                 continue;
             }
             let touches = |next: Cell| held.contains(&next) && !self.is_inert(next);
@@ -249,7 +253,7 @@ impl Target {
                     bridge.push(here);
                     here = from[&here].0;
                 }
-                // Another part that it leads through is there in any case.
+                // Cells of other parts on the way exist anyway.
                 bridge.retain(|cell| self.cells.binary_search(cell).is_err());
                 bridge.sort_unstable();
                 return Some(bridge);
@@ -258,7 +262,7 @@ impl Target {
                 return None;
             }
             for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
-                // What stands and can hold nothing is no bridge.
+                // Existing blocks that hold nothing cannot be part of a bridge.
                 let is_part = self.cells.binary_search(&next).is_ok();
                 let more = more + usize::from(!is_part);
                 let is_shorter = from.get(&next).is_none_or(|known| more < known.1);
@@ -277,7 +281,7 @@ impl Target {
     }
 }
 
-/// What of some cells is held by a plate, if anything is.
+/// Returns the cells that a plate holds as a target, if there are any.
 #[cfg(test)]
 pub fn held(cells: Vec<Cell>, plate: &Plate) -> Option<Target> {
     let target = |cells: Vec<Cell>| Target::new(cells, plate.clone(), None, u32::MAX);
@@ -291,7 +295,7 @@ pub fn held(cells: Vec<Cell>, plate: &Plate) -> Option<Target> {
     }
 }
 
-/// Adds to `found` what of `all` hangs together with the cells of `open`.
+/// Adds the cells of `all` that are connected to those of `open`.
 fn spread(open: &mut Vec<Cell>, all: &FxHashSet<Cell>, found: &mut FxHashSet<Cell>) {
     while let Some(at) = open.pop() {
         for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {

@@ -1,53 +1,53 @@
-//! Why a target cannot be built, and what would help.
+//! Errors of targets, and help for them.
 use std::fmt;
 
 use serde::Serialize;
 use stochc_grammar::Cancelled;
 use stochc_ir::{Cell, counted, listed};
 
-/// Why there is no plan.
+/// Reason why there is no plan.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "kind", content = "detail", rename_all = "snake_case")]
 pub enum TargetError {
-    /// There is nothing to build.
+    /// The target has no cells.
     Empty,
-    /// A cell is too far away to be counted with.
+    /// A coordinate is too large.
     TooFar(Cell),
     /// Cells at or under the level of the plate.
     BelowPlate(Vec<Cell>),
-    /// Parts that hang together with no block of the plate that may capture.
+    /// Parts connected to no capturing block of the plate.
     Loose(Vec<LoosePart>),
     /// The scene has fewer free blocks than the target has cells.
     TooFewBlocks {
-        /// Cells of the target.
+        /// Number of cells of the target.
         needed: usize,
-        /// Free blocks of the scene.
+        /// Number of free blocks of the scene.
         free: u32,
     },
     /// No order of captures brings a block to these cells.
     Sealed(Vec<Cell>),
-    /// Nobody waits for it any more.
+    /// Planning was cancelled.
     Cancelled,
 }
 
-/// A part of a target that is attached to nothing that can capture.
+/// Part of a target without a capturing neighbour.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LoosePart {
     /// Its cells, sorted.
     pub cells: Vec<Cell>,
-    /// The fewest further cells that would support it, given the bridges of the parts before. `None` if there
-    /// are none, or the search for them was given up.
+    /// Smallest set of additional cells that would support it, assuming the bridges of earlier
+    /// parts. `None` if there is none, or the search reached its limit.
     pub bridge: Option<Vec<Cell>>,
 }
 
 impl LoosePart {
-    /// Whether a block of the plate could hold it.
+    /// Returns whether it rests on the plate.
     pub fn rests_on_plate(&self) -> bool {
         self.cells.iter().any(|cell| cell.z == 1)
     }
 }
 
-/// Cells that are told of, at most.
+/// Largest number of cells in a list.
 const MAX_TOLD: usize = 8;
 
 /// Lists cells: `(0, 0, 1), (1, 0, 1) and 5 more`.
@@ -127,7 +127,7 @@ impl fmt::Display for TargetError {
             ),
             TargetError::BelowPlate(below) => write!(
                 f,
-                "{} of the target: {}, at or below the plate, where no block can come",
+                "{} of the target: {}, at or below the plate, which no block can reach",
                 cells(below.len()),
                 listed_cells(below)
             ),
@@ -150,7 +150,7 @@ impl fmt::Display for TargetError {
 }
 
 impl TargetError {
-    /// What to do about it, if anything is known.
+    /// Returns help, if any is known.
     pub fn help(&self) -> Option<String> {
         match self {
             TargetError::Empty => {

@@ -1,9 +1,9 @@
-//! Contacts that may lose what crosses them.
+//! Lossy contacts between blocks.
 //!
-//! Each direction of a contact numbers its transfers. The sender keeps a message until the
-//! receiver has acknowledged its number; the receiver acknowledges every number, and drops one
-//! that it has taken before. So each message is taken exactly once, however often it, or its
-//! acknowledgement, is lost. Who sends again, and when, is the affair of whoever drives.
+//! Each direction of a contact numbers its transfers. The sender keeps a message until the receiver
+//! acknowledges its number. The receiver acknowledges every number and drops duplicates. Each
+//! message is thus accepted exactly once, whatever is lost. The driver of the structure decides
+//! when to resend.
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
@@ -12,20 +12,20 @@ use stochc_ir::Cell;
 use crate::body::Body;
 use crate::machine::{Message, Recalled};
 
-/// All contacts, each direction for itself: (from, to).
+/// All contacts, by direction: (from, to).
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Channels {
     channels: BTreeMap<(Body, Body), Channel>,
 }
 
-/// One direction of a contact: what both ends keep.
+/// State of both ends of one direction of a contact.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Channel {
-    /// The sender's next number.
+    /// Next number of the sender.
     next: u32,
-    /// What the sender keeps, by number.
+    /// Messages without acknowledgement, by number.
     kept: BTreeMap<u32, Message>,
-    /// The receiver has taken all numbers below this one ...
+    /// The receiver has accepted all numbers below this one ...
     taken_below: u32,
     /// ... and these.
     taken: BTreeSet<u32>,
@@ -38,9 +38,9 @@ impl Channel {
 }
 
 impl Channels {
-    /// The sender numbers a message and keeps it.
+    /// Numbers and keeps a message at the sender.
     pub fn send(&mut self, from: Body, to: Body, message: Message) -> u32 {
-        // For `close` to find both.
+        // `close` must find both directions.
         self.channels.entry((to, from)).or_default();
         let channel = self.channels.entry((from, to)).or_default();
         let number = channel.next;
@@ -49,7 +49,8 @@ impl Channels {
         number
     }
 
-    /// The receiver takes a transfer; `false`: it has had it before, or the contact is gone.
+    /// Accepts a transfer at the receiver. Returns `false` for a duplicate, or if the contact is
+    /// closed.
     pub fn take(&mut self, from: Body, to: Body, number: u32) -> bool {
         let Some(channel) = self.channels.get_mut(&(from, to)) else {
             return false;
@@ -64,20 +65,21 @@ impl Channels {
         true
     }
 
-    /// The sender hears that a number has been taken, and forgets it.
+    /// Processes an acknowledgement at the sender, which drops the message.
     pub fn acknowledge(&mut self, from: Body, to: Body, number: u32) {
         if let Some(channel) = self.channels.get_mut(&(from, to)) {
             channel.kept.remove(&number);
         }
     }
 
-    /// Whether the sender still keeps a message: it has to be sent again.
+    /// Returns whether the sender still keeps a message, which must then be resent.
     pub fn keeps(&self, from: Body, to: Body, number: u32) -> bool {
         let channel = self.channels.get(&(from, to));
         channel.is_some_and(|channel| channel.kept.contains_key(&number))
     }
 
-    /// Ends the contacts of a block that is being let go: what has been sent and not been taken.
+    /// Closes the contacts of a block that is being released. Returns the messages sent and not
+    /// accepted.
     pub fn close(&mut self, gone: Body) -> Recalled {
         let first = (gone, Body::Seed(Cell::new(i32::MIN, i32::MIN, i32::MIN)));
         let of_gone = self
@@ -105,7 +107,7 @@ impl Channels {
         recalled
     }
 
-    /// Begins anew, on both sides of every contact.
+    /// Resets both ends of every contact.
     pub fn clear(&mut self) {
         self.channels.clear();
     }

@@ -1,4 +1,4 @@
-//! Cells, and who sits in them: the geometry of a structure without anything that moves.
+//! Lattice geometry of a structure: cells and their blocks, without motion.
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::{Cell, Face};
@@ -6,40 +6,40 @@ use stochc_ir::{Cell, Face};
 use crate::body::{BlockFace, Body, Docking};
 use crate::orientation::Orientation;
 
-/// Which blocks are anchored where, which faces are on, and which hold a block.
+/// Anchored blocks with their cells, open faces, and holding faces.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Lattice {
-    /// The anchored blocks that were free once, by number.
+    /// Anchored blocks that were free at the start, by number.
     placed: BTreeMap<u32, LatticePose>,
-    /// Which block sits in a cell above the plate.
+    /// Block in each occupied cell above the plate.
     cells: BTreeMap<Cell, u32>,
-    /// The faces that are on and hold nothing.
+    /// Open faces.
     active: BTreeSet<BlockFace>,
-    /// The faces that hold a block.
+    /// Faces that hold a block.
     holds: BTreeMap<BlockFace, u32>,
 }
 
-/// Where an anchored block is.
+/// Place of an anchored block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LatticePose {
-    /// In which cell it sits.
+    /// Its cell.
     pub cell: Cell,
-    /// And how.
+    /// Its orientation.
     pub orientation: Orientation,
 }
 
 impl Lattice {
-    /// The occupied cells above the plate, each with the number of its block.
+    /// Returns the occupied cells above the plate, each with its block.
     pub fn cells(&self) -> &BTreeMap<Cell, u32> {
         &self.cells
     }
 
-    /// The faces that are on and hold nothing.
+    /// Returns the open faces.
     pub fn active(&self) -> &BTreeSet<BlockFace> {
         &self.active
     }
 
-    /// Where a block is anchored; `None`: it is not.
+    /// Returns the place of an anchored block, or `None` if it is not anchored.
     pub fn place(&self, body: Body) -> Option<LatticePose> {
         match body {
             Body::Seed(cell) => Some(LatticePose {
@@ -50,17 +50,17 @@ impl Lattice {
         }
     }
 
-    /// The block that a face holds.
+    /// Returns the block that a face holds.
     pub fn held(&self, site: BlockFace) -> Option<u32> {
         self.holds.get(&site).copied()
     }
 
-    /// Whether a block that was free once is anchored.
+    /// Returns whether a formerly free block is anchored.
     pub fn is_anchored(&self, id: u32) -> bool {
         self.placed.contains_key(&id)
     }
 
-    /// Where a block that docks on `site` would sit; `None`: there is no room.
+    /// Returns the cell of a block captured at `site`, or `None` if it is occupied.
     pub fn target(&self, site: BlockFace) -> Option<Cell> {
         let parent = self.place(site.body)?;
         let cell = parent
@@ -69,14 +69,14 @@ impl Lattice {
         (cell.z >= 1 && !self.cells.contains_key(&cell)).then_some(cell)
     }
 
-    /// Switches a face on, unless it holds a block.
+    /// Switches a face on unless it holds a block.
     pub fn magnetize(&mut self, site: BlockFace) {
         if self.place(site.body).is_some() && !self.holds.contains_key(&site) {
             self.active.insert(site);
         }
     }
 
-    /// Switches a face off; what it holds goes, with all that hangs on it.
+    /// Switches a face off and releases its block with all descendants.
     pub fn switch_off(&mut self, site: BlockFace) {
         self.active.remove(&site);
         let Some(id) = self.holds.remove(&site) else {
@@ -91,7 +91,7 @@ impl Lattice {
         }
     }
 
-    /// Anchors a block where there is room for it.
+    /// Anchors a captured block if its cell is empty.
     pub fn dock(&mut self, docking: &Docking) {
         let site = docking.site;
         let (Some(parent), Some(cell)) = (self.place(site.body), self.target(site)) else {

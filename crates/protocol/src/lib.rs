@@ -1,10 +1,9 @@
-//! The distributed control of a structure, without physics, time or chance.
+//! Distributed control of a structure, without physics, time or chance.
 //!
-//! Every anchored block runs its own part of the event tables. It sees only itself: what docked on its
-//! faces and what it was told. What crosses from one block to another crosses as a message, hop by hop
-//! along parents and children. A [`Structure`] is the machine of all blocks together, a plain value, and an
-//! [`Environment`] is what it asks of whoever drives it: the runtime by the clock of a world, [`explore`]
-//! in every order of events.
+//! Every anchored block executes its own part of the event tables. A block sees only its own faces
+//! and its messages. Messages travel hop by hop along parents and children. A [`Structure`] is the
+//! state machine of all blocks together, a plain value. An [`Environment`] carries out its
+//! decisions: the runtime by the clock of a world, [`explore`] in every order of events.
 mod body;
 mod channel;
 pub mod explore;
@@ -21,5 +20,5 @@ pub use machine::{
 };
 pub use orientation::Orientation;
 
-/// A digest of this crate's sources: two builds with one digest compute the same.
+/// Digest of this crate's sources. Two builds with equal digests compute equal results.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

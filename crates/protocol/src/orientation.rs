@@ -1,24 +1,24 @@
-//! The 24 ways in which a cube can sit on the lattice.
+//! The 24 orientations of a cube on the lattice.
 use serde::{Deserialize, Serialize};
 use stochc_ir::Face;
 
-/// A rotation of the cube onto itself: takes a block's own faces to the structure's.
+/// Orientation of a cube: a map from a block's own faces to the structure's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Orientation {
-    /// Where the block's own east points.
+    /// Structure direction of the block's own east.
     east: Face,
-    /// Where its own north points; up follows, because a block is not its mirror image.
+    /// Structure direction of its own north. Up follows from the two, as reflections are excluded.
     north: Face,
 }
 
 impl Orientation {
-    /// The block's own faces are the structure's; how every block of the plate sits.
+    /// Orientation of every block of the plate: own faces equal the structure's.
     pub const IDENTITY: Orientation = Orientation {
         east: Face::East,
         north: Face::North,
     };
 
-    /// All 24, in a fixed order that begins with [`Orientation::IDENTITY`].
+    /// Returns all 24 orientations in a fixed order, [`Orientation::IDENTITY`] first.
     pub fn all() -> impl Iterator<Item = Orientation> {
         Face::ALL.into_iter().flat_map(|east| {
             Face::ALL
@@ -28,19 +28,19 @@ impl Orientation {
         })
     }
 
-    /// The structure's face that the block's `own` face points to.
+    /// Returns the structure's face that the block's face `own` points to.
     #[inline]
     pub const fn to_structure(self, own: Face) -> Face {
         TO_STRUCTURE[self.east as usize][self.north as usize][own as usize]
     }
 
-    /// The block's own face that points to the structure's face `structure`.
+    /// Returns the block's face that points to the structure's face `structure`.
     #[inline]
     pub fn to_own(self, structure: Face) -> Face {
         TO_OWN[self.east as usize][self.north as usize][structure as usize]
     }
 
-    /// This rotation after `first`.
+    /// Returns the composition: this rotation after `first`.
     #[inline]
     pub const fn after(self, first: Orientation) -> Orientation {
         Orientation {
@@ -49,7 +49,7 @@ impl Orientation {
         }
     }
 
-    /// The rotation that undoes this one.
+    /// Returns the inverse rotation.
     pub fn inverse(self) -> Orientation {
         Orientation {
             east: self.to_own(Face::East),
@@ -57,7 +57,8 @@ impl Orientation {
         }
     }
 
-    /// `turns` quarter turns about the outward normal of `axis`, counterclockwise seen from outside.
+    /// Returns `turns` quarter turns about the outward normal of `axis`, counterclockwise seen from
+    /// outside.
     pub const fn turned(axis: Face, turns: u8) -> Orientation {
         let mut done = Orientation::IDENTITY;
         let mut turn = 0;
@@ -71,12 +72,12 @@ impl Orientation {
         done
     }
 
-    /// The orientation of a block that has docked.
+    /// Returns the orientation of a captured block.
     ///
-    /// `parent` is how the parent sits, `parent_face` the face of its own that captured,
-    /// `child_face` the face of the child's own that touches it. `turn` is a number of quarter
-    /// turns about `parent_face`, counted from the first of [`Orientation::all`] (seen from the
-    /// parent) that brings the two faces together.
+    /// `parent` is the parent's orientation, `parent_face` its capturing face, and `child_face` the
+    /// touching face of the child, each in its own frame. `turn` counts quarter turns about
+    /// `parent_face`. It starts from the first of [`Orientation::all`], in the parent's frame, that
+    /// brings the two faces together.
     #[inline]
     pub fn docked(
         parent: Orientation,
@@ -88,8 +89,8 @@ impl Orientation {
         parent.after(turns[usize::from(turn % 4)])
     }
 
-    /// The child's face and the quarter turns with which a block that docks on `parent_face` of a block
-    /// sitting in `parent` sits in this orientation: [`Orientation::docked`] backwards.
+    /// Returns the child's face and the quarter turns that give this orientation on `parent_face`.
+    /// The inverse of [`Orientation::docked`].
     pub fn as_docked(self, parent: Orientation, parent_face: Face) -> Option<(Face, u8)> {
         let child_face = self.to_own(parent.to_structure(parent_face).opposite());
         (0..4)
@@ -98,8 +99,7 @@ impl Orientation {
     }
 }
 
-/// For a face of the parent's own, one of the child's own and a number of quarter turns, how the child sits
-/// as the parent sees it.
+/// Orientation of the child in the parent's frame, by parent face, child face and quarter turns.
 static AS_SEEN: [[[Orientation; 4]; 6]; 6] = {
     let mut seen = [[[Orientation::IDENTITY; 4]; 6]; 6];
     let mut i = 0;
@@ -116,7 +116,7 @@ static AS_SEEN: [[[Orientation; 4]; 6]; 6] = {
     seen
 };
 
-/// The first of all orientations in which a block's `own` face points to the structure's face `structure`.
+/// Returns the first orientation with the block's face `own` pointing to `structure`.
 const fn facing(own: Face, structure: Face) -> Orientation {
     let mut i = 0;
     loop {
@@ -129,7 +129,7 @@ const fn facing(own: Face, structure: Face) -> Orientation {
     }
 }
 
-/// Of each orientation, by its east and north, the structure's faces that its own point to.
+/// For each orientation, by east and north, the structure's faces of its own faces.
 static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
     let mut of = [[Face::ALL; 6]; 6];
     let mut i = 0;
@@ -151,7 +151,7 @@ static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
     of
 };
 
-/// Of each orientation, by its east and north, its own faces that point to the structure's.
+/// For each orientation, by east and north, its own faces of the structure's faces.
 static TO_OWN: [[[Face; 6]; 6]; 6] = {
     let mut of = [[Face::ALL; 6]; 6];
     let mut i = 0;
@@ -164,7 +164,7 @@ static TO_OWN: [[[Face; 6]; 6]; 6] = {
     of
 };
 
-/// Where a face points after a quarter turn about the outward normal of `axis`.
+/// Returns the direction of a face after a quarter turn about the outward normal of `axis`.
 const fn quarter_turn(axis: Face, face: Face) -> Face {
     if axis as u8 / 2 == face as u8 / 2 {
         face
@@ -173,7 +173,7 @@ const fn quarter_turn(axis: Face, face: Face) -> Face {
     }
 }
 
-/// The face towards which the cross product of two perpendicular faces' normals points.
+/// Returns the direction of the cross product of the normals of two perpendicular faces.
 const fn cross(a: Face, b: Face) -> Face {
     let (a, b) = (a as usize, b as usize);
     let (first, second) = (a / 2, b / 2);

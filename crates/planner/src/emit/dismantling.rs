@@ -1,4 +1,4 @@
-//! The phase in which blocks are handed over and masts are taken down.
+//! Phase of handing over blocks and removing masts.
 use std::fmt::Write as _;
 
 use stochc_ir::{Cell, Face};
@@ -8,7 +8,8 @@ use super::statement::{Called, NameWords};
 use crate::capture::Capture;
 use crate::scaffold::{Dismantling, HandOver, Mast};
 
-/// The captures of the phase: those of blocks that are handed over come first, so that no face that another one needs is taken.
+/// Returns the captures of the phase. Handed-over blocks come first, so that no other capture takes
+/// their faces.
 pub fn captures(dismantling: &Dismantling) -> Vec<Capture> {
     let handed_over = dismantling
         .hand_overs
@@ -19,10 +20,10 @@ pub fn captures(dismantling: &Dismantling) -> Vec<Capture> {
         .collect()
 }
 
-/// Writes what is let go, and when.
+/// Writes the releases and their conditions.
 pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
     if !dismantling.hand_overs.is_empty() {
-        out.push_str("/// What hangs on masts is handed over: a block that is let go beside an open face stays where it is.\n");
+        out.push_str("/// Blocks on masts are handed over: a block released next to an open face stays in place.\n");
     }
     let mut rest = &dismantling.hand_overs[..];
     while !rest.is_empty() {
@@ -49,7 +50,7 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
     ) in dismantling.masts.iter().enumerate()
     {
         if i == 0 {
-            out.push_str("/// Masts go when they hold nothing any more.\n");
+            out.push_str("/// Masts are released when they hold nothing.\n");
         }
         let levels = if *height == 1 {
             "1".to_owned()
@@ -62,11 +63,12 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
     }
 }
 
-/// How many of the first hand-overs go on in one direction, each behind the one before; 1 if they are too few for a loop.
+/// Returns the length of the first row of consecutive hand-overs in one direction. 1 if too short
+/// for a loop.
 fn row(rest: &[HandOver]) -> usize {
     let goes_on =
         |two: &&[HandOver]| two[1].way == rest[0].way && two[1].after == Some(two[0].cell);
-    // What the first one waits for has to be the cell before.
+    // The first one must wait for the cell before it.
     let begins = rest[0].after == rest[0].cell.across(rest[0].way.opposite());
     match 1 + rest.windows(2).take_while(goes_on).count() {
         length if begins && length >= MIN => length,
@@ -74,7 +76,7 @@ fn row(rest: &[HandOver]) -> usize {
     }
 }
 
-/// The axis of a row; `None`: it is a single one.
+/// Returns the axis of a row, or `None` for a single hand-over.
 fn along(row: &[HandOver]) -> Option<usize> {
     (row.len() > 1).then(|| match row[0].way {
         Face::East | Face::West => 0,

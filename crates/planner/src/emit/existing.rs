@@ -1,4 +1,4 @@
-//! What is there before anything is captured: blocks attached by hand, some of which are let go.
+//! Existing structure at the start: pre-attached blocks. Some of them are released.
 use std::fmt::Write as _;
 
 use rustc_hash::FxHashMap;
@@ -8,7 +8,7 @@ use super::statement::{Called, NameWords};
 use crate::capture::Capture;
 use crate::target::{ExistingBlock, Target};
 
-/// The blocks that are attached by hand, each behind its parent.
+/// Returns the pre-attached blocks, each after its parent.
 pub fn planted(target: &Target) -> Vec<Capture> {
     let all = || target.existing().iter().chain(target.released());
     let there: FxHashMap<Cell, &ExistingBlock> = all().map(|block| (block.cell, block)).collect();
@@ -29,14 +29,14 @@ pub fn planted(target: &Target) -> Vec<Capture> {
     captures.collect()
 }
 
-/// What a block is called that is attached by hand; `None`: there is none in the cell.
+/// Returns the name of the pre-attached block in a cell, or `None` if there is none.
 pub fn name_of(target: &Target, cell: Cell) -> Option<String> {
     let Cell { x, y, z } = target.existing_at(cell)?.cell;
     let word = NameWords::OWN.of(Called::Block);
     Some(format!("{word}[{x}, {y}, {z}]"))
 }
 
-/// Writes the phase in which blocks are let go, behind the plate.
+/// Writes the phase that releases blocks, after the plate.
 pub fn write_releases(target: &Target, out: &mut String) {
     let word = NameWords::OWN.of(Called::Block);
     let released = target.released().iter();
@@ -49,7 +49,7 @@ pub fn write_releases(target: &Target, out: &mut String) {
     // Writing to a string cannot fail.
     let _ = write!(
         out,
-        "}}\nphase clear {{\n/// What does not belong to the shape, with all that hangs on it.\nrelease {}\n",
+        "}}\nphase clear {{\n/// Blocks outside the shape, with everything attached to them.\nrelease {}\n",
         names.join(", ")
     );
 }

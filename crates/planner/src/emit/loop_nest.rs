@@ -1,30 +1,30 @@
-//! Loops inside each other, how they are written, and what makes one of things that stand apart.
+//! Nested loops: how they are written, and when repeated things form one.
 use std::fmt::Write as _;
 
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
-/// Loops inside each other, around something that begins at a cell.
+/// Nested loops around something that begins at a cell.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct LoopNest {
     pub(super) base: Cell,
-    /// Along x, y and z.
+    /// Loops along x, y and z.
     loops: [Option<Loop>; 3],
 }
 
-/// Places along an axis.
+/// Positions along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Loop {
-    /// From one to the next.
+    /// Distance between two positions.
     step: i32,
-    /// How many there are.
+    /// Number of positions.
     count: i32,
 }
 
-/// Places that are worth a loop.
+/// Smallest number of repetitions that makes a loop.
 pub(super) const MIN: usize = 3;
 
-/// What is counted along x, y and z.
+/// Loop variables along x, y and z.
 pub(super) const COUNTERS: [&str; 3] = ["x", "y", "z"];
 
 impl LoopNest {
@@ -35,7 +35,7 @@ impl LoopNest {
         }
     }
 
-    /// Whether there is more than one.
+    /// Returns whether there is more than one repetition.
     pub fn is_loop(&self) -> bool {
         self.loops.iter().any(Option::is_some)
     }
@@ -44,7 +44,7 @@ impl LoopNest {
         <[i32; 3]>::from(self.base)[axis]
     }
 
-    /// Writes the loops around what is written with the indices of one round.
+    /// Writes the loops around the body, which gets the indices of one iteration.
     pub fn write(&self, out: &mut String, inner: impl FnOnce(&mut String, &Indices<'_>)) {
         let loops = || (0..3).filter_map(|axis| Some((axis, self.loops[axis]?)));
         for (axis, it) in loops() {
@@ -62,23 +62,23 @@ impl LoopNest {
     }
 }
 
-/// The indices of a cell in a round of loops.
+/// Indices of a cell in an iteration.
 pub struct Indices<'a> {
     nest: &'a LoopNest,
 }
 
 impl Indices<'_> {
-    /// So many cells east of the base.
+    /// Returns the index `steps` cells east of the base.
     pub fn x(&self, steps: i32) -> String {
         self.along(0, steps)
     }
 
-    /// So many cells north of the base.
+    /// Returns the index `steps` cells north of the base.
     pub fn y(&self, steps: i32) -> String {
         self.along(1, steps)
     }
 
-    /// So many cells above the base.
+    /// Returns the index `steps` cells above the base.
     pub fn z(&self, steps: i32) -> String {
         self.along(2, steps)
     }
@@ -98,7 +98,7 @@ impl Indices<'_> {
         }
     }
 
-    /// The indices of a block, or of a row of them from the first to the last.
+    /// Returns the indices of a block, or of a row of blocks from the first to the last.
     pub fn block(&self, first: Cell, last: Cell) -> String {
         let (first, last) = (<[i32; 3]>::from(first), <[i32; 3]>::from(last));
         let index = |axis: usize| {
@@ -116,7 +116,8 @@ impl Indices<'_> {
     }
 }
 
-/// Nests of equal kinds, equally far apart along an axis, often enough for a loop: their places, from the lowest.
+/// Returns runs of equal nests at equal distances along an axis that are long enough for a loop,
+/// from the lowest.
 pub(super) fn runs<'a>(
     axis: usize,
     nests: impl Iterator<Item = (usize, &'a LoopNest)>,
@@ -155,7 +156,7 @@ pub(super) fn runs<'a>(
     runs
 }
 
-/// One nest for all of a run.
+/// Returns one nest for a whole run.
 pub(super) fn joined<'a>(
     axis: usize,
     run: &[usize],

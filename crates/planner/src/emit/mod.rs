@@ -1,4 +1,4 @@
-//! The program of a plan, as text.
+//! Program text of a plan.
 mod dismantling;
 mod existing;
 mod loop_nest;
@@ -23,32 +23,33 @@ use repetition::{Repeated, repeated};
 pub use shape::declaration;
 use statement::{NameWords, Statement, statements};
 
-/// What is called how.
+/// Names of a program.
 #[derive(Clone, Copy, Debug)]
 pub struct Naming<'a> {
-    /// The assembly.
+    /// Name of the assembly.
     pub assembly: &'a str,
-    /// The scene it runs in; `None`: that of an assembly that names none.
+    /// Name of its scene. `None` for the default scene.
     pub scene: Option<&'a str>,
-    /// The shape it claims; `None`: too large to be claimed.
+    /// Name of its shape. `None` if the shape is too large to declare.
     pub shape: Option<&'a str>,
-    /// The declarations of these, as text.
+    /// Their declarations, as text.
     pub declarations: &'a str,
-    /// Warnings that are allowed, each with its reason.
+    /// Allowed warnings, each with a reason.
     pub allowed: &'a [(&'a str, String)],
 }
 
-/// A sentence that every planned program has, and by which its file is recognized.
+/// Sentence in every planned program that identifies its file.
 pub const PLANNED_MARK: &str =
     "A block is called by its cell, and a block of the plate by its place there.";
 
-/// Statements of a program in which each wait is explained, at most.
+/// Largest number of statements with individual explanations.
 const MAX_EXPLAINED: usize = 200;
 
-/// The program of a plan, laid out.
+/// Returns the formatted program of a plan.
 ///
 /// # Errors
-/// If the names or declarations are none.
+///
+/// If the names or declarations are invalid.
 pub fn program(
     target: &Target,
     plan: &BuildPlan,
@@ -57,7 +58,7 @@ pub fn program(
     format(&draft(target, plan, naming))
 }
 
-/// The same without a layout, which takes longer than all the rest.
+/// Returns the program without formatting, which takes longer than everything else.
 pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
     let planted = planted(target);
     let there = statements(&planted, |_| None);
@@ -136,8 +137,10 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
     out
 }
 
-/// The captures of a plan, as statements for a phase of a program that has built what stands: `name` is what that program calls a block
-/// of its plate or of what stands, and `word` a name that nothing in it has.
+/// Returns the captures of a plan as statements for a later phase of another program.
+///
+/// `name` returns the other program's name of a block of the plate or the existing structure.
+/// `word` is a name that is not used in it.
 pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<String>) -> String {
     let words = NameWords {
         block: word,
@@ -149,7 +152,7 @@ pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<
     out
 }
 
-/// What has been explained once is not explained again.
+/// Explanations already given. Each is given once.
 #[derive(Default)]
 struct ExplainedComments {
     grows: bool,
@@ -159,7 +162,7 @@ struct ExplainedComments {
 }
 
 impl ExplainedComments {
-    /// Writes the statements of a phase, with what they wait for.
+    /// Writes the statements of a phase with their conditions.
     fn write(
         &mut self,
         statements: &[Statement],
@@ -178,7 +181,7 @@ impl ExplainedComments {
         }
     }
 
-    /// What a statement waits for, and why.
+    /// Explains the conditions of a statement.
     fn explain(
         &mut self,
         statement: &Statement,
@@ -198,7 +201,7 @@ impl ExplainedComments {
                 if std::mem::replace(&mut self.mast, true) {
                     return;
                 }
-                "Masts: what hangs on them grows at the same time as the rest, and they guide blocks to what grows beside them.".to_owned()
+                "Masts: pieces on them grow in parallel with the rest, and they guide blocks to adjacent growth.".to_owned()
             }
             (0, 0) => {
                 if std::mem::replace(&mut self.grows, true) {
@@ -217,9 +220,13 @@ impl ExplainedComments {
                 if std::mem::replace(&mut self.both, true) {
                     return;
                 }
-                "Comes later, because it lies in the way of what it waits for.".to_owned()
+                "Comes later, because it is on the access path of the blocks that it waits for."
+                    .to_owned()
             }
-            (1, 0) => format!("Comes later, because it lies in the way to {}.", ways[0]),
+            (1, 0) => format!(
+                "Comes later, because it is on the access path to {}.",
+                ways[0]
+            ),
             (n, _) => {
                 let listed = listed_cells(&ways);
                 let verb = if n == 1 { "is" } else { "are" };

@@ -1,20 +1,20 @@
-//! What is said several times, a step apart, is said once, in a loop.
+//! Statements that repeat at equal distances are written once, in a loop.
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
 use super::loop_nest::{LoopNest, joined, runs};
 use super::statement::Statement;
 
-/// A statement, and where it is repeated.
+/// Statement and its repetitions.
 #[derive(Debug)]
 pub struct Repeated<'a> {
-    /// The one nearest to the origin.
+    /// Statement nearest to the origin.
     pub first: &'a Statement,
-    /// The others.
+    /// Loops over all repetitions.
     pub nest: LoopNest,
 }
 
-/// The seats of the seeds that statements need.
+/// Returns the plate positions that statements need.
 pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
     let seeds = statements.iter().filter_map(Statement::seed);
     let mut nests: Vec<LoopNest> = seeds
@@ -32,17 +32,17 @@ pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
     nests
 }
 
-/// Equal statements, at the places of a nest.
+/// Equal statements at the positions of a nest.
 struct RepeatedItem {
-    /// Where they are written.
+    /// Index of the first one in the text.
     at: usize,
-    /// Equal ones have one number.
+    /// Number of the statement. Equal statements have equal numbers.
     kind: usize,
     nest: LoopNest,
     members: Vec<usize>,
 }
 
-/// Statements with equal ones in loops, each where its first one was.
+/// Combines equal statements in loops, each at the place of its first one.
 pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
     let mut kinds = FxHashMap::default();
     let items = statements.iter().enumerate().map(|(at, statement)| {
@@ -62,9 +62,9 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
                 .iter()
                 .map(|&i| items[i].at)
                 .min()
-                .expect("a run has members");
+                .expect("a run is not empty");
             let members: Vec<usize> = run.iter().flat_map(|&i| items[i].members.clone()).collect();
-            // Captures of one parent stay in their order: none moves before the one it follows.
+            // Captures of one parent keep their order: none moves before its predecessor.
             let may_move = |&i: &usize| statements[i].follows.is_none_or(|before| before < at);
             if members.iter().all(may_move) {
                 let nest = joined(axis, &run, |i| &items[i].nest);
@@ -84,7 +84,7 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
     let repeated = items.into_iter().map(|RepeatedItem { nest, members, .. }| {
         let first = members.iter().find(|&&i| statements[i].base() == nest.base);
         Repeated {
-            first: &statements[*first.expect("a nest begins at one of its members")],
+            first: &statements[*first.expect("a nest begins at a statement")],
             nest,
         }
     });

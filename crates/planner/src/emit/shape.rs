@@ -1,12 +1,12 @@
-//! A target as the declaration of a shape.
+//! Declaration of a target as a shape.
 use std::fmt::Write as _;
 
 use stochc_ir::Cell;
 
-/// Cells of a shape's layers, empty ones as well, at most.
+/// Largest number of cells in a shape's layers, including empty ones.
 const MAX: u64 = 40_000_000;
 
-/// The declaration of a shape with these cells, which are sorted; `None` if it would be too large.
+/// Returns the declaration of a shape with these sorted cells, or `None` if it is too large.
 pub fn declaration(name: &str, cells: &[Cell]) -> Option<String> {
     let west = cells.iter().map(|cell| cell.x).min()?;
     let south = cells.iter().map(|cell| cell.y).min()?;
@@ -40,7 +40,7 @@ pub fn declaration(name: &str, cells: &[Cell]) -> Option<String> {
             _ => layers.push((z, z, rows)),
         }
     }
-    // The same again, a layer for a layer: equal layers count each time.
+    // Counts every layer, including equal ones.
     let levels = |low: i32, high: i32| u64::from(high.abs_diff(low)) + 1;
     let in_all = layers.iter().map(|(low, high, rows)| {
         let signs: usize = rows.iter().map(|row| row.len().div_ceil(2)).sum();

@@ -1,4 +1,4 @@
-//! Captures as chains of captures.
+//! Captures as chained statements.
 use std::fmt::Write as _;
 
 use rustc_hash::FxHashMap;
@@ -7,32 +7,32 @@ use stochc_ir::{Cell, Face};
 use super::loop_nest::Indices;
 use crate::capture::Capture;
 
-/// What blocks are called, with their cells as indices.
+/// Kind of block name, indexed by cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Called {
-    /// A block of the target.
+    /// Block of the target.
     Block,
-    /// One of a scaffold.
+    /// Block of a scaffold.
     Scaffold,
 }
 
-/// The words of these names.
+/// Words of the block names.
 #[derive(Clone, Copy, Debug)]
 pub struct NameWords<'a> {
-    /// For a block of the target.
+    /// Word for a block of the target.
     pub block: &'a str,
-    /// For one of a scaffold.
+    /// Word for a block of a scaffold.
     pub scaffold: &'a str,
 }
 
 impl NameWords<'_> {
-    /// Those of programs that are nothing but a plan.
+    /// Words in a program that consists of a plan only.
     pub const OWN: NameWords<'static> = NameWords {
         block: "B",
         scaffold: "S",
     };
 
-    /// The word of a name.
+    /// Returns the word of a name.
     pub fn of(&self, called: Called) -> &str {
         match called {
             Called::Block => self.block,
@@ -51,27 +51,29 @@ impl Called {
     }
 }
 
-/// Captures one after the other, each by the block before.
+/// Chain of captures, each by the previous block.
 #[derive(Clone, Debug)]
 pub struct Statement {
-    /// The places of the captures in the plan.
+    /// Indices of the captures in the plan.
     captures: Vec<usize>,
-    /// The cell of the first capture.
+    /// Cell of the first capture.
     base: Cell,
-    /// The way into each cell, and how many cells on in one row.
+    /// Direction and number of cells of each straight section.
     rows: Vec<(Face, i32)>,
-    /// What the first capture waits for, in rows along an axis: what the blocks are called, the first cell and the last.
+    /// Predecessors of the first capture, as rows along an axis: kind of name, first cell and last
+    /// cell.
     after: Vec<(Called, Cell, Cell)>,
-    /// What the block that captures first is called, and the blocks that are captured.
+    /// Kinds of name of the first parent and of the captured blocks.
     called: [Called; 2],
-    /// The name of the block that captures first, if that is none of the plan's.
+    /// Name of the first parent, if it is not a block of the plan.
     parent: Option<String>,
-    /// The place of the statement that has the capture before, of the same parent.
+    /// Index of the statement with the previous capture of the same parent.
     pub follows: Option<usize>,
 }
 
-/// The captures of a plan as statements, in an order in which those of one parent stay in theirs; `other`: the name of a block that
-/// is there before, if it is not called by its place on the plate.
+/// Returns the captures of a plan as statements that keep the order of each parent's captures.
+///
+/// `other` returns the name of an existing block that is not named by its place on the plate.
 pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) -> Vec<Statement> {
     let place: FxHashMap<Cell, usize> = captures
         .iter()
@@ -82,7 +84,7 @@ pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) 
         let cell = capture.cell.across(capture.way.opposite())?;
         place.get(&cell).copied()
     };
-    // The captures by each block, in their order.
+    // Captures by parent, in order.
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); captures.len()];
     for (i, capture) in captures.iter().enumerate() {
         if let Some(parent) = parent(capture) {
@@ -124,7 +126,8 @@ pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) 
         };
         within[i] = statements.len();
         let mut last = i;
-        // Only the first capture of a chain can wait, and only the first one of a block goes on with it.
+        // Only the first capture of a chain can have predecessors, and only a block's first capture
+        // can extend its chain.
         while let Some(&next) = children[last].first()
             && captures[next].after.is_empty()
             && captures[next].is_temporary == capture.is_temporary
@@ -142,7 +145,7 @@ pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) 
     statements
 }
 
-/// What a capture waits for, in rows of blocks of one name.
+/// Returns the predecessors of a capture as rows of blocks of one kind.
 fn after(capture: &Capture, called: impl Fn(Cell) -> Called) -> Vec<(Called, Cell, Cell)> {
     let rows = [Called::Block, Called::Scaffold]
         .into_iter()
@@ -155,7 +158,7 @@ fn after(capture: &Capture, called: impl Fn(Cell) -> Called) -> Vec<(Called, Cel
     rows.collect()
 }
 
-/// Cells in rows along the axis that needs the fewest.
+/// Returns cells as rows along the axis that needs the fewest.
 fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     type Key = fn(&Cell) -> (i32, i32, i32);
     const KEYS: [Key; 3] = [
@@ -177,14 +180,15 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     };
     let all = KEYS.map(&mut rows);
     let mut all = all.into_iter();
-    let first = all.next().expect("there are three axes");
+    let first = all.next().expect("three axes");
     all.fold(
         first,
         |best, rows| if rows.len() < best.len() { rows } else { best },
     )
 }
 
-/// Whether a seed captures first, or which other block, the rows, and what they wait for, seen from the base of a statement.
+/// Statement relative to its base: whether a seed captures first, another first parent, kinds,
+/// sections and predecessors.
 pub type StatementSignature<'a> = (
     bool,
     Option<&'a str>,
@@ -194,23 +198,23 @@ pub type StatementSignature<'a> = (
 );
 
 impl Statement {
-    /// The place of its first capture in the plan.
+    /// Returns the index of its first capture in the plan.
     pub fn first(&self) -> usize {
         self.captures[0]
     }
 
-    /// The cell of its first capture.
+    /// Returns the cell of its first capture.
     pub fn base(&self) -> Cell {
         self.base
     }
 
-    /// The place on the plate of its seed, if a seed captures first.
+    /// Returns the plate position of its seed, if a seed captures first.
     pub fn seed(&self) -> Option<(i32, i32)> {
         let is_seed = self.base.z == 1 && self.rows[0].0 == Face::Up && self.parent.is_none();
         is_seed.then_some((self.base.x, self.base.y))
     }
 
-    /// What it says, seen from its base: equal ones differ in nothing but their place.
+    /// Returns the statement relative to its base. Equal signatures differ only in position.
     pub fn signature(&self) -> StatementSignature<'_> {
         let Cell { x, y, z } = self.base;
         let after = self.after.iter().map(|&(called, first, last)| {
@@ -229,7 +233,7 @@ impl Statement {
         (is_on_seed, parent, self.called, &self.rows, after.collect())
     }
 
-    /// Writes it with indices that count from its base.
+    /// Writes the statement with indices relative to its base.
     pub fn write(&self, out: &mut String, at: &Indices<'_>, words: NameWords<'_>) {
         let Cell { x, y, z } = self.base;
         let [dx, dy, dz] = self.rows[0].0.normal();

@@ -1,4 +1,4 @@
-//! What happens once all that is temporary is there.
+//! Second phase of a plan with scaffolds.
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 use stochc_ir::{Cell, Face};
@@ -6,52 +6,52 @@ use stochc_ir::{Cell, Face};
 use super::{MastPiece, Scaffolding};
 use crate::capture::Capture;
 
-/// The second phase of a plan with scaffolds.
+/// Second phase of a plan with scaffolds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Dismantling {
-    /// Blocks that are handed over, each behind the one that holds it then.
+    /// Hand-overs, each after that of its new parent.
     pub hand_overs: Vec<HandOver>,
     /// Masts.
     pub masts: Vec<Mast>,
-    /// Whether masts stay where they are.
+    /// Whether masts remain.
     pub are_kept: bool,
-    /// The captures that follow, in the order in which their faces open if all waits are as long as their means.
+    /// Later captures, in opening order for mean waiting times.
     pub captures: Vec<Capture>,
 }
 
-/// A block that is let go and taken at once by another one beside it.
+/// Block that is released and captured again in place by an adjacent block.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HandOver {
-    /// Where it is, and stays.
+    /// Its cell.
     pub cell: Cell,
-    /// From the block that takes it.
+    /// Direction from the new parent.
     pub way: Face,
-    /// The cell of the capture of the same phase before which it is not let go.
+    /// Cell of the capture that must come before, in the same phase.
     pub after: Option<Cell>,
 }
 
-/// A column of temporary blocks.
+/// Column of temporary blocks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mast {
-    /// Its place on the plate, as (x, y).
+    /// Position on the plate, as (x, y).
     pub foot: (i32, i32),
-    /// Its blocks.
+    /// Number of blocks.
     pub height: i32,
-    /// The cells that have been handed over when it is taken down.
+    /// Cells that must be handed over before the mast is released.
     pub after: Vec<Cell>,
 }
 
 impl Dismantling {
-    /// Of scaffolds, with the captures that follow.
+    /// Returns the second phase for scaffolds and the later captures.
     pub fn new(scaffolding: &Scaffolding, captures: Vec<Capture>, are_kept: bool) -> Dismantling {
-        // What is captured in this phase, and the last hand-over to each block.
+        // Captures of this phase, and the last hand-over to each block.
         let mut new: FxHashSet<Cell> = captures.iter().map(|capture| capture.cell).collect();
         let mut last: FxHashMap<Cell, Cell> = FxHashMap::default();
         let mut hand_overs = Vec::new();
         for piece in in_order(scaffolding) {
             for (cell, way) in piece.handed_over() {
                 let holder = cell.across(way.opposite());
-                let holder = holder.expect("it is a cell of the target");
+                let holder = holder.expect("a cell of the target");
                 let before = last.insert(holder, cell);
                 hand_overs.push(HandOver {
                     cell,
@@ -79,7 +79,7 @@ impl Dismantling {
     }
 }
 
-/// The pieces, each behind the one that it joins.
+/// Returns the pieces, each after the one that it joins.
 fn in_order(scaffolding: &Scaffolding) -> Vec<&MastPiece> {
     let mut left: Vec<&MastPiece> = scaffolding.pieces.iter().collect();
     let mut order = Vec::new();
@@ -88,8 +88,8 @@ fn in_order(scaffolding: &Scaffolding) -> Vec<&MastPiece> {
             |piece: &&MastPiece| !left.iter().any(|other| other.cells.contains(&piece.join));
         let (next, rest): (Vec<&MastPiece>, Vec<&MastPiece>) =
             left.iter().copied().partition(is_last);
-        // Pieces that joined each other in a circle would hold nothing.
-        assert!(!next.is_empty(), "pieces hang on the target in the end");
+        // A cycle of pieces would have no support.
+        assert!(!next.is_empty(), "every piece joins the target");
         order.extend(next);
         left = rest;
     }

@@ -1,8 +1,9 @@
-//! Temporary blocks: masts from which far pieces of a target grow at the same time as the rest.
+//! Scaffolds: temporary masts for growing far pieces of a target in parallel with the rest.
 //!
-//! A mast is a column beside the target, on a block of the plate. A piece is a way through the target from the end that a mast
-//! holds towards the plate. A mast may also hold nothing, and guide blocks to what grows beside it. When all pieces are there they are handed over, block by block: each is let go and taken at once by the block
-//! that holds it in the end, and stays where it is. Then the mast goes, and the rest grows.
+//! A mast is a column next to the target, on a block of the plate. A piece is a path through the
+//! target from the mast towards the plate. A mast without pieces guides blocks to adjacent growth.
+//! When all pieces are complete they are handed over block by block. Each block is released and at
+//! once captured in place by its final parent. Then the mast is released and the rest grows.
 mod dismantling;
 mod roles;
 
@@ -11,32 +12,33 @@ use stochc_ir::{Cell, Face};
 pub use dismantling::{Dismantling, HandOver, Mast};
 pub use roles::{SitePart, SiteRoles};
 
-/// Masts, and what grows from them.
+/// Masts and the pieces on them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scaffolding {
-    /// In the order in which they were added.
+    /// Pieces in order of addition.
     pub pieces: Vec<MastPiece>,
-    /// Masts that need not hold anything, and their heights: free blocks are guided by them to what grows beside them.
+    /// Guide masts, which need not hold pieces, with their heights. They guide free blocks to
+    /// adjacent growth.
     pub guides: Vec<((i32, i32), i32)>,
 }
 
-/// What grows from one place of a mast.
+/// Piece that grows from a mast.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MastPiece {
-    /// The place of the mast on the plate.
+    /// Position of the mast on the plate.
     pub foot: (i32, i32),
-    /// The layer of the mast's block that holds the piece.
+    /// Layer of the mast's block that holds the piece.
     pub height: i32,
-    /// From that block to the first cell.
+    /// Direction from that block to the first cell.
     pub way: Face,
-    /// The cells, from the mast on.
+    /// Cells from the mast on.
     pub cells: Vec<Cell>,
-    /// What holds the last cell in the end: a cell of the target.
+    /// Final parent of the last cell, a cell of the target.
     pub join: Cell,
 }
 
 impl Scaffolding {
-    /// The masts: their places on the plate and their heights, each once.
+    /// Returns the masts with their positions on the plate and heights.
     pub fn masts(&self) -> Vec<((i32, i32), i32)> {
         let mut masts: Vec<((i32, i32), i32)> = Vec::new();
         let holding = self.pieces.iter().map(|piece| (piece.foot, piece.height));
@@ -49,12 +51,12 @@ impl Scaffolding {
         masts
     }
 
-    /// Whether there is no mast.
+    /// Returns whether there is no mast.
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty() && self.guides.is_empty()
     }
 
-    /// The cells of the masts, each from the plate on.
+    /// Returns the cells of the masts, each from the plate on.
     pub fn cells(&self) -> impl Iterator<Item = Cell> {
         let masts = self.masts().into_iter();
         masts.flat_map(|((x, y), height)| (1..=height).map(move |z| Cell::new(x, y, z)))
@@ -62,13 +64,13 @@ impl Scaffolding {
 }
 
 impl MastPiece {
-    /// Each cell with the way into it from the one before, from the mast on.
+    /// Returns each cell from the mast on, with the direction from the one before.
     pub fn grown(&self) -> impl Iterator<Item = (Cell, Face)> {
         let steps = self.cells.windows(2).map(|two| way(two[0], two[1]));
         (self.cells.iter().copied()).zip(std::iter::once(self.way).chain(steps))
     }
 
-    /// Each cell with the way into it from what holds it in the end, in the order in which they are handed over.
+    /// Returns each cell in hand-over order, with the direction from its final parent.
     pub fn handed_over(&self) -> impl Iterator<Item = (Cell, Face)> {
         let holders = std::iter::once(self.join).chain(self.cells.iter().rev().copied());
         let cells = self.cells.iter().rev().copied();
@@ -78,10 +80,10 @@ impl MastPiece {
     }
 }
 
-/// The face of a cell towards one beside it.
+/// Returns the face of a cell towards an adjacent one.
 fn way(from: Cell, to: Cell) -> Face {
     let ways = Face::ALL
         .into_iter()
         .find(|&face| from.across(face) == Some(to));
-    ways.expect("cells of a piece are beside each other")
+    ways.expect("cells of a piece are adjacent")
 }

@@ -1,44 +1,44 @@
-//! What the cells of a target with its scaffolds are for.
+//! Roles of the cells of a target with scaffolds.
 use stochc_ir::{Cell, Face};
 
 use super::Scaffolding;
 use crate::sites::{NONE, Sites};
 
-/// What a site is for.
+/// Role of a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SitePart {
-    /// The target, held as in the end from the beginning on.
+    /// Target block with its final parent from the start.
     Own,
-    /// The target, held by a mast until it is handed over: the number of its piece.
+    /// Target block on a mast until its hand-over, with the number of its piece.
     Held(u32),
-    /// A mast, by its number.
+    /// Block of a mast, with its number.
     Mast(u32),
 }
 
-/// The parts of all sites.
+/// Roles of all sites.
 #[derive(Debug)]
 pub struct SiteRoles {
     part: Vec<SitePart>,
-    /// The only way in which a site is captured at first.
+    /// The only direction of a site's first capture, if it is fixed.
     way: Vec<Option<Face>>,
     pieces: Vec<SitePiece>,
-    /// Sites of the target that a mast holds, and masts.
+    /// Number of target sites on masts, plus sites of masts.
     temporary: usize,
 }
 
-/// A piece by its sites.
+/// Piece in terms of sites.
 #[derive(Debug)]
 pub struct SitePiece {
-    /// The sites with the way into each in the end, in the order in which they are handed over.
+    /// Sites in hand-over order, with the direction from the final parent.
     pub sites: Vec<(u32, Face)>,
-    /// What holds the first of these in the end.
+    /// Final parent of the first of these.
     pub join: u32,
-    /// The mast.
+    /// Its mast.
     pub mast: u32,
 }
 
 impl SiteRoles {
-    /// Of the sites of a target together with its masts.
+    /// Returns the roles for the sites of a target with masts.
     pub fn new(sites: &Sites<'_>, scaffolding: &Scaffolding) -> SiteRoles {
         let mut part = vec![SitePart::Own; sites.len()];
         let mut way = vec![None; sites.len()];
@@ -73,28 +73,29 @@ impl SiteRoles {
         }
     }
 
-    /// What a site is for.
+    /// Returns the role of a site.
     pub fn part(&self, site: u32) -> SitePart {
         self.part[site as usize]
     }
 
-    /// The only way in which a site may be captured at first; `None`: any from a block of the target that is held as in the end.
+    /// Returns the only direction of a site's first capture. `None` if any block with its final
+    /// parent may capture it.
     pub fn way(&self, site: u32) -> Option<Face> {
         self.way[site as usize]
     }
 
-    /// The pieces.
+    /// Returns the pieces.
     pub fn pieces(&self) -> &[SitePiece] {
         &self.pieces
     }
 
-    /// How many sites belong to masts, or hang on them at first.
+    /// Returns the number of sites of masts or initially on masts.
     pub fn temporary(&self) -> usize {
         self.temporary
     }
 
-    /// Of each site, the block that has to be there for it to be handed over: the one that the first piece on the way to the
-    /// plate joins. [`NONE`] for what is not handed over.
+    /// Returns for each site the block required for its hand-over: the final parent of the first
+    /// piece towards the plate. [`NONE`] without hand-over.
     pub fn roots(&self) -> Vec<u32> {
         let mut roots = vec![NONE; self.part.len()];
         for piece in &self.pieces {

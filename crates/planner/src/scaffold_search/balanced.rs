@@ -1,4 +1,4 @@
-//! Scaffolds to begin from: no chain of captures longer than a limit, as far as masts reach.
+//! Initial scaffolds that limit the length of capture chains.
 use rand::RngExt as _;
 use rand::seq::IndexedRandom as _;
 use rand_chacha::ChaCha8Rng;
@@ -10,21 +10,23 @@ use super::places::{GrowthSchedule, supports};
 use crate::Target;
 use crate::scaffold::{MastPiece, Scaffolding};
 
-/// What it costs to choose a place for a mast, in captures: that there is none yet, and each that stands across a corner, because
-/// they take turns.
+/// Costs of a mast position: for a new mast, and per diagonal neighbour, since the two take turns
+/// \[captures\].
 const NEW: f32 = 1.0;
 const ACROSS: f32 = 1.5;
 
-/// How long a block of a mast takes beside another mast, in captures.
+/// Duration of a mast block's capture next to another mast \[captures\].
 const GUIDED: f32 = 0.7;
 
-/// How much chance changes what a place costs \[captures\].
+/// Amplitude of the random cost of a position \[captures\].
 const CHANCE: f32 = 2.0;
 
 impl GrowthSchedule {
-    /// Pieces from the far ends of the target on, each as long as its mast leaves captures for; where a mast stands is partly left to
-    /// chance. What has no more than `limit` captures from the plate to it needs no mast. If they have guides, each mast does that has
-    /// a place for one.
+    /// Returns scaffolds with pieces from the far ends of the target, within the length that each
+    /// mast allows. Mast positions are partly random.
+    ///
+    /// Cells at most `limit` captures from the plate need no mast. If `have_guides` is set, each
+    /// mast with space gets a guide.
     pub fn balanced(
         &self,
         target: &Target,
@@ -79,7 +81,7 @@ impl GrowthSchedule {
                 cells.push(cell);
                 next = self.holder(cell);
             }
-            // What hangs on the plate needs no mast.
+            // Cells attached to the plate need no mast.
             let Some(join) = next else { continue };
             held.extend(&cells);
             scaffolding.pieces.push(MastPiece {
@@ -97,7 +99,8 @@ impl GrowthSchedule {
         }
     }
 
-    /// The same scaffolds with another piece, at a cell of these if there are any, and at any cell of the target otherwise: chance decides. `None`: none was found.
+    /// Returns the scaffolds with an additional piece at a random cell of `near`, or of the target
+    /// if `near` is empty. Returns `None` if none was found.
     pub fn extended(
         &self,
         target: &Target,

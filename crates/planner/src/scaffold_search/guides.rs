@@ -1,4 +1,4 @@
-//! Masts that hold nothing, beside what grows sooner along a wall.
+//! Guide masts, which hold nothing: blocks dock faster next to a wall.
 use rand::RngExt as _;
 use rand::seq::IndexedRandom as _;
 use rand_chacha::ChaCha8Rng;
@@ -8,28 +8,28 @@ use super::places::supports;
 use crate::Target;
 use crate::scaffold::Scaffolding;
 
-/// The places beside a cell to which a mast can reach.
+/// Returns the positions next to a cell that a mast can reach.
 pub fn places_beside(target: &Target, cell: Cell) -> impl Iterator<Item = Cell> {
     let beside = supports(target, cell).filter(|(_, way)| *way != Face::Up);
     beside.map(|(at, _)| at)
 }
 
 impl Scaffolding {
-    /// Whether there is a mast at a place, and as high as that.
+    /// Returns whether a mast reaches a position.
     fn reaches(&self, at: Cell) -> bool {
         let is_there =
             |((x, y), height): ((i32, i32), i32)| (x, y) == (at.x, at.y) && height >= at.z;
         self.masts().into_iter().any(is_there)
     }
 
-    /// With a guide that reaches a place.
+    /// Adds a guide that reaches a position.
     fn guide(&mut self, at: Cell) {
         let foot = (at.x, at.y);
         self.guides.retain(|(known, _)| *known != foot);
         self.guides.push((foot, at.z));
     }
 
-    /// With a mast beside each that has none and has a place for it: chance decides where.
+    /// Adds a guide at a random position next to each mast without one, if there is space.
     pub fn all_guided(mut self, target: &Target, rng: &mut ChaCha8Rng) -> Scaffolding {
         for ((x, y), height) in self.masts() {
             let places: Vec<Cell> = places_beside(target, Cell::new(x, y, height)).collect();
@@ -42,7 +42,8 @@ impl Scaffolding {
         self
     }
 
-    /// With a guide more, beside a mast or a cell of the target: chance decides. `None`: there is no place for it.
+    /// Adds a guide next to a random mast or cell of the target. Returns `None` if there is no
+    /// space.
     pub fn guided(&self, target: &Target, rng: &mut ChaCha8Rng) -> Option<Scaffolding> {
         const DRAWS: usize = 10;
         let masts = self.masts();
@@ -61,7 +62,7 @@ impl Scaffolding {
         })
     }
 
-    /// With a guide less: chance decides. `None`: there is none.
+    /// Removes a random guide. Returns `None` if there is none.
     pub fn unguided(&self, rng: &mut ChaCha8Rng) -> Option<Scaffolding> {
         let mut other = self.clone();
         match other.guides.len() {

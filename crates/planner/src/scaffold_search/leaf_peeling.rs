@@ -1,12 +1,15 @@
-//! Taking a target with its masts apart, from the ends of what hangs on what.
+//! Disassembly of a target with masts, from the leaves of its tree.
 use std::collections::BTreeSet;
 
 use crate::disassembly::Disassembly;
 use crate::free_space::{FreeSpace, WayIn};
 use crate::sites::{NONE, Sites};
 
-/// Takes a target apart: of the sites that hold nothing, the one goes first that comes last, and has a wide way if any has one. `holders`:
-/// what holds each site when it comes, [`NONE`] for the plate; `times`: when it comes, about. `None`: nothing that is left may go.
+/// Disassembles a target: removes the leaf that comes last, preferring leaves with a wide access
+/// path.
+///
+/// `holders` are the parents at capture, [`NONE`] for the plate. `times` are approximate capture
+/// times. Returns `None` if no remaining block can be removed.
 pub fn peel_leaves(
     sites: &Sites<'_>,
     mut spaces: [FreeSpace; 2],
@@ -18,7 +21,7 @@ pub fn peel_leaves(
     for &holder in holders.iter().filter(|&&holder| holder != NONE) {
         holds[holder as usize] += 1;
     }
-    // The bits of positive numbers are ordered as they are.
+    // Positive numbers sort like their bits.
     let urgency = |site: u32| (times[site as usize].to_bits(), site);
     let mut ends: BTreeSet<(u32, u32)> = (0..count as u32)
         .filter(|&site| holds[site as usize] == 0)
@@ -57,7 +60,7 @@ pub fn peel_leaves(
     for (i, &site) in order.iter().enumerate() {
         rank[site as usize] = i as u32;
     }
-    // As far from the plate as it hangs.
+    // Depth in the tree from the plate.
     let mut level = vec![1; count];
     for &site in &order {
         if let Some(&below) = level.get(holders[site as usize] as usize) {

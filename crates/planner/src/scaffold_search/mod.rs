@@ -1,4 +1,5 @@
-//! Scaffolds that pay: balanced ones, of which pieces are exchanged as long as the estimate gets shorter.
+//! Search for useful scaffolds: starts from balanced ones and exchanges pieces while the estimate
+//! improves.
 mod balanced;
 mod guides;
 mod leaf_peeling;
@@ -25,17 +26,17 @@ use places::GrowthSchedule;
 use places::has_place;
 pub use trial::{NoScaffolds, ScaffoldTrial};
 
-/// A target with scaffolds that pay, and how it is built.
+/// Target with useful scaffolds, and its schedule.
 pub struct Scaffolded {
-    /// The scaffolds.
+    /// Scaffolds.
     pub scaffolding: Scaffolding,
-    /// The cells of the target and of the masts.
+    /// Cells of the target and of the masts.
     pub union: Target,
-    /// The best schedule of it.
+    /// Best schedule of the union.
     pub found: FoundSchedule,
 }
 
-/// Scaffolds, with a schedule.
+/// Scaffolds with a schedule.
 struct ScaffoldCandidate {
     scaffolding: Scaffolding,
     union: Target,
@@ -46,29 +47,29 @@ struct ScaffoldCandidate {
     value: f64,
 }
 
-/// Runs by which scaffolds are compared.
+/// Number of runs for comparing scaffolds.
 const RUNS: usize = 200;
 
-/// Tries without which nothing but the first plan is wanted.
+/// Smallest number of tries for a search. With fewer, only the first plan is wanted.
 const MIN: u64 = 8;
 
-/// Cells of a target for which scaffolds are looked for, at most.
+/// Largest target that is searched for scaffolds \[cells\].
 const MAX_CELLS: usize = 300;
 
-/// The part by which an estimate has to get shorter.
+/// Required relative improvement of the estimate.
 const WORTH: f64 = 0.005;
 
-/// Captures from the plate that are too few to need a mast.
+/// Smallest limit of chain lengths for masts.
 const MIN_LIMIT: usize = 2;
 
-/// Tries of one search; where there are more, others are made with other chances.
+/// Tries of one search. Further tries are made with other seeds.
 const TRIES: u64 = 3000;
 
-/// The parts of the tries that are left when pieces begin to be exchanged, and when the schedule is looked for.
+/// Fractions of the tries left when the exchange of pieces and the schedule search begin.
 const EXCHANGES: f64 = 0.8;
 const SCHEDULES: f64 = 0.2;
 
-/// The part by which what is exchanged may be longer than the best, at first.
+/// Initial tolerance of the exchange, relative to the best value.
 const TOLERANCE: f64 = 0.03;
 
 struct ScaffoldTrials<'a> {
@@ -76,18 +77,19 @@ struct ScaffoldTrials<'a> {
     hardware: Hardware,
     waits: &'a RateLaw<'a>,
     how: PlanSearch<'a>,
-    /// The same chance for all.
+    /// Samples common to all candidates.
     samples: CellSamples,
-    /// Tries of the searches before.
+    /// Number of tries in earlier searches.
     before: u64,
-    /// Tries of this search, and those of them that are left.
+    /// Number of tries of this search, and of those left.
     all: u64,
     tries: u64,
 }
 
-/// Checks that scaffolds can be looked for.
+/// Checks whether scaffolds can be searched for.
 ///
 /// # Errors
+///
 /// If they cannot.
 pub fn may_have_scaffolds(
     target: &Target,
@@ -105,7 +107,7 @@ pub fn may_have_scaffolds(
     }
 }
 
-/// Looks for scaffolds that make a target complete sooner than a schedule without them, and reports their gain.
+/// Searches for scaffolds that shorten the completion of a target, and reports their gain.
 pub fn scaffolded(
     sites: &Sites<'_>,
     without: &FoundSchedule,
@@ -166,7 +168,7 @@ pub fn scaffolded(
 }
 
 impl ScaffoldTrials<'_> {
-    /// How long the program of a schedule takes.
+    /// Estimates the completion time of a schedule's program.
     fn estimated(
         &self,
         job: &SchedulingJob<'_>,
@@ -176,12 +178,12 @@ impl ScaffoldTrials<'_> {
         job.estimated(samples, schedule, &job.waiting(schedule))
     }
 
-    /// The part of its tries that is left.
+    /// Returns the fraction of tries left.
     fn left(&self) -> f64 {
         self.tries as f64 / self.all as f64
     }
 
-    /// Whether more than a part of its tries is left; if so, one of them is made.
+    /// Returns whether more than a fraction of the tries is left, and uses one of them if so.
     fn may_try(&mut self, part: f64, value: f64) -> bool {
         let may = self.left() > part && !self.how.enough.is_cancelled();
         if may {
@@ -191,7 +193,7 @@ impl ScaffoldTrials<'_> {
         may
     }
 
-    /// The best of some balanced scaffolds; `None`: there are none.
+    /// Returns the best of several balanced scaffolds, or `None` if there are none.
     fn balanced(
         &mut self,
         growth: &GrowthSchedule,
@@ -208,7 +210,7 @@ impl ScaffoldTrials<'_> {
             let have_guides = rng.random();
             let mut scaffolding = growth.balanced(self.target, limit, have_guides, rng);
             if have_guides {
-                // Beside the target as well.
+                // Also guides next to the target.
                 scaffolding = scaffolding.guided(self.target, rng).unwrap_or(scaffolding);
             }
             if !scaffolding.is_empty() {
@@ -219,7 +221,8 @@ impl ScaffoldTrials<'_> {
         best
     }
 
-    /// The best that is found by exchanging pieces; longer times are accepted as well at first.
+    /// Exchanges pieces and returns the best scaffolds. Early on, slightly worse values are
+    /// accepted.
     fn exchanged(
         &mut self,
         mut best: ScaffoldCandidate,
@@ -241,7 +244,7 @@ impl ScaffoldTrials<'_> {
         best
     }
 
-    /// With some pieces less and some others more.
+    /// Returns scaffolds with some pieces removed and others added.
     fn neighbour(&self, of: &ScaffoldCandidate, rng: &mut ChaCha8Rng) -> Option<ScaffoldCandidate> {
         let sites = Sites::new(&of.union);
         let growth = GrowthSchedule::new(&sites, &of.schedule, &of.scaffolding);
@@ -281,7 +284,8 @@ impl ScaffoldTrials<'_> {
         }
     }
 
-    /// A schedule with scaffolds; `None`: there is none, or a mast could not get away.
+    /// Returns a candidate with scaffolds. Returns `None` without a schedule, or if a mast could
+    /// not be removed.
     fn candidate(
         &self,
         growth: &GrowthSchedule,
@@ -321,7 +325,7 @@ impl ScaffoldTrials<'_> {
         })
     }
 
-    /// The best schedule of the best scaffolds, and what of it is compared.
+    /// Returns the best schedule of the best scaffolds, and its value.
     fn finished(&self, best: ScaffoldCandidate, seed: u64) -> (f64, Scaffolded) {
         let ScaffoldCandidate {
             scaffolding,
@@ -364,7 +368,7 @@ impl ScaffoldTrials<'_> {
     }
 }
 
-/// Whether the blocks of all masts get away from the target by ways two cells wide, from the top on.
+/// Returns whether all masts can be removed from the top, by paths two cells wide.
 fn masts_get_away(sites: &Sites<'_>, wide: &FreeSpace, scaffolding: &Scaffolding) -> bool {
     let mut space = wide.clone();
     let mut stands = vec![true; sites.len()];

@@ -1,4 +1,4 @@
-//! Where masts can stand, and what could grow from them.
+//! Positions for masts, and possible pieces on them.
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
@@ -9,22 +9,23 @@ use crate::schedule::Schedule;
 use crate::scheduling::WAIT;
 use crate::sites::{NONE, Sites};
 
-/// What holds each cell of a target in the end, and when it comes to its cell.
+/// Final parent and capture time of each cell of the target.
 pub struct GrowthSchedule {
-    /// By cell: what holds it (`None`: a block of the plate), and the mean tick in which it comes.
+    /// Final parent by cell (`None` for a block of the plate), and the mean tick of the capture.
     cells: FxHashMap<Cell, (Option<Cell>, f32)>,
 }
 
-/// Later than anything else, in waits.
+/// Time after everything else, in waiting times.
 const LATE: f32 = 10_000.0;
 
-/// Cells of a piece, at most.
+/// Largest number of cells of a piece.
 const LONGEST: usize = 60;
 
-/// Checks that the plate has room for a mast next to or under a target.
+/// Checks that the plate has space for a mast next to or under a target.
 ///
 /// # Errors
-/// If none can.
+///
+/// If it has none.
 pub fn has_place(target: &Target) -> Result<(), NoScaffolds> {
     if !target.existing().is_empty() {
         return Err(NoScaffolds::BlocksStand);
@@ -44,7 +45,7 @@ pub fn has_place(target: &Target) -> Result<(), NoScaffolds> {
 }
 
 impl GrowthSchedule {
-    /// By a schedule of a target, with these scaffolds.
+    /// Returns the growth of a target's schedule with these scaffolds.
     pub fn new(
         sites: &Sites<'_>,
         schedule: &Schedule,
@@ -64,7 +65,7 @@ impl GrowthSchedule {
         }
     }
 
-    /// What holds each site of a target with masts when it comes, [`NONE`] for the plate.
+    /// Returns the parent of each site at its capture, [`NONE`] for the plate.
     pub fn holders(&self, sites: &Sites<'_>, roles: &SiteRoles) -> Vec<u32> {
         let holder = |site: u32| match roles.way(site) {
             Some(way) => sites.next(site, way.opposite()),
@@ -79,8 +80,8 @@ impl GrowthSchedule {
         (0..sites.len() as u32).map(holder).collect()
     }
 
-    /// When the block of each site of a target with masts comes, about, in waits of the same length: what hangs on pieces in the end after
-    /// all others.
+    /// Returns approximate capture times for equal waiting times. Cells attached to pieces come
+    /// after all others.
     pub fn times(&self, sites: &Sites<'_>, scaffolding: &Scaffolding) -> Vec<f32> {
         let mut by_mast: FxHashMap<Cell, f32> = FxHashMap::default();
         for piece in &scaffolding.pieces {
@@ -90,7 +91,7 @@ impl GrowthSchedule {
         let time = |site: u32| {
             let cell = sites.cell(site);
             let Some(&(mut holder, end)) = self.cells.get(&cell) else {
-                // Of a mast.
+                // A cell of a mast.
                 return cell.z as f32;
             };
             if let Some(&time) = by_mast.get(&cell) {
@@ -110,7 +111,7 @@ impl GrowthSchedule {
         (0..sites.len() as u32).map(time).collect()
     }
 
-    /// The cells of the target, those with the most captures between them and the plate first.
+    /// Returns the cells of the target, those with the most captures from the plate first.
     pub fn far_first(&self) -> Vec<(Cell, usize)> {
         let cells = self.cells.keys();
         let mut cells: Vec<(Cell, usize)> = cells.map(|&cell| (cell, self.depth(cell))).collect();
@@ -118,18 +119,20 @@ impl GrowthSchedule {
         cells
     }
 
-    /// What holds a cell in the end; `None`: a block of the plate.
+    /// Returns the final parent of a cell, or `None` for a block of the plate.
     pub fn holder(&self, cell: Cell) -> Option<Cell> {
         self.cells.get(&cell).and_then(|&(holder, _)| holder)
     }
 
-    /// Captures from the plate to a cell, its own included.
+    /// Returns the number of captures from the plate to a cell, including its own.
     pub fn depth(&self, cell: Cell) -> usize {
         std::iter::successors(Some(cell), |&cell| self.holder(cell)).count()
     }
 
-    /// The same scaffolds with one more piece that begins at a block of a mast, of all lengths with which a mast needs fewer captures for it
-    /// than the plate. One that begins within another takes its end over.
+    /// Returns the scaffolds with one more piece from a block of a mast, for every length that
+    /// saves captures.
+    ///
+    /// A piece that begins within another one takes over its end.
     pub fn extensions(
         &self,
         at: Cell,
@@ -144,7 +147,7 @@ impl GrowthSchedule {
         for piece in &mut rest.pieces {
             match within(piece) {
                 None => {}
-                // There is a mast already.
+                // There is already a mast.
                 Some(0) => return found,
                 Some(place) => {
                     least = piece.cells.len() - place;
@@ -161,7 +164,7 @@ impl GrowthSchedule {
             let Some(join) = self.holder(cell) else {
                 return found;
             };
-            // As many captures as come one after the other by the mast.
+            // Number of consecutive captures through the mast.
             let captures = at.z as usize + cells.len();
             if is_held || cells.len() > LONGEST || captures >= self.depth(cell) {
                 return found;
@@ -183,7 +186,7 @@ impl GrowthSchedule {
     }
 }
 
-/// The blocks of masts that could hold a cell of a target, each with the way from it.
+/// Returns the possible mast blocks that could hold a cell, each with the direction from it.
 pub fn supports(target: &Target, cell: Cell) -> impl Iterator<Item = (Cell, Face)> {
     let is_full = |cell: Cell| target.cells().binary_search(&cell).is_ok();
     let is_place = move |&(at, _): &(Cell, Face)| {

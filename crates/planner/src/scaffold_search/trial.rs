@@ -1,54 +1,54 @@
-//! The outcome of the search for scaffolds, to be reported.
+//! Result of the search for scaffolds.
 use std::fmt;
 
 use serde::Serialize;
 
 use super::MAX_CELLS;
 
-/// Whether scaffolds were tried, and their gain.
+/// Result of the search for scaffolds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "outcome", rename_all = "snake_case")]
 pub enum ScaffoldTrial {
-    /// None were tried.
+    /// Scaffolds were not tried.
     NotTried {
-        /// The reason.
+        /// Reason.
         reason: NoScaffolds,
     },
-    /// Some were tried.
+    /// Scaffolds were tried.
     Tried {
-        /// Estimate of the best plan without any \[ticks\].
+        /// Estimate of the best plan without scaffolds \[ticks\].
         without: f64,
-        /// Estimate of the best plan with some \[ticks\].
+        /// Estimate of the best plan with scaffolds \[ticks\].
         with: f64,
-        /// Whether the plan has them.
+        /// Whether the plan uses them.
         is_used: bool,
     },
 }
 
-/// Why no scaffolds were tried.
+/// Reason why scaffolds were not tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoScaffolds {
-    /// They are not wanted for such a plan.
+    /// Not wanted for this kind of plan.
     NotWanted,
-    /// Blocks stand before the first capture.
+    /// There are pre-attached blocks.
     BlocksStand,
-    /// No block of the plate is left over for a mast.
+    /// No block of the plate is available for a mast.
     NoPlace,
     /// The target has too many cells.
     TooLarge,
-    /// The target takes all free blocks.
+    /// The target uses all free blocks.
     NoSpareBlocks,
-    /// Every face attracts all the time.
+    /// Every face always attracts.
     AttractsAlways,
     /// The search makes too few tries.
     FewTries,
-    /// No scaffold was found that can be taken down again.
+    /// No removable scaffold was found.
     NoneFound,
 }
 
 impl ScaffoldTrial {
-    /// The same for a plan without scaffolds.
+    /// Returns the result for a plan without scaffolds.
     #[must_use]
     pub fn unused(self) -> ScaffoldTrial {
         match self {
@@ -63,7 +63,7 @@ impl ScaffoldTrial {
 }
 
 impl NoScaffolds {
-    /// In words.
+    /// Returns a description.
     fn words(self) -> String {
         match self {
             NoScaffolds::NotWanted => "this kind of plan has none".to_owned(),

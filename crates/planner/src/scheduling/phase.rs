@@ -2,22 +2,22 @@
 use super::{ScheduleState, SiteState};
 use crate::scaffold::{SitePart, SiteRoles};
 
-/// How far a schedule with scaffolds is.
+/// Progress of a schedule with scaffolds.
 #[derive(Clone)]
 pub struct SchedulePhase<'a> {
     pub roles: &'a SiteRoles,
-    /// When what is not needed has to be there \[ticks\].
+    /// Deadline for sites that are not needed \[ticks\].
     limit: f32,
-    /// Temporary sites that are not there yet.
+    /// Number of temporary sites not yet present.
     pub missing: usize,
     /// Whether blocks may be handed over.
     pub is_second: bool,
-    /// Of each piece, whether it has been handed over.
+    /// Whether each piece has been handed over.
     is_done: Vec<bool>,
 }
 
 impl<'a> SchedulePhase<'a> {
-    /// The first one.
+    /// Returns the start of the first phase.
     pub fn first(roles: &'a SiteRoles, limit: f32) -> SchedulePhase<'a> {
         SchedulePhase {
             roles,
@@ -28,7 +28,7 @@ impl<'a> SchedulePhase<'a> {
         }
     }
 
-    /// Whether a site that stands holds others as in the end.
+    /// Returns whether a standing site holds others in their final attachment.
     pub fn is_own(&self, site: u32) -> bool {
         match self.roles.part(site) {
             SitePart::Own => true,
@@ -37,7 +37,7 @@ impl<'a> SchedulePhase<'a> {
         }
     }
 
-    /// Whether a site is a mast that holds nothing any more.
+    /// Returns whether a site belongs to a mast that no longer holds anything.
     fn is_spent(&self, site: u32) -> bool {
         let SitePart::Mast(number) = self.roles.part(site) else {
             return false;
@@ -48,8 +48,8 @@ impl<'a> SchedulePhase<'a> {
 }
 
 impl ScheduleState<'_> {
-    /// Whether a site whose wait is half over at a time may open: once all that is temporary is there, nothing new does before it is handed
-    /// over.
+    /// Returns whether a site may open when half of its waiting time is over at `half`. Nothing new
+    /// opens between completion of the temporary blocks and their hand-over.
     pub(super) fn is_its_phase(&self, site: u32, half: f32) -> bool {
         match &self.phase {
             Some(phase) if !phase.is_second && phase.roles.part(site) == SitePart::Own => {
@@ -59,13 +59,13 @@ impl ScheduleState<'_> {
         }
     }
 
-    /// Whether all that is temporary is there.
+    /// Returns whether all temporary blocks are present.
     pub(super) fn may_hand_over(&self) -> bool {
         let phase = self.phase.as_ref();
         phase.is_some_and(|phase| !phase.is_second && phase.missing == 0)
     }
 
-    /// Begins to hand over.
+    /// Begins the hand-over.
     pub(super) fn begin_second_phase(&mut self) {
         let Some(phase) = &mut self.phase else { return };
         phase.is_second = true;
@@ -77,7 +77,8 @@ impl ScheduleState<'_> {
         }
     }
 
-    /// Hands over the pieces whose blocks to hold them are there, and takes masts away that hold no more.
+    /// Hands over the pieces whose final parents are present, and removes masts that no longer hold
+    /// anything.
     pub(super) fn hand_over(&mut self) {
         let Some(phase) = &mut self.phase else { return };
         let mut new = Vec::new();

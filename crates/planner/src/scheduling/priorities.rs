@@ -1,25 +1,30 @@
-//! What a schedule is made by: which site is more urgent, by which way its block comes, and how sites are placed.
+//! Priorities of a schedule: urgency and direction of each site, and the method of placing sites.
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use crate::search::SMALL;
 
-/// Of all sites of a job.
+/// Priorities of all sites of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Priorities {
-    /// Of each site, how urgent it is beside what its tail says: mostly 0 to 1 (J. C. Bean, *Genetic algorithms and random keys for sequencing and
-    /// optimization*, ORSA Journal on Computing 6, 1994), and above -0.5.
+    /// Urgency of each site relative to its tail: usually 0 to 1, above -0.5.
+    ///
+    /// # Source
+    ///
+    /// J. C. Bean, *Genetic algorithms and random keys for sequencing and optimization*, ORSA
+    /// Journal on Computing 6 (1994).
     keys: Vec<f32>,
-    /// Of each site, how many better ways into it are left out.
+    /// Number of better directions skipped for each site.
     skipped: Vec<u8>,
-    /// Whether sites are placed one after the other, or opened as soon as they may.
+    /// Whether sites are placed one by one, instead of opened as soon as possible.
     pub is_serial: bool,
-    /// Whether it is by the means of the program that it is seen which of several faces near one closes last, for which that one need not wait.
+    /// Whether the program's mean waiting times decide which of several nearby faces closes last
+    /// and need not be waited for.
     pub is_settled: bool,
 }
 
 impl Priorities {
-    /// All alike, each by its best way.
+    /// Returns equal priorities with the best directions.
     pub fn even(sites: usize) -> Priorities {
         Priorities {
             keys: vec![0.5; sites],
@@ -29,19 +34,19 @@ impl Priorities {
         }
     }
 
-    /// Any.
+    /// Returns random priorities.
     pub fn random(sites: usize, rng: &mut ChaCha8Rng) -> Priorities {
         let critical = vec![1.0; sites];
         let even = Priorities::even(sites);
         (0..sites).fold(even, |other, _| other.changed(&critical, true, rng))
     }
 
-    /// How urgent a site is with such a tail \[ticks\].
+    /// Returns the urgency of a site with this tail \[ticks\].
     pub fn urgency(&self, site: u32, tail: f32) -> f32 {
         tail * (0.5 + self.keys[site as usize])
     }
 
-    /// One of the ways into a site, each with its price.
+    /// Returns the selected direction into a site, by price.
     pub fn chosen<T>(&self, site: u32, ways: impl Iterator<Item = (T, f32)>) -> Option<T> {
         let skipped = usize::from(self.skipped[site as usize]);
         if skipped == 0 {
@@ -53,7 +58,8 @@ impl Priorities {
         Some(ways.swap_remove(skipped.min(last)).0)
     }
 
-    /// Others of which a few are different: mostly of sites that decide when a run ends. `may_be_serial`: whether there are serial schedules.
+    /// Returns changed priorities. Most changes are at critical sites. `may_be_serial` is whether
+    /// serial schedules are allowed.
     pub fn changed(
         &self,
         critical: &[f32],
@@ -61,7 +67,8 @@ impl Priorities {
         rng: &mut ChaCha8Rng,
     ) -> Priorities {
         const MAX: usize = 4;
-        /// One change in so many is of a way, and one in so many of how sites are placed, or of whose means count.
+        /// One in this many changes selects another direction, and one in as many another method or
+        /// source of means.
         const WAYS: u32 = 4;
         const PLACING: u32 = 8;
         let mut other = self.clone();
@@ -83,8 +90,8 @@ impl Priorities {
     }
 }
 
-/// How urgent one of so many sites is beside what its tail says. Of a small target, one change in as many makes it far more or far less urgent
-/// than tails ever do, so that what comes last by them may come first.
+/// Returns a random urgency relative to the tail. In small targets, some are extreme, so that the
+/// last site by tails can come first.
 fn key(sites: usize, rng: &mut ChaCha8Rng) -> f32 {
     const OFTENEST: u32 = 4;
     const MAX: f32 = 7.0;
@@ -97,7 +104,7 @@ fn key(sites: usize, rng: &mut ChaCha8Rng) -> f32 {
     }
 }
 
-/// Of three sites at random, the one that decides most often when a run ends.
+/// Returns the most critical of three random sites.
 fn critical_site(critical: &[f32], rng: &mut ChaCha8Rng) -> u32 {
     let mut three = (0..3).map(|_| rng.random_range(0..critical.len()));
     let first = three.next().expect("three are drawn");

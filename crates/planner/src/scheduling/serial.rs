@@ -1,6 +1,13 @@
-//! Serial schedule generation: sites are placed one after the other, the most urgent first, each as early as those before it allow
-//! (R. Kolisch, *Serial and parallel resource-constrained project scheduling methods revisited*, European Journal of Operational Research
-//! 90, 1996). Where list scheduling opens what may open now, a face here stays closed for one that is more urgent and comes later.
+//! Serial schedule generation: places sites one by one, the most urgent first, each as early as
+//! possible.
+//!
+//! List scheduling opens any face that may open now. Here a face stays closed for a more urgent one
+//! that comes later.
+//!
+//! # Source
+//!
+//! R. Kolisch, *Serial and parallel resource-constrained project scheduling methods revisited*,
+//! European Journal of Operational Research 90 (1996).
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -13,31 +20,32 @@ use crate::rate_law::{CellState, Moment};
 use crate::schedule::Schedule;
 use crate::sites::NONE;
 
-/// Sites for which it is worth it, at most.
+/// Largest number of sites for serial schedules, whose cost grows fast.
 const MAX_SERIAL: usize = 400;
 
 struct SerialState<'a> {
     job: &'a SchedulingJob<'a>,
     crowding: Crowding<'a>,
-    /// Of each site, those before it that have not been placed.
+    /// For each site, the number of predecessors not yet placed.
     missing: Vec<u32>,
-    /// When the last of those before it comes \[ticks\].
+    /// Completion of the last predecessor of each site \[ticks\].
     after: Vec<f32>,
-    /// When each site opens \[ticks\].
+    /// Opening time of each site \[ticks\].
     start: Vec<f32>,
     schedule: Schedule,
 }
 
 impl SchedulingJob<'_> {
-    /// Whether [`SchedulingJob::serial`] makes schedules of this.
+    /// Returns whether [`SchedulingJob::serial`] supports this job.
     pub fn has_serial(&self) -> bool {
         self.roles.is_none() && self.hardware.faces == 1 && self.sites.len() <= MAX_SERIAL
     }
 
-    /// A schedule in which urgent sites are placed early; `None`: not all can be.
+    /// Returns a schedule that places urgent sites early, or `None` if some site cannot be placed.
     ///
     /// # Errors
-    /// [`Cancelled`] if nobody waits for it.
+    ///
+    /// [`Cancelled`] if scheduling is cancelled.
     pub(super) fn serial(
         &self,
         priorities: &Priorities,
@@ -86,7 +94,7 @@ impl SchedulingJob<'_> {
 }
 
 impl SerialState<'_> {
-    /// The ways into a site from what has been placed.
+    /// Returns the directions into a site from placed sites.
     fn ways(&self, site: u32) -> impl Iterator<Item = Face> {
         let holds = |parent: u32| self.schedule.rank[parent as usize] != NONE;
         (Face::ALL.into_iter()).filter(move |&way| self.job.is_way(site, way, holds))
@@ -99,7 +107,8 @@ impl SerialState<'_> {
             && self.ways(site).next().is_some()
     }
 
-    /// The way by which the block of a site comes first, or another one if priorities say so; when its face opens, and how long it waits.
+    /// Returns the direction of the earliest capture, unless priorities select another, with
+    /// opening time and waiting time.
     fn earliest(&self, site: u32, priorities: &Priorities) -> (Face, f32, f32) {
         let ways = self.ways(site).map(|way| {
             let start = self.start(site, way);
@@ -108,10 +117,10 @@ impl SerialState<'_> {
             ((way, start, mean), price)
         });
         let chosen = priorities.chosen(site, ways);
-        chosen.expect("it has a way")
+        chosen.expect("the site has a direction")
     }
 
-    /// When a face may open.
+    /// Returns the earliest opening time of a face.
     fn start(&self, site: u32, way: Face) -> f32 {
         let (job, schedule) = (self.job, &self.schedule);
         let end = |site: u32| schedule.end[site as usize];
@@ -165,7 +174,7 @@ impl SerialState<'_> {
         }
     }
 
-    /// In the order in which faces open.
+    /// Sorts the schedule by opening time.
     fn sorted(mut self) -> Schedule {
         let existing = self.job.sites.existing_count();
         let start = &self.start;
@@ -190,7 +199,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
-        /// Whatever the priorities: all sites are placed, once, and none opens before what its program waits for has come.
+        /// For any priorities, all sites are placed once, and none opens before its predecessors.
         #[test]
         fn everything_is_placed_behind_what_it_waits_for(
             cells in proptest::collection::vec((0..4, 0..3, 1..4), 1..16),

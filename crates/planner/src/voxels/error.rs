@@ -1,128 +1,128 @@
-//! Why a file of voxels cannot be read.
+//! Errors of voxel files.
 use stochc_ir::{counted, listed};
 use thiserror::Error;
 
 use crate::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};
 
-/// Why a file holds no target.
+/// Reason why a file contains no valid target.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum UnreadableVoxels {
-    /// It is not a file of MagicaVoxel.
+    /// It is not a MagicaVoxel file.
     #[error("it does not begin as a `.vox` file does")]
     NotVox,
-    /// It ends too soon.
+    /// It is truncated.
     #[error("it is cut off")]
     CutOff,
-    /// Nothing in it is a model.
+    /// It contains no model.
     #[error("it holds no model")]
     NoModel,
     /// A model comes before its size.
     #[error("model {model} has no size")]
     NoSize {
-        /// The number of the model, from 0.
+        /// Number of the model, from 0.
         model: u32,
     },
-    /// There are several models, and no scene places them.
+    /// There are several models, and no scene that places them.
     #[error("it holds {}: choose one with `--model`", several(.models))]
     SeveralModels {
-        /// The numbers of those that have voxels, with how many.
+        /// Numbers and voxel counts of the models with voxels.
         models: Vec<(u32, usize)>,
     },
     /// It does not have a model of this number.
     #[error("it has no model {model}: its {} are numbered from 0", counted(*.count, "model"))]
     UnknownModel {
-        /// The number that was asked for.
+        /// Requested number.
         model: u32,
-        /// How many there are.
+        /// Number of models.
         count: usize,
     },
-    /// The scene shows a model nowhere.
+    /// The scene does not show the model.
     #[error("its scene does not show model {model}: it is hidden or not placed")]
     UnplacedModel {
-        /// The number that was asked for.
+        /// Requested number.
         model: u32,
     },
-    /// A shape shows one model after the other.
+    /// A shape is an animation of several models.
     #[error("node {node} is an animation of models {}: choose one with `--model`", numbers(.models))]
     Animation {
-        /// The shape.
+        /// Number of the shape.
         node: u32,
-        /// The numbers of its models.
+        /// Numbers of its models.
         models: Vec<u32>,
     },
-    /// A transform changes with time.
+    /// A transform is animated.
     #[error("node {node} moves: its keyframes differ, and only models at rest are planned")]
     Moves {
-        /// The transform.
+        /// Number of the transform.
         node: u32,
     },
-    /// Two nodes have one number.
+    /// Two nodes have the same number.
     #[error("it has two nodes {node}")]
     DuplicateNode {
         /// The number.
         node: u32,
     },
-    /// A node that is referred to is not there.
+    /// A referenced node is missing.
     #[error("node {from} refers to node {to}, which is missing")]
     MissingNode {
-        /// Refers to it.
+        /// Number of the referring node.
         from: u32,
-        /// Is missing.
+        /// Number of the missing node.
         to: u32,
     },
-    /// A model that is referred to is not there.
+    /// A referenced model is missing.
     #[error("node {node} refers to model {model}, which is missing")]
     MissingModel {
-        /// Refers to it.
+        /// Number of the referring node.
         node: u32,
-        /// Is missing.
+        /// Number of the missing model.
         model: u32,
     },
-    /// The scene is no tree.
+    /// The scene is not a tree.
     #[error("node {node} has two parents, or is part of a cycle")]
     NotATree {
-        /// One such node.
+        /// Number of a node concerned.
         node: u32,
     },
-    /// A rotation is none.
+    /// A rotation is invalid.
     #[error("node {node}: `{text}` is not a rotation")]
     Rotation {
-        /// The transform.
+        /// Number of the transform.
         node: u32,
-        /// As it is written.
+        /// Text in the file.
         text: String,
     },
-    /// A translation is none.
+    /// A translation is invalid.
     #[error("node {node}: `{text}` is not a translation")]
     Translation {
-        /// The transform.
+        /// Number of the transform.
         node: u32,
-        /// As it is written.
+        /// Text in the file.
         text: String,
     },
     /// It has too many nodes and models.
     #[error("it has more than {MAX_VOXEL_PARTS} models, nodes and layers")]
     TooManyParts,
-    /// Voxels are placed too far away to be counted with.
+    /// Voxels are too far from the origin.
     #[error("node {node} lies too far away: coordinates go to {FARTHEST}")]
     TooFar {
-        /// The shape.
+        /// Number of the shape.
         node: u32,
     },
-    /// There are too many.
+    /// There are too many cells.
     #[error("a target has at most {MAX_CELLS} cells")]
     TooLarge,
-    /// A row has another character than those of blocks and of none.
+    /// A row contains an invalid character.
     #[error("line {line}: {character:?} is neither `#`, a block, nor `.`, none")]
     Character {
-        /// Its line, from 1.
+        /// Line, from 1.
         line: usize,
         /// The character.
         character: char,
     },
 }
 
-/// Numbers that are listed, at most.
+/// Largest number of list entries.
 const LISTED: usize = 8;
 
 fn several(models: &[(u32, usize)]) -> String {

@@ -6,11 +6,12 @@ use crate::limits::MAX_CELLS;
 
 /// Reads cells drawn as text.
 ///
-/// A line is a row from west to east, with `#` for a block and `.` for none, the northmost row first.
-/// Layers, the lowest first, have an empty line between them. Lines that begin with `//` are comments.
-/// Lines end with a line feed, a carriage return, or both.
+/// A line is a row from west to east, with `#` for a block and `.` for none. The northmost row
+/// comes first. Layers are separated by empty lines, the lowest first. Lines that begin with `//`
+/// are comments. Lines end with a line feed, a carriage return, or both.
 ///
 /// # Errors
+///
 /// If a row has another character, or there are too many cells.
 pub fn layers(text: &str) -> Result<Vec<Cell>, UnreadableVoxels> {
     let mut layers: Vec<Vec<Vec<bool>>> = Vec::new();
@@ -29,7 +30,7 @@ pub fn layers(text: &str) -> Result<Vec<Cell>, UnreadableVoxels> {
             is_new = false;
         }
         let row = row(line, i + 1)?;
-        layers.last_mut().expect("one has begun").push(row);
+        layers.last_mut().expect("a layer has begun").push(row);
     }
     let mut cells = Vec::new();
     for (z, rows) in layers.iter().enumerate() {
@@ -50,7 +51,8 @@ fn lines(text: &str) -> impl Iterator<Item = &str> {
     lines.flat_map(|line| line.split('\r'))
 }
 
-/// Whether a character stands between those of a row; one that ends a line or page does not.
+/// Returns whether a character may separate those of a row. Characters that end a line or page may
+/// not.
 fn is_space(character: char) -> bool {
     let ends_line = matches!(
         character,

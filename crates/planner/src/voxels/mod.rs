@@ -1,4 +1,4 @@
-//! Targets as voxels: a scene of MagicaVoxel, or layers of plain text.
+//! Voxel targets: MagicaVoxel scenes, or layers of plain text.
 mod error;
 mod layers;
 mod magica_voxel;

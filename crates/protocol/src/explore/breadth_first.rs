@@ -1,4 +1,4 @@
-//! Breadth first: the shortest order of events that goes wrong, of those that matter.
+//! Breadth-first search: the shortest order of events that violates a property, after reduction.
 use std::collections::{HashSet, VecDeque};
 
 use super::Exploration;
@@ -11,7 +11,8 @@ use super::report::ExplorationVerdict;
 use super::state::ProgramState;
 use super::transition::Transition;
 
-/// Looks for it; [`ExplorationVerdict::Holds`]: nothing goes wrong in as many states as may be visited.
+/// Searches for the shortest violation. Returns [`ExplorationVerdict::Holds`] if there is none
+/// within the bounds.
 pub(super) fn shortest<'t>(
     exploration: &Exploration<'t>,
     struck: &'t FaultChoice,
@@ -19,7 +20,7 @@ pub(super) fn shortest<'t>(
     let context = ExplorationContext::new(exploration, struck);
     let checker = exploration.checker();
     let mut persistent = exploration.reduce.then(|| PersistentSets::new(context));
-    // How each state was come to first: from which, and by which transition.
+    // Predecessor of each state, and the transition from it.
     let mut ways: Vec<(usize, Option<Transition>)> = vec![(0, None)];
     let violated = |wrong: Breach,
                     ways: &[(usize, Option<Transition>)],

@@ -1,4 +1,4 @@
-//! What is wrong with a transition, or with a state in which nothing can happen any more.
+//! Checks of the properties after transitions, and in states without further transitions.
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::Cell;
@@ -13,10 +13,10 @@ use super::state::ProgramState;
 use super::transition::Transition;
 use crate::Reporter;
 
-/// A property that is violated, and how.
+/// Violated property, with a description.
 pub(super) type Breach = (Property, String);
 
-/// Judges by what is expected.
+/// Checker against the program's goals.
 #[derive(Clone, Copy)]
 pub(super) struct PropertyChecker<'a> {
     pub expected: &'a ProgramGoals,
@@ -24,7 +24,7 @@ pub(super) struct PropertyChecker<'a> {
 }
 
 impl PropertyChecker<'_> {
-    /// What is wrong with a transition made in the state `before`.
+    /// Returns the violation by a transition from the state `before`.
     pub fn transition(
         &self,
         before: &ProgramState<'_>,
@@ -43,13 +43,13 @@ impl PropertyChecker<'_> {
             .or_else(|| self.reports(before, stage))
     }
 
-    /// What is wrong with what a transition has done, whatever came before.
+    /// Returns the violation by the effects of a transition, independent of the state before.
     pub fn effects(&self, effects: &Effects) -> Option<Breach> {
         let &(property, fault) = effects.faults.first()?;
         Some((property, self.describer.fault(fault)))
     }
 
-    /// What is wrong with a state in which nothing can happen any more.
+    /// Returns the violation in a state without further transitions.
     pub fn hang(&self, state: &ProgramState<'_>) -> Option<Breach> {
         if state.is_complete() {
             return None;
@@ -58,13 +58,13 @@ impl PropertyChecker<'_> {
         Some((Property::NoHang, format!("{phase} never ends: {waits}")))
     }
 
-    /// What is wrong with a state in which a block may dock where nobody expects it.
+    /// Returns the violation in a state where an unplanned capture has lasting effects.
     pub fn unplanned(
         &self,
         context: &ExplorationContext<'_>,
         state: &ProgramState<'_>,
     ) -> Option<Breach> {
-        // Faults bring strays of their own.
+        // Explorations with faults have their own stray blocks.
         if !context.tables.bond.is_passive() || !context.faults.is_none() {
             return None;
         }
@@ -74,7 +74,7 @@ impl PropertyChecker<'_> {
         Some((Property::Unplanned, what))
     }
 
-    /// The verdict on something wrong, with the transitions that led there.
+    /// Returns the verdict for a violation, with the transitions that lead to it.
     pub fn violated(
         &self,
         context: &ExplorationContext<'_>,
@@ -99,8 +99,8 @@ impl PropertyChecker<'_> {
         let before = match (captures.as_str(), releases.as_str()) {
             ("", "") => return None,
             (captures, "") => format!("{captures} is captured"),
-            ("", releases) => format!("{releases} is let go"),
-            (captures, releases) => format!("{captures} is captured and {releases} let go"),
+            ("", releases) => format!("{releases} is released"),
+            (captures, releases) => format!("{captures} is captured and {releases} released"),
         };
         let phase = self.describer.phase(state);
         Some((
@@ -123,7 +123,7 @@ impl PropertyChecker<'_> {
             match built.get(role) {
                 None => return violation(format!("without {name}")),
                 Some(there) if there != cell => {
-                    return violation(format!("with {name} at {there}, which belongs at {cell}"));
+                    return violation(format!("with {name} at {there} instead of {cell}"));
                 }
                 Some(_) => {}
             }
@@ -131,7 +131,7 @@ impl PropertyChecker<'_> {
         for (role, cell) in &built {
             if !stage.structure.contains_key(role) {
                 let name = self.describer.names([role]);
-                return violation(format!("with {name} at {cell}, where nothing belongs"));
+                return violation(format!("with {name} at {cell}, which must be empty"));
             }
         }
         let named: BTreeSet<Cell> = built.values().copied().collect();
@@ -140,7 +140,7 @@ impl PropertyChecker<'_> {
             .cells()
             .keys()
             .find(|cell| !named.contains(cell))?;
-        violation(format!("with a block without a name at {stray}"))
+        violation(format!("with a block without a role at {stray}"))
     }
 
     fn reports(&self, state: &ProgramState<'_>, stage: &PhaseGoal) -> Option<Breach> {
@@ -159,6 +159,6 @@ impl PropertyChecker<'_> {
             return violation(by, "without the report");
         }
         let by = set.difference(&stage.reports).next()?;
-        violation(by, "with a report too many,")
+        violation(by, "with an extra report,")
     }
 }

@@ -1,11 +1,11 @@
-//! What does not change while a program is explored.
+//! Constant data of an exploration.
 use stochc_ir::table::Tables;
 
 use super::expected::ProgramGoals;
 use super::faults::{FaultChoice, Faults};
 use super::{CanReach, Exploration};
 
-/// What does not change while a program is explored.
+/// Constant data of an exploration.
 #[derive(Clone, Copy)]
 pub(super) struct ExplorationContext<'a> {
     pub tables: &'a Tables,
@@ -28,7 +28,7 @@ impl<'a> ExplorationContext<'a> {
 }
 
 impl ExplorationContext<'_> {
-    /// From this number on, blocks have no role.
+    /// Returns the first block number without a role.
     pub fn first_stray(&self) -> u32 {
         self.tables.roles.len() as u32
     }

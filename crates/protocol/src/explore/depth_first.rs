@@ -1,4 +1,4 @@
-//! Depth first through all states.
+//! Depth-first search of all states.
 use std::collections::HashSet;
 
 use super::Exploration;
@@ -11,18 +11,18 @@ use super::report::{ExceededBound, ExplorationReport, ExplorationVerdict};
 use super::state::ProgramState;
 use super::transition::Transition;
 
-/// Bytes of the set of visited states per entry, with the room that it keeps free.
+/// Memory per entry of the set of visited states, including spare capacity \[bytes\].
 const ENTRY: usize = 40;
 
-/// A state on the way, with the transitions that are still to be tried.
+/// State on the current path, with the transitions still to try.
 struct Visit<'t> {
     state: ProgramState<'t>,
     todo: Vec<Transition>,
-    /// The transition that is being tried.
+    /// Transition being tried.
     tried: Option<Transition>,
 }
 
-/// Everything about one search.
+/// State of a search.
 pub(super) struct DepthFirst<'s, 't> {
     exploration: &'s Exploration<'t>,
     context: ExplorationContext<'t>,
@@ -53,7 +53,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
         }
     }
 
-    /// Goes through all states, and adds what it finds to a report.
+    /// Explores all states and adds the results to a report.
     pub fn run(mut self, report: &mut ExplorationReport) {
         report.verdict = self.verdict();
         report.states += self.visited.len() as u64;
@@ -90,7 +90,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
         ExplorationVerdict::Holds
     }
 
-    /// Takes a state up, unless it has been before; says when that ends the search.
+    /// Enters a state unless it was visited before. Returns a verdict if that ends the search.
     fn enter(&mut self, state: ProgramState<'t>) -> Option<ExplorationVerdict> {
         if !self.visited.insert(fingerprint(&state)) {
             return None;
@@ -118,7 +118,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
         } else {
             None
         };
-        // The first is tried first.
+        // The list is used from its end.
         todo.reverse();
         self.way.push(Visit {
             state,

@@ -1,4 +1,4 @@
-//! Steps in the program's own words.
+//! Descriptions of steps in the names of the program.
 use stochc_ir::table::{News, RoleId, Tables};
 
 use super::context::ExplorationContext;
@@ -7,14 +7,14 @@ use super::state::ProgramState;
 use super::transition::{InTransit, Transition};
 use crate::{BlockFace, Body, Message, Payload, Recipient};
 
-/// Tells of one program.
+/// Describer of one program.
 #[derive(Clone, Copy)]
 pub(super) struct Describer<'t> {
     pub tables: &'t Tables,
 }
 
 impl Describer<'_> {
-    /// Steps from the beginning, one line each.
+    /// Describes the steps from the start, one line each.
     pub fn trace(
         &self,
         context: &ExplorationContext<'_>,
@@ -37,18 +37,18 @@ impl Describer<'_> {
     fn body(&self, state: &ProgramState<'_>, body: Body) -> String {
         match state.role(body) {
             Some(role) => self.name(role).to_owned(),
-            None => "a block that has gone".to_owned(),
+            None => "a removed block".to_owned(),
         }
     }
 
-    /// The name of the running phase.
+    /// Returns the name of the running phase.
     pub fn phase(&self, state: &ProgramState<'_>) -> String {
         let phase = state.structure.phase();
         let name = phase.map(|phase| self.tables.phases[phase.0 as usize].name.as_str());
-        format!("phase {}", name.unwrap_or("behind the last"))
+        format!("phase {}", name.unwrap_or("after the last"))
     }
 
-    /// A transition in the state in which it was made, and what came of it.
+    /// Describes a transition from a state, and its effects.
     pub fn transition(
         &self,
         before: &ProgramState<'_>,
@@ -65,7 +65,7 @@ impl Describer<'_> {
             Transition::Arrive(transit) => self.arrival(before, transit, effects),
             Transition::CaptureMistaken(site, _) => match self.face(before, site) {
                 Some((parent, face, child)) => format!(
-                    "{}.{face} captures {}, which is mistaken about how it sits",
+                    "{}.{face} captures {}, which misjudges its orientation",
                     self.name(parent),
                     self.name(child)
                 ),
@@ -86,7 +86,7 @@ impl Describer<'_> {
             }
             Transition::Stray(site) => {
                 let face = self.face_of(before, site);
-                format!("a block docks on {face}, which is off")
+                format!("{face} captures a block, though it is off")
             }
             Transition::Die(role) => format!("{} dies", self.name(role)),
             Transition::EndPhase => format!("the plate ends {}", self.phase(before)),
@@ -97,14 +97,14 @@ impl Describer<'_> {
         line
     }
 
-    /// A face by the name of its block: `A.up`.
+    /// Describes a face by the name of its block: `A.up`.
     pub fn face_of(&self, state: &ProgramState<'_>, site: BlockFace) -> String {
         let face = state.lattice.place(site.body).map(|p| p.orientation);
         let face = face.map_or("", |seat| seat.to_structure(site.face).word());
         format!("{}.{face}", self.body(state, site.body))
     }
 
-    /// What is on its way, from whom and to whom.
+    /// Describes a hop: message, sender and receiver.
     fn hop(&self, state: &ProgramState<'_>, transit: InTransit) -> (String, String, String) {
         let what = self.message(&transit.message);
         (
@@ -130,20 +130,20 @@ impl Describer<'_> {
         }
         let block = before.structure.block(transit.to);
         if block.is_some_and(|block| block.is_dead()) {
-            return format!("{what} ends at {at}, which is dead");
+            return format!("{what} ends at {at}, which has failed");
         }
         if transit.is_taken {
-            return format!("{at} drops {what}, which it has had before");
+            return format!("{at} drops {what}, a duplicate");
         }
         format!("{what} reaches {at}")
     }
 
-    /// A message in words: `the report of C`.
+    /// Describes a message: `the report of C`.
     pub fn message(&self, message: &Message) -> String {
         let news = |news| self.news(news);
         match (message.payload, message.target) {
             (Payload::Report(by), _) => format!("the report of {}", self.name(by.role)),
-            (Payload::Ask(role), _) => format!("the request of {} to be let go", self.name(role)),
+            (Payload::Ask(role), _) => format!("the release request of {}", self.name(role)),
             (Payload::Tell(what), Recipient::Role(to)) => {
                 format!("the news for {} that {}", self.name(to), news(what))
             }
@@ -158,7 +158,7 @@ impl Describer<'_> {
         }
     }
 
-    /// Whose face it is, which, and whom it waits for.
+    /// Returns the owner of an open face, the face, and the role of the expected block.
     fn face(
         &self,
         state: &ProgramState<'_>,
@@ -169,11 +169,14 @@ impl Describer<'_> {
         Some((block.role(), open.face, open.child))
     }
 
-    /// What a fault of a transition is.
+    /// Describes the fault of a transition.
     pub fn fault(&self, fault: Mistake) -> String {
         match fault {
             Mistake::Adrift(role) => {
-                format!("{} is let go while it holds another block", self.name(role))
+                format!(
+                    "{} is released while it holds another block",
+                    self.name(role)
+                )
             }
             Mistake::SecondHolder(role) => {
                 format!(
@@ -186,20 +189,20 @@ impl Describer<'_> {
             }
             Mistake::OutOfTurn(role) => {
                 format!(
-                    "{} is captured before enough of those that its parent captures first",
+                    "{} is captured before enough of its predecessors",
                     self.name(role)
                 )
             }
             Mistake::TooManyFaces(role) => {
                 format!(
-                    "{} magnetizes more faces than it has to spare",
+                    "{} magnetizes more faces than its hardware allows",
                     self.name(role)
                 )
             }
         }
     }
 
-    /// What a state still waits for in which nothing can happen any more.
+    /// Describes the missing captures and reports in a state without further transitions.
     pub fn waits(&self, state: &ProgramState<'_>) -> String {
         let mut waits: Vec<String> = Vec::new();
         for block in state.structure.blocks() {
@@ -210,8 +213,8 @@ impl Describer<'_> {
                     face: open.own,
                 };
                 let why = match state.lattice.target(site) {
-                    Some(_) => "to which no block can come",
-                    None => "which is full",
+                    Some(_) => "which no block can reach",
+                    None => "which is occupied",
                 };
                 waits.push(format!(
                     "{}.{} waits for {} at {}, {why}",
@@ -231,7 +234,7 @@ impl Describer<'_> {
         waits.join("; ")
     }
 
-    /// Names, with commas.
+    /// Returns names, separated by commas.
     pub fn names<'r>(&self, roles: impl IntoIterator<Item = &'r RoleId>) -> String {
         let names: Vec<&str> = roles.into_iter().map(|role| self.name(*role)).collect();
         names.join(", ")

@@ -1,38 +1,38 @@
-//! What a transition has done besides changing the state.
+//! Effects of a transition other than the change of the state.
 use stochc_ir::table::{News, RoleId};
 
 use super::report::Property;
 use crate::{BlockFace, Body, Message};
 
-/// What a transition has done besides changing the state.
+/// Effects of a transition other than the change of the state.
 #[derive(Debug, Default)]
 pub(super) struct Effects {
-    /// What went wrong.
+    /// Violated properties.
     pub faults: Vec<(Property, Mistake)>,
-    /// Blocks that were let go: who held it, and who went.
+    /// Releases: the former parent and the released block.
     pub released: Vec<(RoleId, RoleId)>,
     /// Faces that were switched on.
     pub opened: Vec<BlockFace>,
     /// Faces that were switched off.
     pub closed: Vec<BlockFace>,
-    /// Messages that made their first hop, or a further one, from a block.
+    /// Messages that a block sent or forwarded.
     pub sent: Vec<(Body, Message)>,
-    /// Reports that came to the plate.
+    /// Number of reports that reached the plate.
     pub reports: u32,
     /// Blocks that were captured.
     pub captured: Vec<RoleId>,
 }
 
-/// What went wrong, before it is put into words.
+/// Fault of a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mistake {
-    /// A block was let go that holds others.
+    /// A block was released while it held others.
     Adrift(RoleId),
-    /// A name was given that a block already has.
+    /// A role was given to a second block.
     SecondHolder(RoleId),
-    /// An event happened before another one for which it should have waited.
+    /// An event happened before another one that it must follow.
     TooEarly(News, News),
-    /// A block was captured before enough of those that its parent captures first.
+    /// A block was captured before enough of its predecessors at the same parent.
     OutOfTurn(RoleId),
     /// A block has too many faces on.
     TooManyFaces(RoleId),

@@ -1,4 +1,4 @@
-//! What the structure decides, carried out in a state.
+//! Environment that applies the structure's decisions to a state.
 use stochc_ir::table::{News, RoleId};
 
 use super::effects::{Effects, Mistake};
@@ -12,12 +12,12 @@ use crate::{
     Reporter,
 };
 
-/// Carries out what the structure decides, and writes down what is of interest.
+/// Environment that applies the structure's decisions and records their effects.
 pub(super) struct StateEnvironment<'a> {
     pub faults: Faults,
-    /// What the phase has to do; `None`: all phases have ended.
+    /// Goal of the phase. `None` if all phases have ended.
     pub stage: Option<&'a PhaseGoal>,
-    /// From this number on, blocks have no role.
+    /// First block number without a role.
     pub first_stray: u32,
     pub lattice: &'a mut Lattice,
     pub under_way: &'a mut Vec<InTransit>,
@@ -27,7 +27,7 @@ pub(super) struct StateEnvironment<'a> {
 }
 
 impl StateEnvironment<'_> {
-    /// Notes an event, and what it should have waited for.
+    /// Records an event and checks its predecessors.
     fn happen(&mut self, event: News) {
         let needs = self.stage.and_then(|stage| stage.needs.get(&event));
         let missing = (needs.into_iter().flatten()).find(|needed| !self.done.has(**needed));

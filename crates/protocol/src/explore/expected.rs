@@ -1,4 +1,4 @@
-//! What a program is meant to do, phase by phase.
+//! Goals of a program, phase by phase.
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::Cell;
@@ -6,49 +6,49 @@ use stochc_ir::table::{Action, Condition, News, PhaseId, RoleId, Tables};
 
 use crate::Reporter;
 
-/// What each phase of a program has to do, and what it leaves.
+/// Goals of each phase of a program, and the structure at its end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramGoals {
-    /// One entry per phase.
+    /// Goals by phase.
     pub(super) phases: Vec<PhaseGoal>,
 }
 
-/// What one phase has to do, and what it leaves.
+/// Goals of one phase, and the structure at its end.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct PhaseGoal {
-    /// The roles that are given in it.
+    /// Roles captured in the phase.
     pub captures: BTreeSet<RoleId>,
-    /// The roles that end in it.
+    /// Roles released in the phase.
     pub releases: BTreeSet<RoleId>,
-    /// What each event waits for.
+    /// Predecessors of each event.
     pub needs: BTreeMap<News, BTreeSet<News>>,
-    /// Captures that wait until so many of these have happened.
+    /// Captures that need a number of these predecessors.
     pub turns: BTreeMap<News, (usize, Vec<News>)>,
-    /// The reports that come to the plate, each once.
+    /// Reports to the plate, each once.
     pub reports: BTreeSet<Reporter>,
-    /// The cells that are filled in it.
+    /// Cells filled in the phase.
     pub cells: BTreeSet<Cell>,
-    /// Who sits where at its end, seeds included.
+    /// Cell of each role at the end of the phase, including seeds.
     pub structure: BTreeMap<RoleId, Cell>,
 }
 
-/// A capture or release as the program means it.
+/// Capture or release as declared by the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Meant {
-    /// When.
+    /// Phase of the event.
     pub phase: PhaseId,
-    /// What happens.
+    /// The event.
     pub event: News,
-    /// Of a capture, where its block sits.
+    /// Cell of the captured block, for captures.
     pub cell: Option<Cell>,
-    /// The events of the phase that have to come before.
+    /// Predecessors within the phase.
     pub waits_for: Vec<News>,
-    /// So many of these have to come before.
+    /// Number of required predecessors, and the candidates.
     pub turn: (usize, Vec<News>),
 }
 
 impl ProgramGoals {
-    /// Reads tables as a list of captures and releases that wait for whatever their conditions say.
+    /// Derives the goals from the tables and the conditions of their rules.
     pub fn new(tables: &Tables) -> ProgramGoals {
         let mut events = Vec::new();
         for duty in tables.duties() {
@@ -79,10 +79,11 @@ impl ProgramGoals {
         ProgramGoals::meant(tables, events)
     }
 
-    /// What somebody else says that tables are meant to do; only who reports is read off them.
+    /// Returns goals from a separate declaration of events. Only the reports are taken from the
+    /// tables.
     ///
-    /// A name that is held when a phase begins is released before it is captured again; one that
-    /// nobody holds is captured first.
+    /// A role that is occupied when a phase begins is released before it is captured again. A free
+    /// role is captured first.
     pub fn meant(tables: &Tables, events: impl IntoIterator<Item = Meant>) -> ProgramGoals {
         let mut phases = vec![PhaseGoal::default(); tables.phases.len()];
         let mut cells: BTreeMap<(PhaseId, RoleId), Cell> = BTreeMap::new();
@@ -129,19 +130,19 @@ impl ProgramGoals {
         ProgramGoals { phases }
     }
 
-    /// Who sits where when a phase has ended, seeds included.
+    /// Returns the cell of each role at the end of a phase, including seeds.
     pub fn structure(&self, phase: PhaseId) -> &BTreeMap<RoleId, Cell> {
         &self.phases[phase.0 as usize].structure
     }
 
-    /// Captures and releases of the phase that has most of them.
+    /// Returns the largest number of captures and releases in one phase.
     pub fn widest(&self) -> usize {
         let events = |stage: &PhaseGoal| stage.captures.len() + stage.releases.len();
         self.phases.iter().map(events).max().unwrap_or(0)
     }
 }
 
-/// The event that a condition stands for.
+/// Returns the event of a condition.
 fn news_of(condition: Condition) -> Option<News> {
     match condition {
         Condition::Docked(role) => Some(News::Anchored(role)),

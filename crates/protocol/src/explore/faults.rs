@@ -1,4 +1,4 @@
-//! What can go wrong in hardware.
+//! Hardware faults.
 use std::collections::BTreeSet;
 
 use stochc_ir::table::{RoleId, Tables};
@@ -6,23 +6,22 @@ use stochc_ir::{Cell, Face};
 
 use super::expected::ProgramGoals;
 
-/// Faults that an exploration brings about, in every place and at every time; default: none.
+/// Faults that an exploration injects at every place and time. Default: none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Faults {
-    /// Times that *each* transfer of a message from a block to its neighbour may be lost: the
-    /// message itself, or the acknowledgement alone.
+    /// Number of losses for *each* transfer of a message: of the message itself, or of the
+    /// acknowledgement alone.
     pub lost: u8,
-    /// Whether a sender that hears no acknowledgement sends again; default: yes, as in a run.
+    /// Whether a sender without acknowledgement resends. Default: yes, as in a run.
     pub sent_again: bool,
-    /// Blocks that die while they are anchored: they neither act nor pass anything on, and hold
-    /// what they hold.
+    /// Number of anchored blocks that fail: they no longer act or forward messages, but keep their
+    /// children.
     pub dead: u8,
-    /// Blocks that dock on a face of the structure that is not on.
+    /// Number of captures at faces that are off.
     pub strays: u8,
-    /// Whether a stray cannot be shaken off; default: it can, by switching its face off.
+    /// Whether a stray block cannot be rejected by switching the face off. Default: it can.
     pub stuck: bool,
-    /// Blocks that are mistaken about how they sit: by which of their own faces they were captured,
-    /// or how they are turned about it.
+    /// Number of blocks that misjudge their orientation: the touching face or the quarter turn.
     pub mistaken: u8,
 }
 
@@ -39,27 +38,26 @@ impl Default for Faults {
     }
 }
 
-/// Who the faults strike. Each choice is explored for itself; in it, a fault may strike at any
-/// time, or never.
+/// Blocks affected by faults. Each choice is explored separately, with faults at any time or never.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct FaultChoice {
-    /// The blocks in these roles die.
+    /// Roles whose blocks fail.
     pub dead: Vec<RoleId>,
-    /// Strays come to these cells.
+    /// Cells of stray blocks.
     pub strays: Vec<Cell>,
-    /// The blocks in these roles are mistaken from their capture on.
+    /// Roles whose blocks misjudge their orientation from their capture on.
     pub mistaken: Vec<RoleId>,
 }
 
 impl Faults {
-    /// Whether there are any.
+    /// Returns whether there are no faults.
     pub fn is_none(&self) -> bool {
         self.lost == 0 && self.dead == 0 && self.strays == 0 && self.mistaken == 0
     }
 
-    /// Every choice of those who are struck: in turn, so that few have to be kept.
+    /// Returns every choice of affected blocks, in an order that needs little memory.
     pub(super) fn choices(&self, tables: &Tables, expected: &ProgramGoals) -> Vec<FaultChoice> {
-        // The plate is one solid body; only what is captured can be struck.
+        // The plate is one solid body. Only captured blocks can be affected.
         let roles: Vec<RoleId> = (0..tables.roles.len() as u32)
             .map(RoleId)
             .filter(|role| tables.roles[role.0 as usize].seed.is_none())
@@ -85,7 +83,7 @@ impl Faults {
     }
 }
 
-/// The cells above the plate where a block may sit at some time, or beside which one may.
+/// Returns the cells above the plate that may be occupied, and their neighbours.
 fn around(tables: &Tables, expected: &ProgramGoals) -> Vec<Cell> {
     let seeds = tables.seeds().map(|(_, cell)| cell);
     let built = expected.phases.iter().flat_map(|stage| stage.cells.iter());
@@ -98,7 +96,7 @@ fn around(tables: &Tables, expected: &ProgramGoals) -> Vec<Cell> {
     cells.into_iter().collect()
 }
 
-/// All subsets of up to `most` members, the empty one first.
+/// Returns all subsets of up to `most` elements, the empty one first.
 fn subsets<T: Clone>(all: &[T], most: u8) -> Vec<Vec<T>> {
     let mut sets = vec![Vec::new()];
     if most == 0 {

@@ -1,11 +1,11 @@
-//! States as 128-bit numbers.
+//! Fingerprints of states as 128-bit numbers.
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// The fingerprint of a value.
+/// Returns the fingerprint of a value.
 ///
-/// Two of n states share one with a probability of about n^2 / 2^129: for ten million states,
-/// 10^-25. The standard hasher without a random key gives the same in every run of one build; only
-/// whether two are equal matters.
+/// The probability of a collision among n states is about n^2 / 2^129: 10^-25 for ten million. The
+/// standard hasher without a random key is the same in every run of one build. Only equality
+/// matters.
 pub(super) fn fingerprint(value: &impl Hash) -> u128 {
     let mut hasher = DoubleHasher(DefaultHasher::new(), DefaultHasher::new());
     hasher.1.write_u8(1);
@@ -13,7 +13,7 @@ pub(super) fn fingerprint(value: &impl Hash) -> u128 {
     (u128::from(hasher.0.finish()) << 64) | u128::from(hasher.1.finish())
 }
 
-/// Two hashers that start differently.
+/// Two hashers with different initial states.
 struct DoubleHasher(DefaultHasher, DefaultHasher);
 
 impl Hasher for DoubleHasher {

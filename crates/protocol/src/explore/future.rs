@@ -1,8 +1,8 @@
-//! All that may happen in the rest of a phase if some transitions do not: an upper bound.
+//! Upper bound of the events in the rest of a phase, without some transitions.
 //!
-//! Everything that only ever delays an event is left out: a cell that is full, the time that a
-//! message takes, a name that is not free yet. What is left is monotone, so that one pass over the
-//! rules until nothing new comes true finds every event that any order of events could bring.
+//! The bound ignores everything that can only delay an event: occupied cells, transit times, and
+//! occupied names. The remaining rules are monotone. Applying them until nothing changes finds
+//! every event that can happen in any order.
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::Cell;
@@ -14,15 +14,15 @@ use super::state::ProgramState;
 use super::transition::Transition;
 use crate::{BlockFace, Message, Payload, Recipient, StructureBlock};
 
-/// Who may capture whom in a phase, whatever else happens.
+/// Possible captors in a phase.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PhaseCaptors {
-    /// For each role that is captured, the roles that have a rule to do so.
+    /// For each captured role, the roles with a rule to capture it.
     of: BTreeMap<RoleId, Vec<RoleId>>,
 }
 
 impl PhaseCaptors {
-    /// The captors of each phase.
+    /// Returns the captors of each phase.
     pub fn by_phase(tables: &Tables) -> Vec<PhaseCaptors> {
         let mut all = vec![PhaseCaptors::default(); tables.phases.len()];
         for duty in tables.duties() {
@@ -36,12 +36,12 @@ impl PhaseCaptors {
         all
     }
 
-    /// Whether some role may be given by two rules.
+    /// Returns whether two rules may give the same role.
     pub fn is_ambiguous(&self) -> bool {
         self.of.values().any(|captors| captors.len() > 1)
     }
 
-    /// Adds a role and all those on which it hangs, or may come to hang.
+    /// Adds a role and all its possible ancestors.
     pub fn add_lineage(&self, state: &ProgramState<'_>, role: RoleId, to: &mut RoleSet) {
         let mut open = vec![role];
         while let Some(role) = open.pop() {
@@ -55,7 +55,7 @@ impl PhaseCaptors {
         }
     }
 
-    /// Adds all the roles that may have to do with a message at a block with this role.
+    /// Adds all roles that a message at this role's block may involve.
     pub fn add_way(
         &self,
         state: &ProgramState<'_>,
@@ -76,24 +76,24 @@ impl PhaseCaptors {
     }
 }
 
-/// What may happen in the rest of the phase.
+/// Upper bound of the events in the rest of a phase.
 #[derive(Clone, Debug)]
 pub(super) struct Future {
-    /// Reports that the plate may have, at most.
+    /// Largest number of reports at the plate.
     pub reports: u32,
     /// Cells that may be filled.
     pub cells: Vec<Cell>,
     /// Captures and releases that may happen.
     pub events: BTreeSet<News>,
-    /// Blocks that may be let go, and those that may let go of them.
+    /// Blocks that may be released, and their parents.
     pub released: RoleSet,
-    /// Blocks that may do something, or whose being there may matter.
+    /// Blocks that may act or whose presence may matter.
     pub touched: RoleSet,
-    /// Rules that were looked at, for bounding the work.
+    /// Number of evaluated rules, for the work limit.
     pub looked_at: u64,
 }
 
-/// The rules of one duty that have not fired yet.
+/// Rules of a duty that have not fired yet.
 struct OpenDuty<'t> {
     duty: Duty<'t>,
     open: Vec<bool>,
@@ -114,7 +114,7 @@ struct Forecast<'a, 't> {
 }
 
 impl Future {
-    /// What may happen in the phase that is running if none of `without` does.
+    /// Returns the bound for the running phase without the transitions `without`.
     pub fn new<'t>(
         context: &ExplorationContext<'t>,
         captors: &PhaseCaptors,
@@ -157,7 +157,7 @@ impl Future {
 }
 
 impl<'t> Forecast<'_, 't> {
-    /// What is there already.
+    /// Adds the present state.
     fn begin(&mut self, without: &[Transition]) {
         let state = self.state;
         for block in state.structure.blocks() {
@@ -200,11 +200,11 @@ impl<'t> Forecast<'_, 't> {
         }
     }
 
-    /// Fires whatever may fire; whether anything did.
+    /// Fires all rules that may fire. Returns whether any did.
     fn round(&mut self) -> bool {
         let mut changed = false;
         let mut i = 0;
-        // Those that are added on the way get their turn as well.
+        // Duties added during the loop are processed as well.
         while i < self.open_duties.len() {
             let duty = self.open_duties[i].duty;
             self.future.looked_at += duty.rules().len() as u64;
@@ -230,7 +230,7 @@ impl<'t> Forecast<'_, 't> {
             Condition::Asked(child) => self.asked.contains(child),
             Condition::Released(child) => self.gone.contains(child),
             Condition::Heard(news) => self.heard.contains(&(role, news)),
-            // It is no single thing that is seen.
+            // Not a single observation.
             Condition::Turn(_) => false,
         }
     }

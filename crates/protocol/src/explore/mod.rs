@@ -1,18 +1,17 @@
-//! Event tables in every order of events.
+//! Exploration of event tables in every order of events.
 //!
-//! [`explore`] runs the very machine that runs in a world ([`Structure`](crate::Structure)), but instead of a
-//! clock and chance it tries every order: any face that is on may capture next, if its cell is
-//! empty, and any message may make its next hop next, however long another one has been under way.
-//! Each hop is a transition of its own, because a message that is halfway can find the structure changed
-//! (a name has been given, a block is gone). Channels keep no order: two messages between the same
-//! two blocks may overtake each other. That the plate begins a phase is one transition, as in a run.
+//! [`explore`] runs the same state machine as a world ([`Structure`](crate::Structure)), but in
+//! every order instead of by clock and chance. Any open face whose cell is empty may capture next.
+//! Any message may make its next hop, however long others have been in transit. Each hop is a
+//! transition, because the structure can change while a message is halfway. Contacts keep no order:
+//! two messages between the same blocks may overtake each other. As in a run, the beginning of a
+//! phase is one transition.
 //!
-//! Every order of a world is among them, whatever the price of a hop, so what holds here holds
-//! there. What is not explored is time: a phase that waits for ever here times out there.
+//! This includes every order of a world, for any hop time, so properties proved here hold in all
+//! worlds. Time is not explored: a phase that never ends here times out in a world.
 //!
-//! A state is hashed by what it means: the blocks by their roles, what they know as sorted sets,
-//! messages under way as a bag. `persistent` leaves out orders that make no difference, and says why
-//! that is sound.
+//! States are hashed by meaning: blocks by role, observations as sorted sets, messages in transit
+//! as a multiset. `persistent` omits equivalent orders and proves that this is sound.
 mod breadth_first;
 mod checker;
 mod context;
@@ -42,21 +41,22 @@ pub use faults::Faults;
 pub use random_walk::{Choose, DrawIndex};
 pub use report::{ExceededBound, ExplorationReport, ExplorationVerdict, Property, Violation};
 
-/// Whether a free block can come to a cell while others are occupied (those of the plate, at
-/// z = 0, are not listed).
+/// Predicate: a free block can reach a cell while others are occupied. Cells of the plate, at z =
+/// 0, are not listed.
 ///
-/// It has to be monotone: a cell that cannot be reached cannot be reached either when more cells
-/// are occupied.
+/// It must be monotone: occupying more cells never makes a cell reachable.
 pub type CanReach<'a> = dyn Fn(&BTreeSet<Cell>, Cell) -> bool + 'a;
 
-/// How far an exploration goes.
+/// Limits of an exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExplorationBounds {
-    /// States visited, at most; default 1,000,000.
+    /// Largest number of visited states. Default: 1,000,000.
     pub states: u64,
-    /// Bytes that the visited states and the way to the present one may take, about; default 1 GB.
+    /// Approximate memory limit of the visited states and the current path \[bytes\]. Default: 1
+    /// GB.
     pub memory: usize,
-    /// Steps and rules looked at and blocks copied, at most, about; default 2 * 10^9, minutes.
+    /// Approximate limit of steps, evaluated rules and copied blocks. Default: 2 * 10^9, which
+    /// takes minutes.
     pub work: u64,
 }
 
@@ -70,27 +70,28 @@ impl Default for ExplorationBounds {
     }
 }
 
-/// What is explored, and how.
+/// Exploration task.
 #[derive(Clone, Copy)]
 pub struct Exploration<'a> {
-    /// The tables that run.
+    /// Tables to run.
     pub tables: &'a Tables,
-    /// The goals of the tables: [`ProgramGoals::new`], unless the tables are in doubt.
+    /// Goals of the tables. Usually [`ProgramGoals::new`]; a separate declaration checks the tables
+    /// themselves.
     pub expected: &'a ProgramGoals,
-    /// How far to go.
+    /// Limits.
     pub bounds: ExplorationBounds,
-    /// What may go wrong.
+    /// Injected faults.
     pub faults: Faults,
-    /// Which cells a free block can come to; `None`: every empty one.
+    /// Reachability of cells. `None` if every empty cell is reachable.
     pub reach: Option<&'a CanReach<'a>>,
-    /// Whether to leave out orders that make no difference; the verdict is the same.
+    /// Whether to omit equivalent orders. The verdict is the same.
     pub reduce: bool,
-    /// Whether to count hangs and go on, rather than to take one for a violation.
+    /// Whether to count deadlocks and continue instead of reporting a violation.
     pub hangs_allowed: bool,
 }
 
 impl<'a> Exploration<'a> {
-    /// Every order, with nothing in the way.
+    /// Returns the task of exploring every order, with all cells reachable.
     pub fn new(
         tables: &'a Tables,
         expected: &'a ProgramGoals,
@@ -108,7 +109,7 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Explores; the bounds hold for all together.
+    /// Explores. The limits apply to all choices of faults together.
     pub fn run(&self) -> ExplorationReport {
         let mut report = ExplorationReport::empty(ExplorationVerdict::Holds);
         for struck in self.faults.choices(self.tables, self.expected) {
@@ -130,8 +131,8 @@ impl<'a> Exploration<'a> {
         report
     }
 
-    /// The shortest order of events that goes wrong without any faults, of those that matter, if there is one
-    /// within as many states and as much memory as the bounds allow.
+    /// Returns the shortest violation without faults, after reduction, if there is one within the
+    /// limits.
     pub fn shortest(&self) -> Option<Violation> {
         match breadth_first::shortest(self, &faults::FaultChoice::default()) {
             ExplorationVerdict::Violated(violation) => Some(*violation),
@@ -139,8 +140,8 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Tries `schedules` orders that `choose` draws by chance instead of all; each choice of those whom
-    /// faults strike is drawn as well.
+    /// Explores `schedules` random orders, drawn by `choose`, instead of all. The blocks affected
+    /// by faults are drawn as well.
     pub fn sample(&self, schedules: u64, choose: &mut Choose<'_>) -> ExplorationReport {
         random_walk::sample(self, schedules, choose)
     }

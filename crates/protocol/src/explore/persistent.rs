@@ -1,44 +1,45 @@
-//! Which of the possible transitions have to be tried.
+//! Persistent sets: the transitions that must be tried in a state.
 //!
-//! # Why fewer are enough
+//! # Soundness
 //!
-//! Two transitions are *independent* in a state if neither prevents the other and both orders lead to
-//! the same state. A set T of the transitions that are possible in a state is *persistent* if nothing
-//! that can happen without a transition of T depends on one of T. Every maximal order of events from
-//! there then has a transition of T in it (at its end those of T would still be possible), and the first
-//! of them can be moved to the front, past what it does not depend on. So trying T alone finds,
-//! for every maximal order, one in which the same transitions find the blocks that they touch in the
-//! same state: every hang, every phase's end, and every transition that does something wrong (all of
-//! these are seen at the blocks that the transition touches). The space has no circles, because every
-//! transition uses up an event, a hop on the way to a goal, or a phase; so nothing is put off for ever.
+//! Two transitions are *independent* in a state if neither prevents the other and both orders lead
+//! to the same state. A set T of enabled transitions is *persistent* if nothing that can happen
+//! without T depends on a transition in T. Every maximal order of events then contains a transition
+//! of T, as T would otherwise still be enabled at its end. The first of them can be moved to the
+//! front, past independent transitions. Trying T alone therefore finds, for every maximal order, an
+//! equivalent one. All transitions of the two find the same states of the blocks that they touch.
+//! The search thus finds every deadlock, every end of a phase and every faulty transition, since
+//! these are visible at the touched blocks. The state space has no cycles, because every transition
+//! uses up an event, a hop towards a goal, or a phase. Nothing is postponed forever.
 //!
-//! What is independent? Blocks only gather: the set of what a block has seen grows, a rule fires
-//! when its conditions are in the set, once, and what it sends or switches on adds to a bag that
-//! has no order. Two transitions that only add commute, even at the same block: a message that comes
-//! before the capture it waits for lies there and goes on with it, after it, it goes on at once.
-//! What does not only add, and these are the dependences:
+//! Blocks only accumulate observations. A rule fires once, when its conditions are in the set. Its
+//! messages and open faces are added to an unordered multiset. Two transitions that only add
+//! commute, even at the same block. A message that arrives before the capture that it needs waits
+//! for it; after the capture it continues at once. The other transitions have these dependences:
 //!
-//! 1. *The end of a phase* clears everything. It depends on all transitions. T is no good if the plate
-//!    may get all its reports without T.
-//! 2. *A cell* takes one block: two captures into one cell. With a [`CanReach`](super::CanReach), also
-//!    a capture that may close the way to another cell. (More blocks never open a way, so a cell
-//!    that can be reached when all cells are full that may ever be is no concern.)
-//! 3. *Letting go* takes away a block, its name and the ways through it. It depends on whatever
-//!    may touch the two blocks: capture there, or send a message on a way that may lead through.
-//! 4. *What should wait.* Whether an event comes too early is seen only in its order with the
-//!    other one. (In right tables the later one cannot happen without the earlier.)
-//! 5. *A fault* at a block depends on whatever may touch the block; the fates of one message depend
-//!    on each other. Where blocks die, while a stray is still to come, and where blocks are
-//!    mistaken about how they sit, all transitions are tried: for deaths, a smaller set has been seen to
-//!    miss one of 21 hangs of a random program.
-//! 6. Two rules that give *the same name* in one phase: the way to a name is then not known in
-//!    advance. The compiler makes no such tables; where they occur, all transitions are tried.
-//! 7. *Sending again* changes nothing but the message's own fate, nor does what becomes of one
-//!    that its receiver has had: letting go hands over the same, the end of the phase clears the
-//!    same. With it in front, any order of events goes on through the same states; so it is tried
-//!    first, alone, although the end of the phase may take it away.
+//! 1. *The end of a phase* clears everything and depends on all transitions. T is not valid if the
+//!    plate may get all its reports without T.
+//! 2. *A cell* holds one block: two captures into one cell depend on each other. With a
+//!    [`CanReach`](super::CanReach), so do captures that may block access to another cell. More
+//!    blocks never open access. A cell that is reachable with all possible cells occupied needs no
+//!    check.
+//! 3. *A release* removes a block, its name and the paths through it. It depends on everything that
+//!    may touch the two blocks: captures there, and messages on paths that may lead through.
+//! 4. *Order constraints* are checked only by the order of two events. In correct tables the later
+//!    one cannot happen without the earlier.
+//! 5. *A fault* at a block depends on everything that may touch the block. The losses of one
+//!    message depend on each other. All transitions are tried if blocks fail, if a stray block is
+//!    still to come, or if blocks misjudge their orientation. For failures, a smaller set missed
+//!    one of 21 deadlocks of a random program.
+//! 6. *Equal names*: if two rules give the same name in one phase, the path to the name is not
+//!    known in advance. The compiler does not make such tables. All transitions are tried for them.
+//! 7. *Resending* changes only the message's own state, as does a duplicate at its receiver. A
+//!    release hands over the same messages, and the end of the phase clears them. Any order of
+//!    events passes through the same states with resending in front. It is therefore tried first,
+//!    alone, although the end of the phase may remove it.
 //!
-//! What can happen without T is bounded by [`Future`], and all are checked against that bound.
+//! [`Future`] is an upper bound of the events without T, and all dependences are checked against
+//! it.
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
@@ -53,25 +54,25 @@ use super::roles::RoleSet;
 use super::state::ProgramState;
 use super::transition::Transition;
 
-/// Steps around which a persistent set is looked for, at most.
+/// Largest number of initial transitions tried for a persistent set.
 const CANDIDATES: usize = 64;
 
-/// Chooses transitions.
+/// Selection of transitions.
 pub(super) struct PersistentSets<'t> {
     context: ExplorationContext<'t>,
-    /// Rules looked at and blocks copied, for bounding the work.
+    /// Number of evaluated rules and copied blocks, for the work limit.
     pub work: u64,
-    /// By phase.
+    /// Captors by phase.
     captors: Vec<Rc<PhaseCaptors>>,
 }
 
-/// What a transition has to do with.
+/// Footprint of a transition.
 struct Footprint {
-    /// The cell it fills.
+    /// Cell that it fills.
     cell: Option<Cell>,
-    /// The captures and releases it brings.
+    /// Captures and releases that it causes.
     events: Vec<News>,
-    /// The blocks it lets go, and those that let go.
+    /// Blocks that it releases, and their parents.
     released: RoleSet,
     /// All blocks that it may touch.
     touched: RoleSet,
@@ -87,7 +88,7 @@ impl<'t> PersistentSets<'t> {
         }
     }
 
-    /// A persistent set of `transitions`, all that are possible in `state`.
+    /// Returns a persistent subset of `transitions`, which are all transitions enabled in `state`.
     pub fn choose(
         &mut self,
         state: &ProgramState<'t>,
@@ -96,8 +97,7 @@ impl<'t> PersistentSets<'t> {
         let Some(phase) = state.structure.phase() else {
             return transitions;
         };
-        // To send again, and what comes of a message that its receiver has had, is nobody else's
-        // affair (dependence 7).
+        // Resending, and duplicates at a receiver, are independent of all others (dependence 7).
         let again = |transition: &&Transition| {
             transition
                 .transit()
@@ -140,8 +140,8 @@ impl<'t> PersistentSets<'t> {
         best.unwrap_or(transitions)
     }
 
-    /// The smallest persistent set around a transition that can be found by adding transitions that depend on
-    /// it; `None`: none but all.
+    /// Extends a transition to a persistent set by adding dependent transitions. Returns `None` if
+    /// only the full set qualifies.
     fn close(
         &mut self,
         state: &ProgramState<'t>,
@@ -243,7 +243,7 @@ impl<'t> PersistentSets<'t> {
         }
     }
 
-    /// Whether something of the future depends on one of the transitions.
+    /// Returns whether the future depends on one of the transitions.
     fn conflict(&self, state: &ProgramState<'t>, prints: &[Footprint], future: &Future) -> bool {
         let phases = &self.context.tables.phases;
         let phase = state.structure.phase();
@@ -263,7 +263,7 @@ impl<'t> PersistentSets<'t> {
 }
 
 impl PersistentSets<'_> {
-    /// Whether an event of the future should wait for one of the transition, or the other way round.
+    /// Returns whether the future and a transition have events with an order constraint.
     fn is_ordered(&self, state: &ProgramState<'_>, print: &Footprint, future: &Future) -> bool {
         let Some(stage) = state.stage(self.context.expected) else {
             return false;
@@ -282,8 +282,8 @@ impl PersistentSets<'_> {
     }
 }
 
-/// Whether the captures among the transitions may close the way to a cell of the future, or the other
-/// way round.
+/// Returns whether captures of the transitions may block access to a cell of the future, or the
+/// reverse.
 fn closes(
     state: &ProgramState<'_>,
     prints: &[Footprint],
@@ -304,12 +304,12 @@ fn closes(
     closed_by_future || (!own.is_empty() && later.into_iter().any(unsafe_cell))
 }
 
-/// Whether two transitions are the same, or different fates of the same message.
+/// Returns whether two transitions are equal or concern the same message.
 fn is_same_matter(a: &Transition, b: &Transition) -> bool {
     a == b || (a.transit().is_some() && a.transit() == b.transit())
 }
 
-/// Whether two transitions depend on each other.
+/// Returns whether two transitions depend on each other.
 fn depend(a: &Footprint, b: &Footprint) -> bool {
     (a.cell.is_some() && a.cell == b.cell)
         || a.released.meets(&b.touched)

@@ -1,21 +1,21 @@
-//! What has happened in a phase.
+//! Events so far in a phase.
 use std::collections::BTreeSet;
 
 use stochc_ir::table::{News, RoleId};
 
 use crate::Reporter;
 
-/// What has happened in a phase.
+/// Events so far in a phase.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct PhaseProgress {
     pub captures: BTreeSet<RoleId>,
     pub releases: BTreeSet<RoleId>,
-    /// Sorted; a report that came twice is there twice.
+    /// Sorted reports. Duplicates are included.
     pub reports: Vec<Reporter>,
 }
 
 impl PhaseProgress {
-    /// Whether an event has happened in this phase.
+    /// Returns whether an event has happened in this phase.
     pub fn has(&self, event: News) -> bool {
         match event {
             News::Anchored(role) => self.captures.contains(&role),

@@ -1,4 +1,4 @@
-//! Some orders, drawn by chance, where there are too many to try them all.
+//! Random sampling of orders, for state spaces too large to explore.
 use super::Exploration;
 use super::context::ExplorationContext;
 use super::faults::FaultChoice;
@@ -6,25 +6,25 @@ use super::report::{ExceededBound, ExplorationReport, ExplorationVerdict};
 use super::state::ProgramState;
 use super::transition::Transition;
 
-/// Which draw it is.
+/// Index of a random draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DrawIndex {
-    /// The number of the schedule, from 0.
+    /// Number of the schedule, from 0.
     pub schedule: u64,
-    /// Of which step in it, from 1; 0: of those whom faults strike.
+    /// Number of the step, from 1. 0 for the choice of faults.
     pub step: u64,
-    /// Draws before it in the same step: at most 7.
+    /// Number of draws before it in the same step, at most 7.
     pub attempt: u32,
 }
 
-/// Draws one of `0..n`, evenly, for a number n above 0: always the same for the same draw and number.
+/// Function that draws one of `0..n` uniformly, for n above 0. Equal indices and n give equal
+/// draws.
 pub type Choose<'a> = dyn FnMut(DrawIndex, u32) -> u32 + 'a;
 
-/// Draws in each step before all that is possible is listed.
+/// Number of draws per step before all enabled transitions are listed.
 const ATTEMPTS: u32 = 8;
 
-/// Follows schedules from beginning to end: each transition is one of the possible ones, all equally
-/// likely.
+/// Follows random schedules from start to end. All enabled transitions are equally likely.
 pub(super) fn sample(
     exploration: &Exploration<'_>,
     schedules: u64,
@@ -45,7 +45,7 @@ pub(super) fn sample(
         };
         let struck = &choices[choose(0, 0, choices.len() as u32) as usize];
         if let Some(verdict) = follow(exploration, struck, &mut choose, &mut report) {
-            // What was followed to its end counts, even if the work ran out in the next.
+            // Completed schedules count even if the work limit was reached in a later one.
             let enough =
                 matches!(verdict, ExplorationVerdict::Unfinished(_)) && report.schedules > 0;
             if !enough {
@@ -58,7 +58,7 @@ pub(super) fn sample(
     report
 }
 
-/// Follows one schedule; says when that is the end.
+/// Follows one schedule. Returns a verdict if that ends the sampling.
 fn follow(
     exploration: &Exploration<'_>,
     struck: &FaultChoice,
@@ -81,7 +81,7 @@ fn follow(
         if report.work > exploration.bounds.work {
             return Some(ExplorationVerdict::Unfinished(ExceededBound::Work));
         }
-        // Only the end of a phase is judged by the state before it.
+        // Only the end of a phase is checked against the state before it.
         let before = (transition == Transition::EndPhase).then(|| state.clone());
         let phase = state.structure.phase();
         let effects = state.make(&context, transition);
@@ -104,7 +104,8 @@ fn follow(
     Some(checker.violated(&context, wrong, state.structure.phase(), &made))
 }
 
-/// One of the possible transitions, each as likely as another, and how many were looked at.
+/// Draws one of the enabled transitions, all equally likely. Returns it with the number of
+/// transitions examined.
 fn draw(
     state: &ProgramState<'_>,
     context: &ExplorationContext<'_>,
@@ -113,7 +114,7 @@ fn draw(
     let (transits, faces) = (state.under_way.len(), state.lattice.active().len());
     let all = (transits + faces) as u32;
     let is_plain = context.faults.is_none() && context.reach.is_none();
-    // Most that is under way or on is possible: to draw until one is takes less than to list all.
+    // Most open faces and messages are enabled, so rejection sampling is cheaper than listing all.
     if is_plain && all > 0 && !state.structure.is_phase_reported() {
         for attempt in 0..ATTEMPTS {
             let i = choose(attempt, all) as usize;
@@ -122,7 +123,7 @@ fn draw(
             }
             let site = state.lattice.active().iter().nth(i - transits);
             if let Some(&site) = site.filter(|site| state.lattice.target(**site).is_some()) {
-                // Going to the i-th face is quick, but not for nothing.
+                // Reaching the i-th face has a small cost.
                 return (Some(Transition::Capture(site)), 1 + i as u64 / 16);
             }
         }

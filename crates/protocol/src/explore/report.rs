@@ -1,40 +1,40 @@
-//! What an exploration finds out.
+//! Results of an exploration.
 use stochc_ir::table::PhaseId;
 
-/// What came of an exploration.
+/// Result of an exploration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExplorationReport {
-    /// Different states visited.
+    /// Number of distinct states visited.
     pub states: u64,
-    /// Steps made from one state to another.
+    /// Number of transitions made.
     pub transitions: u64,
-    /// Choices of those whom faults strike, each of which was explored for itself; 1 without faults.
+    /// Number of fault choices explored. 1 without faults.
     pub choices: u64,
-    /// Schedules followed from beginning to end, of an exploration by chance; 0: all of them.
+    /// Number of complete schedules, for random sampling. 0 for a full exploration.
     pub schedules: u64,
-    /// Maximal orders of events, up to those that do not matter, that end before the program does.
-    /// More than 0 only where [`Exploration::hangs_allowed`](super::Exploration) says so.
+    /// Number of deadlocked orders, after reduction. Positive only with
+    /// [`Exploration::hangs_allowed`](super::Exploration).
     pub hangs: u64,
-    /// Steps and rules looked at, and blocks copied.
+    /// Number of steps, evaluated rules and copied blocks.
     pub work: u64,
-    /// What it means.
+    /// Verdict.
     pub verdict: ExplorationVerdict,
 }
 
-/// What an exploration means.
+/// Verdict of an exploration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ExplorationVerdict {
     /// Every property holds in every order of events.
     Holds,
-    /// Every property holds in all schedules that were tried.
+    /// Every property holds in all sampled schedules.
     Sampled,
     /// A property is violated.
     Violated(Box<Violation>),
-    /// Nothing was found until a bound was reached.
+    /// A limit was reached without finding a violation.
     Unfinished(ExceededBound),
 }
 
-/// Why an exploration was given up.
+/// Limit that ended an exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExceededBound {
     /// [`ExplorationBounds::states`](super::ExplorationBounds).
@@ -45,62 +45,62 @@ pub enum ExceededBound {
     Work,
 }
 
-/// A property that does not hold, and how that comes about.
+/// Violated property, with a trace.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Violation {
-    /// Which.
+    /// The property.
     pub property: Property,
-    /// In which phase.
+    /// Phase of the violation.
     pub phase: PhaseId,
-    /// What is wrong, in the program's names: `phase x ends before C is captured`.
+    /// Description in the program's names: `phase x ends before C is captured`.
     pub what: String,
-    /// The events that lead there, one line each, in their order.
+    /// Events that lead there, in order, one line each.
     pub trace: Vec<String>,
 }
 
-/// What has to hold in every order of events.
+/// Property that must hold in every order of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Property {
-    /// Nothing happens before what it has to wait for.
+    /// Every event follows its predecessors.
     Order,
     /// No phase ends before all its captures and releases have happened.
     NoEarlyEnd,
-    /// Every maximal order of events ends the program.
+    /// Every maximal order of events completes the program.
     NoHang,
-    /// What stands at the end of each phase is what the program declares.
+    /// The structure at the end of each phase is as declared.
     Structure,
-    /// Every report comes to the plate once, and before the phase ends.
+    /// Every report reaches the plate once, before the phase ends.
     ReportsOnce,
-    /// No block is let go that holds another one.
+    /// No block is released while it holds another one.
     NoneAdrift,
-    /// No name is held by two blocks.
+    /// No role is held by two blocks.
     OneHolder,
     /// No block magnetizes more faces than its hardware allows.
     Faces,
-    /// A block that docks where nobody expects it is rejected, and changes nothing: at any moment and
-    /// on any face, where every face always attracts.
+    /// Unplanned captures are rejected and change nothing, at any time and on any face that always
+    /// attracts.
     Unplanned,
 }
 
 impl Property {
-    /// The property in a few words: `no phase ends early`.
+    /// Returns a short description: `no phase ends early`.
     pub fn words(self) -> &'static str {
         match self {
-            Property::Order => "nothing happens before what it waits for",
+            Property::Order => "every event follows its predecessors",
             Property::NoEarlyEnd => "no phase ends early",
             Property::NoHang => "no phase hangs",
             Property::Structure => "each phase ends with the declared structure",
-            Property::ReportsOnce => "every report comes to the plate once",
-            Property::NoneAdrift => "no block is let go that holds another one",
+            Property::ReportsOnce => "every report reaches the plate once",
+            Property::NoneAdrift => "no block is released while it holds another",
             Property::OneHolder => "no name is held by two blocks",
-            Property::Unplanned => "no unplanned bond changes anything",
-            Property::Faces => "no block magnetizes more faces than it has to spare",
+            Property::Unplanned => "unplanned captures change nothing",
+            Property::Faces => "no block magnetizes more faces than its hardware allows",
         }
     }
 }
 
 impl ExplorationReport {
-    /// Nothing explored yet.
+    /// Returns a report of nothing explored.
     pub(super) fn empty(verdict: ExplorationVerdict) -> ExplorationReport {
         ExplorationReport {
             states: 0,
@@ -113,7 +113,7 @@ impl ExplorationReport {
         }
     }
 
-    /// The violation that was found, if any.
+    /// Returns the violation, if there is one.
     pub fn violation(&self) -> Option<&Violation> {
         match &self.verdict {
             ExplorationVerdict::Violated(violation) => Some(violation),
@@ -121,7 +121,7 @@ impl ExplorationReport {
         }
     }
 
-    /// Whether every property holds in every order of events.
+    /// Returns whether every property holds in every order of events.
     pub fn holds(&self) -> bool {
         self.verdict == ExplorationVerdict::Holds
     }

@@ -1,17 +1,17 @@
 //! Sets of roles.
 use stochc_ir::table::RoleId;
 
-/// A set of roles, one bit each.
+/// Set of roles, one bit each.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct RoleSet(Vec<u64>);
 
 impl RoleSet {
-    /// None of `count` roles.
+    /// Returns the empty set of `count` roles.
     pub fn none(count: usize) -> RoleSet {
         RoleSet(vec![0; count.div_ceil(64)])
     }
 
-    /// Adds a role; whether it is new.
+    /// Adds a role. Returns whether it is new.
     pub fn insert(&mut self, role: RoleId) -> bool {
         let (word, bit) = (role.0 as usize / 64, 1 << (role.0 % 64));
         let new = self.0[word] & bit == 0;
@@ -30,7 +30,7 @@ impl RoleSet {
         }
     }
 
-    /// Whether two sets have a role in common.
+    /// Returns whether two sets have a role in common.
     pub fn meets(&self, other: &RoleSet) -> bool {
         self.0.iter().zip(&other.0).any(|(a, b)| a & b != 0)
     }

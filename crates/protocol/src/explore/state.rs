@@ -1,4 +1,4 @@
-//! A state of a program: the structure, its cells, and all that is under way.
+//! State of a program: structure, cells, and messages in transit.
 use std::collections::BTreeSet;
 
 use stochc_ir::table::RoleId;
@@ -13,23 +13,23 @@ use super::report::Property;
 use super::transition::{Ignored, InTransit, Transition};
 use crate::{BlockFace, Body, Channels, Docking, Lattice, Structure, StructureBlock};
 
-/// A state. Equal states have the same future.
+/// State of a program. Equal states have the same future.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ProgramState<'t> {
     pub structure: Structure<'t>,
     pub lattice: Lattice,
-    /// The hops that messages are making, sorted.
+    /// Messages in transit, sorted.
     pub under_way: Vec<InTransit>,
-    /// Numbers of transfers, where they may be lost; what they mean is written in the transits.
+    /// Transfer numbers, if transfers may be lost. Their meaning is in the transits.
     pub channels: Ignored<Channels>,
-    /// What has happened in this phase, for judging its end.
+    /// Events so far in this phase, to check its end.
     pub done: PhaseProgress,
-    /// The cells where strays have been.
+    /// Cells of stray blocks so far.
     pub strayed: BTreeSet<Cell>,
 }
 
 impl<'t> ProgramState<'t> {
-    /// The beginning of the first phase.
+    /// Returns the state at the start of the first phase.
     pub fn first(context: &ExplorationContext<'t>) -> (ProgramState<'t>, Effects) {
         let mut state = ProgramState {
             structure: Structure::new(context.tables),
@@ -42,7 +42,7 @@ impl<'t> ProgramState<'t> {
         let mut effects = state.carry_out(context, |structure, environment| {
             structure.start(environment)
         });
-        // What is attached by hand is there when anything begins to happen.
+        // Pre-attached blocks are present before any other event.
         while state.structure.is_planting() {
             while let Some((site, _)) = state.structure.next_to_plant() {
                 effects
@@ -55,10 +55,10 @@ impl<'t> ProgramState<'t> {
         (state, effects)
     }
 
-    /// A face on which an unplanned bond would change something; `None`: wherever a block docks that
-    /// nobody expects, it is rejected, and everything is as it was.
+    /// Returns a face whose unplanned capture would have a lasting effect, or `None` if every such
+    /// capture is rejected without effect.
     ///
-    /// Every exposed face is tried, one after the other.
+    /// Tries every exposed face in turn.
     pub fn unsettled(&self, context: &ExplorationContext<'t>) -> Option<BlockFace> {
         let mut state = self.clone();
         let mut first = None;
@@ -88,12 +88,12 @@ impl<'t> ProgramState<'t> {
         first.filter(|_| state != *self)
     }
 
-    /// Whether all phases have ended.
+    /// Returns whether all phases have ended.
     pub fn is_complete(&self) -> bool {
         self.structure.phase().is_none()
     }
 
-    /// What can happen next: first what messages do, then captures, the end of the phase last.
+    /// Returns the enabled transitions: messages first, then captures, then the end of the phase.
     pub fn transitions(&self, context: &ExplorationContext<'t>) -> Vec<Transition> {
         let mut transitions = Vec::new();
         if self.is_complete() {
@@ -162,12 +162,12 @@ impl<'t> ProgramState<'t> {
         }
     }
 
-    /// The cells above the plate that hold a block.
+    /// Returns the occupied cells above the plate.
     pub fn occupied(&self) -> BTreeSet<Cell> {
         self.lattice.cells().keys().copied().collect()
     }
 
-    /// Makes a transition that [`ProgramState::transitions`] offers.
+    /// Makes a transition that [`ProgramState::transitions`] has returned.
     pub fn make(&mut self, context: &ExplorationContext<'t>, transition: Transition) -> Effects {
         match transition {
             Transition::Arrive(transit) => self.arrive(context, transit, true),
@@ -239,7 +239,7 @@ impl<'t> ProgramState<'t> {
             let block = self.structure.block(body);
             block.is_some_and(|block| block.is_dead())
         };
-        // Nobody takes it or answers; to send it again for ever changes nothing.
+        // No one accepts or acknowledges it, and resending it forever changes nothing.
         if with_losses && is_dead(to) {
             return Effects::default();
         }
@@ -273,8 +273,8 @@ impl<'t> ProgramState<'t> {
         self.under_way.insert(i, transit);
     }
 
-    /// A block docks on a face that is on. It gets the number of its role, so that equal
-    /// structures are equal states.
+    /// Captures a block at an open face. Its number is that of its role, so that equal structures
+    /// are equal states.
     fn capture(&mut self, context: &ExplorationContext<'t>, site: BlockFace, how: u8) -> Effects {
         let child = self.opened(site);
         let truth = docking(site, child.map_or(u32::MAX, |child| child.0), 0);
@@ -291,7 +291,7 @@ impl<'t> ProgramState<'t> {
         effects
     }
 
-    /// The role that a face that is on will give.
+    /// Returns the role that an open face gives.
     fn opened(&self, site: BlockFace) -> Option<RoleId> {
         let block = self.structure.block(site.body)?;
         let open = block.open().iter().find(|open| open.own == site.face)?;
@@ -308,7 +308,7 @@ impl<'t> ProgramState<'t> {
         self.carry_out_in(context, number, act)
     }
 
-    /// The same in another phase: that of the events which the act brings.
+    /// Carries out an act whose events belong to a given phase.
     fn carry_out_in(
         &mut self,
         context: &ExplorationContext<'t>,
@@ -338,24 +338,24 @@ impl<'t> ProgramState<'t> {
         effects
     }
 
-    /// The role of a block that is part of the structure.
+    /// Returns the role of a block of the structure.
     pub fn role(&self, body: Body) -> Option<RoleId> {
         Some(self.structure.block(body)?.role())
     }
 
-    /// What the phase that is running has to do.
+    /// Returns the goal of the running phase.
     pub fn stage<'e>(&self, expected: &'e ProgramGoals) -> Option<&'e PhaseGoal> {
         expected.phases.get(self.structure.phase()?.0 as usize)
     }
 
-    /// About how many bytes the state takes.
+    /// Returns the approximate size of the state \[bytes\].
     pub fn weight(&self) -> usize {
         let of = std::mem::size_of::<ProgramState<'_>>();
         of + self.structure.count() * 512 + self.under_way.len() * std::mem::size_of::<InTransit>()
     }
 }
 
-/// The docking of a block on a face; `how` is one of the 24 ways in which it may sit.
+/// Returns the capture of a block at a face. `how` is one of its 24 orientations.
 fn docking(site: BlockFace, child: u32, how: u8) -> Docking {
     let how = (how + 5) % 24;
     Docking {

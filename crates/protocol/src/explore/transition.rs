@@ -1,50 +1,50 @@
-//! What can happen next.
+//! Possible next events.
 use stochc_ir::table::RoleId;
 
 use crate::{BlockFace, Body, Message};
 
-/// A hop that a message is making.
+/// Message on a hop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct InTransit {
     pub from: Body,
     pub to: Body,
     pub message: Message,
-    /// Its number on the contact; 0 where nothing is lost. Only whether two are equal matters, so
-    /// it is no part of what a state means.
+    /// Number on the contact. 0 if nothing is lost. Only equality matters, so it does not
+    /// distinguish states.
     pub number: Ignored<u32>,
-    /// Times that it, or its acknowledgement, has been lost.
+    /// Number of losses of the message or its acknowledgement.
     pub lost: u8,
-    /// The receiver has it, but its sender does not know.
+    /// Whether the receiver has accepted it without the sender's knowledge.
     pub is_taken: bool,
-    /// It has been lost, and waits to be sent again.
+    /// Whether it was lost and is waiting to be resent.
     pub is_waiting: bool,
 }
 
-/// One transition of an order of events.
+/// Transition in an order of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Transition {
-    /// A hop is complete.
+    /// A hop completes.
     Arrive(InTransit),
     /// A message is lost.
     Lose(InTransit),
-    /// A hop is complete, but its acknowledgement is lost.
+    /// A hop completes, but its acknowledgement is lost.
     LoseAnswer(InTransit),
-    /// A message is sent again.
+    /// A message is resent.
     SendAgain(InTransit),
     /// A face captures a block.
     Capture(BlockFace),
-    /// A face captures a block that then believes to sit in another way: one of 23.
+    /// A face captures a block that assumes one of 23 wrong orientations.
     CaptureMistaken(BlockFace, u8),
-    /// A block docks on a face that is not on.
+    /// A block is captured at a face that is off.
     Stray(BlockFace),
-    /// The block in a role dies.
+    /// The block in a role fails.
     Die(RoleId),
     /// The plate begins the next phase.
     EndPhase,
 }
 
 impl Transition {
-    /// The message that it is about.
+    /// Returns the message of the transition.
     pub fn transit(&self) -> Option<InTransit> {
         match *self {
             Transition::Arrive(transit)
@@ -56,7 +56,7 @@ impl Transition {
     }
 }
 
-/// A value that is no part of what the values around it mean: all are equal.
+/// Value that does not distinguish states: all values are equal.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ignored<T>(pub T);
 

@@ -1,4 +1,4 @@
-//! What one anchored block keeps in mind.
+//! State of one anchored block.
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_ir::table::{Action, Condition, RoleId, RuleRange, Tables, Trigger};
@@ -10,62 +10,66 @@ use super::message::Message;
 use crate::body::Body;
 use crate::orientation::Orientation;
 
-/// A list with fewer conditions is faster gone through than searched.
+/// Length below which a linear search of conditions is faster than a binary one.
 const SHORT: usize = 8;
 
-/// An anchored block: its name, how it sits, its neighbours in the tree, and its progress.
+/// Anchored block: role, orientation, neighbours in the tree, and progress.
 ///
-/// Its lists are sorted: what a block knows does not depend on the order in which it came to know.
+/// Its lists are sorted, so the state does not depend on the order of observations.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StructureBlock<M = ()> {
     pub(super) body: Body,
     pub(super) role: RoleId,
     pub(super) orientation: Orientation,
     pub(super) is_dead: bool,
-    /// It has begun a duty, seen or sent something in this phase.
+    /// Whether it has begun a duty, observed or sent something in this phase.
     pub(super) is_changed: bool,
     trigger: Trigger,
-    /// Those of its duty; without one none.
+    /// Rules of its duty. Empty without a duty.
     rules: RuleRange,
-    /// All rules before this one have fired, or are not ready with what it has seen.
+    /// All rules before this one have fired or are not ready after the latest observation.
     next: u32,
-    /// The rules of its duty that have fired, one bit each, but for those behind the first 64.
+    /// Bit set of fired rules among the first 64 of the duty.
     fired: u64,
-    /// The block that captured it; that of nobody for a seed.
+    /// Block that captured it, or [`BlockSlot::NONE`] for a seed.
     pub(super) parent: BlockSlot,
     pub(super) path: Path,
-    /// Hops between it and its parent that have been sent and not been received.
+    /// Number of hops between it and its parent that were sent and not received.
     pub(super) unreceived: u32,
-    /// The blocks that it holds, by role.
+    /// Children by role.
     children: InlineVec<(RoleId, BlockSlot)>,
-    /// The faces that it has on and that hold nothing yet, sorted.
+    /// Open faces, sorted.
     open: InlineVec<ActiveFace<M>>,
-    /// What it has seen in this phase, sorted.
+    /// Observations in this phase, sorted.
     seen: SmallVec<[Condition; 2]>,
     cold: Option<Box<ColdState>>,
 }
 
-/// The way from a block to the plate, to find others by (E. W. Myers 1983). All but the depth is for those who look for
-/// somebody, and unknown until then.
+/// Path from a block to the plate, with jump pointers. All fields except the depth are computed on
+/// demand.
+///
+/// # Source
+///
+/// E. W. Myers, An applicative random-access stack (1983).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Path {
-    /// Blocks between it and the plate.
+    /// Number of blocks between it and the plate.
     pub depth: u32,
-    /// One of those; [`BlockSlot::NONE`]: unknown, or on the plate.
+    /// An ancestor. [`BlockSlot::NONE`] if unknown, or on the plate.
     pub jump: BlockSlot,
-    /// The depth of that one, and of the one to which that one jumps: so nobody has to look at them.
+    /// Depths of that ancestor and of its own jump target, cached.
     pub after: [u32; 2],
 }
 
 impl Path {
-    /// That of a block of the plate.
+    /// Path of a block of the plate.
     const ROOT: Path = Path {
         depth: 0,
         jump: BlockSlot::NONE,
         after: [0, 0],
     };
 
-    /// That of a block so far from the plate, which nobody has looked for yet.
+    /// Returns a path of known depth whose other fields are not computed.
     pub fn unknown(depth: u32) -> Path {
         Path {
             depth,
@@ -78,27 +82,27 @@ impl Path {
     }
 }
 
-/// What few blocks have.
+/// Data that few blocks have.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct ColdState {
-    /// The rules that have fired of those behind the first 64, one bit each; none: none has.
+    /// Bit set of fired rules after the first 64. Empty if none has fired.
     fired: Vec<u64>,
-    /// Messages for blocks that will hang on it, sorted.
+    /// Messages for future descendants, sorted.
     waiting: Vec<Message>,
 }
 
-/// A face that is on.
+/// Open face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct ActiveFace<M = ()> {
-    /// In the block's own frame.
+    /// The face in the block's own frame.
     pub own: Face,
     /// The same face in the structure's frame.
     pub face: Face,
-    /// The role for the block that docks there.
+    /// Role of the expected block.
     pub child: RoleId,
-    /// Where that block will sit.
+    /// Cell of the expected block.
     pub cell: Cell,
-    /// What the [`Environment`](super::Environment) notes of it.
+    /// Note of the [`Environment`](super::Environment).
     pub mark: M,
 }
 
@@ -125,7 +129,7 @@ impl<M: Copy> StructureBlock<M> {
         }
     }
 
-    /// Waits for a phase, with nothing done and nothing seen.
+    /// Resets the state for a new phase.
     pub(super) fn reset(&mut self) {
         self.is_changed = false;
         self.unreceived = 0;
@@ -135,7 +139,7 @@ impl<M: Copy> StructureBlock<M> {
         self.cold = None;
     }
 
-    /// Begins a duty, of which it has done nothing yet.
+    /// Begins a duty.
     #[inline]
     pub(super) fn begin(&mut self, trigger: Trigger, rules: RuleRange) {
         (self.trigger, self.rules) = (trigger, rules);
@@ -155,20 +159,20 @@ impl<M: Copy> StructureBlock<M> {
         self.next = self.first_unfired();
     }
 
-    /// Keeps a message for a block that will hang on it.
+    /// Keeps a message for a future descendant.
     pub(super) fn keep(&mut self, message: Message) {
         let waiting = &mut self.cold.get_or_insert_default().waiting;
         let i = waiting.partition_point(|other| *other <= message);
         waiting.insert(i, message);
     }
 
-    /// Takes out all that waits.
+    /// Removes and returns all kept messages.
     pub(super) fn take_waiting(&mut self) -> Vec<Message> {
         let cold = self.cold.as_mut();
         cold.map_or_else(Vec::new, |cold| std::mem::take(&mut cold.waiting))
     }
 
-    /// What it has heard and what waits at it, as messages to whoever has the role next.
+    /// Returns the received and kept messages, addressed to the next holder of the role.
     pub(super) fn legacy(&self) -> impl Iterator<Item = Message> {
         let heard = self.seen().iter().filter_map(|&condition| match condition {
             Condition::Heard(news) => Some(Message::tell(self.role, news)),
@@ -178,7 +182,7 @@ impl<M: Copy> StructureBlock<M> {
         all.filter(|_| !self.is_dead)
     }
 
-    /// Adds a face to those that are on.
+    /// Adds an open face.
     #[inline]
     pub(super) fn switch_on(&mut self, open: ActiveFace<M>) {
         let key = |open: &ActiveFace<M>| (open.own, open.face, open.child, open.cell);
@@ -186,21 +190,21 @@ impl<M: Copy> StructureBlock<M> {
         self.open.insert(i, open);
     }
 
-    /// Takes a face from those that are on.
+    /// Removes an open face.
     #[inline]
     pub(super) fn close(&mut self, own: Face) -> Option<ActiveFace<M>> {
         let i = self.open().iter().position(|open| open.own == own)?;
         self.open.remove(i)
     }
 
-    /// Adds a block to those that it holds.
+    /// Adds a child.
     #[inline]
     pub(super) fn hold(&mut self, child: RoleId, slot: BlockSlot) {
         let i = self.children().partition_point(|(role, _)| *role <= child);
         self.children.insert(i, (child, slot));
     }
 
-    /// Takes a block from those that it holds.
+    /// Removes a child.
     pub(super) fn release(&mut self, child: RoleId) -> Option<BlockSlot> {
         let i = (self.children())
             .iter()
@@ -208,19 +212,19 @@ impl<M: Copy> StructureBlock<M> {
         self.children.remove(i).map(|(_, slot)| slot)
     }
 
-    /// Whether a rule may be ready; a dead block does nothing.
+    /// Returns whether a rule may be ready. Failed blocks do not act.
     #[inline]
     pub(super) fn may_act(&self) -> bool {
         !self.is_dead && self.next < self.rules.count()
     }
 
-    /// The next rule that is ready, by its place in the duty; it counts as fired from now on. It has to be one that
-    /// [may act](Self::may_act).
+    /// Returns the next ready rule, by its index in the duty, and marks it as fired. Requires that
+    /// the block [may act](Self::may_act).
     #[inline(always)]
     pub(super) fn next_action(&mut self, tables: &Tables) -> Option<(u32, Action)> {
         let first = self.next as usize;
         let rule = tables.rule(self.rules, first);
-        // As most rules are that a new block tries.
+        // Fast path: most rules tried by a new block have no condition.
         let is_first = rule.when.is_empty() && !self.has_fired(first);
         let (place, action) = if is_first {
             (first, rule.then)
@@ -231,7 +235,7 @@ impl<M: Copy> StructureBlock<M> {
         Some((place as u32, action))
     }
 
-    /// Takes the first rule of its duty, unless it has fired.
+    /// Marks the first rule of the duty as fired, unless it has fired.
     #[inline]
     pub(super) fn take_first(&mut self) -> bool {
         let is_left = !self.is_dead && !self.has_fired(0);
@@ -246,7 +250,7 @@ impl<M: Copy> StructureBlock<M> {
         match place / 64 {
             0 => {
                 self.fired |= 1 << place;
-                // Those that have fired right after it are not asked again.
+                // Skips the following rules that have already fired.
                 self.next = place as u32 + (self.fired >> place).trailing_ones();
             }
             word => {
@@ -271,7 +275,7 @@ impl<M: Copy> StructureBlock<M> {
         }
     }
 
-    /// The first rule from the next one on that is ready; without one there will be none until the block sees something.
+    /// Returns the next ready rule. If there is none, none is ready until the next observation.
     fn next_ready(&mut self, tables: &Tables) -> Option<(usize, Action)> {
         let count = self.rules.count();
         let has = |when| self.has_seen(when);
@@ -291,52 +295,53 @@ impl<M: Copy> StructureBlock<M> {
 }
 
 impl<M> StructureBlock<M> {
-    /// Which it is.
+    /// Returns the block.
     pub fn body(&self) -> Body {
         self.body
     }
 
-    /// The name that it has.
+    /// Returns its role.
     pub fn role(&self) -> RoleId {
         self.role
     }
 
-    /// How it believes to sit.
+    /// Returns the orientation that it assumes.
     pub fn orientation(&self) -> Orientation {
         self.orientation
     }
 
-    /// Whether it neither acts nor passes anything on any more; what it knew is lost.
+    /// Returns whether it has failed. A failed block does not act, does not forward messages and
+    /// loses its state.
     pub(crate) fn is_dead(&self) -> bool {
         self.is_dead
     }
 
-    /// The faces that are on and hold nothing, sorted.
+    /// Returns the open faces, sorted.
     pub fn open(&self) -> &[ActiveFace<M>] {
         self.open.as_slice()
     }
 
-    /// What it has seen in this phase, sorted.
+    /// Returns the observations in this phase, sorted.
     pub fn seen(&self) -> &[Condition] {
         self.seen.as_slice()
     }
 
-    /// The blocks that it holds, by role.
+    /// Returns the children by role.
     pub(super) fn children(&self) -> &[(RoleId, BlockSlot)] {
         self.children.as_slice()
     }
 
-    /// The messages that wait at it for blocks that will hang on it, sorted.
+    /// Returns the messages kept for future descendants, sorted.
     pub fn waiting(&self) -> &[Message] {
         self.cold.as_ref().map_or(&[], |cold| &cold.waiting)
     }
 
-    /// When its duty began.
+    /// Returns the trigger of its duty.
     pub fn trigger(&self) -> Trigger {
         self.trigger
     }
 
-    /// Whether a rule of its duty has fired.
+    /// Returns whether a rule of its duty has fired.
     #[inline]
     pub(crate) fn has_fired(&self, rule: usize) -> bool {
         let word = match rule / 64 {
@@ -346,7 +351,7 @@ impl<M> StructureBlock<M> {
         word & (1 << (rule % 64)) != 0
     }
 
-    /// The rules before the first that has not fired.
+    /// Returns the index of the first rule that has not fired.
     #[inline]
     fn first_unfired(&self) -> u32 {
         let mut count = self.fired.trailing_ones();
@@ -365,7 +370,7 @@ impl<M> StructureBlock<M> {
         self.cold.as_ref().map_or(&[], |cold| &cold.fired)
     }
 
-    /// All rules that have fired, one bit each.
+    /// Returns the bit sets of fired rules.
     pub(super) fn fired(&self) -> (u64, &[u64]) {
         (self.fired, self.fired_later())
     }

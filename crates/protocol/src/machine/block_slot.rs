@@ -1,11 +1,11 @@
-//! The number of an anchored block.
+//! Index of an anchored block.
 use serde::{Deserialize, Serialize};
 
-/// Where an anchored block is kept, as long as it is anchored.
+/// Index of an anchored block in memory, valid while it is anchored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) struct BlockSlot(pub u32);
 
 impl BlockSlot {
-    /// That of nobody.
+    /// Index of no block.
     pub const NONE: BlockSlot = BlockSlot(u32::MAX);
 }

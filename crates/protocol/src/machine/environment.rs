@@ -1,77 +1,78 @@
-//! What lies between the blocks of a structure: contacts, and the world outside.
+//! Environment of a structure: the contacts between blocks, and the world.
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
 
 use super::message::{Message, Reporter};
 use crate::body::{BlockFace, Body, Docking};
 
-/// Carries out what a [`Structure`](super::Structure) decides.
+/// Environment that carries out the decisions of a [`Structure`](super::Structure).
 ///
-/// A structure has neither time nor chance; whoever drives it brings them.
+/// A structure has neither time nor chance; its driver supplies them.
 pub trait Environment {
-    /// What it notes of a face that is on, until the face captures: for instance since when.
+    /// Note attached to an open face until it captures, for example the time.
     type Mark: Copy;
 
-    /// Switches a face on, for what `capture` says; where every face always attracts, nothing has to be
-    /// switched.
+    /// Switches a face on for a planned capture. Faces that always attract need no switching.
     fn magnetize(&mut self, site: BlockFace, capture: &PlannedCapture) -> Self::Mark;
 
-    /// Switches a face off, and lets go what it holds; where every face always attracts, that is an
+    /// Switches a face off and releases its block. For faces that always attract, this is an
     /// impulse.
     fn switch_off(&mut self, site: BlockFace);
 
-    /// Takes a message for a neighbour: one hop. It comes back by
+    /// Sends a message to a neighbour: one hop. It returns through
     /// [`Structure::receive`](super::Structure::receive).
     fn send(&mut self, from: Body, to: Body, message: Message);
 
-    /// Whether a report that a block is about to send is at the plate at once, over so many hops: it may be if transfers take no
-    /// time, none is under way, and nothing else docks meanwhile, so that nothing can come in between. Otherwise it is
-    /// sent hop by hop.
+    /// Returns whether a report reaches the plate at once, over `_hops` hops.
+    ///
+    /// Allowed if transfers take no time, none is in transit, and no other capture happens in the
+    /// meantime. Otherwise the report is sent hop by hop.
     fn carry_to_plate(&mut self, _hops: u32) -> bool {
         false
     }
 
-    /// Takes back all that is under way between a block that is being let go and its neighbours:
-    /// `unreceived` hops, as the structure counts them.
+    /// Removes all messages in transit between a block that is being released and its neighbours.
+    /// `unreceived` is their number of hops, as counted by the structure.
     fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled;
 
-    /// Throws away all that is under way.
+    /// Discards all messages in transit.
     fn clear_messages(&mut self);
 
-    /// A block has been captured, by a face that was on with this mark.
+    /// Records that a face with this mark has captured a block.
     fn captured(&mut self, _capture: &PlannedCapture, _docking: &Docking, _mark: Self::Mark) {}
 
-    /// A block has docked on a face of the block with the role `by` that expects none; its face is
+    /// Records a capture at a face that expects none, of the block with the role `by`. The face is
     /// switched off next. `face` is in the structure's frame.
     fn unplanned(&mut self, _by: RoleId, _face: Face, _docking: &Docking) {}
 
-    /// The block with the role `by` has let another one go, on which `orphans` others still hung.
+    /// Records that the block with the role `by` has released another one, which had `orphans`
+    /// descendants.
     fn released(&mut self, _by: RoleId, _role: RoleId, _body: Body, _orphans: usize) {}
 
-    /// A report has come to the plate.
+    /// Records that a report has reached the plate.
     fn reported(&mut self, _by: Reporter) {}
 }
 
-/// What was under way to a block that is being let go, and from it.
+/// Messages in transit to and from a block that is being released.
 #[derive(Clone, Debug, Default)]
 pub struct Recalled {
-    /// To it.
+    /// Messages to it.
     pub to: Vec<Message>,
-    /// From it.
+    /// Messages from it.
     pub from: Vec<Message>,
 }
 
-/// A capture, as the two blocks see it.
+/// Planned capture, as known to the two blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedCapture {
-    /// In which phase.
+    /// Phase of the capture.
     pub phase: PhaseId,
-    /// The role that magnetizes a face.
+    /// Role that magnetizes the face.
     pub parent: RoleId,
-    /// Which, in the structure's frame.
+    /// The face, in the structure's frame.
     pub face: Face,
-    /// The role that is given.
+    /// Role of the captured block.
     pub child: RoleId,
-    /// Where the child will sit.
+    /// Cell of the captured block.
     pub cell: Cell,
 }

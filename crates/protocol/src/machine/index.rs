@@ -1,4 +1,4 @@
-//! What the machine looks up in its tables again and again.
+//! Lookup tables for the event tables.
 use std::cmp::Ordering;
 use std::sync::OnceLock;
 
@@ -8,33 +8,33 @@ use stochc_ir::table::{Action, Duty, PhaseId, RoleId, RuleRange, Tables, Trigger
 
 use super::block_slot::BlockSlot;
 
-/// Duties by role and by phase, blocks of the plate by cell.
+/// Duties by role and by phase, and blocks of the plate by cell.
 #[derive(Debug)]
 pub(super) struct Index {
-    /// Of each role, its first duty.
+    /// First duty of each role.
     first_duty: Vec<FirstDuty>,
-    /// The numbers of the duties that begin with a phase, by phase and in rising order.
+    /// Duties that begin with a phase, by phase and in rising order.
     starting: Groups<u32>,
-    /// The blocks of the plate, by cell.
+    /// Blocks of the plate by cell.
     seeds: FxHashMap<Cell, BlockSlot>,
-    /// Who captures whom. Made when it is asked for first.
+    /// Captors of each role. Computed on first use.
     captors: OnceLock<Captors>,
 }
 
-/// Who captures each role, by role and phase: few roles are captured in more than one.
+/// Captors of each role, by role and phase. Few roles are captured in more than one phase.
 #[derive(Debug)]
 struct Captors(Groups<(PhaseId, RoleId)>);
 
-/// Values by the number of their group, sorted by counting.
+/// Values by group, sorted by counting.
 #[derive(Debug)]
 struct Groups<T> {
-    /// Where the values of each group begin; and the end of the last.
+    /// Start of each group, and end of the last.
     starts: Vec<u32>,
     values: Vec<T>,
 }
 
 impl<T: Copy> Groups<T> {
-    /// Those of a group stay in their order. There are `groups` of them.
+    /// Groups values into `groups` groups and keeps their order within each.
     fn new(groups: usize, values: &[(u32, T)]) -> Groups<T> {
         let mut starts = vec![0; groups + 1];
         for (group, _) in values {
@@ -56,7 +56,7 @@ impl<T: Copy> Groups<T> {
         }
     }
 
-    /// Those of one group.
+    /// Returns the values of one group.
     fn get(&self, group: u32) -> &[T] {
         let [start, end] = [0, 1].map(|next| self.starts[group as usize + next] as usize);
         &self.values[start..end]
@@ -77,27 +77,27 @@ impl Captors {
         Captors(Groups::new(tables.roles.len(), &captures))
     }
 
-    /// Those of a role, by phase.
+    /// Returns the captors of a role, by phase.
     fn of_role(&self, role: RoleId) -> &[(PhaseId, RoleId)] {
         self.0.get(role.0)
     }
 }
 
-/// The first duty of a role, which most often is the only one.
+/// First duty of a role, usually its only one.
 #[derive(Clone, Copy, Debug)]
 struct FirstDuty {
-    /// When it begins; `None`: the role has no duty.
+    /// Phase and trigger. `None` if the role has no duty.
     when: Option<(PhaseId, Trigger)>,
-    /// Its number, and that of the first one of a later role.
+    /// Its number, and the first number of a later role.
     numbers: (u32, u32),
     begins: Beginning,
 }
 
-/// How a duty begins; of none nothing does.
+/// Start of a duty.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Beginning {
     pub rules: RuleRange,
-    /// What the first rule does, if it waits for nothing: so nobody has to look at it, which takes longest where tables are large.
+    /// Action of the first rule, if it has no condition. Saves a lookup in large tables.
     pub at_once: Option<Action>,
 }
 
@@ -145,12 +145,12 @@ impl Index {
         }
     }
 
-    /// Where the block of the plate in a cell is kept.
+    /// Returns the index of the plate's block in a cell.
     pub fn seed(&self, cell: Cell) -> Option<BlockSlot> {
         self.seeds.get(&cell).copied()
     }
 
-    /// How the duty of a role in a phase from `trigger` on begins.
+    /// Returns the start of a role's duty in a phase for a trigger.
     #[inline]
     pub fn beginning(
         &self,
@@ -167,12 +167,12 @@ impl Index {
         }
     }
 
-    /// The duties that begin with a phase.
+    /// Returns the duties that begin with a phase.
     pub fn starting(&self, phase: PhaseId) -> &[u32] {
         self.starting.get(phase.0)
     }
 
-    /// The first role that captures `child` in a phase.
+    /// Returns the first role that captures `child` in a phase.
     pub fn captor(&self, tables: &Tables, phase: PhaseId, child: RoleId) -> Option<RoleId> {
         let captors = self.captors.get_or_init(|| Captors::new(tables));
         let of_role = captors.of_role(child);
@@ -182,7 +182,7 @@ impl Index {
     }
 }
 
-/// How the duty that begins then does, among those with these numbers.
+/// Returns the start of a later duty with this phase and trigger, within a range of duty numbers.
 fn later_beginning(
     tables: &Tables,
     (mut low, mut high): (u32, u32),

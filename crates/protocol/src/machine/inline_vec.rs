@@ -1,7 +1,7 @@
-//! Lists that mostly have one entry.
+//! Lists that usually have one element.
 use serde::{Deserialize, Serialize};
 
-/// Values, of which one takes no memory of its own.
+/// List that stores a single element without an allocation.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) enum InlineVec<T> {
     #[default]
@@ -10,7 +10,7 @@ pub(super) enum InlineVec<T> {
     Many(Box<Several<T>>),
 }
 
-/// Of another type than a list, so that it may be boxed: all that have it pay for its size, and few have it.
+/// Boxed list. The box keeps the common variants small, and lists are rare.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Several<T>(Vec<T>);
 
@@ -24,7 +24,7 @@ impl<T> InlineVec<T> {
         }
     }
 
-    /// Puts a value behind so many others.
+    /// Inserts a value at an index.
     #[inline]
     pub fn insert(&mut self, at: usize, value: T) {
         match self {
@@ -38,7 +38,7 @@ impl<T> InlineVec<T> {
         }
     }
 
-    /// Takes out the value behind so many others.
+    /// Removes the value at an index.
     #[inline]
     pub fn remove(&mut self, at: usize) -> Option<T> {
         match self {

@@ -1,53 +1,53 @@
-//! What blocks say to each other.
+//! Messages between blocks.
 use serde::{Deserialize, Serialize};
 use stochc_ir::table::{News, RoleId, Trigger};
 
 use crate::body::Body;
 
-/// A message, wherever it is.
+/// Message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Message {
-    /// For whom.
+    /// Recipient.
     pub target: Recipient,
-    /// What it says.
+    /// Content.
     pub payload: Payload,
 }
 
-/// For whom a message is.
+/// Recipient of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Recipient {
     /// Any block of the plate.
     Plate,
     /// One block.
     Block(Body),
-    /// Whoever holds the role.
+    /// The holder of a role.
     Role(RoleId),
 }
 
-/// What a message says.
+/// Content of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Payload {
-    /// A branch of the phase is done.
+    /// Report that a branch of the phase is complete.
     Report(Reporter),
-    /// The child with this role asks to be let go.
+    /// Request for release by the child with this role.
     Ask(RoleId),
-    /// Something happened elsewhere.
+    /// Event that happened elsewhere.
     Tell(News),
 }
 
-/// Who reports, and by which rule of its duty: a block may have several reports to make.
+/// Source of a report: a rule of a duty. A block may have several reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Reporter {
-    /// Whose report it is.
+    /// Role that reports.
     pub role: RoleId,
-    /// By which duty.
+    /// Trigger of the duty.
     pub trigger: Trigger,
-    /// By which of its rules.
+    /// Index of the rule.
     pub rule: u32,
 }
 
 impl Message {
-    /// News for whoever holds a role, or will.
+    /// Returns news for the present or future holder of a role.
     pub fn tell(to: RoleId, news: News) -> Message {
         Message {
             target: Recipient::Role(to),

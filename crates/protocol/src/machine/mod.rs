@@ -1,4 +1,4 @@
-//! The machine of all blocks together.
+//! State machine of all blocks together.
 mod block;
 mod block_slot;
 mod environment;

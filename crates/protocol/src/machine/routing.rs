@@ -1,9 +1,9 @@
-//! How messages find their way: hop by hop along parents and children.
+//! Routing of messages, hop by hop along parents and children.
 //!
-//! A block sends to its parent, or to the child on whose branch the receiver is; the plate is one
-//! body, so that crossing it is no hop. News for a role that nobody holds yet waits at the block
-//! that will capture it: every block has the program, and knows which one that is. A block that is
-//! let go leaves what it has heard to the next one in its role.
+//! A block sends to its parent, or to the child whose branch contains the receiver. The plate is
+//! one body, so crossing it is not a hop. News for a role without a holder waits at the block that
+//! will capture it: every block has the program and can determine that block. A released block
+//! leaves its received messages to the next holder of its role.
 use smallvec::SmallVec;
 use stochc_ir::table::RoleId;
 
@@ -14,14 +14,14 @@ use super::message::{Message, Recipient};
 use super::structure::Structure;
 
 impl<M: Copy> Structure<'_, M> {
-    /// Moves a message on from a block, or hands it over there.
+    /// Forwards a message from a block, or delivers it there.
     pub(super) fn forward(
         &mut self,
         at: BlockSlot,
         message: Message,
         environment: &mut impl Environment<Mark = M>,
     ) {
-        // Nobody is there any more to pass it on.
+        // The block has gone or failed and cannot forward it.
         let Some(block) = self.slots.get(at).filter(|block| !block.is_dead) else {
             return;
         };
@@ -85,7 +85,7 @@ impl<M: Copy> Structure<'_, M> {
         }
     }
 
-    /// The block that holds a role, or the anchored one that is nearest to capturing it.
+    /// Returns the holder of a role, or the anchored block nearest to capturing it.
     fn nearest_holder(&self, mut role: RoleId) -> Option<BlockSlot> {
         // No chain of captures is longer than the list of roles.
         for _ in 0..=self.holders.len() {
@@ -98,7 +98,7 @@ impl<M: Copy> Structure<'_, M> {
         None
     }
 
-    /// Makes the ways known of a block and of those between it and the plate.
+    /// Computes the paths of a block and of its ancestors.
     fn find_path(&mut self, slot: BlockSlot) {
         let mut unknown: SmallVec<[_; 16]> = SmallVec::new();
         let mut at = slot;
@@ -114,7 +114,8 @@ impl<M: Copy> Structure<'_, M> {
         }
     }
 
-    /// The way to the plate of a child of this block: it jumps as far again as its parent's last two jumps, if these are equal.
+    /// Returns the path of a child of this block. It combines the parent's last two jumps if they
+    /// have equal lengths.
     fn path_from(&self, parent: BlockSlot) -> Option<Path> {
         let Path { depth, jump, after } = self.slots.get(parent)?.path;
         let is_twice = after[0] > after[1] && depth - after[0] == after[0] - after[1];
@@ -130,8 +131,8 @@ impl<M: Copy> Structure<'_, M> {
         })
     }
 
-    /// The block between `slot` and the plate, or itself, that is so far from the plate; `None`: it is nearer
-    /// to the plate.
+    /// Returns the ancestor of `slot`, or itself, at a depth. Returns `None` if `slot` is not as
+    /// deep.
     fn ancestor(&mut self, mut slot: BlockSlot, depth: u32) -> Option<BlockSlot> {
         self.find_path(slot);
         loop {

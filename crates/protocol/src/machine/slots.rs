@@ -1,4 +1,4 @@
-//! Anchored blocks side by side in memory, found by their bodies.
+//! Anchored blocks in contiguous memory, found by body.
 use serde::{Deserialize, Serialize};
 
 use super::block::StructureBlock;
@@ -6,21 +6,21 @@ use super::block_slot::BlockSlot;
 use super::index::Index;
 use crate::body::Body;
 
-/// Fewer than one of so many bodies are sorted by comparing them.
+/// Below one slot per `FEW` bodies, use a comparison sort.
 const FEW: usize = 16;
 
-/// The anchored blocks: first those of the plate in the order of their cells, which stay.
+/// Anchored blocks. The plate's blocks come first, in the order of their cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Slots<M> {
     blocks: Vec<Option<StructureBlock<M>>>,
     vacant: Vec<BlockSlot>,
     seeds: usize,
-    /// Of each block that was free once, by number; those that never were anchored may be left out.
+    /// Slot of each formerly free block, by number. May end before blocks that were never anchored.
     of_free: Vec<BlockSlot>,
 }
 
 impl<M> Slots<M> {
-    /// The blocks of the plate, in the order of their cells, and room for so many others.
+    /// Returns the blocks of the plate in the order of their cells, with room for `others` more.
     pub fn new(seeds: impl Iterator<Item = StructureBlock<M>>, others: usize) -> Slots<M> {
         let mut blocks: Vec<_> = seeds.map(Some).collect();
         blocks.reserve_exact(others);
@@ -32,12 +32,12 @@ impl<M> Slots<M> {
         }
     }
 
-    /// How many are anchored.
+    /// Returns the number of anchored blocks.
     pub fn count(&self) -> usize {
         self.blocks.len() - self.vacant.len()
     }
 
-    /// Where a block is kept; `None`: it is not anchored.
+    /// Returns the slot of a block, or `None` if it is not anchored.
     #[inline]
     pub fn find(&self, index: &Index, body: Body) -> Option<BlockSlot> {
         match body {
@@ -49,14 +49,14 @@ impl<M> Slots<M> {
         }
     }
 
-    /// Sorts different slots by the order of their bodies.
+    /// Sorts distinct slots by the order of their bodies.
     pub fn sort(&self, slots: &mut Vec<BlockSlot>) {
         let count = self.seeds + self.of_free.len();
         if slots.len() < count / FEW {
             slots.sort_unstable_by_key(|slot| self.rank(*slot));
             return;
         }
-        // Each has a place of its own, which takes no comparison.
+        // Ranks are distinct, so a counting sort works.
         let mut places = vec![BlockSlot::NONE; count];
         for slot in &*slots {
             places[self.rank(*slot)] = *slot;
@@ -65,7 +65,7 @@ impl<M> Slots<M> {
         slots.extend(places.iter().filter(|slot| **slot != BlockSlot::NONE));
     }
 
-    /// The place of a block in the order of all bodies.
+    /// Returns the rank of a block among all bodies.
     fn rank(&self, slot: BlockSlot) -> usize {
         match self.get(slot).map(|block| block.body) {
             Some(Body::Free(id)) => self.seeds + id as usize,
@@ -73,7 +73,7 @@ impl<M> Slots<M> {
         }
     }
 
-    /// Where a block that was free is kept from now on. One in the same body is kept no longer.
+    /// Reserves a slot for a free block and frees its former slot.
     #[inline]
     pub fn reserve(&mut self, id: u32) -> BlockSlot {
         if self.of_free.len() <= id as usize {
@@ -87,7 +87,7 @@ impl<M> Slots<M> {
         *known
     }
 
-    /// Keeps a block that was free [there](Self::reserve).
+    /// Puts a free block into its [reserved slot](Self::reserve).
     #[inline]
     pub fn put(&mut self, slot: BlockSlot, block: StructureBlock<M>) {
         match self.blocks.get_mut(slot.0 as usize) {
@@ -96,7 +96,7 @@ impl<M> Slots<M> {
         }
     }
 
-    /// Takes out a block that was free once.
+    /// Removes a formerly free block.
     pub fn remove(&mut self, slot: BlockSlot) {
         let Some(place) = self.blocks.get_mut(slot.0 as usize) else {
             return;
@@ -119,7 +119,7 @@ impl<M> Slots<M> {
         self.blocks.get_mut(slot.0 as usize)?.as_mut()
     }
 
-    /// All of them, in the order of their bodies.
+    /// Iterates over all blocks in the order of their bodies.
     pub fn iter(&self) -> impl Iterator<Item = &StructureBlock<M>> {
         let free = (self.of_free.iter()).filter_map(|slot| self.get(*slot));
         self.blocks[..self.seeds].iter().flatten().chain(free)

@@ -1,5 +1,4 @@
-//! The structure as a machine without time or chance: what every block does when something happens
-//! to it.
+//! The structure as a state machine without time or chance: the reactions of every block to events.
 use std::collections::BTreeSet;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -19,26 +18,26 @@ use super::slots::Slots;
 use crate::body::{BlockFace, Body, Docking};
 use crate::orientation::Orientation;
 
-/// All anchored blocks and how far they are: a plain value, equal and hashed by what it means.
+/// State of all anchored blocks: a plain value, compared and hashed by meaning.
 ///
-/// What happens takes about the same time however many blocks there are: a message a hop, a capture or release
-/// the blocks that it concerns, and the beginning of a phase those that have something to do in it.
+/// The cost of an event hardly depends on the number of blocks. A message costs one hop, a capture
+/// or release the blocks involved, and a new phase the blocks with duties in it.
 #[derive(Clone, Debug)]
 pub struct Structure<'t, M = ()> {
     pub(super) tables: &'t Tables,
     pub(super) index: Arc<Index>,
     phase: u32,
-    /// Reports that the plate has counted in this phase.
+    /// Number of reports at the plate in this phase.
     reports: u32,
-    /// The anchored blocks that have a role.
+    /// Anchored blocks with a role.
     pub(super) slots: Slots<M>,
-    /// Who has a role now; one entry per role.
+    /// Holder of each role.
     pub(super) holders: Vec<BlockSlot>,
-    /// The blocks that are not as a phase finds them; some are gone.
+    /// Blocks changed since the start of the phase. Some have been released.
     changed: Vec<BlockSlot>,
-    /// The faces to which blocks are still to be attached by hand.
+    /// Faces that still need pre-attached blocks.
     to_plant: BTreeSet<BlockFace>,
-    /// Whether a block has died.
+    /// Whether a block has failed.
     pub(super) has_dead: bool,
 }
 
@@ -50,7 +49,7 @@ stochc_ir::state! {
 }
 
 impl<'t, M: Copy> Structure<'t, M> {
-    /// Seeds only, before the first phase.
+    /// Returns a structure of seeds only, before the first phase.
     pub fn new(tables: &'t Tables) -> Structure<'t, M> {
         let mut seeds: Vec<_> = tables.seeds().map(|(role, cell)| (cell, role)).collect();
         seeds.sort_unstable();
@@ -76,54 +75,54 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// The phase that is running; `None`: all are complete.
+    /// Returns the running phase, or `None` if all are complete.
     pub fn phase(&self) -> Option<PhaseId> {
         ((self.phase as usize) < self.tables.phases.len()).then_some(PhaseId(self.phase))
     }
 
-    /// Whether the plate has all the reports that end the running phase.
+    /// Returns whether the plate has all the reports that end the running phase.
     pub fn is_phase_reported(&self) -> bool {
         let phase = self.tables.phases.get(self.phase as usize);
         phase.is_some_and(|phase| self.reports >= phase.reports)
     }
 
-    /// Reports that the plate has counted in this phase.
+    /// Returns the number of reports at the plate in this phase.
     pub fn reports(&self) -> u32 {
         self.reports
     }
 
-    /// The anchored blocks that have a role, in the order of their bodies.
+    /// Iterates over the anchored blocks with a role, in the order of their bodies.
     pub fn blocks(&self) -> impl Iterator<Item = &StructureBlock<M>> {
         self.slots.iter()
     }
 
-    /// How many of them there are.
+    /// Returns the number of anchored blocks with a role.
     pub fn count(&self) -> usize {
         self.slots.count()
     }
 
-    /// One of them.
+    /// Returns an anchored block.
     pub fn block(&self, body: Body) -> Option<&StructureBlock<M>> {
         self.slots.get(self.slots.find(&self.index, body)?)
     }
 
-    /// The block that has a role.
+    /// Returns the block that holds a role.
     pub fn holder(&self, role: RoleId) -> Option<&StructureBlock<M>> {
         self.slots.get(self.holders[role.0 as usize])
     }
 
-    /// The block that captured another one; `None`: that is one of the plate.
+    /// Returns the parent of a block, or `None` for a block of the plate.
     pub fn parent(&self, block: &StructureBlock<M>) -> Option<&StructureBlock<M>> {
         self.slots.get(block.parent)
     }
 
-    /// Whether what the running phase captures is attached by hand.
+    /// Returns whether the running phase consists of pre-attached blocks.
     pub fn is_planting(&self) -> bool {
         let phase = self.tables.phases.get(self.phase as usize);
         phase.is_some_and(|phase| phase.planted)
     }
 
-    /// Takes the next face to attach a block to by hand, of those that are on: with the role for the block.
+    /// Removes the next face that needs a pre-attached block. Returns it with the block's role.
     pub fn next_to_plant(&mut self) -> Option<(BlockFace, RoleId)> {
         let site = self.to_plant.pop_first()?;
         let open = self.block(site.body)?.open();
@@ -136,7 +135,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         self.begin_phase(environment);
     }
 
-    /// The plate begins the next phase.
+    /// Begins the next phase.
     pub fn next_phase(&mut self, environment: &mut impl Environment<Mark = M>) {
         self.phase += 1;
         self.begin_phase(environment);
@@ -144,7 +143,7 @@ impl<'t, M: Copy> Structure<'t, M> {
 
     fn begin_phase(&mut self, environment: &mut impl Environment<Mark = M>) {
         self.reports = 0;
-        // What was said in a phase is of no use in the next.
+        // Messages are valid only within their phase.
         environment.clear_messages();
         for slot in std::mem::take(&mut self.changed) {
             if let Some(block) = self.slots.get_mut(slot) {
@@ -169,20 +168,20 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// A block has docked.
+    /// Processes the capture of a block.
     pub fn dock(&mut self, docking: &Docking, environment: &mut impl Environment<Mark = M>) {
         let BlockFace { body, face } = docking.site;
-        // In the same tick an earlier docking may have had the parent let go; then the world has
-        // let the child go too. A dead one feels nothing.
+        // An earlier capture in the same tick may have released the parent, and with it this block.
+        // A failed parent does not react.
         let Some(at) = self.slots.find(&self.index, body) else {
             return;
         };
         let Some(parent) = self.slots.get_mut(at).filter(|parent| !parent.is_dead) else {
             return;
         };
-        // A block on a face that is off, or has just been switched off, is shaken off. Where faces
-        // always attract, that is what the tables say: *otherwise, reject what docks on any other
-        // face*. Nothing has been noted yet, so nothing but the world has changed.
+        // A block at a face that is off, or was just switched off, is rejected. For faces that
+        // always attract, the tables state this: *otherwise, reject*. Nothing has been recorded
+        // yet, so only the world has changed.
         let Some(open) = parent.close(face) else {
             if self.tables.bond.is_passive() {
                 let face = parent.orientation.to_structure(face);
@@ -237,7 +236,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         self.fire(child, environment);
     }
 
-    /// A block dies where it is.
+    /// Makes a block fail.
     pub fn kill(&mut self, body: Body) {
         let slot = self.slots.find(&self.index, body);
         if let Some(block) = slot.and_then(|slot| self.slots.get_mut(slot)) {
@@ -246,7 +245,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// A message has made a hop, `from` one block to its neighbour `at`.
+    /// Processes the arrival of a message at `at` after a hop from its neighbour `from`.
     pub fn receive(
         &mut self,
         from: Body,
@@ -266,7 +265,8 @@ impl<'t, M: Copy> Structure<'t, M> {
         self.forward(at, message, environment);
     }
 
-    /// The two ends of the contact of a block with its parent, which is about to take a message.
+    /// Returns the two ends of the contact between a block and its parent, and counts a message on
+    /// it.
     pub(super) fn contact(&mut self, child: BlockSlot) -> Option<(Body, Body)> {
         let parent = self.slots.get(child)?.parent;
         let above = self.slots.get(parent)?.body;
@@ -276,7 +276,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         })
     }
 
-    /// Changes a block, which is not as a phase finds it any more.
+    /// Changes a block and records that it has changed in this phase.
     fn change<R>(
         &mut self,
         slot: BlockSlot,
@@ -290,7 +290,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         Some(change(block))
     }
 
-    /// Takes a message that is for the block it has come to.
+    /// Delivers a message to its recipient.
     pub(super) fn hand_over(
         &mut self,
         at: BlockSlot,
@@ -316,7 +316,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         self.fire(at, environment);
     }
 
-    /// Fires every rule of a block that is ready, in their order, until none is.
+    /// Fires all ready rules of a block in order, until none is ready.
     fn fire(&mut self, at: BlockSlot, environment: &mut impl Environment<Mark = M>) {
         while let Some(block) = self.slots.get_mut(at).filter(|block| block.may_act()) {
             let Some((rule, action)) = block.next_action(self.tables) else {
@@ -326,7 +326,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// Does what a rule of a block says.
+    /// Performs the action of a rule.
     #[inline]
     fn act(
         &mut self,
@@ -360,7 +360,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// Sends what an action of a block says.
+    /// Sends the message of an action.
     fn send_message(
         &mut self,
         at: BlockSlot,
@@ -391,11 +391,10 @@ impl<'t, M: Copy> Structure<'t, M> {
         self.forward(at, Message { target, payload }, environment);
     }
 
-    /// Switches the face off that holds a child.
+    /// Releases a child by switching off its face.
     ///
-    /// Before it does, the two settle what is between them: what is under way to either of them,
-    /// what waits at the child and what it has heard stays with the parent, for those who take the
-    /// roles next.
+    /// Before that, the parent takes over all messages in transit between them, and the child's
+    /// received and kept messages. It keeps them for the next holders of their roles.
     fn let_go(
         &mut self,
         at: BlockSlot,
@@ -418,7 +417,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// A block, and all that hangs on it, has drifted away; with what it leaves behind.
+    /// Removes a released block and all its descendants. Their messages remain at the parent.
     fn forget(
         &mut self,
         by: RoleId,
@@ -444,7 +443,7 @@ impl<'t, M: Copy> Structure<'t, M> {
             let unreceived = block.unreceived + below.map(|child| child.unreceived).sum::<u32>();
             let recalled = environment.recall(block.body, unreceived);
             left.extend(recalled.to);
-            // The dead cannot send again what may have been lost.
+            // Failed blocks cannot resend messages that may have been lost.
             left.extend(recalled.from.into_iter().filter(|_| !block.is_dead));
             going.extend(
                 block
@@ -458,8 +457,8 @@ impl<'t, M: Copy> Structure<'t, M> {
         left
     }
 
-    /// What it means: of each block the body, the role, how it sits, what it hangs on, whether it is dead,
-    /// and how far it is.
+    /// Returns the meaning of the state for comparison: of each block the body, role, orientation,
+    /// parent, failure and progress.
     fn meaning(&self) -> impl Iterator<Item = impl Hash + Eq>
     where
         M: Hash + Eq,
@@ -479,7 +478,7 @@ impl<'t, M: Copy> Structure<'t, M> {
     }
 }
 
-/// Switches a face of a block on: which.
+/// Switches on a face of a block and returns it.
 #[inline]
 fn magnetize<M: Copy>(
     block: &mut StructureBlock<M>,

@@ -1,38 +1,38 @@
-//! The bytes of a `.vox` file, read from the front. Nothing is kept but slices of the file.
+//! Sequential reader of a `.vox` file. All results are slices of the file.
 use super::super::UnreadableVoxels;
 
-/// The rest of a file or chunk.
+/// Rest of a file or chunk.
 #[derive(Clone, Copy, Debug)]
 pub struct Bytes<'a>(pub &'a [u8]);
 
-/// A part of a file.
+/// Chunk of a file.
 pub struct Chunk<'a> {
-    /// Four letters.
+    /// Name of four letters.
     pub name: &'a [u8],
     /// Its own content.
     pub content: Bytes<'a>,
-    /// The chunks in it.
+    /// Its child chunks.
     pub children: Bytes<'a>,
 }
 
-/// The attributes of a node that place or hide it.
+/// Attributes of a node that affect placement and visibility.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Attributes<'a> {
     /// Whether it is hidden.
     pub is_hidden: bool,
-    /// A rotation, as a number in decimal digits.
+    /// Rotation, as a decimal number.
     pub rotation: Option<&'a [u8]>,
-    /// A translation, as three numbers in decimal digits.
+    /// Translation, as three decimal numbers.
     pub translation: Option<&'a [u8]>,
 }
 
 impl<'a> Bytes<'a> {
-    /// Whether nothing is left.
+    /// Returns whether nothing is left.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Takes so many bytes.
+    /// Reads `length` bytes.
     pub fn take(&mut self, length: usize) -> Result<&'a [u8], UnreadableVoxels> {
         let split = self.0.split_at_checked(length);
         let (taken, rest) = split.ok_or(UnreadableVoxels::CutOff)?;
@@ -40,7 +40,7 @@ impl<'a> Bytes<'a> {
         Ok(taken)
     }
 
-    /// Takes a number of 32 bits.
+    /// Reads a 32-bit number.
     pub fn number(&mut self) -> Result<u32, UnreadableVoxels> {
         let split = self.0.split_first_chunk::<4>();
         let (number, rest) = split.ok_or(UnreadableVoxels::CutOff)?;
@@ -48,7 +48,7 @@ impl<'a> Bytes<'a> {
         Ok(u32::from_le_bytes(*number))
     }
 
-    /// Takes a chunk with all that is in it.
+    /// Reads a chunk with its children.
     pub fn chunk(&mut self) -> Result<Chunk<'a>, UnreadableVoxels> {
         let name = self.take(4)?;
         let (content, children) = (self.number()?, self.number()?);
@@ -64,7 +64,7 @@ impl<'a> Bytes<'a> {
         self.take(length as usize)
     }
 
-    /// Takes a dictionary.
+    /// Reads a dictionary.
     pub fn attributes(&mut self) -> Result<Attributes<'a>, UnreadableVoxels> {
         let mut attributes = Attributes::default();
         for _ in 0..self.number()? {

@@ -1,4 +1,4 @@
-//! The scene graph of a `.vox` file, which places its models.
+//! Scene graph of a `.vox` file, which places its models.
 use std::collections::BTreeMap;
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -7,7 +7,7 @@ use super::super::UnreadableVoxels;
 use super::bytes::Bytes;
 use super::placement::{Malformed, Placement};
 
-/// The nodes of a scene, by their numbers.
+/// Nodes of a scene by number.
 #[derive(Debug, Default)]
 pub struct SceneGraph<'a> {
     nodes: BTreeMap<u32, Node<'a>>,
@@ -23,7 +23,7 @@ enum Node<'a> {
         is_hidden: bool,
     },
     Group {
-        /// Numbers of 32 bits.
+        /// 32-bit numbers of the children.
         children: &'a [u8],
         is_hidden: bool,
     },
@@ -33,20 +33,20 @@ enum Node<'a> {
     },
 }
 
-/// A model where the scene has it.
+/// Model at a place in the scene.
 #[derive(Debug)]
 pub struct Instance<'g> {
-    /// The shape that has it.
+    /// Number of its shape.
     pub node: u32,
-    /// The numbers of its models: several are an animation.
+    /// Numbers of its models. Several are an animation.
     pub models: &'g [u32],
     /// Its place.
     pub placement: Placement,
-    /// Whether it is hidden: by itself, by a node that it is in, or by a layer.
+    /// Whether it is hidden itself, by an enclosing node or by a layer.
     pub is_hidden: bool,
 }
 
-/// A node on the way from a root, with the effects of the nodes above it.
+/// Node on the path from a root, with inherited properties.
 struct Visit {
     node: u32,
     placement: Placement,
@@ -54,7 +54,7 @@ struct Visit {
 }
 
 impl<'a> SceneGraph<'a> {
-    /// Whether the file has no scene: files of old versions.
+    /// Returns whether the file has no scene, as in old versions.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -129,10 +129,12 @@ impl<'a> SceneGraph<'a> {
         }
     }
 
-    /// Returns what the scene has, hidden or not.
+    /// Returns all instances in the scene, including hidden ones.
     ///
     /// # Errors
-    /// If a node is missing or the nodes form no tree. So the time is bounded by the length of the file.
+    ///
+    /// If a node is missing or the nodes do not form a tree. This bounds the time by the length of
+    /// the file.
     pub fn instances(&self) -> Result<Vec<Instance<'_>>, UnreadableVoxels> {
         let parents = self.parents()?;
         let roots = self.nodes.keys().filter(|node| !parents.contains_key(node));
@@ -149,7 +151,7 @@ impl<'a> SceneGraph<'a> {
             visited.insert(visit.node);
             self.visit(&visit, &mut open, &mut instances);
         }
-        // In a cycle every node has a parent, and no root leads to it.
+        // Nodes of a cycle all have parents and are not reached from a root.
         match self.nodes.keys().find(|node| !visited.contains(node)) {
             Some(&node) => Err(UnreadableVoxels::NotATree { node }),
             None => Ok(instances),

@@ -1,7 +1,7 @@
-//! Files of MagicaVoxel (`.vox`): models, and the scene graph that places them.
+//! MagicaVoxel files (`.vox`): models, and the scene graph that places them.
 //!
-//! The crate `dot_vox` is not used. Its recursion is as deep as chunks are nested, and it drops chunks that
-//! it cannot read, the numbers of nodes, and the difference between colour 0 and colour 1.
+//! The crate `dot_vox` is not used: it recurses over nested chunks, and drops unreadable chunks and
+//! node numbers. It also maps colours 0 and 1 to the same value.
 mod bytes;
 mod graph;
 mod placement;
@@ -16,16 +16,16 @@ use bytes::Bytes;
 use graph::{Instance, SceneGraph};
 use placement::Placement;
 
-/// The visible content of a file.
+/// Visible content of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VoxelScene {
-    /// Its cells, the lowest resting on the plate. Where models overlap, a cell may come twice.
+    /// Cells, the lowest on the plate. Cells of overlapping models may be repeated.
     pub cells: Vec<Cell>,
-    /// The numbers of models with voxels that are left out because they are hidden.
+    /// Numbers of hidden models with voxels.
     pub hidden: Vec<u32>,
 }
 
-/// A model of a file.
+/// Model of a file.
 #[derive(Clone, Copy, Debug)]
 struct Model<'a> {
     size: [u32; 3],
@@ -39,11 +39,12 @@ struct VoxFile<'a> {
     graph: SceneGraph<'a>,
 }
 
-/// Reads the cells of a file as its scene shows them: visible models and their copies, turned and moved.
-/// With a number, reads only the copies of that model.
+/// Reads the cells of the visible models in the scene, including copies. With a number, reads only
+/// the copies of that model.
 ///
 /// # Errors
-/// If it is not such a file, has several models without a scene, or moves them.
+///
+/// If the file is invalid, has several models without a scene, or is animated.
 pub fn magica_voxel(bytes: &[u8], wanted: Option<u32>) -> Result<VoxelScene, UnreadableVoxels> {
     let file = VoxFile::read(bytes)?;
     let count = file.models.len();
@@ -83,7 +84,7 @@ impl<'a> VoxFile<'a> {
                 b"nGRP" => file.graph.add_group(content)?,
                 b"nSHP" => file.graph.add_shape(content)?,
                 b"LAYR" => file.graph.add_layer(content)?,
-                // Colours, materials, cameras, notes.
+                // Colours, materials, cameras and notes.
                 _ => continue,
             }
             parts += 1;
@@ -162,7 +163,7 @@ impl<'a> VoxFile<'a> {
         match full[..] {
             [] => Ok(None),
             [model] => Ok(Some(model)),
-            // Any model will do for the note.
+            // Any model suffices for the note.
             [model, ..] if instance.is_hidden => Ok(Some(model)),
             _ => Err(UnreadableVoxels::Animation { node, models: full }),
         }
@@ -208,9 +209,9 @@ fn model_size(mut content: Bytes<'_>) -> Result<[u32; 3], UnreadableVoxels> {
     Ok([content.number()?, content.number()?, content.number()?])
 }
 
-/// Returns where a voxel of a model of this size comes to lie; `None` if that is too far away.
+/// Returns the cell of a voxel in a model of this size, or `None` if it is too far from the origin.
 ///
-/// Models turn about their middle, rounded down to a corner of voxels.
+/// Models rotate about their centre, rounded down to a voxel corner.
 fn cell_of(voxel: [u8; 3], size: [u32; 3], placement: &Placement) -> Option<Cell> {
     let centre = |axis: usize| 2 * (i64::from(voxel[axis]) - i64::from(size[axis] / 2)) + 1;
     let centre = placement.apply(std::array::from_fn(centre));

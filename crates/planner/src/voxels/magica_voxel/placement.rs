@@ -1,24 +1,25 @@
-//! Rotations by quarter turns, reflections and translations of voxels.
+//! Quarter turns, reflections and translations of voxels.
 
-/// The place of a node. Lengths are in half voxels, so that centres are whole numbers.
+/// Placement of a node. Lengths are in half voxels, so that centres are integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Placement {
-    /// A signed permutation matrix: the column and the value of each row's only entry.
+    /// Signed permutation matrix: column and sign of each row's only entry.
     rows: [(usize, i64); 3],
     shift: [i64; 3],
 }
 
 impl Placement {
-    /// Moves nothing.
+    /// Identity.
     pub const IDENTITY: Placement = Placement {
         rows: [(0, 1), (1, 1), (2, 1)],
         shift: [0; 3],
     };
 
-    /// Reads a rotation and a translation as they are written.
+    /// Reads a rotation and a translation from text.
     ///
     /// # Errors
-    /// The text that is none.
+    ///
+    /// The invalid text.
     pub fn read<'a>(
         rotation: Option<&'a [u8]>,
         translation: Option<&'a [u8]>,
@@ -33,7 +34,7 @@ impl Placement {
         Ok(placement)
     }
 
-    /// Moves a point \[half voxels\].
+    /// Transforms a point \[half voxels\].
     pub fn apply(&self, point: [i64; 3]) -> [i64; 3] {
         std::array::from_fn(|axis| {
             let (from, sign) = self.rows[axis];
@@ -41,7 +42,7 @@ impl Placement {
         })
     }
 
-    /// Returns the place of a node that is placed by `inner` in this one.
+    /// Returns the composition with the placement `inner` of a child node.
     pub fn around(&self, inner: &Placement) -> Placement {
         Placement {
             rows: self.rows.map(|(axis, sign)| {
@@ -53,7 +54,7 @@ impl Placement {
     }
 }
 
-/// A text that should be one.
+/// Invalid text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Malformed<'a> {
     /// A rotation.
@@ -65,8 +66,9 @@ pub enum Malformed<'a> {
 /// Reads the rows of a rotation.
 ///
 /// # Source
-/// MagicaVoxel's file format: bits 0 and 1 are the column of the first row's entry, bits 2 and 3 that of the
-/// second row, and bits 4 to 6 mark negative rows.
+///
+/// MagicaVoxel's file format. Bits 0 and 1 are the column of the first row's entry, and bits 2 and
+/// 3 that of the second row. Bits 4 to 6 mark negative rows.
 fn rows(text: &[u8]) -> Option<[(usize, i64); 3]> {
     let byte: u8 = std::str::from_utf8(text).ok()?.trim().parse().ok()?;
     let (first, second) = (usize::from(byte & 3), usize::from(byte >> 2 & 3));
@@ -96,7 +98,7 @@ mod tests {
         Placement::read(Some(text.as_bytes()), None).ok()
     }
 
-    /// The example of the format's description.
+    /// Example from the format's description.
     #[test]
     fn rows_are_those_of_the_matrix() {
         let byte = (1 << 0) | (2 << 2) | (1 << 5) | (1 << 6);
