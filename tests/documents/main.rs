@@ -5,6 +5,7 @@
     reason = "the tests read documents and prepare folders for the commands in them"
 )]
 #![cfg(unix)]
+mod dependencies;
 mod page;
 
 use std::collections::BTreeMap;

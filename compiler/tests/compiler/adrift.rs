@@ -1,0 +1,40 @@
+//! What is said of a release that sets a block adrift, and that it helps.
+use stochc_compiler::Checked;
+use stochc_compiler::diagnostic::{Code, Diagnostic};
+
+fn checked(phases: &str) -> Checked {
+    crate::checked(&format!(
+        "assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }} {phases} }}"
+    ))
+}
+
+#[test]
+fn the_help_says_what_can_be_released_and_when() {
+    for (wrong, help, right) in [
+        (
+            "phase p { M.up -> A.up -> B } phase q { release A }",
+            "release `B` as well, in this phase or before it",
+            "phase p { M.up -> A.up -> B } phase q { release A, B }",
+        ),
+        (
+            "phase p { M.up -> A } phase q { A.up -> B release A }",
+            "release `B` as well, in this phase",
+            "phase p { M.up -> A } phase q { A.up -> B release A, B }",
+        ),
+        // A name is released once in a phase: here it is that of an earlier block.
+        (
+            "phase p { M.up -> A.up -> B } phase q { release B A.north -> B release A }",
+            "the `B` that this phase releases is an earlier one: release `A` in a later phase, together with the new `B`",
+            "phase p { M.up -> A.up -> B } phase q { release B A.north -> B } phase r { release A, B }",
+        ),
+    ] {
+        let found = checked(wrong).diagnostics;
+        let [diagnostic] = &found[..] else {
+            panic!("{wrong}: {found:#?}");
+        };
+        assert_eq!(diagnostic.code, Code::Adrift);
+        assert_eq!(diagnostic.help.as_deref(), Some(help), "{wrong}");
+        let left = checked(right).diagnostics;
+        assert!(!left.iter().any(Diagnostic::is_error), "{right}: {left:#?}");
+    }
+}

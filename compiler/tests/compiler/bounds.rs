@@ -1,0 +1,191 @@
+//! Limits on work and diagnostics, and the reports about them.
+use std::fmt::Write as _;
+
+use stochc_compiler::Limits;
+use stochc_compiler::diagnostic::Code;
+
+use crate::{checked, checked_within, with_code};
+
+const VAST: &str = "scene w from hemisphere { free 10000000 uniform \
+    enclosure hemisphere { radius 1e7 m wall 250 N/m } }\n";
+
+/// Chimneys whose lid may come before their core, in loops.
+fn chimneys(edge: usize) -> String {
+    let last = edge - 1;
+    let plate = 4 * edge;
+    format!(
+        "{VAST}assembly a in w {{ seed plate {plate} x {plate} {{ for i in 0..{last} {{ for j in 0..{last} {{
+        W[i, j] at (4*i, 4*j+1)  E[i, j] at (4*i+2, 4*j+1)  S[i, j] at (4*i+1, 4*j)
+        N[i, j] at (4*i+1, 4*j+2)  M[i, j] at (4*i+1, 4*j+1) }} }} }}
+        phase p {{ for i in 0..{last} {{ for j in 0..{last} {{
+        W[i, j].up -> W1[i, j].up -> W2[i, j]
+        E[i, j].up -> E1[i, j]
+        S[i, j].up -> S1[i, j]
+        N[i, j].up -> N1[i, j]
+        W2[i, j].east -> LID[i, j]
+        M[i, j].up -> CORE[i, j] }} }} }} }}"
+    )
+}
+
+/// The same, each in statements of its own.
+fn written_out(count: usize) -> String {
+    let (mut seeds, mut phase) = (String::new(), String::new());
+    for i in 0..count {
+        let x = 4 * i;
+        let [middle, east] = [x + 1, x + 2];
+        let _ = writeln!(
+            seeds,
+            "W{i} at ({x}, 1) E{i} at ({east}, 1) S{i} at ({middle}, 0) N{i} at ({middle}, 2) M{i} at ({middle}, 1)"
+        );
+        let _ = writeln!(
+            phase,
+            "W{i}.up -> W1_{i}.up -> W2_{i}\nE{i}.up -> E1_{i}\nS{i}.up -> S1_{i}\nN{i}.up -> N1_{i}\n\
+             W2_{i}.east -> LID{i}\nM{i}.up -> CORE{i}"
+        );
+    }
+    let plate = 4 * count;
+    format!(
+        "{VAST}assembly a in w {{ seed plate {plate} x 3 {{\n{seeds}}}\nphase p {{\n{phase}}} }}"
+    )
+}
+
+#[test]
+fn every_sealed_cavity_is_counted() {
+    let checked = checked(&chimneys(11));
+    let sealed = with_code(&checked, Code::SealedCavity);
+    let counted: usize = (sealed.iter())
+        .map(|diagnostic| match diagnostic.title.split_once(" further") {
+            Some((count, _)) => count.parse::<usize>().unwrap(),
+            None => 1 + diagnostic.others.count,
+        })
+        .sum();
+    assert_eq!(counted, 121, "{sealed:#?}");
+}
+
+#[test]
+fn an_after_that_helps_all_rounds_of_a_loop_comes_first() {
+    let checked = checked(&chimneys(2));
+    let [sealed] = with_code(&checked, Code::SealedCavity)[..] else {
+        panic!("{:#?}", checked.diagnostics);
+    };
+    let help = sealed.help.as_ref().unwrap();
+    assert!(help.contains("write `after CORE[i, j]` there"), "{help}");
+    assert!(!help.contains("for `"), "{help}");
+    assert!(sealed.fix.is_some());
+}
+
+#[test]
+fn a_statement_that_stands_alone_is_not_told_to() {
+    // More than are tried.
+    let checked = checked(&written_out(100));
+    let sealed = with_code(&checked, Code::SealedCavity);
+    assert_eq!(sealed.len(), 100);
+    for diagnostic in sealed {
+        let help = diagnostic.help.as_ref().unwrap();
+        assert!(!help.contains("of its own"), "{help}");
+        assert!(help.contains("after"), "{help}");
+    }
+}
+
+/// A pit. Phases capture and release a block at its bottom.
+fn pit(depth: usize, phases: usize) -> String {
+    format!(
+        "{VAST}assembly a in w {{ seed plate 3 x 3 {{
+        for x in 0..2 {{ for y in 0..2 {{ P[x, y] at (x, y) }} }}
+        for x in 0..2 {{ P[x, 0].up ->> A[x, 1..{depth}]  P[x, 2].up ->> C[x, 1..{depth}] }}
+        P[0, 1].up ->> B[0, 1..{depth}]  P[2, 1].up ->> B[2, 1..{depth}] }}
+        for i in 1..{phases} {{ phase a[i] {{ P[1, 1].up -> T }}  phase b[i] {{ release T }} }} }}"
+    )
+}
+
+#[test]
+fn measuring_gaps_counts_as_search() {
+    let limits = Limits {
+        search: 10,
+        ..Limits::default()
+    };
+    // 10 for each of 8 x 500 captures: the gap of one phase is measured, and not those of 200.
+    let few = checked_within(&pit(500, 2), limits);
+    assert_eq!(with_code(&few, Code::ReachUndecided).len(), 0);
+    assert_eq!(with_code(&few, Code::TightApproach).len(), 1);
+    let many = checked_within(&pit(500, 200), limits);
+    let undecided = with_code(&many, Code::ReachUndecided);
+    assert_eq!(undecided.len(), 1, "{undecided:#?}");
+}
+
+#[test]
+fn shapes_that_are_claimed_have_a_limit_together() {
+    let shapes: String = (0..3)
+        .map(|i| format!("shape s{i} {{ layer 1..2000000 {{ # }} }}\n"))
+        .collect();
+    let phases = "phase q0 { yields s0 } phase q1 { yields s1 } phase q2 { yields s2 }";
+    let checked = checked(&format!(
+        "{shapes}assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> T }} {phases} }}"
+    ));
+    assert_eq!(with_code(&checked, Code::ShapeMismatch).len(), 2);
+    assert_eq!(with_code(&checked, Code::ExpansionLimit).len(), 1);
+}
+
+#[test]
+fn a_plate_has_to_lie_inside_the_enclosure() {
+    let outside = |enclosure: &str, plate: usize| {
+        let checked = checked(&format!(
+            "scene w from hemisphere {{ free 3 uniform enclosure {enclosure} {{ radius 1 m wall 25 N/m }} }}
+            assembly a in w {{ seed plate {plate} x {plate} {{ M at ({0}, {0}) }} phase p {{ M.up -> T }} }}",
+            plate / 2
+        ));
+        with_code(&checked, Code::OutsideEnclosure).len()
+    };
+    // Blocks of 20 cm: a plate of 7 has its corners at 0.99 m, one of 8 at 1.13 m.
+    for enclosure in ["hemisphere", "sphere"] {
+        assert_eq!(outside(enclosure, 7), 0, "{enclosure}");
+        assert_eq!(outside(enclosure, 8), 1, "{enclosure}");
+        assert_eq!(outside(enclosure, 9_000), 1, "{enclosure}");
+    }
+}
+
+/// Checks what docs/language.md claims about empty ranges, `allow`, patterns, shapes and free blocks.
+#[test]
+fn sentences_of_the_reference_hold() {
+    let program = |text: &str| {
+        let checked = checked(text);
+        assert!(!checked.has_errors(), "{:#?}", checked.diagnostics);
+        let program = &checked.programs[0];
+        let events = 0..program.plan.events.len() as u32;
+        let events = events.map(|id| {
+            let id = stochc_compiler::plan::EventId(id);
+            program.plan.describe(id, &checked.symbols)
+        });
+        (events.collect::<Vec<_>>(), checked.allowed.len())
+    };
+    let (events, _) = program(
+        "assembly a { seed plate 3 x 1 { A at (1, 0) } phase p { A.up -> B.up ->> T[2..1].east -> C } }",
+    );
+    assert_eq!(events, ["A.up -> B", "B.east -> C"]);
+    let (_, allowed) = program(
+        "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A }
+        phase q { allow empty-phase \"inside\" } }",
+    );
+    assert_eq!(allowed, 1);
+    let (events, _) = program(
+        "let n = 2 assembly a { pattern p(b) { b.up ->> T[1..n] } let n = 3
+        seed plate 1 x 1 { M at (0, 0) } phase q { p(M) } }",
+    );
+    assert_eq!(events.len(), 3);
+    let both = checked(&chimneys(1).replace(
+        "phase p {",
+        "shape q { layer 1 { # } }\nphase p { yields q ",
+    ));
+    assert_eq!(with_code(&both, Code::SealedCavity).len(), 1);
+    assert_eq!(with_code(&both, Code::ShapeMismatch).len(), 1);
+    let scarce = |free: u32| {
+        let checked = checked(&format!(
+            "scene w from hemisphere {{ free {free} uniform }}
+            assembly a in w {{ seed plate 3 x 1 {{ A at (0, 0)  B at (1, 0)  C at (2, 0) }}
+            phase one {{ A.up -> X }}
+            phase two {{ B.up -> Y   release Y after Z   C.up -> Z }} }}"
+        ));
+        with_code(&checked, Code::TooFewBlocks).len()
+    };
+    assert_eq!((scarce(2), scarce(3)), (1, 0));
+}

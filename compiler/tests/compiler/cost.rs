@@ -1,0 +1,347 @@
+//! What the compiler says of how long a program takes.
+use stochc_compiler::Program;
+use stochc_compiler::cost::{Cost, estimate};
+use stochc_compiler::diagnostic::Code;
+use stochc_rates::{Interaction, Rates};
+
+use crate::checked;
+
+fn program(text: &str) -> (Program, Cost, Vec<String>) {
+    let mut checked = checked(text);
+    assert!(!checked.has_errors(), "{:#?}", checked.diagnostics);
+    let program = checked.programs.remove(0);
+    let rates = program.scene.as_ref().and_then(Rates::built_in);
+    let cost = estimate(&program, rates).unwrap();
+    let order = (cost.captures.iter())
+        .map(|capture| program.plan.describe(capture.event, &checked.symbols))
+        .collect();
+    (program, cost, order)
+}
+
+fn mean(text: &str) -> f64 {
+    program(text)
+        .1
+        .total
+        .expect("the default scene has rates")
+        .mean
+        .expect("it has no timeout")
+}
+
+#[test]
+fn what_decides_most_of_the_time_comes_first() {
+    let (_, cost, order) = program(include_str!("../../../examples/five_tower.sa"));
+    assert_eq!(order[..2], ["M.up -> N", "N.up -> O"]);
+    assert!(cost.captures.is_sorted_by(|a, b| a.share >= b.share));
+    let sum: f64 = cost.captures.iter().map(|capture| capture.share).sum();
+    assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+    let orders = cost.phases.iter().map(|phase| (phase.depth, phase.width));
+    assert!(orders.eq([(2, 4), (2, 1)]));
+    let (all, phases) = (
+        cost.total.unwrap(),
+        cost.phases.iter().map(|it| it.times.unwrap().mean.unwrap()),
+    );
+    assert!((phases.sum::<f64>() - all.mean.unwrap()).abs() < 1e-6);
+    assert!(all.p10 < all.median && all.median < all.p90);
+}
+
+#[test]
+fn a_chain_takes_the_sum_of_its_waits() {
+    let (_, cost, _) = program(include_str!("../../../examples/line.sa"));
+    let sum: f64 = cost.captures.iter().map(|capture| capture.wait).sum();
+    let mean = cost.total.unwrap().mean.unwrap();
+    assert!((mean / sum - 1.0).abs() < 1e-3, "{mean} {sum}");
+}
+
+#[test]
+fn lines_have_no_order_and_a_block_let_go_counts_wherever_that_is_written() {
+    let [first, last] = ["release B A.west -> C", "A.west -> C release B"].map(|lines| {
+        mean(&format!(
+            "assembly one {{ seed plate 3 x 1 {{ S at (1, 0) }}
+                phase hold {{ S.up -> A.north -> B }}
+                phase turn {{ {lines} }} }}"
+        ))
+    });
+    assert_eq!(first, last);
+}
+
+#[test]
+fn the_wait_of_a_capture_includes_blocks_that_are_let_go_near_it() {
+    let (_, cost, order) = program(
+        "assembly chain { seed plate 3 x 1 { S at (1, 0) }
+            phase hold { S.up -> A.east -> B }
+            phase on { release B A.up -> C.east -> D.down -> B }
+            allow tight-approach \"the last cell\" }",
+    );
+    let sum: f64 = cost.captures.iter().map(|capture| capture.wait).sum();
+    let total = cost.total.unwrap();
+    assert!(
+        (sum - total.mean.unwrap()).abs() < 2.0 * total.half_width.unwrap(),
+        "{sum} {total:?}"
+    );
+    let near = order.iter().position(|it| it == "A.up -> C").unwrap();
+    assert!(
+        cost.captures[near].wait < 350.0,
+        "{:?}",
+        cost.captures[near]
+    );
+}
+
+/// Sums that are worked out, beside times that are drawn of the same waits: chains, trees, phases one after the other.
+#[test]
+fn times_without_chance_are_those_that_are_drawn() {
+    for text in [
+        include_str!("../../../examples/line.sa"),
+        include_str!("../../../examples/open_platform.sa"),
+        include_str!("../../../examples/closed_platform.sa"),
+        include_str!("../../../lab/rates/mast.sa"),
+        include_str!("../../../lab/rates/uneven.sa"),
+        include_str!("../../../lab/rates/twins.sa"),
+    ] {
+        let (_, cost, _) = program(text);
+        let times = cost.total.unwrap();
+        assert!(cost.is_exact, "{text}");
+        let count = cost.draws.len() as f64;
+        let drawn: Vec<f64> = cost.draws.iter().map(|draw| draw.ticks).collect();
+        let mean = drawn.iter().sum::<f64>() / count;
+        let variance = drawn.iter().map(|time| (time - mean).powi(2)).sum::<f64>() / count;
+        let error = (variance / count).sqrt();
+        assert!(
+            (mean - times.mean.unwrap()).abs() < 4.5 * error,
+            "{mean} ± {error}, {times:?}"
+        );
+        for (share, time) in [(0.1, times.p10), (0.5, times.median), (0.9, times.p90)] {
+            let time = time.unwrap();
+            let below = drawn.iter().filter(|drawn| **drawn < time).count() as f64 / count;
+            let error = (share * (1.0 - share) / count).sqrt();
+            assert!((below - share).abs() < 4.5 * error, "{share}: {below}");
+        }
+    }
+}
+
+#[test]
+fn of_captures_side_by_side_the_last_counts() {
+    let alone = mean("assembly a { seed plate 21 x 1 { A at (0, 0) } phase p { A.up -> E } }");
+    let four = mean(
+        "assembly a { seed plate 21 x 21 { A at (0, 0) B at (20, 0) C at (0, 20) D at (20, 20) } \
+         phase p { A.up -> E B.up -> F C.up -> G D.up -> H } }",
+    );
+    // The last of four exponential waits takes 1 + 1/2 + 1/3 + 1/4 of one; docking times make it less.
+    assert!(four > 1.5 * alone && four < 2.09 * alone, "{four} {alone}");
+}
+
+#[test]
+fn a_block_released_above_the_open_face_docks_there_at_once() {
+    let body = |end: &str| {
+        mean(&format!(
+            "assembly a {{ seed plate 3 x 1 {{ A at (0, 0) B at (1, 0) }}
+             phase p {{ A.up ->> T[1..2] T[2].east -> E }} {end} }}"
+        ))
+    };
+    let before = body("");
+    let dropped = body("phase q { release E B.up -> F after release E }") - before;
+    let awaited = body("phase q { B.up -> F }") - before;
+    assert!(dropped < 0.9 * awaited, "{dropped} {awaited}");
+}
+
+#[test]
+fn without_a_block_for_each_capture_nothing_is_said_of_times() {
+    let mut checked = checked(include_str!("../../../examples/line.sa"));
+    let mut program = checked.programs.remove(0);
+    let scene = program.scene.as_mut().unwrap();
+    let rates = Rates::built_in(scene);
+    scene.free.count = 5;
+    let cost = estimate(&program, rates).unwrap();
+    assert!(rates.is_some());
+    assert_eq!((cost.total, cost.captures.len()), (None, 0));
+    assert!(cost.phases.iter().all(|phase| phase.times.is_none()));
+}
+
+#[test]
+fn without_rates_nothing_is_said_of_times() {
+    let text = include_str!("../../../examples/line.sa")
+        .replace("assembly line", "assembly line in hemisphere_soft");
+    let (_, cost, order) = program(&text);
+    assert!(cost.total.is_none() && order.is_empty());
+    assert_eq!((cost.phases[0].depth, cost.phases[0].width), (13, 1));
+}
+
+#[test]
+fn a_phase_that_comes_to_its_timeout_is_not_complete() {
+    let cost = |timeout: u32| {
+        let text = format!(
+            "assembly a {{ seed plate 21 x 1 {{ A at (0, 0) }} phase p timeout {timeout} ticks {{ A.up -> E }} }}"
+        );
+        program(&text).1
+    };
+    let (often, seldom) = (cost(1000), cost(100));
+    let complete = often.draws.iter().filter(|draw| draw.is_complete).count();
+    assert!(complete > often.draws.len() / 2 && complete < often.draws.len());
+    assert!(often.draws.iter().all(|draw| draw.ticks <= 1000.0));
+    // A timeout ends the slow ones and changes nothing of the others.
+    let (total, patient) = (often.total.unwrap(), cost(1_000_000).total.unwrap());
+    for (with, without) in [(total.p10, patient.p10), (total.median, patient.median)] {
+        let [with, without] = [with, without].map(Option::unwrap);
+        assert!((with / without - 1.0).abs() < 0.08, "{with} {without}");
+    }
+    assert_eq!((total.mean, total.p90), (None, None));
+    assert!(patient.mean.is_some() && patient.p90.is_some());
+    // Not one in ten gets there.
+    assert_eq!((seldom.total, seldom.phases[0].times), (None, None));
+}
+
+#[test]
+fn what_a_sum_leaves_out_is_known() {
+    let interaction = |text: &str| program(text).1.interaction;
+    let beside = |other: &str| {
+        format!(
+            "assembly a {{ seed plate 9 x 1 {{ A at (1, 0) B at ({other}, 0) }}
+             phase p {{ A.up ->> S[1..3] B.up ->> T[1..3] }} }}"
+        )
+    };
+    assert_eq!(interaction(&beside("3")), Interaction::Apart);
+    assert_eq!(interaction(&beside("2")), Interaction::Racing);
+    // One column after the other: nothing is open beside what waits.
+    let serial = "assembly a { seed plate 9 x 1 { A at (1, 0) B at (2, 0) }
+        phase p { A.up ->> S[1..3] } phase q { B.up ->> T[1..3] } }";
+    assert_eq!(interaction(serial), Interaction::Apart);
+    let released = "assembly a { seed plate 9 x 1 { A at (1, 0) } phase p { A.up -> S } phase q { release S } }";
+    assert_eq!(interaction(released), Interaction::Releases);
+}
+
+/// Chance decides how many blocks other chains have left when the last one needs them, so that such times are drawn.
+#[test]
+fn times_are_drawn_where_blocks_are_scarce() {
+    let towers = |height: u32| {
+        format!(
+            "assembly a {{ seed plate 7 x 7 {{ for i in 0..1 {{ for j in 0..1 {{ A[i, j] at (6 * i, 6 * j) }} }} }}
+             phase p {{ for i in 0..1 {{ for j in 0..1 {{ A[i, j].up ->> T[i, j, 1..{height}] }} }} }} }}"
+        )
+    };
+    // Three chains may have all of their blocks, 30 or 33 of 300, when one has none.
+    let [few, many] = [10, 11].map(|height| program(&towers(height)).1);
+    assert!(few.is_exact && !many.is_exact);
+    assert_eq!(many.interaction, Interaction::Apart);
+    let at_once = "assembly a {
+        seed plate 10 x 10 { for i in 0..3 { for j in 0..3 { A[i, j] at (3 * i, 3 * j) } } }
+        phase p { for i in 0..3 { for j in 0..3 { A[i, j].up -> S[i, j] } } } }";
+    assert!(!program(at_once).1.is_exact);
+}
+
+#[test]
+fn a_capture_decides_the_time_until_a_timeout_as_well() {
+    let (_, cost, _) = program(
+        "assembly one { seed plate 3 x 1 { A at (0, 0) } phase half timeout 900 ticks { A.up -> B } }",
+    );
+    let stopped = cost.draws.iter().filter(|draw| !draw.is_complete).count();
+    assert!(stopped > 0);
+    assert_eq!(cost.captures.len(), 1);
+    let share = cost.captures[0].share;
+    assert!((share - 1.0).abs() < 1e-9, "{share}");
+}
+
+/// Two towers of three: reports from the top of the last one, news over the plate to its foot, and requests to be let go.
+#[test]
+fn messages_take_time_by_hops() {
+    let mean = |messages: &str, body: &str| {
+        let (_, cost, _) = program(&format!(
+            "scene slow from hemisphere {{ {messages} }}
+            assembly a in slow {{ seed plate 9 x 1 {{ A at (0, 0) B at (8, 0) }} {body} }}"
+        ));
+        cost.total.unwrap().mean.unwrap()
+    };
+    let tower = "phase p { A.up ->> T[1..3] }";
+    let told = "phase p { A.up ->> T[1..3] B.up ->> U[1..3] after T[3] }";
+    let known = "phase p { A.up ->> T[1..3] T[1].north -> E after T[3] }";
+    let gone = "phase p { A.up ->> T[1..3] } phase q { release T[3] }";
+    let others =
+        "phase p { A.up ->> T[1..3] } phase q { release T[3] B.up -> U after release T[3] }";
+    for (body, hops) in [
+        (tower, 3.0),
+        (told, 3.0 + 3.0),
+        (known, 2.0 + 2.0),
+        (gone, 3.0 + 1.0 + 2.0),
+        (others, 3.0 + 1.0 + 2.0 + 1.0),
+    ] {
+        let none = mean("", body);
+        assert_eq!(mean("messages { hop 0 ticks }", body), none);
+        // As many as the sums of chains are off by chance are no hop.
+        let off = mean("messages { hop 10000 ticks }", body) - none;
+        assert!(
+            (off / 10000.0 - hops).abs() < 0.05,
+            "{body}: {off}, not {hops}"
+        );
+        // Half of all hops are made again, after 2 h + 1 ticks: once on average, with a standard deviation of 0.94 of such a
+        // hop. Where branches end beside each other, the later report counts (`tests/estimate.rs` has runs of such programs).
+        let lost = (mean("messages { hop 10000 ticks loss 50% }", body) - none) / 30001.0;
+        let chance = 4.0 * 0.94 * (hops / 4000_f64).sqrt();
+        let is_alone = [tower, gone].contains(&body);
+        assert!(lost > hops - chance, "{body}: {lost}");
+        assert!(!is_alone || lost < hops + chance, "{body}: {lost}");
+    }
+}
+
+/// Jams void an estimate, also where they are allowed: physics takes longer.
+#[test]
+fn a_program_that_may_jam_has_a_lower_bound() {
+    let reasons = |text: &str| {
+        let (_, cost, _) = program(text);
+        serde_json::to_value(cost.lower_bound).expect("it is a list")
+    };
+    let five_tower = include_str!("../../../examples/five_tower.sa");
+    let allowed = five_tower.replacen(
+        "assembly",
+        "allow tight-approach \"as in the paper\"\nassembly",
+        1,
+    );
+    assert_eq!(reasons(five_tower), serde_json::json!(["tight-approach"]));
+    assert_eq!(reasons(&allowed), serde_json::json!(["tight-approach"]));
+    let square = "assembly a { seed plate 2 x 2 { A at (0, 0) B at (1, 0) C at (0, 1) }
+        phase p { A.up -> D  B.up -> E  C.up -> F } }";
+    assert_eq!(reasons(square), serde_json::json!(["crowded-captures"]));
+    // Five towers of two blocks in each row.
+    let towers = |rows: u32| {
+        let last = rows - 1;
+        format!(
+            "assembly a {{ seed plate 13 x 13 {{
+                for x in 0..4 {{ for y in 0..{last} {{ S[x, y] at (3 * x, 3 * y) }} }} }}
+            phase p {{ for x in 0..4 {{ for y in 0..{last} {{ S[x, y].up -> A[x, y].up -> B[x, y] }} }} }} }}"
+        )
+    };
+    assert_eq!(reasons(&towers(3)), serde_json::json!([]));
+    assert_eq!(reasons(&towers(4)), serde_json::json!(["large-structure"]));
+    assert_eq!(
+        reasons(include_str!("../../../examples/line.sa")),
+        serde_json::json!([])
+    );
+}
+
+#[test]
+fn a_timeout_that_ends_most_runs_is_warned_of() {
+    let found = |timeout: &str| {
+        let text = format!(
+            "assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}
+                phase first {{ M.up -> A }}
+                phase last timeout {timeout} {{ A.up ->> T[1..2] }} }}"
+        );
+        checked(&text).diagnostics
+    };
+    assert!(found("4000 ticks").is_empty());
+    for short in ["400 ticks", "8 s"] {
+        let [warning] = &found(short)[..] else {
+            panic!("one warning");
+        };
+        assert_eq!(warning.code, Code::ShortTimeout);
+        assert!(
+            warning
+                .title
+                .starts_with("phase `last` comes to its timeout in ")
+        );
+        // The help holds.
+        let help = warning.help.as_deref().expect("it says what to write");
+        let timeout = help.split('`').nth(1).expect("it is quoted");
+        assert!(
+            found(timeout.trim_start_matches("timeout ")).is_empty(),
+            "{help}"
+        );
+    }
+}

@@ -1,0 +1,299 @@
+//! Where an `allow` or `deny` of a file reaches.
+use std::collections::BTreeMap;
+
+use stochc_compiler::diagnostic::{Code, Severity};
+use stochc_compiler::{Checked, Level, Limits, LintLevels, check_with};
+
+fn files(files: &[(&str, &str)], levels: &LintLevels) -> Checked {
+    let files: BTreeMap<&str, &str> = files.iter().copied().collect();
+    let mut reader = |path: &str| {
+        let text = files.get(path).ok_or("no such file")?;
+        Ok(text.as_bytes().to_vec())
+    };
+    check_with("a.sa", &mut reader, Limits::default(), levels)
+}
+
+/// The codes of what is told, in capitals if it is an error.
+fn reported(text: &str) -> Vec<String> {
+    let checked = files(&[("a.sa", text)], &LintLevels::default());
+    let name = |diagnostic: &stochc_compiler::diagnostic::Diagnostic| match diagnostic.severity {
+        Severity::Error => diagnostic.code.name().to_uppercase(),
+        Severity::Warning => diagnostic.code.name().to_owned(),
+    };
+    checked.diagnostics.iter().map(name).collect()
+}
+
+/// A program with an unused seed and an empty phase, and statements in five places.
+fn program([file, assembly, plate, phase, other]: [&str; 5]) -> String {
+    format!(
+        "{file}
+        assembly a {{
+            {assembly}
+            seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) {plate} }}
+            phase p {{ {phase} }}
+            phase q {{ M.up -> A  {other} }}
+        }}"
+    )
+}
+
+#[test]
+fn a_statement_reaches_over_the_block_around_it() {
+    let seed = "allow unused-seed \"a mark\"";
+    let phase = "allow empty-phase \"waits for the next version\"";
+    let no = "";
+    assert_eq!(reported(&program([no; 5])), ["unused-seed", "empty-phase"]);
+    for place in 0..3 {
+        let mut places = [no; 5];
+        places[place] = seed;
+        assert_eq!(reported(&program(places)), ["empty-phase"], "{place}");
+    }
+    for place in [0, 1, 3] {
+        let mut places = [no; 5];
+        places[place] = phase;
+        assert_eq!(reported(&program(places)), ["unused-seed"], "{place}");
+    }
+    // Elsewhere it finds nothing to allow.
+    let elsewhere = [no, no, phase, no, seed];
+    assert_eq!(
+        reported(&program(elsewhere)),
+        ["unused-seed", "unused-allow", "empty-phase", "unused-allow"]
+    );
+}
+
+#[test]
+fn the_innermost_statement_counts() {
+    let deny = "deny empty-phase \"each phase builds\"";
+    let allow = "allow empty-phase \"this one does not\"";
+    let seed = "allow unused-seed \"a mark\"";
+    let both = format!("{seed} {deny}");
+    assert_eq!(reported(&program([&both, "", "", "", ""])), ["EMPTY-PHASE"]);
+    assert_eq!(reported(&program([&both, "", "", allow, ""])), [""; 0]);
+    assert_eq!(
+        reported(&program([seed, allow, "", deny, ""])),
+        ["EMPTY-PHASE", "unused-allow"]
+    );
+    // In one block the last one does.
+    let twice = format!("{seed} {allow} {deny}");
+    assert_eq!(
+        reported(&program([&twice, "", "", "", ""])),
+        ["EMPTY-PHASE", "unused-allow"]
+    );
+}
+
+/// Nothing of what stands right behind a block is in it.
+#[test]
+fn a_statement_does_not_reach_over_the_end_of_its_block() {
+    let text = "assembly a { seed plate 2 x 1 { for i in 0..0 { allow unused-seed \"x\" M at (0, 0) }N at (1, 0) } \
+                phase p { M.up -> A } }";
+    let reported = reported(text);
+    assert_eq!(reported, ["unused-allow", "unused-seed"]);
+}
+
+#[test]
+fn of_a_thousand_outdated_allows_the_rest_is_not_told() {
+    let phases: String = (0..3000)
+        .map(|i| {
+            format!(
+                "phase p{i} {{ allow redundant-after \"generated\" M.up -> A{i}  release A{i} }}\n"
+            )
+        })
+        .collect();
+    let text = format!("assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}\n{phases}}}");
+    let reported = reported(&text);
+    assert_eq!(reported.len(), 1001);
+    assert_eq!(reported[1000], "too-many-warnings");
+}
+
+#[test]
+fn an_outdated_allow_can_be_allowed_itself() {
+    let text = |statement: &str| {
+        format!(
+            "{statement}
+            assembly a {{
+                allow redundant-after \"generated\"
+                seed plate 1 x 1 {{ M at (0, 0) }}
+                phase p {{ M.up -> A }}
+            }}"
+        )
+    };
+    assert_eq!(reported(&text("")), ["unused-allow"]);
+    assert_eq!(reported(&text("allow unused-allow \"generated\"")), [""; 0]);
+    let other = "assembly a { allow unused-allow \"x\" seed plate 1 x 1 { M at (0, 0) } \
+                 phase p { M.up -> A } }";
+    assert_eq!(reported(other), ["unused-allow"]);
+}
+
+#[test]
+fn an_allow_in_doubt_is_not_held_against_its_author() {
+    let allow = "allow redundant-after \"x\"";
+    // The pattern may be grown by another file, and the error may hide the warning.
+    let pattern = format!(
+        "pattern _t(b) {{ {allow} b.up -> T }}
+        assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}"
+    );
+    assert_eq!(reported(&pattern), [""; 0]);
+    assert_eq!(
+        reported(&format!("{allow} pattern t(b) {{ b.up -> T }}")),
+        [""; 0]
+    );
+    let wrong = format!(
+        "assembly a {{ {allow} seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A  X.up -> B }} }}"
+    );
+    assert_eq!(reported(&wrong), ["UNKNOWN-NAME"]);
+}
+
+#[test]
+fn a_file_speaks_for_itself_only() {
+    let tower = "pattern tower(base, other) { other.up -> T after base }";
+    let own = |statement: &str| {
+        format!(
+            "import \"b.sa\" {statement}
+            assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }}
+            phase p {{ M.up -> A }} phase q {{ tower(A, N) }} }}"
+        )
+    };
+    let allow = "allow redundant-after \"in general it is not\"\n";
+    let codes = |own: &str, tower: &str| -> Vec<Code> {
+        let checked = files(&[("a.sa", own), ("b.sa", tower)], &LintLevels::default());
+        checked
+            .diagnostics
+            .iter()
+            .map(|diagnostic| diagnostic.code)
+            .collect()
+    };
+    assert_eq!(codes(&own(""), tower), [Code::RedundantAfter]);
+    assert_eq!(codes(&own(""), &format!("{allow}{tower}")), []);
+    assert_eq!(
+        codes(&own(allow), tower),
+        [Code::UnusedAllow, Code::RedundantAfter]
+    );
+}
+
+#[test]
+fn what_is_allowed_is_kept_with_its_reason() {
+    let text = program(["allow unused-seed \"a mark\"", "", "", "", ""]);
+    let mut levels = LintLevels::default();
+    levels.set(Some(Code::EmptyPhase), Level::Allow);
+    let checked = files(&[("a.sa", &text)], &levels);
+    assert!(checked.diagnostics.is_empty());
+    let allowed: Vec<_> = (checked.allowed.iter())
+        .map(|allowed| (allowed.diagnostic.code, allowed.reason.as_deref()))
+        .collect();
+    assert_eq!(
+        allowed,
+        [(Code::UnusedSeed, Some("a mark")), (Code::EmptyPhase, None)]
+    );
+}
+
+#[test]
+fn a_denied_program_has_no_tables() {
+    let text = program(["deny warnings_ \"x\"", "", "", "", ""]);
+    assert_eq!(reported(&text)[0], "UNKNOWN-CODE");
+    let text = program(["deny unused-seed \"x\"", "", "", "", ""]);
+    let checked = files(&[("a.sa", &text)], &LintLevels::default());
+    assert!(checked.has_errors());
+    assert!(checked.programs[0].tables.is_none());
+}
+
+#[test]
+fn what_nobody_uses_is_told_of() {
+    let program = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
+    for (declared, code) in [
+        ("let n = 1", "unused-let"),
+        ("pattern t(b) { b.up -> T }", "unused-pattern"),
+        ("pattern t(b) { b.up -> T t(T) }", "unused-pattern"),
+        ("shape s { layer 1 { # } }", "unused-shape"),
+        ("scene s from hemisphere { free 5 uniform }", "unused-scene"),
+    ] {
+        assert_eq!(
+            reported(&format!("{declared} {program}")),
+            [code],
+            "{declared}"
+        );
+        let name = declared.split([' ', '(']).nth(1).unwrap();
+        let kept = declared.replace(&format!(" {name}"), &format!(" _{name}"));
+        assert_eq!(reported(&format!("{kept} {program}")), [""; 0], "{kept}");
+        let allowed = format!("allow {code} \"later\" {declared} {program}");
+        assert_eq!(reported(&allowed), [""; 0], "{allowed}");
+        // A file without a program is there for others.
+        assert_eq!(reported(declared), [""; 0]);
+    }
+    // In each kind of block.
+    let local = "assembly a {
+        let a = 1 pattern t(b) { let i = 1 b.up -> T } shape s { layer 1..2 { # } }
+        seed plate 1 x 1 { let b = 1 M at (0, 0) }
+        phase p { let c = 1 for i in 1..1 { let d = 1 t(M) } M.up -> A } }";
+    let codes = reported(local);
+    let of = |code: &str| codes.iter().filter(|told| *told == code).count();
+    // It is in error, and after that is mended:
+    assert_eq!((of("unused-let"), codes.len()), (0, 1), "{codes:?}");
+    let codes = reported(&local.replace("M.up -> A", ""));
+    let of = |code: &str| codes.iter().filter(|told| *told == code).count();
+    assert_eq!((of("unused-let"), of("unused-shape")), (5, 1), "{codes:?}");
+}
+
+#[test]
+fn what_is_used_anywhere_is_not_told_of() {
+    for program in [
+        "let n = 2 let m = n assembly a { seed plate m x 1 { M at (n - 2, 0) } phase p { M.up -> A } }",
+        "let n = 2 pattern t(b) { b.up ->> T[1..n] } pattern u(b) { t(b) }
+         assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { u(M) } }",
+        "shape s { layer 1 { # } } scene c from hemisphere { free 9 uniform } scene d from c { free 8 uniform }
+         assembly a in d { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A yields s } }",
+        "scene hemisphere from hemisphere { free 9 uniform }
+         assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }",
+        "let n = 3 aggregate pair in magnet_tank to n - 1",
+    ] {
+        assert_eq!(reported(program), [""; 0], "{program}");
+    }
+    let own =
+        "import \"b.sa\" assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
+    let library = "let n = 1 pattern t(b) { b.up -> T } shape s { layer 1 { # } }";
+    let checked = files(&[("a.sa", own), ("b.sa", library)], &LintLevels::default());
+    assert!(checked.diagnostics.is_empty(), "{:?}", checked.diagnostics);
+}
+
+#[test]
+fn only_a_number_that_no_other_file_sees_is_removed_unasked() {
+    let text = "let n = 1\nassembly a {\n    let k = 1\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
+    let checked = files(&[("a.sa", text)], &LintLevels::default());
+    let safe: Vec<_> = (checked.diagnostics.iter())
+        .map(|diagnostic| diagnostic.fix.as_ref().map(|fix| fix.safe))
+        .collect();
+    assert_eq!(safe, [Some(false), Some(true)]);
+}
+
+#[test]
+fn no_warning_follows_from_an_error() {
+    let program = |phases: &str| {
+        reported(&format!(
+            "assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }} phase p {{ M.up -> A }} {phases} }}"
+        ))
+    };
+    // The seed is misspelt, and so is the capture that an `after` waits for; the phase has a statement.
+    assert_eq!(program("phase q { n.up -> B }"), ["UNKNOWN-NAME"]);
+    assert_eq!(
+        program("phase q { N.up -> A  A.up -> B after A }"),
+        ["CAPTURED-TWICE"]
+    );
+    assert_eq!(program("phase q { N -> B }"), ["MISSING-FACE"]);
+    assert_eq!(
+        program("phase q { for i in 1..k { N.up -> B } }"),
+        ["UNKNOWN-NAME"]
+    );
+    // What is wrong about the cells leaves no use unseen.
+    assert_eq!(
+        program("phase q { A.down -> B }"),
+        ["ANCHORING-FACE", "unused-seed"]
+    );
+    // A misspelt name may be that of what seems to be unused.
+    let unused = |used: &str| {
+        reported(&format!(
+            "shape flat {{ layer 1 {{ # }} }} assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}
+            phase p {{ M.up -> A {used} }} }}"
+        ))
+    };
+    assert_eq!(unused(""), ["unused-shape"]);
+    assert_eq!(unused("yields falt"), ["UNKNOWN-NAME"]);
+    assert_eq!(unused("yields flat"), [""; 0]);
+}

@@ -1,0 +1,345 @@
+//! Random programs that are right by construction.
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use stochc_compiler::Program;
+use stochc_compiler::diagnostic::Code;
+use stochc_ir::table::Tables;
+use stochc_ir::{Cell, Face};
+
+/// A program, and what it builds.
+#[derive(Clone, Debug)]
+pub struct Declared {
+    pub text: String,
+    pub structure: BTreeMap<String, Cell>,
+}
+
+#[derive(Clone)]
+struct Block {
+    cell: Cell,
+    parent: Option<String>,
+    face: Face,
+}
+
+/// Turns a list of numbers into a program: each number is one choice.
+struct Generator {
+    choices: std::vec::IntoIter<u32>,
+    blocks: BTreeMap<String, Block>,
+    names: u32,
+    spare: Vec<String>,
+    reuse: Reuse,
+    text: String,
+}
+
+/// When names, cells and faces are used again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reuse {
+    /// Names in a later phase; cells and faces at once.
+    Later,
+    /// All of them at once, as often as can be: branches move, a block takes the name or the place of one
+    /// that goes in the same phase, and some come and go within it.
+    AtOnce,
+}
+
+/// What has been written of a phase.
+struct Stage {
+    /// The blocks at its beginning.
+    start: BTreeMap<String, Block>,
+    /// Events so far, as `after` can name them; only earlier ones, so that no circle arises.
+    events: Vec<String>,
+    captured: BTreeSet<String>,
+    released: BTreeSet<String>,
+    /// Those that have captured. The name of a block that was there may not be given again.
+    busy: BTreeSet<String>,
+    /// The cells of the captures.
+    filled: BTreeSet<Cell>,
+}
+
+impl Generator {
+    fn choose(&mut self, most: usize) -> usize {
+        self.choices
+            .next()
+            .map_or(0, |choice| choice as usize % most.max(1))
+    }
+
+    fn new_name(&mut self, stage: &Stage) -> String {
+        if self.reuse == Reuse::AtOnce {
+            let free: Vec<&String> = (stage.released.iter())
+                .filter(|name| stage.can_be_taken(name))
+                .collect();
+            if !free.is_empty() && self.choose(4) > 0 {
+                return free[self.choose(free.len())].clone();
+            }
+        }
+        if !self.spare.is_empty() && self.choose(2) == 0 {
+            let i = self.choose(self.spare.len());
+            return self.spare.swap_remove(i);
+        }
+        self.names += 1;
+        match self.choose(2) {
+            0 => format!("N{}", self.names),
+            _ => format!("T[{}, {}]", self.names, self.names + 1),
+        }
+    }
+
+    fn phase(&mut self, number: usize) {
+        let _ = writeln!(self.text, "    phase p{number} {{");
+        let mut stage = Stage {
+            start: self.blocks.clone(),
+            events: Vec::new(),
+            captured: BTreeSet::new(),
+            released: BTreeSet::new(),
+            busy: BTreeSet::new(),
+            filled: BTreeSet::new(),
+        };
+        for _ in 0..=self.choose(8) {
+            if self.reuse == Reuse::AtOnce && self.choose(3) == 0 && self.move_branch(&mut stage) {
+                continue;
+            }
+            let after = self.after(&stage.events);
+            if self.choose(4) == 0 {
+                let leaves = self.leaves(&stage);
+                if !leaves.is_empty() {
+                    let name = leaves[self.choose(leaves.len())].clone();
+                    self.release(&mut stage, name, &after);
+                    continue;
+                }
+            }
+            let parents: Vec<String> = self.blocks.keys().cloned().collect();
+            let parent = parents[self.choose(parents.len())].clone();
+            if let Some(face) = self.free_face(&stage, &parent) {
+                let name = self.new_name(&stage);
+                self.capture(&mut stage, parent, face, name, &after);
+            }
+        }
+        let gone = stage.released.into_iter();
+        self.spare
+            .extend(gone.filter(|name| !self.blocks.contains_key(name)));
+        self.text.push_str("    }\n");
+    }
+
+    /// The blocks that can be let go: those on which nothing hangs, or no more.
+    fn leaves(&self, stage: &Stage) -> Vec<String> {
+        (self.blocks.iter())
+            .filter(|(name, block)| block.parent.is_some() && !stage.released.contains(*name))
+            .filter(|(name, _)| {
+                let stays = !stage.captured.contains(*name) && !stage.busy.contains(*name);
+                stays || self.reuse == Reuse::AtOnce
+            })
+            .filter(|(name, _)| self.children(name).next().is_none())
+            .map(|(name, _)| name.clone())
+            .collect()
+    }
+
+    fn children<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a String> {
+        let hangs = |block: &Block| block.parent.as_deref() == Some(name);
+        (self.blocks.iter())
+            .filter(move |(_, block)| hangs(block))
+            .map(|(name, _)| name)
+    }
+
+    fn release(&mut self, stage: &mut Stage, name: String, after: &str) {
+        if after.is_empty() && self.reuse == Reuse::AtOnce && self.choose(4) == 0 {
+            let _ = writeln!(self.text, "        drop({name})");
+        } else {
+            let _ = writeln!(self.text, "        release {name}{after}");
+        }
+        self.blocks.remove(&name);
+        stage.events.push(format!("release {name}"));
+        stage.released.insert(name);
+    }
+
+    /// A face through which a block can capture.
+    fn free_face(&mut self, stage: &Stage, parent: &str) -> Option<Face> {
+        let block = &self.blocks[parent];
+        let faces: Vec<Face> = Face::ALL
+            .into_iter()
+            .filter(|&face| match &block.parent {
+                None => face == Face::Up,
+                Some(_) => face != block.face.opposite(),
+            })
+            .filter(|&face| {
+                let cell = block.cell.across(face).unwrap();
+                // A cell that is emptied in this phase may be filled in this phase, once.
+                let is_full = self.blocks.values().any(|block| block.cell == cell);
+                cell.z >= 1 && !is_full && !stage.filled.contains(&cell)
+            })
+            .collect();
+        let which = (!faces.is_empty()).then(|| self.choose(faces.len()))?;
+        Some(faces[which])
+    }
+
+    fn capture(
+        &mut self,
+        stage: &mut Stage,
+        parent: String,
+        face: Face,
+        name: String,
+        after: &str,
+    ) {
+        if after.is_empty() && self.reuse == Reuse::AtOnce && self.choose(4) == 0 {
+            let _ = writeln!(self.text, "        grow_{face}({parent}, {name})");
+        } else {
+            let _ = writeln!(self.text, "        {parent}.{face} -> {name}{after}");
+        }
+        let cell = self.blocks[&parent].cell.across(face).unwrap();
+        stage.filled.insert(cell);
+        stage.busy.insert(parent.clone());
+        stage.captured.insert(name.clone());
+        stage.events.push(name.clone());
+        let parent = Some(parent);
+        self.blocks.insert(name, Block { cell, parent, face });
+    }
+
+    /// Lets a block go with all that hangs on it, and captures as much of it again, perhaps elsewhere;
+    /// whether there was one.
+    fn move_branch(&mut self, stage: &mut Stage) -> bool {
+        let is_idle = |name: &String| {
+            stage.start.contains_key(name)
+                && !stage.released.contains(name)
+                && !stage.busy.contains(name)
+        };
+        let branches: Vec<Vec<String>> = (self.blocks.iter())
+            .filter(|(_, block)| block.parent.is_some())
+            .map(|(name, _)| self.branch(name))
+            .filter(|branch| branch.iter().all(is_idle))
+            .collect();
+        if branches.is_empty() {
+            return false;
+        }
+        let branch = branches[self.choose(branches.len())].clone();
+        for name in branch.iter().rev() {
+            let after = self.after(&stage.events);
+            self.release(stage, name.clone(), &after);
+        }
+        for name in branch {
+            let parents: Vec<String> = self.blocks.keys().cloned().collect();
+            let before = stage.start[&name].parent.clone();
+            let parent = match before.filter(|parent| self.blocks.contains_key(parent)) {
+                Some(parent) if self.choose(4) > 0 => parent,
+                _ => parents[self.choose(parents.len())].clone(),
+            };
+            if !stage.can_be_taken(&name) || self.choose(8) == 7 {
+                continue;
+            }
+            if let Some(face) = self.free_face(stage, &parent) {
+                let after = self.after(&stage.events);
+                self.capture(stage, parent, face, name, &after);
+            }
+        }
+        true
+    }
+
+    /// A block and all that hangs on it, each behind its parent.
+    fn branch(&self, root: &str) -> Vec<String> {
+        let mut branch = vec![root.to_owned()];
+        let mut next = 0;
+        while next < branch.len() {
+            let children: Vec<String> = self.children(&branch[next]).cloned().collect();
+            branch.extend(children);
+            next += 1;
+        }
+        branch
+    }
+
+    fn after(&mut self, events: &[String]) -> String {
+        if events.is_empty() || self.choose(3) > 0 {
+            return String::new();
+        }
+        let mut list: Vec<String> = (0..=self.choose(2))
+            .map(|_| events[self.choose(events.len())].clone())
+            .collect();
+        list.dedup();
+        format!(" after {}", list.join(", "))
+    }
+}
+
+impl Stage {
+    /// Whether another block can take a name that is free, or becomes free, in this phase.
+    fn can_be_taken(&self, name: &str) -> bool {
+        self.start.contains_key(name) && !self.captured.contains(name) && !self.busy.contains(name)
+    }
+}
+
+/// The program that a list of choices leads to, for blocks that magnetize `faces` faces at a time.
+pub fn declare(choices: Vec<u32>, faces: u8) -> Declared {
+    declare_with(Reuse::Later, choices, faces)
+}
+
+/// The same, with names, cells and faces used again so soon.
+pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
+    let mut generator = Generator {
+        choices: choices.into_iter(),
+        blocks: BTreeMap::new(),
+        names: 0,
+        spare: Vec::new(),
+        reuse,
+        text: format!(
+            "scene many from hemisphere {{ block cube {{ side 20cm mass 1kg faces {faces} }} }}\n"
+        ),
+    };
+    if reuse == Reuse::AtOnce {
+        for face in Face::ALL {
+            let _ = writeln!(
+                generator.text,
+                "pattern grow_{face}(p, x) {{ p.{face} -> x }}"
+            );
+        }
+        generator.text.push_str("pattern drop(x) { release x }\n");
+    }
+    generator
+        .text
+        .push_str("assembly random in many {\n    seed plate 3 x 3 {\n");
+    for (name, x, y) in [("A", 0, 0), ("B", 2, 0), ("C", 1, 1)] {
+        let _ = writeln!(generator.text, "        {name} at ({x}, {y})");
+        let cell = Cell::new(x, y, 0);
+        generator.blocks.insert(
+            name.into(),
+            Block {
+                cell,
+                parent: None,
+                face: Face::Up,
+            },
+        );
+    }
+    generator.text.push_str("    }\n");
+    for number in 0..=generator.choose(4) {
+        generator.phase(number);
+    }
+    generator.text.push_str("}\n");
+    let structure = generator
+        .blocks
+        .into_iter()
+        .map(|(name, block)| (name, block.cell))
+        .collect();
+    Declared {
+        text: generator.text,
+        structure,
+    }
+}
+
+impl Declared {
+    /// Its event tables.
+    ///
+    /// # Panics
+    /// If the compiler finds anything wrong.
+    pub fn tables(&self) -> Tables {
+        // What chance can wall in still keeps to the protocol, in a world that knows no walls.
+        let program = self.program();
+        program.tables.or(program.stuck).unwrap()
+    }
+
+    /// It as the compiler understands it.
+    ///
+    /// # Panics
+    /// If the compiler finds anything wrong.
+    pub fn program(&self) -> Program {
+        let mut reader = |_: &str| Ok(self.text.clone().into_bytes());
+        let mut checked = stochc_compiler::check("random.sa", &mut reader, Default::default());
+        let errors: Vec<_> = (checked.diagnostics.iter())
+            .filter(|diagnostic| diagnostic.is_error() && diagnostic.code != Code::SealedCavity)
+            .collect();
+        assert!(errors.is_empty(), "{}\n{errors:#?}", self.text);
+        checked.programs.remove(0)
+    }
+}

@@ -1,0 +1,256 @@
+//! Which faults the protocol survives, and what becomes of it under the others.
+use std::cell::Cell;
+use std::collections::BTreeSet;
+
+use proptest::prelude::*;
+use stochc_ir::table::Tables;
+use stochc_protocol::explore::{
+    Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults, ProgramGoals,
+    Property, Violation,
+};
+use stochc_runtime::counter_rng::schedules;
+
+use crate::programs::{BUSY, explore_as, fixed_cases, tables, tables_of};
+use crate::random::declare;
+
+const NONE: Faults = Faults {
+    lost: 0,
+    sent_again: true,
+    dead: 0,
+    strays: 0,
+    stuck: false,
+    mistaken: 0,
+};
+
+fn programs() -> Vec<Tables> {
+    let mut programs = tables_of("examples/five_tower_reconfigured.sa");
+    programs.extend(tables_of("tests/fixtures/tower.sa"));
+    programs.extend(tables_of("tests/fixtures/handed_over.sa"));
+    programs.push(tables(BUSY));
+    programs
+}
+
+/// Programs for which all orders are not too many.
+fn small() -> Vec<Tables> {
+    let mut programs = tables_of("examples/five_tower_reconfigured.sa");
+    programs.extend(tables_of("tests/fixtures/tower.sa"));
+    programs
+}
+
+fn with(tables: &Tables, faults: Faults) -> ExplorationReport {
+    explore_as(tables, |all| all.faults = faults)
+}
+
+/// Explores, and takes a hang for an end like any other.
+fn with_hangs(tables: &Tables, faults: Faults) -> ExplorationReport {
+    explore_as(tables, |all| {
+        all.faults = faults;
+        all.hangs_allowed = true;
+    })
+}
+
+#[test]
+fn lost_messages_are_survived() {
+    for tables in programs() {
+        for lost in [1, 2] {
+            let report = with(&tables, Faults { lost, ..NONE });
+            assert_eq!(
+                report.verdict,
+                ExplorationVerdict::Holds,
+                "{}",
+                tables.assembly
+            );
+        }
+    }
+}
+
+#[test]
+fn where_nothing_is_sent_again_a_lost_message_is_a_hang_and_nothing_worse() {
+    let faults = Faults {
+        lost: 1,
+        sent_again: false,
+        ..NONE
+    };
+    for tables in programs() {
+        let report = with(&tables, faults);
+        let violation = report.violation().expect("a loss that matters");
+        assert_eq!(violation.property, Property::NoHang);
+        assert!(violation.trace.iter().any(|line| line.contains(" is lost")));
+    }
+    let report = with_hangs(&tables(BUSY), faults);
+    assert_eq!(report.verdict, ExplorationVerdict::Holds);
+    assert!(report.hangs > 0);
+}
+
+#[test]
+fn a_dead_block_is_a_hang_and_nothing_worse() {
+    let dead = Faults { dead: 1, ..NONE };
+    // Where blocks die all orders are tried: too many for the others, which are tried by chance.
+    for tables in small() {
+        let report = with_hangs(&tables, dead);
+        assert_eq!(
+            report.verdict,
+            ExplorationVerdict::Holds,
+            "{}",
+            tables.assembly
+        );
+        assert!(report.hangs > 0);
+        let report = with(&tables, dead);
+        let violation = report.violation().expect("a death that matters");
+        assert_eq!(violation.property, Property::NoHang);
+        assert!(violation.trace.iter().any(|line| line.ends_with(" dies")));
+    }
+    for tables in programs() {
+        let expected = ProgramGoals::new(&tables);
+        let mut exploration =
+            Exploration::new(&tables, &expected, ExplorationBounds::default(), dead);
+        exploration.hangs_allowed = true;
+        let report = exploration.sample(500, &mut schedules(1));
+        assert_eq!(
+            report.verdict,
+            ExplorationVerdict::Sampled,
+            "{}",
+            tables.assembly
+        );
+        assert!(report.hangs > 0);
+    }
+    let two = Faults { dead: 2, ..NONE };
+    let report = with_hangs(&tables_of("tests/fixtures/tower.sa")[0], two);
+    assert_eq!(report.verdict, ExplorationVerdict::Holds);
+}
+
+#[test]
+fn a_block_that_dies_when_its_work_is_done_is_survived() {
+    let tables =
+        tables("assembly one { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }");
+    let dead = Faults { dead: 1, ..NONE };
+    let report = with_hangs(&tables, dead);
+    // A reports in the moment of its capture; from then on it may die.
+    assert_eq!(
+        (report.verdict, report.hangs),
+        (ExplorationVerdict::Holds, 0)
+    );
+}
+
+#[test]
+fn a_stray_that_can_be_shaken_off_is_survived() {
+    let stray = Faults { strays: 1, ..NONE };
+    // As long as the stray is still to come all orders are tried: too many for the others.
+    for tables in small() {
+        let report = with(&tables, stray);
+        assert_eq!(
+            report.verdict,
+            ExplorationVerdict::Holds,
+            "{}",
+            tables.assembly
+        );
+        assert!(report.choices > 10);
+    }
+}
+
+#[test]
+fn a_stray_that_sticks_stands_in_the_way_or_stays() {
+    let stuck = Faults {
+        strays: 1,
+        stuck: true,
+        ..NONE
+    };
+    // The eastern face of A is off until B has docked.
+    let corner = tables(
+        "assembly corner {
+            seed plate 1 x 1 { M at (0, 0) }
+            phase only { M.up -> A.up -> B  A.east -> C }
+        }",
+    );
+    let (expected, bounds) = (ProgramGoals::new(&corner), ExplorationBounds::default());
+    let exploration = Exploration::new(&corner, &expected, bounds, stuck);
+    let violations: Vec<Violation> = (0..200)
+        .filter_map(|seed| {
+            exploration
+                .sample(1, &mut schedules(seed))
+                .violation()
+                .cloned()
+        })
+        .collect();
+    let found: BTreeSet<Property> = violations.iter().map(|found| found.property).collect();
+    assert_eq!(
+        found,
+        BTreeSet::from([Property::NoHang, Property::Structure])
+    );
+    for violation in violations {
+        let what = match violation.property {
+            Property::NoHang => "which is occupied",
+            _ => "with a block without a name",
+        };
+        assert!(violation.what.contains(what), "{violation}");
+    }
+}
+
+#[test]
+fn a_block_that_is_mistaken_about_how_it_sits_builds_something_else() {
+    let mistaken = Faults {
+        mistaken: 1,
+        ..NONE
+    };
+    let tower = &tables_of("tests/fixtures/tower.sa")[0];
+    let violation = with_hangs(tower, mistaken).violation().cloned().unwrap();
+    assert_eq!(violation.property, Property::Structure);
+    insta::assert_snapshot!(violation);
+    // Who captures nothing has no use for it.
+    let one = tables("assembly one { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }");
+    assert_eq!(with(&one, mistaken).verdict, ExplorationVerdict::Holds);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_programs_survive_lost_messages_and_outlast_dead_blocks(
+        choices in prop::collection::vec(any::<u32>(), 0..60),
+        faces in 1u8..=3,
+    ) {
+        let tables = declare(choices, faces).tables();
+        for faults in [Faults { lost: 1, ..NONE }, Faults { dead: 1, ..NONE }] {
+            let report = explore_as(&tables, |all| {
+                all.faults = faults;
+                all.hangs_allowed = faults.dead > 0;
+                all.bounds = ExplorationBounds { states: 5_000, ..ExplorationBounds::default() };
+            });
+            if let Some(violation) = report.violation() {
+                prop_assert!(false, "{faults:?}\n{violation}");
+            }
+        }
+    }
+}
+
+/// With losses as well, the reduction finds what the full exploration finds.
+#[test]
+fn fewer_orders_find_the_same_with_losses() {
+    let compared = Cell::new(0);
+    let mut runner = fixed_cases(100);
+    let choices = prop::collection::vec(any::<u32>(), 0..24);
+    let done = runner.run(&(choices, any::<bool>()), |(choices, sent_again)| {
+        let tables = declare(choices, 1).tables();
+        let explored = [false, true].map(|reduce| {
+            explore_as(&tables, |all| {
+                all.reduce = reduce;
+                all.hangs_allowed = true;
+                all.bounds.states = 20_000;
+                all.faults = Faults {
+                    lost: 1,
+                    sent_again,
+                    ..NONE
+                };
+            })
+        });
+        let [full, reduced] = &explored;
+        if !matches!(full.verdict, ExplorationVerdict::Unfinished(_)) {
+            prop_assert_eq!(&full.verdict, &reduced.verdict);
+            prop_assert_eq!(full.hangs, reduced.hangs);
+            compared.set(compared.get() + 1);
+        }
+        Ok(())
+    });
+    done.unwrap();
+    assert!(compared.get() > 50, "{}", compared.get());
+}

@@ -1,0 +1,53 @@
+//! What hangs on what is a matter of blocks, not of their names.
+use stochc_compiler::check;
+use stochc_compiler::diagnostic::Code;
+use stochc_protocol::explore::ExplorationVerdict;
+
+use crate::programs::{explore, tables};
+
+fn program(phase: &str) -> String {
+    format!(
+        "assembly holders {{
+            seed plate 3 x 1 {{ M at (0, 0)  N at (2, 0) }}
+            phase grow {{ M.up -> A.up -> B  N.up -> C }}
+            phase change {{ {phase} }}
+        }}"
+    )
+}
+
+#[test]
+fn a_block_is_not_let_go_because_another_one_of_its_name_is() {
+    for phase in [
+        // The first B goes, and the second one hangs on the block that goes as well.
+        "release B  A.east -> B  release A",
+        "release B  N.up -> X.up -> B  release C, X",
+        // The block that takes the place of a released one stays.
+        "release B  A.up -> D  release A",
+    ] {
+        let text = program(phase);
+        let mut reader = |_: &str| Ok(text.clone().into_bytes());
+        let checked = check("holders.sa", &mut reader, Default::default());
+        let errors: Vec<Code> = (checked.diagnostics.iter())
+            .filter(|diagnostic| diagnostic.is_error())
+            .map(|diagnostic| diagnostic.code)
+            .collect();
+        assert_eq!(errors, [Code::Adrift], "{phase}");
+    }
+}
+
+#[test]
+fn a_block_waits_for_all_that_hang_on_it_one_after_the_other() {
+    for phase in [
+        "release B  A.up -> D  release D, A",
+        "release B, A  M.up -> A after release B",
+        "release C  N.up -> X.up -> C after release C  C.up -> D",
+        "release B, A  M.up -> B after release B  B.up -> A after release A",
+    ] {
+        let tables = tables(&program(phase));
+        assert_eq!(
+            explore(&tables).verdict,
+            ExplorationVerdict::Holds,
+            "{phase}"
+        );
+    }
+}

@@ -1,0 +1,65 @@
+//! Hardware whose faces always attract, and blocks that are attached by hand.
+use stochc_ir::scene::BondKind;
+use stochc_protocol::explore::{ExplorationVerdict, Faults, Property};
+
+use crate::programs::{BUSY, explore, explore_as, tables, tables_of};
+
+/// Programs with releases, names that are given again, and messages.
+fn passive() -> Vec<stochc_ir::table::Tables> {
+    let mut all = vec![tables(BUSY)];
+    for path in [
+        "examples/five_tower.sa",
+        "examples/five_tower_reconfigured.sa",
+        "tests/fixtures/handed_over.sa",
+    ] {
+        all.extend(tables_of(path));
+    }
+    for tables in &mut all {
+        tables.bond = BondKind::Reject;
+    }
+    all
+}
+
+#[test]
+fn an_unplanned_bond_changes_nothing_at_any_moment() {
+    for tables in passive() {
+        assert_eq!(
+            explore(&tables).verdict,
+            ExplorationVerdict::Holds,
+            "{}",
+            tables.assembly
+        );
+    }
+}
+
+#[test]
+fn one_that_cannot_be_undone_is_found() {
+    for tables in passive() {
+        let report = explore_as(&tables, |all| {
+            all.faults = Faults {
+                stuck: true,
+                ..Faults::default()
+            }
+        });
+        let violation = report.violation().expect("a block sticks where it docks");
+        assert_eq!(violation.property, Property::Unplanned, "{violation}");
+        assert!(
+            violation.what.starts_with("an unplanned bond on "),
+            "{violation}"
+        );
+    }
+}
+
+#[test]
+fn what_is_attached_by_hand_is_there_before_anything_happens() {
+    for tables in tables_of("tests/fixtures/attached.sa") {
+        assert!(tables.phases[0].planted);
+        assert_eq!(explore(&tables).verdict, ExplorationVerdict::Holds);
+        // The first thing that can happen is the first capture of the first ordinary phase.
+        let mut early = tables.clone();
+        early.phases[1].reports = 0;
+        let violation = explore(&early).violation().cloned().expect("ends early");
+        assert_eq!(violation.phase.0, 1);
+        assert_eq!(violation.trace[0], "A.east captures B", "{violation}");
+    }
+}

@@ -1,0 +1,136 @@
+//! The inputs that fuzzing has kept are answered like any other.
+
+use std::path::PathBuf;
+
+#[path = "../../fuzz/src/lib.rs"]
+mod files;
+
+/// The files of a folder of the corpus.
+fn kept(folder: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(format!("fuzz/corpus/{folder}")).unwrap();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+/// Reads a file, and panics where something is wrong with what comes of it.
+type Reader = fn(&[u8]);
+
+/// What reads the files of each folder.
+const READERS: [(&str, Reader); 8] = [
+    ("check", files::check::read),
+    ("checkpoint", files::checkpoint::read),
+    ("executable", files::executable::read),
+    ("journal", files::journal::read),
+    ("manifest", |bytes| {
+        files::manifest::read(&String::from_utf8_lossy(bytes));
+    }),
+    ("parse", |bytes| {
+        files::parse::read(&String::from_utf8_lossy(bytes));
+    }),
+    ("recording", files::recording::read),
+    ("voxels", files::voxels::read),
+];
+
+/// Whether a folder holds programs, which take long.
+fn is_of_programs(folder: &str) -> bool {
+    ["check", "parse"].contains(&folder)
+}
+
+#[test]
+fn every_kept_file_is_read_or_refused() {
+    for (folder, read) in READERS {
+        let paths = kept(folder);
+        assert!(!paths.is_empty(), "{folder}");
+        for path in paths {
+            read(&std::fs::read(path).unwrap());
+        }
+    }
+}
+
+/// Numbers that are always the same (Knuth's linear congruential generator).
+struct Numbers(u64);
+
+impl Numbers {
+    /// One of so many numbers from 0.
+    fn below(&mut self, end: usize) -> usize {
+        let (a, c) = (6_364_136_223_846_793_005, 1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(a).wrapping_add(c);
+        ((self.0 >> 33) % end.max(1) as u64) as usize
+    }
+}
+
+/// A file with a few changes: a bit, a byte, a stretch that is taken out, moved, doubled, or another number.
+fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
+    const EXTREME: [&str; 6] = [
+        "0",
+        "-1",
+        "1e308",
+        "18446744073709551615",
+        "4294967295",
+        "null",
+    ];
+    let mut bytes = bytes.to_vec();
+    for _ in 0..1 + numbers.below(3) {
+        let at = numbers.below(bytes.len());
+        let end = (at + 1 + numbers.below(40)).min(bytes.len());
+        let stretch = bytes.get(at..end).unwrap_or_default().to_vec();
+        match numbers.below(6) {
+            0 => bytes
+                .iter_mut()
+                .skip(at)
+                .take(1)
+                .for_each(|byte| *byte ^= 1 << numbers.below(8)),
+            1 => bytes
+                .iter_mut()
+                .skip(at)
+                .take(1)
+                .for_each(|byte| *byte = numbers.below(256) as u8),
+            2 => drop(bytes.drain(at..end)),
+            3 => drop(bytes.splice(at..at, stretch)),
+            4 => {
+                let to = numbers.below(bytes.len());
+                drop(bytes.splice(to..to, stretch));
+            }
+            _ => {
+                let is_digit = |byte: &u8| byte.is_ascii_digit();
+                let start = bytes
+                    .iter()
+                    .skip(at)
+                    .position(is_digit)
+                    .map_or(at, |it| at + it);
+                let digits = bytes[start..]
+                    .iter()
+                    .take_while(|byte| is_digit(byte))
+                    .count();
+                let number = EXTREME[numbers.below(EXTREME.len())];
+                drop(bytes.splice(start..start + digits, number.bytes()));
+            }
+        }
+    }
+    bytes
+}
+
+/// `STOCHC_CHANGES` says how many of each kind; docs/limits.md tells of a longer run.
+#[test]
+fn changed_files_are_read_or_refused() {
+    let changes = std::env::var("STOCHC_CHANGES");
+    let changes: u64 = changes.map_or(2_000, |text| text.parse().unwrap());
+    for (folder, read) in READERS {
+        let kept: Vec<Vec<u8>> = (kept(folder).iter())
+            .map(|path| std::fs::read(path).unwrap())
+            .collect();
+        let changes = if is_of_programs(folder) {
+            changes / 10
+        } else {
+            changes
+        };
+        for seed in 0..changes {
+            let mut numbers = Numbers(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+            numbers.below(1);
+            let bytes = changed(&kept[numbers.below(kept.len())], &mut numbers);
+            let outcome = std::panic::catch_unwind(|| read(&bytes));
+            assert!(outcome.is_ok(), "{folder}, change {seed}");
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! docs/diagnostics.md: every finding, with a program that has it and the message as it is drawn.
+use std::fmt::Write as _;
+
+use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer, Severity};
+use stochc::compiler::{Checked, FileId, Limits, Reader, Sources, Span, check};
+use stochc::ir::table::{Action, Tables};
+use stochc_grammar::{SyntaxError, SyntaxErrorKind};
+
+const PAGE: &str = "docs/diagnostics.md";
+
+const HEAD: &str = "\
+# Every finding
+
+Every error and warning of `stochc`, each with a program that causes it and the message. `stochc explain CODE`
+explains one in more detail, and shows a program without it. A program with errors cannot be run; warnings can
+be [allowed or denied](language.md#warnings).
+
+If a message says that `stochc check --fix` can change something, the change is safe: it was tried in memory, and the
+program checked again. What it fixes is gone, and nothing new is found that could have been found before. A suggestion
+that begins with *perhaps* has not passed that trial, or is not the only possible meaning; it is for you to decide. A
+program of more than two million bytes and events is not checked again, so all its fixes are suggestions.
+
+`cargo test --workspace --test compiler fixes` deletes, doubles, swaps or misspells a token of the examples, of the
+programs of this project's tests and of random ones, 20,000 times: `--fix` never adds an error, and a second `--fix`
+finds nothing left to do.
+
+*This page is written by a test, from the pages of `explain` and from what the compiler answers.*
+";
+
+/// A program that has a finding.
+struct Sample {
+    /// Its files, the first of which is checked.
+    files: Vec<(&'static str, Vec<u8>)>,
+    /// What is shown of it, if that is not all of it.
+    shown: Option<&'static str>,
+    /// Those that it is checked with.
+    limits: Limits,
+    /// Whether its tables are spoilt before they are tried out.
+    spoilt: bool,
+}
+
+/// The folder `/home/you/towers`, in which the files of a sample lie.
+struct SampleFolder<'a>(&'a [(&'static str, Vec<u8>)]);
+
+impl Reader for SampleFolder<'_> {
+    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+        let file = self.0.iter().find(|(name, _)| *name == path);
+        file.map(|(_, text)| text.clone())
+            .ok_or("No such file or directory (os error 2)".to_owned())
+    }
+
+    fn outside(&mut self, path: &str) -> Option<String> {
+        path.starts_with('/').then(|| "/home/you/towers".to_owned())
+    }
+}
+
+impl Sample {
+    fn from_text(text: impl Into<Vec<u8>>) -> Sample {
+        Sample {
+            files: vec![("tower.sa", text.into())],
+            shown: None,
+            limits: Limits::default(),
+            spoilt: false,
+        }
+    }
+
+    fn shown(mut self, text: &'static str) -> Sample {
+        self.shown = Some(text);
+        self
+    }
+
+    fn check(&self) -> Checked {
+        let mut folder = SampleFolder(&self.files);
+        let mut checked = check(self.files[0].0, &mut folder, self.limits);
+        if self.spoilt {
+            for program in &mut checked.programs {
+                program.tables = program.tables.as_ref().map(without_news);
+            }
+            stochc::model_check::try_out(&mut checked);
+        }
+        checked
+    }
+
+    fn text(&self) -> String {
+        if let Some(shown) = self.shown {
+            return shown.to_owned();
+        }
+        let parts = self.files.iter().map(|(name, text)| {
+            let text = String::from_utf8(text.clone()).unwrap();
+            match self.files.len() {
+                1 => text,
+                _ => format!("// {name}\n{text}"),
+            }
+        });
+        parts.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// A hall for which the default limits are too small would fill the page.
+const TUNNEL: &str = "\
+// shown for a search of no cells at all: two million are allowed
+assembly tunnel {
+    seed plate 3 x 3 {
+        for y in 0..2 {
+            W[y] at (0, y)
+            E[y] at (2, y)
+        }
+        M at (1, 1)
+    }
+    phase shell {
+        for y in 0..2 {
+            W[y].up -> A[y].up -> B[y].east -> R[y]
+            E[y].up -> F[y]
+        }
+    }
+    phase core { M.up -> CORE }
+}
+";
+
+/// The same tables, but that nobody tells anybody anything: a mistake.
+fn without_news(tables: &Tables) -> Tables {
+    let duties = tables.duties().map(|duty| {
+        let rules = duty.rules().map(|rule| (rule.when.to_vec(), rule.then));
+        let rules = rules.filter(|(_, then)| !matches!(then, Action::Tell { .. }));
+        (duty.role, duty.phase, duty.trigger, rules.collect())
+    });
+    Tables::assemble(
+        tables.assembly.clone(),
+        tables.faces,
+        tables.plate.clone(),
+        tables.phases.clone(),
+        tables.roles.clone(),
+        duties.collect(),
+    )
+}
+
+/// The program that shows a code; `None`: no program can.
+fn sample(code: Code) -> Option<Sample> {
+    if let Some((_, rest)) = code.page().split_once("\nWrong:\n\n```sa\n") {
+        return Some(Sample::from_text(
+            rest.split("```").next().unwrap_or_default(),
+        ));
+    }
+    Some(match code {
+        Code::FileTooLarge => return None,
+        Code::NotUtf8 => Sample::from_text(b"let width = 3 // caf\xe9\n").shown(
+            "let width = 3 // caf\u{fffd}     the last byte is E9: the text is in Latin-1\n",
+        ),
+        Code::TooDeep => {
+            let depth = 101;
+            Sample::from_text(format!(
+                "let n = {}1{}\n",
+                "(".repeat(depth),
+                ")".repeat(depth)
+            ))
+        }
+        Code::StatementTooLong => {
+            let mut text = "assembly tower {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow {\n        M".to_owned();
+            let mut number = 0;
+            while text.len() < 9 << 20 {
+                number += 1;
+                write!(text, ".up -> T{number}").unwrap();
+            }
+            text.push_str("\n    }\n}\n");
+            Sample::from_text(text).shown(
+                "assembly tower {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow {\n        \
+                 M.up -> T1.up -> T2.up -> T3     and so on, for nine million bytes\n    }\n}\n",
+            )
+        }
+        Code::TooManyErrors => {
+            Sample::from_text("?\n".repeat(101)).shown("?\n?\n?     and so on, 101 lines\n")
+        }
+        Code::TooManyWarnings => {
+            let text = |seeds: &str| {
+                format!(
+                    "assembly tower {{\n    seed plate 1001 x 2 {{\n        M at (0, 0)\n        {seeds}\n    }}\n    \
+                     phase grow {{ M.up -> A }}\n}}\n"
+                )
+            };
+            let seeds: Vec<String> = (0..1001).map(|i| format!("N{i} at ({i}, 1)")).collect();
+            Sample::from_text(text(&seeds.join(" "))).shown(
+                "assembly tower {\n    seed plate 1001 x 2 {\n        M at (0, 0)\n        \
+                 N0 at (0, 1) N1 at (1, 1)     and so on, 1001 seeds\n    }\n    \
+                 phase grow { M.up -> A }\n}\n",
+            )
+        }
+        Code::ReachUndecided => {
+            let mut sample = Sample::from_text(TUNNEL);
+            sample.limits.search = 0;
+            sample
+        }
+        Code::InternalError => {
+            let mut sample = Sample::from_text(
+                "// shown for tables from which all news has been taken out\n\
+                 assembly relay {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    \
+                 phase grow {\n        M.up -> A\n        N.up -> B after A\n    }\n}\n",
+            );
+            sample.spoilt = true;
+            sample
+        }
+        Code::ImportOutside => Sample::from_text("import \"/etc/passwd\"\n"),
+        Code::ImportMissing => Sample::from_text("import \"towers.sa\"\n"),
+        Code::ImportCycle => Sample {
+            files: vec![
+                ("plates.sa", b"import \"towers.sa\"\n".to_vec()),
+                ("towers.sa", b"import \"plates.sa\"\n".to_vec()),
+            ],
+            shown: None,
+            limits: Limits::default(),
+            spoilt: false,
+        },
+        other => panic!("`{other}` has no wrong program on its page, and none here"),
+    })
+}
+
+/// The messages on a code, as drawn.
+fn messages(code: Code, diagnostics: &[Diagnostic], sources: &Sources) -> String {
+    let renderer = Renderer::new(false, 80);
+    let ours = diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.code == code);
+    let drawn: Vec<String> = ours
+        .map(|diagnostic| renderer.render(diagnostic, sources))
+        .collect();
+    let lines = drawn.iter().flat_map(|text| text.trim_end().lines());
+    lines.map(|line| format!("{}\n", line.trim_end())).collect()
+}
+
+fn gallery() -> String {
+    let mut page = HEAD.to_owned();
+    for severity in [Severity::Error, Severity::Warning] {
+        let codes = || Code::ALL.iter().filter(|code| code.severity() == severity);
+        let links: Vec<String> = codes().map(|code| format!("[{code}](#{code})")).collect();
+        let title = match severity {
+            Severity::Error => "Errors",
+            Severity::Warning => "Warnings",
+        };
+        write!(page, "\n## {title}\n\n{}\n", links.join(" · ")).unwrap();
+        for &code in codes() {
+            page.push_str(&entry(code));
+        }
+    }
+    page
+}
+
+fn entry(code: Code) -> String {
+    let title = code.page().lines().next().unwrap_or_default();
+    let (_, meaning) = title.split_once(": ").unwrap();
+    let mut text = format!("\n### {code}\n\n*{meaning}*\n");
+    let messages = match sample(code) {
+        Some(sample) => {
+            write!(text, "\n```sa\n{}```\n", sample.text()).unwrap();
+            let checked = sample.check();
+            messages(code, &checked.diagnostics, &checked.sources)
+        }
+        None => {
+            let error = SyntaxError {
+                kind: SyntaxErrorKind::FileTooLarge,
+                span: Span::default(),
+            };
+            let diagnostic = Diagnostic::from_syntax(FileId(0), &error, "");
+            messages(code, &[diagnostic], &Sources::default())
+        }
+    };
+    assert!(
+        !messages.is_empty(),
+        "the program of `{code}` does not have it"
+    );
+    write!(text, "\n```text\n{messages}```\n").unwrap();
+    text
+}
+
+#[test]
+fn every_finding_is_in_the_gallery_as_it_is_told() {
+    let page = gallery();
+    for &code in Code::ALL {
+        assert!(page.contains(&format!("\n### {code}\n")), "{code}");
+    }
+    crate::pages::assert_page(PAGE, &page);
+}

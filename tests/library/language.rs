@@ -1,0 +1,134 @@
+//! The language reference: its examples are right programs, and its table of scenes is that of the schema.
+use stochc::compiler::scene::BUILT_IN;
+use stochc::compiler::{Checked, Limits, check};
+use stochc::diagnostics::{Format, show};
+use stochc::ir::scene::scalars;
+use stochc::ir::scene::schema::CLAUSES;
+
+const REFERENCE: &str = include_str!("../../docs/language.md");
+const MODEL: &str = include_str!("../../docs/model.md");
+const README: &str = include_str!("../../README.md");
+
+#[test]
+fn every_example_of_the_reference_is_right() {
+    let programs = programs(REFERENCE);
+    assert!(programs.len() >= 15, "{} examples", programs.len());
+    for (line, program) in programs {
+        no_diagnostics(&format!("docs/language.md:{line}"), program);
+    }
+}
+
+#[test]
+fn every_example_of_the_readme_is_right() {
+    for (line, program) in programs(README) {
+        no_diagnostics(&format!("README.md:{line}"), program);
+    }
+}
+
+#[test]
+fn the_reference_shows_the_built_in_scenes_as_they_are() {
+    for (name, text) in BUILT_IN {
+        let scene = text.find("scene ").map(|at| text[at..].trim_end());
+        assert!(
+            scene.is_some_and(|scene| REFERENCE.contains(scene)),
+            "docs/language.md shows another scene `{name}`"
+        );
+    }
+}
+
+/// `STOCHC_WRITE_DOCS=1` lets it write the table instead of comparing it.
+#[test]
+fn the_table_of_scenes_is_that_of_the_schema() {
+    let mut table =
+        "| clause and fields | value and meaning | absent |\n|---|---|---|\n".to_owned();
+    for clause in &CLAUSES {
+        clause.rows(0, &mut table);
+    }
+    crate::pages::assert_table("docs/language.md", &table);
+}
+
+/// Likewise.
+#[test]
+fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
+    let mut table = "| name | short | values | what it is |\n|---|---|---|---|\n".to_owned();
+    for number in scalars::all() {
+        let (name, short) = number.names.split_first().expect("each has a name");
+        let short: Vec<_> = short.iter().map(|short| format!("`{short}`")).collect();
+        let short = short.join(", ");
+        let range = number.range.rule();
+        table += &format!("| `{name}` | {short} | {range} | {} |\n", number.meaning);
+    }
+    crate::pages::assert_table("docs/sweep.md", &table);
+}
+
+/// A clause of the schema that no row of the model has would be physics without an equation.
+#[test]
+fn the_model_has_an_equation_for_every_number_of_a_scene() {
+    let table = MODEL.split_once("| clause | equation").expect("the table");
+    let table = table.1.split_once("\n\n").expect("its end").0;
+    let clauses: Vec<Vec<&str>> = (table.lines())
+        .filter_map(|line| line.split(" | ").next())
+        .map(|clause| {
+            clause
+                .split(|sign: char| !sign.is_alphanumeric() && sign != '_')
+                .collect()
+        })
+        .collect();
+    // The clock; a limit of the hardware; only told of; the other end of a range.
+    let others = ["tick", "block.faces", "flow.force", "agitation.speed.low"];
+    let missing: Vec<_> = scalars::all()
+        .map(|number| number.names[0])
+        .filter(|name| {
+            // A clause of a bond may have a row of its own.
+            let words = name.split_once('.').map_or(*name, |(_, rest)| rest);
+            let has_all = |clause: &Vec<&str>| words.split('.').all(|word| clause.contains(&word));
+            !clauses.iter().any(has_all)
+        })
+        .collect();
+    assert_eq!(missing, others, "numbers without a row in docs/model.md");
+}
+
+#[test]
+fn what_cannot_be_checked_alone_is_rare() {
+    let excerpts = REFERENCE.matches("```sa,fragment").count();
+    assert!(excerpts <= 1, "{excerpts} excerpts that no test checks");
+}
+
+#[test]
+fn every_example_is_laid_out() {
+    for (page, text) in [("docs/language.md", REFERENCE), ("README.md", README)] {
+        let fragments = programs_behind("\n```sa,fragment\n", text);
+        for (line, program) in programs(text).into_iter().chain(fragments) {
+            let laid_out = stochc_grammar::format(program);
+            assert_eq!(laid_out.as_deref(), Ok(program), "{page}:{line}");
+        }
+    }
+}
+
+/// The programs between "```sa" and "```", with the line on which each begins.
+fn programs(page: &str) -> Vec<(usize, &str)> {
+    programs_behind("\n```sa\n", page)
+}
+
+fn programs_behind<'a>(fence: &str, page: &'a str) -> Vec<(usize, &'a str)> {
+    let fences = page.match_indices(fence);
+    fences
+        .filter_map(|(at, _)| {
+            let start = at + fence.len();
+            let (program, _) = page[start..].split_once("```")?;
+            Some((page[..start].lines().count() + 1, program))
+        })
+        .collect()
+}
+
+/// Warnings count as well: an example is a model.
+fn no_diagnostics(name: &str, program: &str) {
+    let mut reader = |_: &str| Ok(program.as_bytes().to_vec());
+    let checked: Checked = check(name, &mut reader, Limits::default());
+    let diagnostics = show(&checked, Format::Short, false, 100);
+    let diagnostics: Vec<&str> = (diagnostics.lines())
+        .filter(|line| !line.contains("warning[tight-approach]"))
+        .filter(|line| !line.contains("warning[crowded-captures]"))
+        .collect();
+    assert!(diagnostics.is_empty(), "{diagnostics:#?}");
+}

@@ -1,0 +1,25 @@
+//! The library as a whole: what needs several crates and no command.
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+mod ensemble;
+mod estimate;
+mod executable;
+mod findings;
+mod fuzz_corpus;
+mod gallery;
+mod language;
+#[path = "../report/layout.rs"]
+#[allow(dead_code, reason = "shared with the tests of reports")]
+mod layout;
+mod mistakes;
+#[path = "../../crates/protocol/tests/exploration/mutations.rs"]
+mod mutations;
+#[path = "../pages/mod.rs"]
+mod pages;
+mod planner;
+#[path = "../../compiler/tests/compiler/random.rs"]
+mod random;
+mod random_programs;
+mod sarif;
+mod stages;
+mod trade;
+mod vocabulary;

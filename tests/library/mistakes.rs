@@ -1,0 +1,36 @@
+//! Mistakes in the tables are reported before anybody gets them.
+use stochc::compiler::diagnostic::Code;
+use stochc_protocol::explore::Property;
+
+use crate::mutations::{explore_twice, mutants};
+
+/// What is forgotten altogether is not seen in the tables themselves: they are held against the graph.
+#[test]
+fn no_mistake_of_the_compiler_reaches_a_user() {
+    let mut checked = stochc::check("examples/five_tower_reconfigured.sa");
+    assert!(!checked.has_errors());
+    let right = checked.programs[0].tables.clone().unwrap();
+    let mut count = 0;
+    for (mistake, mutant) in mutants(&right) {
+        let [report, _] = explore_twice(&mutant, &right);
+        let Some(found) = report.violation() else {
+            continue;
+        };
+        // Who reports is read off the tables, and the phase may end as it should all the same.
+        if found.property == Property::ReportsOnce {
+            continue;
+        }
+        checked.diagnostics.clear();
+        checked.programs[0].tables = Some(mutant);
+        stochc::model_check::try_out(&mut checked);
+        let [diagnostic] = &checked.diagnostics[..] else {
+            panic!("{mistake}: {:?}", checked.diagnostics);
+        };
+        assert_eq!(diagnostic.code, Code::InternalError, "{mistake}");
+        assert!(checked.programs[0].tables.is_none(), "{mistake}");
+        let steps = diagnostic.help.as_ref().unwrap().lines().count() - 1;
+        assert!(steps <= found.trace.len(), "{mistake}: {diagnostic:#?}");
+        count += 1;
+    }
+    assert!(count > 40, "{count}");
+}

@@ -1,0 +1,208 @@
+//! Trades from runs that were made up: numbers, order, text and picture.
+use stochc::ensemble::trade::{Convergence, Trade};
+use stochc::ensemble::{ChosenSetting, EnsembleProgram, Finished, Manifest, Records};
+use stochc::ir::record::{Limit, Outcome, RunRecord};
+use stochc::ir::table::PhaseId;
+use stochc::report::figures;
+use stochc::report::tables::trade_to_text;
+use stochc::runtime::Settings;
+
+/// Ticks after which runs are stopped, which takes longer than any.
+const LIMIT: u64 = 10_000;
+
+/// Settings, the mean time of each program, and the CPU time of a run.
+const SETTINGS: [(&str, [u64; 2], f64); 7] = [
+    ("substeps=1", [1040, 2080], 1.0),
+    // As a share, the first program's interval is the wider one.
+    ("substeps=2", [1000, 2001], 2.0),
+    ("substeps=4", [1001, 2000], 4.0),
+    ("substeps=8", [1000, 2000], 8.0),
+    ("substeps=1 reduce=no-rotation", [2000, 1000], 0.5),
+    ("substeps=1 reduce=spheres", [3000, 3001], 0.8),
+    ("model=rate", [1100, 2200], 0.001),
+];
+
+/// Makes up a run around a mean. Runs of one number have little in common.
+fn finished(program: usize, number: u64, mean: u64, cpu: f64, limit: u64) -> Finished {
+    let turn = [1, 2, 4][mean as usize / 1000 - 1];
+    let ticks = mean - 10 + number * turn % 21;
+    let outcome = if ticks <= limit {
+        Outcome::Completed
+    } else {
+        Outcome::TimedOut {
+            phase: PhaseId(0),
+            by: Limit::MaxTicks,
+        }
+    };
+    Finished {
+        program,
+        record: RunRecord::without_bonds(number, outcome, ticks.min(limit)),
+        cpu: Some(cpu),
+    }
+}
+
+fn trade() -> Trade {
+    trade_within([LIMIT; 2])
+}
+
+/// A trade that stops runs of each program after so many ticks.
+fn trade_within(limits: [u64; 2]) -> Trade {
+    let mut reader = |_: &str| {
+        let text = "assembly a { seed plate 3 x 3 { M at (1, 1) }\nphase p { M.up -> A } }";
+        Ok(text.as_bytes().to_vec())
+    };
+    let bounds = stochc_compiler::Limits::default();
+    let program = stochc_compiler::check("x.sa", &mut reader, bounds)
+        .programs
+        .remove(0);
+    let executable = program.into_executable().unwrap();
+    let (mut programs, mut runs) = (Vec::new(), Vec::new());
+    for (place, name) in ["one", "two"].into_iter().enumerate() {
+        let mut program = EnsembleProgram::new(name, Vec::new(), executable.clone());
+        // Programs that are the same have the same runs.
+        program.scene.free.count += place as u32;
+        for (settings, means, cpu) in SETTINGS {
+            let chosen = settings.split(' ').map(|it| it.split_once('=').unwrap());
+            let chosen = chosen.map(|(of, value)| ChosenSetting::new(of, value).unwrap());
+            let run = |number| finished(programs.len(), number, means[place], cpu, limits[place]);
+            runs.extend((0..21).map(run));
+            programs.push(program.at(&chosen.collect::<Vec<_>>()));
+        }
+    }
+    let manifest = Manifest::new(Settings::default(), 1, 21, programs);
+    let trade = Trade::from_runs(&manifest, &Records::from(runs));
+    trade.unwrap().unwrap()
+}
+
+#[test]
+fn every_candidate_is_held_against_the_finest() {
+    let trade = trade();
+    let reference = trade.reference.as_ref().unwrap();
+    assert_eq!(
+        (reference.candidate, reference.convergence),
+        (3, Convergence::Converged)
+    );
+    assert!(reference.bound.unwrap() < 0.005);
+    assert_eq!(trade.candidates[3].worst, None);
+    let worst = trade.candidates[0].worst.unwrap();
+    assert!((worst.value - 0.04).abs() < 1e-12, "{worst:?}");
+    let close = &trade.candidates[1];
+    let [first, second] = [0, 1].map(|program| close.programs[program].bias);
+    assert_eq!(close.worst, second, "the first is not off at all");
+    // But the first has the wider interval.
+    assert_eq!(close.bound, first.and_then(|bias| bias.bound()));
+    assert_eq!(trade.candidates[0].cost_ratio, Some(1.0 / 8.0));
+    assert_eq!(trade.candidates[0].programs[0].distance.unwrap().d, 1.0);
+    let reversed: Vec<bool> = trade
+        .candidates
+        .iter()
+        .map(|candidate| candidate.reversed)
+        .collect();
+    assert_eq!(reversed, [false, false, false, false, true, false, false]);
+    let front: Vec<bool> = trade
+        .candidates
+        .iter()
+        .map(|candidate| candidate.front)
+        .collect();
+    // The reversed one is out of the question.
+    assert_eq!(front, [true, true, false, true, false, false, true]);
+    assert!(
+        trade.candidates[4]
+            .reversals()
+            .all(|pair| (pair.first, pair.second) == (0, 1))
+    );
+}
+
+#[test]
+fn wrong_conclusions_are_told_with_and_without_colour() {
+    let trade = trade();
+    let plain = trade_to_text(&trade, 100, false);
+    assert!(plain.contains("REVERSED: one < two"), "{plain}");
+    assert!(!plain.contains('\u{1b}'));
+    let red = |line: &&str| line.starts_with("\u{1b}[31m");
+    let coloured = trade_to_text(&trade, 100, true);
+    let lines: Vec<&str> = coloured.lines().filter(red).collect();
+    // Once in each of the two blocks of columns of each program, and once in the ranking.
+    assert_eq!(lines.len(), 5, "{coloured}");
+    assert!(lines.iter().all(|line| line.contains("no-rotation")));
+    let advice = &trade.advice;
+    assert!(
+        advice.starts_with(
+            "`--model rigid --substeps 1` is within 4.4 % of the reference, intervals"
+        ),
+        "{advice}"
+    );
+    assert!(
+        advice.contains("`--model rigid --substeps 2` is within"),
+        "{advice}"
+    );
+    assert!(
+        advice.contains("Do not compare programs with `--model rigid --substeps 1 --reduce no-rot")
+    );
+}
+
+#[test]
+fn the_picture_marks_what_is_reversed() {
+    for medium in crate::layout::MEDIA {
+        crate::layout::check("trade", &figures::trade(medium, &trade()).file(), medium);
+    }
+    let picture = figures::trade(figures::Medium::Screen, &trade()).file();
+    let picture = roxmltree::Document::parse(&picture).unwrap();
+    let of = |class: &str| {
+        let nodes = picture.descendants();
+        nodes
+            .filter(|node| node.attribute("class") == Some(class))
+            .count()
+    };
+    // Rigid, Rapier, reduced, by rates, reversed, reference.
+    let marks = ["s0", "s1", "s2", "s3", "hot", "reference"];
+    let counts = marks.map(|class| of(&format!("mark {class}")));
+    assert_eq!(counts, [3, 0, 1, 1, 1, 1]);
+    // A bar for each of them but the reference, which has no bias.
+    assert_eq!(of("s0"), 3);
+}
+
+/// Of runs that the limit of ticks has stopped nobody knows how long they would have taken.
+#[test]
+fn times_that_are_not_known_are_not_called_accurate() {
+    const SHORT: u64 = 1005;
+    let trade = trade_within([SHORT, LIMIT]);
+    let reference = trade.reference.as_ref().unwrap();
+    assert_eq!(reference.convergence, Convergence::Undecided);
+    assert_eq!(reference.doublings[1].censored, [6 + 5, 0]);
+    let close = &trade.candidates[1];
+    assert_eq!((close.bound, close.front), (None, false));
+    let first = &close.programs[0];
+    assert_eq!((first.censored, first.timed_out), (5, 0));
+    assert_eq!(first.bias.unwrap().horizon, Some(SHORT as f64));
+    assert_eq!(close.programs[1].bias.unwrap().horizon, None);
+}
+
+/// That a sample is cut draws a bias towards 0 from either side, so that it bounds nothing.
+#[test]
+fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
+    let trade = trade_within([1005, LIMIT]);
+    let text = trade_to_text(&trade, 200, false);
+    let of = |name: &str| {
+        let is_meant = |line: &&str| line.contains(&format!("  {name} "));
+        text.lines().find(is_meant).unwrap()
+    };
+    let slow = of("rigid 1");
+    assert!(slow.contains("≥ 1005") && !slow.contains("≥ 0"), "{slow}");
+    // Without a stopped run of its own: the reference's are.
+    assert!(of("rate").contains(" * "), "{text}");
+    let text = text.replace("\n  ", " ");
+    assert!(text.contains("Biases with * are no bounds"), "{text}");
+    assert!(
+        text.contains("undecided: the limit of ticks has stopped 11 runs of its last doubling"),
+        "{text}"
+    );
+    assert!(text.contains("a larger `--max-ticks` would tell"), "{text}");
+    assert!(!trade_to_text(&self::trade(), 200, false).contains('*'));
+    let drawn = |trade: &Trade| figures::trade(figures::Medium::Screen, trade).file();
+    assert!(drawn(&trade).contains(">* of times up to a horizon, no bound<"));
+    assert!(!drawn(&self::trade()).contains(">* "));
+    for medium in crate::layout::MEDIA {
+        crate::layout::check("trade", &figures::trade(medium, &trade).file(), medium);
+    }
+}
