@@ -6,11 +6,11 @@ use std::fmt::Write as _;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::{Checked, Program};
-use stochc_ir::graph::{Dependency, EventGraph, EventId};
-use stochc_ir::table::Tables;
-use stochc_protocol::explore::{
+use stochc_control::explore::{
     Exploration, ExplorationBounds, Faults, Meant, ProgramGoals, Violation,
 };
+use stochc_ir::graph::{Dependency, EventGraph, EventId};
+use stochc_ir::table::Tables;
 
 /// Captures and releases of a program that is explored on every check, at most.
 const MAX_EVENTS: usize = 500;

@@ -11,7 +11,7 @@ mod language;
 #[allow(dead_code, reason = "shared with the tests of reports")]
 mod layout;
 mod mistakes;
-#[path = "../../crates/protocol/tests/exploration/mutations.rs"]
+#[path = "../../crates/control/tests/exploration/mutations.rs"]
 mod mutations;
 #[path = "../pages/mod.rs"]
 mod pages;

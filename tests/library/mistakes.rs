@@ -1,6 +1,6 @@
 //! Mistakes in the tables are reported before anybody gets them.
 use stochc::compiler::diagnostic::Code;
-use stochc_protocol::explore::Property;
+use stochc_control::explore::Property;
 
 use crate::mutations::{explore_twice, mutants};
 

@@ -9,7 +9,7 @@ pub fn this_build() -> String {
     let sources = [
         stochc_ir::SOURCES,
         stochc_rates::SOURCES,
-        stochc_protocol::SOURCES,
+        stochc_control::SOURCES,
         stochc_runtime::SOURCES,
     ];
     let mut digest = stochc_ir::sha256(&sources);

@@ -4,7 +4,7 @@
 //! children. This module does not depend on how blocks move and runs in any [`World`].
 //!
 //! [`Structure`] is the state machine, without time and chance. The [`Controller`] drives it by the
-//! clock of a world. [`stochc_protocol::explore`] drives the same machine through every order of
+//! clock of a world. [`stochc_control::explore`] drives the same machine through every order of
 //! events.
 //!
 //! Times are boundaries between steps: tick t is the moment after t steps. A phase whose last
@@ -15,11 +15,11 @@ mod recorder;
 
 use network::Network;
 use recorder::RunRecorder;
+use stochc_control::{BlockFace, Body, Docking, Orientation, Structure, StructureBlock};
 use stochc_ir::Cell;
 use stochc_ir::record::{BondRecord, Outcome, RunRecord, WaitRecord};
 use stochc_ir::scene::Messages;
 use stochc_ir::table::{PhaseId, RoleId, Tables};
-use stochc_protocol::{BlockFace, Body, Docking, Orientation, Structure, StructureBlock};
 
 use crate::observe::{Log, ObservedEvent};
 use crate::world::World;

@@ -7,8 +7,8 @@
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
+use stochc_control::{Body, Channels, Message, Recalled};
 use stochc_ir::scene::Messages;
-use stochc_protocol::{Body, Channels, Message, Recalled};
 
 use crate::counter_rng::{Draws, Stream, unit};
 use crate::observe::{Log, ObservedEvent};

@@ -1,11 +1,11 @@
 //! Recorder of a run: clock, messages, and events with their times.
 use rustc_hash::{FxBuildHasher, FxHashMap};
+use stochc_control::{
+    BlockFace, Body, Docking, Environment, Message, PlannedCapture, Recalled, Reporter,
+};
 use stochc_ir::Face;
 use stochc_ir::record::{BondRecord, Origin, ReleaseRecord, UnplannedRecord};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
-use stochc_protocol::{
-    BlockFace, Body, Docking, Environment, Message, PlannedCapture, Recalled, Reporter,
-};
 
 use super::network::Network;
 use crate::observe::{Log, ObservedEvent};

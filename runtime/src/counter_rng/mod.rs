@@ -8,7 +8,7 @@ mod ahead;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use stochc_protocol::explore::DrawIndex;
+use stochc_control::explore::DrawIndex;
 
 pub use ahead::DrawsAhead;
 
@@ -97,7 +97,7 @@ impl StepDraws<'_> {
     }
 }
 
-/// Returns the draws of [`Exploration::sample`](stochc_protocol::explore::Exploration::sample) with
+/// Returns the draws of [`Exploration::sample`](stochc_control::explore::Exploration::sample) with
 /// this seed.
 pub fn schedules(seed: u64) -> impl FnMut(DrawIndex, u32) -> u32 {
     move |draw, n| {

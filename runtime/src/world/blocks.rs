@@ -1,6 +1,6 @@
 //! Positions and motion of the blocks, as seen by forces, faces and bonds.
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_protocol::Orientation;
+use stochc_control::Orientation;
 
 use super::real::{Real, cast};
 

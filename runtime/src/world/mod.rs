@@ -28,7 +28,7 @@ pub mod view;
 
 pub use blocks::BodyState;
 pub use error::SceneError;
-pub use stochc_protocol::{BlockFace, Body, Docking};
+pub use stochc_control::{BlockFace, Body, Docking};
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ use stochc_ir::state::State;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
-use stochc_protocol::Orientation;
+use stochc_control::Orientation;
 
 use crate::settings::Settings;
 

@@ -1,7 +1,7 @@
 //! Rotations of blocks on the lattice.
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use stochc_control::Orientation;
 use stochc_ir::Face;
-use stochc_protocol::Orientation;
 
 /// Returns the matrix from block to structure axes.
 pub fn matrix(orientation: Orientation) -> Matrix3<f64> {

@@ -5,11 +5,11 @@
 //! Finally, captures and bonds are made. Positions move with the new velocities, so this is the
 //! symplectic Euler method.
 use nalgebra::Vector3;
+use stochc_control::Orientation;
 use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
-use stochc_protocol::Orientation;
 
 use super::blocks::{Blocks, Motion};
 use super::bonding::{Anchored, Faces, ReleasedBlock};

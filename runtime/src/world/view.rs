@@ -1,6 +1,6 @@
 //! Poses of blocks and faces in the structure's frame, for observers.
+use stochc_control::{BlockFace, Body, Orientation};
 use stochc_ir::Face;
-use stochc_protocol::{BlockFace, Body, Orientation};
 
 use super::Arena;
 

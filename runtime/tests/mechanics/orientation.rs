@@ -1,8 +1,8 @@
 //! The 24 rotations are a group, and agree with matrices and quaternions.
 use nalgebra::Vector3;
 use proptest::prelude::*;
+use stochc_control::Orientation;
 use stochc_ir::Face;
-use stochc_protocol::Orientation;
 use stochc_runtime::world::rotation::{matrix, quaternion};
 
 fn orientation() -> impl Strategy<Value = Orientation> {

@@ -2,12 +2,12 @@
 use std::ops::ControlFlow;
 
 use stochc_compiler::{Limits, check};
+use stochc_control::{BlockFace, Docking};
 use stochc_ir::Face;
 use stochc_ir::record::{Origin, Outcome, RunRecord};
 use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
 use stochc_ir::table::Tables;
-use stochc_protocol::{BlockFace, Docking};
 use stochc_rates::{Coverage, FORMAT, HeadStart, Neighbourhood, Parameters, Rates};
 use stochc_runtime::world::rate::RateWorld;
 use stochc_runtime::world::{Fault, World};

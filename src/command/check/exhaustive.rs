@@ -2,11 +2,11 @@
 use std::fmt::Write as _;
 
 use stochc_compiler::Checked;
-use stochc_ir::table::Tables;
-use stochc_ir::visible;
-use stochc_protocol::explore::{
+use stochc_control::explore::{
     ExceededBound, Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults,
 };
+use stochc_ir::table::Tables;
+use stochc_ir::visible;
 use stochc_runtime::counter_rng::schedules;
 
 use super::super::terminal::warn;

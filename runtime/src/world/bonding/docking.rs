@@ -3,8 +3,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use stochc_control::Orientation;
 use stochc_ir::{Cell, Face};
-use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn};
 use super::hydraulic_network::Pressures;

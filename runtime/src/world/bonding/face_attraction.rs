@@ -1,8 +1,8 @@
 //! Effect of a magnetized face on a nearby free block: pull, alignment and the docking window.
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
+use stochc_control::Orientation;
 use stochc_ir::Face;
-use stochc_protocol::Orientation;
 
 use crate::world::parameters::{Attraction, Magnet, Passive, Pull, Suction};
 use crate::world::real::{Real, normal};

@@ -3,8 +3,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use stochc_control::Orientation;
 use stochc_ir::Face;
-use stochc_protocol::Orientation;
 
 use crate::world::real::{Real, normal};
 use crate::world::{BlockFace, Body};

@@ -1,8 +1,8 @@
 //! Attraction between two free blocks whose magnets are always on, and the condition for a bond.
 use nalgebra::{UnitQuaternion, Vector3};
+use stochc_control::Orientation;
 use stochc_ir::Face;
 use stochc_ir::scene::Measure;
-use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Near, VelocityChange, best_turn, corners};
 use super::swept_docking::FaceSweep;

@@ -2,9 +2,9 @@
 //! positions.
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
+use stochc_control::{BlockFace, Body, Docking, Orientation};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
-use stochc_protocol::{BlockFace, Body, Docking, Orientation};
 use stochc_rates::{Neighbourhood, SIGHT};
 
 use super::grid::ChunkedGrid;

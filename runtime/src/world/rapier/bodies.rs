@@ -3,8 +3,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodyType};
 use rapier3d::glamx::Vec3;
 use rapier3d::pipeline::PhysicsWorld;
+use stochc_control::Orientation;
 use stochc_ir::state::State;
-use stochc_protocol::Orientation;
 
 use super::convert::{pose3, unit_quaternion, vec3, vector};
 use crate::world::blocks::{Blocks, Pose};

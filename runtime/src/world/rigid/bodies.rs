@@ -3,7 +3,7 @@ use std::ops::{Add, Sub};
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
-use stochc_protocol::Orientation;
+use stochc_control::Orientation;
 
 use super::motion_groups::{MotionGroup, gather, place, scatter};
 use super::quaternion::{SMALL, columns, large, small, turned};

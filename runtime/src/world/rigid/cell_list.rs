@@ -386,7 +386,7 @@ mod tests {
 
     use super::*;
     use crate::world::BodyState;
-    use stochc_protocol::Orientation;
+    use stochc_control::Orientation;
 
     /// Compares with a test of all pairs, in grids of various sizes, with some blocks outside.
     #[test]

@@ -17,11 +17,11 @@ mod simd;
 mod solver;
 
 use nalgebra::Vector3;
+use stochc_control::Orientation;
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::Plate;
-use stochc_protocol::Orientation;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;

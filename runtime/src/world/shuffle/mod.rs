@@ -8,9 +8,9 @@ mod unplanned_faces;
 use std::collections::BTreeMap;
 
 use smallvec::{SmallVec, smallvec};
+use stochc_control::{BlockFace, Body, Docking, Orientation};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
-use stochc_protocol::{BlockFace, Body, Docking, Orientation};
 
 use super::lattice::{FaceChange, LatticeStructure, NOBODY, bit, site};
 use super::ranked::RankedSet;

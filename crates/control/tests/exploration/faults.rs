@@ -3,11 +3,11 @@ use std::cell::Cell;
 use std::collections::BTreeSet;
 
 use proptest::prelude::*;
-use stochc_ir::table::Tables;
-use stochc_protocol::explore::{
+use stochc_control::explore::{
     Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults, ProgramGoals,
     Property, Violation,
 };
+use stochc_ir::table::Tables;
 use stochc_runtime::counter_rng::schedules;
 
 use crate::programs::{BUSY, explore_as, fixed_cases, tables, tables_of};

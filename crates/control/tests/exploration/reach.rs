@@ -2,8 +2,8 @@
 use std::collections::BTreeSet;
 
 use proptest::prelude::*;
+use stochc_control::explore::{ExplorationVerdict, Property};
 use stochc_ir::{Cell, Face};
-use stochc_protocol::explore::{ExplorationVerdict, Property};
 
 use crate::programs::{explore, explore_as, fixed_cases, tables};
 use crate::random::declare;

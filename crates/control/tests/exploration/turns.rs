@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, check};
-use stochc_protocol::explore::ExplorationVerdict;
+use stochc_control::explore::ExplorationVerdict;
 
 use crate::programs::explore;
 

@@ -1,6 +1,6 @@
 //! Hardware whose faces always attract, and blocks that are attached by hand.
+use stochc_control::explore::{ExplorationVerdict, Faults, Property};
 use stochc_ir::scene::BondKind;
-use stochc_protocol::explore::{ExplorationVerdict, Faults, Property};
 
 use crate::programs::{BUSY, explore, explore_as, tables, tables_of};
 

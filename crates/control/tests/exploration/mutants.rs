@@ -1,7 +1,7 @@
 //! Tables with a mistake are found out.
 use std::collections::BTreeMap;
 
-use stochc_protocol::explore::Property;
+use stochc_control::explore::Property;
 
 use crate::mutations::{assemble, duties, explore_twice, mutants};
 use crate::programs::{BUSY, tables, tables_of};

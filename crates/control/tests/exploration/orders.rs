@@ -2,10 +2,10 @@
 use std::cell::Cell;
 
 use proptest::prelude::*;
-use stochc_ir::table::PhaseId;
-use stochc_protocol::explore::{
+use stochc_control::explore::{
     ExceededBound, Exploration, ExplorationBounds, ExplorationVerdict, Faults, ProgramGoals,
 };
+use stochc_ir::table::PhaseId;
 use stochc_runtime::counter_rng::schedules;
 
 use crate::programs::{BUSY, ROOT, checked, explore, explore_as, fixed_cases, tables, tables_of};
@@ -179,7 +179,7 @@ proptest! {
             .collect();
         prop_assert_eq!(built, declared.structure);
         let bounds = ExplorationBounds { states: 3_000, ..ExplorationBounds::default() };
-        let report = stochc_protocol::explore::explore(&tables, &bounds, &Faults::default());
+        let report = stochc_control::explore::explore(&tables, &bounds, &Faults::default());
         match report.verdict {
             ExplorationVerdict::Holds | ExplorationVerdict::Unfinished(ExceededBound::States) => {}
             verdict => prop_assert!(false, "{}\n{verdict:#?}", declared.text),

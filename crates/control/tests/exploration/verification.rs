@@ -8,12 +8,12 @@ use std::path::PathBuf;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::{Checked, Limits, check};
-use stochc_ir::table::Tables;
-use stochc_ir::{Cell, Face};
-use stochc_protocol::explore::{
+use stochc_control::explore::{
     Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults, ProgramGoals,
     Property,
 };
+use stochc_ir::table::Tables;
+use stochc_ir::{Cell, Face};
 
 const PAGE: &str = "../../docs/verification.md";
 

@@ -1,7 +1,7 @@
 //! What hangs on what is a matter of blocks, not of their names.
 use stochc_compiler::check;
 use stochc_compiler::diagnostic::Code;
-use stochc_protocol::explore::ExplorationVerdict;
+use stochc_control::explore::ExplorationVerdict;
 
 use crate::programs::{explore, tables};
 

@@ -1,10 +1,10 @@
 //! Programs to explore, and ways to explore them.
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use stochc_compiler::{Checked, Limits, check};
-use stochc_ir::table::Tables;
-use stochc_protocol::explore::{
+use stochc_control::explore::{
     Exploration, ExplorationBounds, ExplorationReport, Faults, ProgramGoals,
 };
+use stochc_ir::table::Tables;
 
 /// The root of the project.
 pub const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
@@ -38,7 +38,7 @@ pub fn tables_of(path: &str) -> Vec<Tables> {
 
 /// Explores tables with the default bounds and without faults.
 pub fn explore(tables: &Tables) -> ExplorationReport {
-    stochc_protocol::explore::explore(tables, &ExplorationBounds::default(), &Faults::default())
+    stochc_control::explore::explore(tables, &ExplorationBounds::default(), &Faults::default())
 }
 
 /// Random programs that are the same in every run of the test, for sums over all of them.

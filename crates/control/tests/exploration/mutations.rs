@@ -1,8 +1,8 @@
 //! Tables with one mistake.
-use stochc_ir::table::{Action, LooseDuty, Tables};
-use stochc_protocol::explore::{
+use stochc_control::explore::{
     Exploration, ExplorationBounds, ExplorationReport, Faults, ProgramGoals,
 };
+use stochc_ir::table::{Action, LooseDuty, Tables};
 
 pub fn duties(tables: &Tables) -> Vec<LooseDuty> {
     (tables.duties())
