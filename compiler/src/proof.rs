@@ -1,4 +1,4 @@
-//! The proof of a program. docs/proofs.md has the arguments.
+//! The proof of a program. docs/concepts/proofs.md has the arguments.
 use std::fmt;
 
 use serde::Serialize;

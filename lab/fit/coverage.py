@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How often the 95 % intervals of `stochc fit` hold the truth if runs were stopped: the table of docs/fit.md.
+"""How often the 95 % intervals of `stochc fit` hold the truth if runs were stopped: the table of docs/guides/fit.md.
 
 `coverage.py STOCHC TRIALS LIMIT [RUNS]` makes TRIALS measurements of RUNS runs (100) of each program of `examples/fit/small.sa` with
 20 free blocks, stops the runs at LIMIT ticks, and fits `free`. Each measurement and each fit has a seed of its own.

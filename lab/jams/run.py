@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Where blocks jam: the tables of docs/rates.md on gaps and on faces near each other.
+"""Where blocks jam: the tables of docs/validation/rates.md on gaps and on faces near each other.
 
 `run.py STOCHC FOLDER gaps|faces [RUNS]` makes RUNS runs (200 of gaps, 1000 of faces) of each program below with the model `rigid`, in the default
 scene, and a fifth or a tenth of that in other scenes. A row of the table says how long the captures of the last phase take, from the first face

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Planned programs against four naive ones, simulated: the table of docs/planner.md.
+"""Planned programs against four naive ones, simulated: the table of docs/guides/planner.md.
 
 run.py STOCHC FOLDER [--targets FOLDER] [--shapes a,b] [--race N] [--runs N] [--naive-runs N] [--max-ticks T] [--budget B] [--threads N] [--minutes M]
 

@@ -2,7 +2,7 @@
 """How far `stochc estimate` without runs is off runs by the same rates, by what a program leaves to chance.
 
 `graph.py STOCHC [RUNS]` estimates the programs of this folder, of races/, releases/, scarce/ and examples/ both ways, RUNS runs (6000) each, with a seed of its own, and writes the table of
-docs/rates.md.
+docs/validation/rates.md.
 """
 import json
 import pathlib

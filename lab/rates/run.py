@@ -2,7 +2,7 @@
 """How far runs by rates are off from runs with physics: programs that no calibration has seen, in the default scene and in others.
 
 `run.py STOCHC FOLDER [RUNS [SEED]]` makes RUNS runs (200) of each program of this folder with the model `rigid`, and of some of them in five other
-scenes, and writes the tables of docs/rates.md (with the seed 9101). Runs that the folder has already are not made again.
+scenes, and writes the tables of docs/validation/rates.md (with the seed 9101). Runs that the folder has already are not made again.
 """
 import itertools
 import json

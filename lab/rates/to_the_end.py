@@ -2,7 +2,7 @@
 """How far runs by rates are off where pulls are weak, with runs that go on to the end.
 
 `to_the_end.py STOCHC FOLDER [RUNS]` makes RUNS runs (16) of ten programs with the model `rigid` in the default scene with two thirds of its pull, each
-with a seed of its own, calibrates the scene, and writes the table of docs/rates.md. Runs that the folder has already are not made again.
+with a seed of its own, calibrates the scene, and writes the table of docs/validation/rates.md. Runs that the folder has already are not made again.
 """
 import json
 import math

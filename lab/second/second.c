@@ -1,4 +1,4 @@
-/* A second implementation of the scene `hemisphere`, written from docs/model.md and docs/language.md only.
+/* A second implementation of the scene `hemisphere`, written from docs/concepts/physical-model.md and docs/reference/language.md only.
  *
  * It computes one chain of captures, such as the programs `line` and `open_platform`, in uniform steps and in double
  * precision. It shares no code with stochc. Lengths are in block lengths, masses in blocks, times in ticks.

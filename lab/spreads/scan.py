@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Looks for scenes whose times have the means and spreads of the paper's Table II: the search of docs/reproduction.md.
+"""Looks for scenes whose times have the means and spreads of the paper's Table II: the search of docs/validation/paper.md.
 
 `scan.py STOCHC FOLDER` runs all stages and prints a table. It needs some 40 minutes of one core.
 `scan.py STOCHC FOLDER RUNS` only compares the candidates below with `hemisphere`.
@@ -45,7 +45,7 @@ FAMILIES = {
 SCENES = {"centres": 24, "centres sampled": 30, "corners": 30, "corners sampled": 16}
 FRESH_RUNS = 100
 SEED = 71
-# The scenes of the table in docs/reproduction.md: the best of each family so far.
+# The scenes of the table in docs/validation/paper.md: the best of each family so far.
 CANDIDATES = {
     "centres": {"speed": 0.881, "drag": 0.9162, "stiffness": 1011, "damping": 31.92, "friction": 0.7, "pull": 25.99, "align": 1.041, "window": 0.146},
     "centres sampled": {"speed": 0.3284, "drag": 0.4745, "stiffness": 271.2, "damping": 16.53, "friction": 0.7, "pull": 6.97, "align": 0.2793},

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How far off the means of programs are at few steps a tick: the table of docs/trade.md.
+"""How far off the means of programs are at few steps a tick: the table of docs/validation/speed-and-accuracy.md.
 
 The paper's five programs, and five others, run at every number of steps a tick and at 32 for all blocks, the reference. Every
 program at every setting has seeds of its own, so that all samples are independent. Runs are made in rounds, all programs in

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What `check --cost` says of the wait of each capture, and the narrow ways in that `check` warns of, against simulated waits.
 
-`run.py STOCHC FOLDER` makes 20 runs of each program (some minutes on one core), and writes a row of the table in docs/proofs.md for each.
+`run.py STOCHC FOLDER` makes 20 runs of each program (some minutes on one core), and writes a row of the table in docs/concepts/proofs.md for each.
 Runs that the folder has already are not made again.
 """
 import csv

@@ -1,7 +1,7 @@
 """Compiler, verifier and simulator for stochastic modular robots.
 
 The functions do what the commands of `stochc` of the same names do: the same checks, the same runs to the bit, the same
-files byte for byte. `docs/python.md` tells how to begin.
+files byte for byte. `docs/guides/python.md` tells how to begin.
 
 >>> import stochc
 >>> ensemble = stochc.simulate(stochc.EXAMPLE, runs=3, model="shuffle")

@@ -1,4 +1,4 @@
-"""What docs/python.md shows works, block by block."""
+"""What docs/guides/python.md shows works, block by block."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from conftest import ROOT
 
 @pytest.mark.filterwarnings("ignore::stochc.StochcWarning")
 def test_blocks_of_the_document_run() -> None:
-    text = (ROOT / "docs" / "python.md").read_text()
+    text = (ROOT / "docs" / "guides" / "python.md").read_text()
     blocks = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     assert len(blocks) > 3
     known: dict[str, Any] = {}

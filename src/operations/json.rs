@@ -1,4 +1,4 @@
-//! The JSON documents that commands print; `docs/json.md` describes them.
+//! The JSON documents that commands print; `docs/reference/json.md` describes them.
 use serde::Serialize;
 
 /// Version of all of these documents.

@@ -46,7 +46,7 @@ fn a_refusal_is_reported() {
 #[test]
 fn the_document_can_be_followed() {
     let Some(cluster) = cluster() else { return };
-    let page = fs::read_to_string("docs/cluster.md").unwrap();
+    let page = fs::read_to_string("docs/guides/cluster.md").unwrap();
     let section = page.split("## With Slurm\n").nth(1).unwrap();
     let block = section.split("```sh\n").nth(1).unwrap();
     let block = block.split("```").next().unwrap();

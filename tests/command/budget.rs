@@ -1,4 +1,4 @@
-//! Files that claim more than they may, read with little memory: docs/limits.md.
+//! Files that claim more than they may, read with little memory: docs/reference/limits.md.
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

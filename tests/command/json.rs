@@ -1,4 +1,4 @@
-//! Every JSON document has a schema, and `docs/json.md` is written from it.
+//! Every JSON document has a schema, and `docs/reference/json.md` is written from it.
 use std::collections::BTreeSet;
 use std::fs;
 
@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use crate::pages::assert_page;
 use crate::stochc::{Said, path, stochc, stochc_with};
 
-const SCHEMA: &str = include_str!("../../docs/json.schema.json");
+const SCHEMA: &str = include_str!("../../docs/reference/json.schema.json");
 
 /// Keywords of JSON Schema that say nothing about a value.
 const ANNOTATIONS: [&str; 4] = ["title", "description", "$schema", "$defs"];
@@ -249,7 +249,7 @@ fn a_document_that_differs_from_its_schema_is_refused() {
     }
 }
 
-/// `docs/json.md` has every document and every key.
+/// `docs/reference/json.md` has every document and every key.
 ///
 /// Written again with `STOCHC_WRITE_DOCS=1 cargo test --test command json::every`.
 #[test]
@@ -268,7 +268,7 @@ fn every_key_is_documented() {
     for (_, part) in parts.iter().filter(|(name, _)| !shown.contains(&***name)) {
         page += &section(&schemas, "###", part);
     }
-    assert_page("docs/json.md", &page);
+    assert_page("docs/reference/json.md", &page);
 }
 
 const HEAD: &str = "\
@@ -280,7 +280,7 @@ Machine-readable results go to standard output; notes, warnings and errors go to
 [json.schema.json](json.schema.json) is a [JSON Schema](https://json-schema.org) of all documents below.
 A key that is not optional is always there; its value may be null.
 
-Other files have pages of their own: [executable programs](executable.md), [tables](results.md#tables), [recordings](replay.md#the-format-of-a-recording).
+Other files have pages of their own: [executable programs](executable.md), [tables](results.md#tables), [recordings](recordings.md).
 `manifest.json`, `checksums.json`, `shards.json` and the journals are for `stochc` itself. They may change between versions.
 ";
 

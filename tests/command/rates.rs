@@ -104,10 +104,14 @@ fn the_line_takes_by_rates_what_it_takes_with_physics() {
     assert_eq!(said.status, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
     let mean = value["programs"][0]["time"]["mean"].as_f64().unwrap();
-    // 8113 ± 190 with physics (docs/reproduction.md), and the bias that docs/rates.md admits.
+    // 8113 ± 190 with physics (docs/validation/paper.md), and the bias that docs/validation/rates.md admits.
     assert!((7500.0..8800.0).contains(&mean), "{mean}");
     let text = stochc("simulate --model rate --runs 5 --quiet examples/line.sa");
-    assert!(text.out.contains("docs/rates.md"), "{}", text.out);
+    assert!(
+        text.out.contains("docs/validation/rates.md"),
+        "{}",
+        text.out
+    );
 }
 
 #[test]
@@ -163,7 +167,7 @@ fn estimates_say_when_and_why() {
     assert_eq!((status, told.contains("--runs")), (2, true), "{told}");
     let text = stochc("estimate --captures 2 --quiet examples/line.sa");
     assert!(
-        text.out.contains("waited for") && text.out.contains("docs/rates.md"),
+        text.out.contains("waited for") && text.out.contains("docs/validation/rates.md"),
         "{}",
         text.out
     );

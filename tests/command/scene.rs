@@ -162,7 +162,7 @@ fn a_scene_in_which_drag_rules_is_resolved() {
         .find(|it| it["symbol"] == "φ F τ² / (m d)")
         .unwrap();
     assert_eq!(pull["substeps"], 1);
-    // Its times are the same at all of these: docs/model.md.
+    // Its times are the same at all of these: docs/concepts/physical-model.md.
     for steps in [1, 4, 16] {
         let line = format!(
             "simulate --substeps {steps} --quiet --runs 1 --max-ticks 1 examples/microns.sa"

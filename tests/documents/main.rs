@@ -27,21 +27,26 @@ const NOT_COMMANDS: [&str; 8] = [
     "toml",
 ];
 
-/// The README and all of `docs/`, by name.
+/// The README and all pages of `docs/`, by name.
 fn documents() -> BTreeMap<String, String> {
-    let docs = std::fs::read_dir("docs").unwrap();
-    let pages = docs
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|it| it == "md"));
-    pages
-        .chain([PathBuf::from("README.md")])
-        .map(|path| {
-            (
-                path.to_str().unwrap().to_owned(),
-                std::fs::read_to_string(&path).unwrap(),
-            )
-        })
-        .collect()
+    let mut pages = vec![PathBuf::from("README.md")];
+    markdown_files(Path::new("docs"), &mut pages);
+    let read = |path: PathBuf| {
+        let page = std::fs::read_to_string(&path).unwrap();
+        (path.to_str().unwrap().to_owned(), page)
+    };
+    pages.into_iter().map(read).collect()
+}
+
+fn markdown_files(folder: &Path, pages: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            markdown_files(&path, pages);
+        } else if path.extension().is_some_and(|it| it == "md") {
+            pages.push(path);
+        }
+    }
 }
 
 /// A folder as after a fresh clone, a home of its own, and in front of all other commands a `stochc`, which is the one
@@ -169,6 +174,27 @@ fn every_document_can_be_followed() {
         .flat_map(|(name, page)| follow(name, page))
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// `docs/build` also checks the anchors.
+#[test]
+fn every_link_leads_to_a_file() {
+    let mut missing = Vec::new();
+    for (name, page) in &documents() {
+        let folder = Path::new(name).parent().unwrap();
+        let targets = page
+            .split("](")
+            .skip(1)
+            .filter_map(|it| it.split(')').next());
+        for target in targets.filter(|it| !it.contains("://") && !it.contains(char::is_whitespace))
+        {
+            let file = target.split('#').next().unwrap();
+            if !folder.join(file).exists() {
+                missing.push(format!("{name}: {target}"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! docs/diagnostics.md: every finding, with a program that has it and the message as it is drawn.
+//! docs/reference/diagnostics.md: every finding, with a program that has it and the message as it is drawn.
 use std::fmt::Write as _;
 
 use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer, Severity};
@@ -6,7 +6,7 @@ use stochc::compiler::{Checked, FileId, Limits, Reader, Sources, Span, check};
 use stochc::ir::table::{Action, Tables};
 use stochc_grammar::{SyntaxError, SyntaxErrorKind};
 
-const PAGE: &str = "docs/diagnostics.md";
+const PAGE: &str = "docs/reference/diagnostics.md";
 
 const HEAD: &str = "\
 # Every finding

@@ -5,8 +5,8 @@ use stochc::diagnostics::{Format, show};
 use stochc::ir::scene::scalars;
 use stochc::ir::scene::schema::CLAUSES;
 
-const REFERENCE: &str = include_str!("../../docs/language.md");
-const MODEL: &str = include_str!("../../docs/model.md");
+const REFERENCE: &str = include_str!("../../docs/reference/language.md");
+const MODEL: &str = include_str!("../../docs/concepts/physical-model.md");
 const README: &str = include_str!("../../README.md");
 
 #[test]
@@ -14,7 +14,7 @@ fn every_example_of_the_reference_is_right() {
     let programs = programs(REFERENCE);
     assert!(programs.len() >= 15, "{} examples", programs.len());
     for (line, program) in programs {
-        no_diagnostics(&format!("docs/language.md:{line}"), program);
+        no_diagnostics(&format!("docs/reference/language.md:{line}"), program);
     }
 }
 
@@ -31,7 +31,7 @@ fn the_reference_shows_the_built_in_scenes_as_they_are() {
         let scene = text.find("scene ").map(|at| text[at..].trim_end());
         assert!(
             scene.is_some_and(|scene| REFERENCE.contains(scene)),
-            "docs/language.md shows another scene `{name}`"
+            "docs/reference/language.md shows another scene `{name}`"
         );
     }
 }
@@ -44,7 +44,7 @@ fn the_table_of_scenes_is_that_of_the_schema() {
     for clause in &CLAUSES {
         clause.rows(0, &mut table);
     }
-    crate::pages::assert_table("docs/language.md", &table);
+    crate::pages::assert_table("docs/reference/language.md", &table);
 }
 
 /// Likewise.
@@ -58,7 +58,7 @@ fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
         let range = number.range.rule();
         table += &format!("| `{name}` | {short} | {range} | {} |\n", number.meaning);
     }
-    crate::pages::assert_table("docs/sweep.md", &table);
+    crate::pages::assert_table("docs/guides/sweep.md", &table);
 }
 
 /// A clause of the schema that no row of the model has would be physics without an equation.
@@ -85,7 +85,10 @@ fn the_model_has_an_equation_for_every_number_of_a_scene() {
             !clauses.iter().any(has_all)
         })
         .collect();
-    assert_eq!(missing, others, "numbers without a row in docs/model.md");
+    assert_eq!(
+        missing, others,
+        "numbers without a row in docs/concepts/physical-model.md"
+    );
 }
 
 #[test]
@@ -96,7 +99,10 @@ fn what_cannot_be_checked_alone_is_rare() {
 
 #[test]
 fn every_example_is_laid_out() {
-    for (page, text) in [("docs/language.md", REFERENCE), ("README.md", README)] {
+    for (page, text) in [
+        ("docs/reference/language.md", REFERENCE),
+        ("README.md", README),
+    ] {
         let fragments = programs_behind("\n```sa,fragment\n", text);
         for (line, program) in programs(text).into_iter().chain(fragments) {
             let laid_out = stochc_grammar::format(program);

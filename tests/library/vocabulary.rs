@@ -1,4 +1,4 @@
-//! docs/executable.md names every word of event tables, as each form writes it.
+//! docs/reference/executable.md names every word of event tables, as each form writes it.
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use stochc::ir::table::{
 };
 use stochc::ir::{Cell, Face};
 
-const PAGE: &str = include_str!("../../docs/executable.md");
+const PAGE: &str = include_str!("../../docs/reference/executable.md");
 
 const A: RoleId = RoleId(1);
 const B: RoleId = RoleId(2);
@@ -145,10 +145,11 @@ fn assert_rows(words: &[String], rows: Vec<(Value, String)>) {
     assert!(without.is_empty(), "no row here for {without:?}");
     for (_, row) in rows {
         let told = PAGE.lines().find_map(|line| line.strip_prefix(&*row));
-        let meaning = told.unwrap_or_else(|| panic!("docs/executable.md has no row\n{row}"));
+        let meaning =
+            told.unwrap_or_else(|| panic!("docs/reference/executable.md has no row\n{row}"));
         assert!(
             meaning.len() > 10,
-            "docs/executable.md says nothing of\n{row}"
+            "docs/reference/executable.md says nothing of\n{row}"
         );
     }
 }

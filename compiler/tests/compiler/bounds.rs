@@ -144,7 +144,7 @@ fn a_plate_has_to_lie_inside_the_enclosure() {
     }
 }
 
-/// Checks what docs/language.md claims about empty ranges, `allow`, patterns, shapes and free blocks.
+/// Checks what docs/reference/language.md claims about empty ranges, `allow`, patterns, shapes and free blocks.
 #[test]
 fn sentences_of_the_reference_hold() {
     let program = |text: &str| {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `manifest.json` | what the ensemble depends on |
 //! | `journal.jsonl` | every finished run, in the order of finishing |
-//! | `runs.parquet`, `phases.parquet`, `bonds.parquet`, `releases.parquet`, `unplanned.parquet` | the same as tables, in the order of program and run; see `docs/results.md` |
+//! | `runs.parquet`, `phases.parquet`, `bonds.parquet`, `releases.parquet`, `unplanned.parquet` | the same as tables, in the order of program and run; see `docs/reference/results.md` |
 //! | `recordings/` | runs to watch; see [`crate::recording`] |
 //! | `checkpoints/` | the states of runs under way; see [`super::checkpoint`] |
 //! | `checksums.json` | of the others, when they were last written as a whole; see [`super::folder_checksums`] |

@@ -1,4 +1,4 @@
-//! Size limits for reading files from untrusted sources. docs/limits.md lists them.
+//! Size limits for reading files from untrusted sources. docs/reference/limits.md lists them.
 //!
 //! Memory is never allocated by sizes claimed in a file.
 use std::io;

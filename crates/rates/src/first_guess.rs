@@ -9,7 +9,7 @@ use crate::accessibility::RADIUS;
 use crate::law::Parameters;
 use crate::rates::Rates;
 
-/// What first guesses of mean waits were off by, beside rates that were measured (docs/rates.md): a factor, as a root mean square of
+/// What first guesses of mean waits were off by, beside rates that were measured (docs/validation/rates.md): a factor, as a root mean square of
 /// its logarithm, and that of the worst; both rounded up.
 pub const GUESS_ERROR: (f64, f64) = (1.5, 3.0);
 

@@ -68,7 +68,7 @@ impl<'r> HeadStarts<'r> {
     /// What released blocks do in a scene of which so much is known.
     ///
     /// Kicks of the rms j take a block that was at rest j t^(3/2) / √3 far in t ticks, and it is like any other in twice the time in which
-    /// that is the radius of the sphere of reach: by runs with physics in the default scene, and in two others (docs/rates.md).
+    /// that is the radius of the sphere of reach: by runs with physics in the default scene, and in two others (docs/validation/rates.md).
     pub(crate) fn in_scene(scene: &Scene, known: &'r [HeadStart]) -> HeadStarts<'r> {
         let kick = kick(scene);
         let leaves = 2.0 * libm::cbrt(3.0 * (RADIUS / kick) * (RADIUS / kick));

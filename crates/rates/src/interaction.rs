@@ -15,7 +15,7 @@ pub enum Interaction {
 }
 
 impl Interaction {
-    /// The largest error of a mean beside runs by the same rates, of those that were measured (docs/rates.md).
+    /// The largest error of a mean beside runs by the same rates, of those that were measured (docs/validation/rates.md).
     pub fn error(self) -> f64 {
         match self {
             Interaction::Apart => 0.016,

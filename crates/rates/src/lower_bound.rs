@@ -14,7 +14,7 @@ pub enum LowerBoundReason {
     CrowdedCaptures,
     /// The structure has more blocks than any that the rates were measured with.
     ///
-    /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer with physics (docs/rates.md).
+    /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer with physics (docs/validation/rates.md).
     LargeStructure,
 }
 

@@ -274,13 +274,13 @@ impl<'a> InForce<'a> {
             }
             SpeedFrom::Drag => "kicks against drag, exact",
             SpeedFrom::Collisions if self.scene.drag.is_some() => {
-                "kicks against drag and inelastic collisions, an estimate (docs/model.md)"
+                "kicks against drag and inelastic collisions, an estimate (docs/concepts/physical-model.md)"
             }
             SpeedFrom::Collisions => {
-                "kicks against inelastic collisions, an estimate (docs/model.md)"
+                "kicks against inelastic collisions, an estimate (docs/concepts/physical-model.md)"
             }
             SpeedFrom::Wakes => {
-                "kicks against wakes, and what else slows blocks, an estimate (docs/model.md)"
+                "kicks against wakes, and what else slows blocks, an estimate (docs/concepts/physical-model.md)"
             }
             SpeedFrom::Eddies => "eddies that take the blocks along, at most",
             SpeedFrom::Heat if self.scene.drag.is_some() => {

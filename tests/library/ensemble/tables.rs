@@ -372,12 +372,12 @@ fn every_table_says_what_it_is_and_of_what() {
     }
 }
 
-/// `docs/results.md` has every column, with its type, its unit, what it says, and when it is null.
+/// `docs/reference/results.md` has every column, with its type, its unit, what it says, and when it is null.
 ///
 /// Written anew with `STOCHC_WRITE_DOCS=1 cargo test --workspace --test library columns`.
 #[test]
 fn all_columns_are_documented() {
-    const PAGE: &str = "docs/results.md";
+    const PAGE: &str = "docs/reference/results.md";
     const BEGIN: &str = "<!-- tables: written by tests/library/ensemble/tables.rs -->\n";
     const END: &str = "<!-- end of tables -->\n";
     let mut text = String::new();

@@ -247,7 +247,7 @@ fn where_drag_rules_a_step_is_as_long_as_the_motion_in_it() {
         assert!(close(group.value, value), "{group:?}");
         assert!((group.limit.unwrap().most / most - 1.0).abs() < 1e-4);
     }
-    // 663, 615 and 695 ticks at 1, 4 and 16 steps a tick: docs/model.md.
+    // 663, 615 and 695 ticks at 1, 4 and 16 steps a tick: docs/concepts/physical-model.md.
     assert!(groups(&scene).iter().all(|group| !group.is_exceeded(1)));
     // Twice the tick takes twice as long, in simulations: at its terminal speed a block goes twice as far; at four
     // times the tick heat alone moves it too far, by √4.

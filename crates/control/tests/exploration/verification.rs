@@ -15,19 +15,18 @@ use stochc_control::explore::{
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 
-const PAGE: &str = "../../docs/verification.md";
+const PAGE: &str = "../../docs/validation/proofs-executed.md";
 
 const HEAD: &str = "\
-# Proof and execution, side by side
+# Proofs executed
 
-Small programs, one idea each, in [tests/verification](../tests/verification). For each of them the compiler says what it has
-proved ([proofs.md](proofs.md)); and the event tables are executed in every order of captures and of message hops
-([protocol.md](protocol.md)), in a world where a block comes to a cell only if a chain of empty cells leads there from outside. The
-two share no code but the tables. They have to agree on every program: what is right ends in every order, with the
-declared structure and each report told once; what is wrong can wait for ever.
+Each program below has one idea. The compiler proves it correct or reports an error ([proofs](../concepts/proofs.md)). The event
+tables of the same program are then executed in every order of captures and messages ([protocol](../concepts/protocol.md)). In this
+execution a block reaches a cell only along a chain of empty cells. Both share only the tables, and they agree on every program:
+a program without errors always completes with the declared structure, and a program with an error can wait forever.
 
-*Steps* are the different steps from state to state, up to orders that make no difference. This page is written by
-`STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration`; the test compares it, and fails where the two disagree.
+*Steps* counts the transitions between states, without orders that make no difference. The programs are in `tests/verification`.
+`STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration` writes this page.
 
 ";
 
@@ -133,7 +132,7 @@ fn proof_and_execution_agree_on_every_program() {
             None => {
                 right += 1;
                 assert!(report.holds(), "{}: {report:#?}", case.name);
-                "ends, as declared".to_owned()
+                "completes as declared".to_owned()
             }
             Some(_) => {
                 wrong += 1;
@@ -141,7 +140,7 @@ fn proof_and_execution_agree_on_every_program() {
                     panic!("{}: {errors:#?}\n{report:#?}", case.name);
                 };
                 assert_eq!(violation.property, Property::NoHang, "{}", case.name);
-                format!("can wait for ever: {}", violation.what)
+                format!("can wait forever: {}", violation.what)
             }
         };
         let mut titles: Vec<String> = errors
@@ -149,7 +148,7 @@ fn proof_and_execution_agree_on_every_program() {
             .map(|error| format!("**{}**: {}", error.code, error.title))
             .collect();
         if titles.is_empty() {
-            titles.push("right".to_owned());
+            titles.push("no error".to_owned());
         }
         let is_tight = |diagnostic: &Diagnostic| diagnostic.code == Code::TightApproach;
         if case.checked.diagnostics.iter().any(is_tight) {
@@ -159,11 +158,10 @@ fn proof_and_execution_agree_on_every_program() {
         if case.checked.diagnostics.iter().any(is_crowded) {
             titles.push("`crowded-captures`".to_owned());
         }
-        let number = case.name.split('_').next().unwrap();
         let _ = writeln!(
             page,
-            "| [{number}](../tests/verification/{}) | {} | {} | {said} | {} |",
-            case.name,
+            "| `{}` | {} | {} | {said} | {} |",
+            case.name.trim_end_matches(".sa"),
             case.idea,
             titles.join("; "),
             report.transitions,
@@ -172,7 +170,7 @@ fn proof_and_execution_agree_on_every_program() {
     assert!(right >= 20 && wrong >= 12, "{right} right, {wrong} wrong");
     let _ = writeln!(
         page,
-        "\n{} programs: {right} are right and end in every order, {wrong} are wrong and can wait for ever.",
+        "\n{} programs: {right} complete in every order, {wrong} have an error and can wait forever.",
         cases.len(),
     );
     crate::pages::assert_page(PAGE, &page);

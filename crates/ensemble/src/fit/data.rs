@@ -92,7 +92,7 @@ enum Rows {
 }
 
 impl MeasuredTimes {
-    /// Reads a table with a row for each run or for each program. `docs/fit.md` lists the columns.
+    /// Reads a table with a row for each run or for each program. `docs/guides/fit.md` lists the columns.
     ///
     /// # Errors
     /// See [`DataError`].

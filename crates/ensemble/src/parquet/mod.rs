@@ -2,7 +2,7 @@
 //!
 //! The bytes depend on the manifest and the runs alone, whatever the order in which they finished. Each
 //! table is a list of column definitions (`column.rs`), from which its file, its metadata and
-//! `docs/results.md` are made.
+//! `docs/reference/results.md` are made.
 mod about;
 mod bonds;
 mod column;

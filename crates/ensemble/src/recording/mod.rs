@@ -1,6 +1,6 @@
 //! A run as it can be looked at again: where every block was, and all that happened.
 //!
-//! A recording is a file of the results folder; `docs/replay.md` describes it byte by byte. It is
+//! A recording is a file of the results folder; `docs/guides/replay.md` describes it byte by byte. It is
 //! written while the run goes, chunk by chunk, so that a long run needs no more memory than a short
 //! one. Places are kept in 16 bits, for looking and not for computing; a recording of the same run
 //! is always the same, bit for bit.

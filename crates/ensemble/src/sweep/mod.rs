@@ -2,7 +2,7 @@
 //!
 //! An [`Axis`] has the values of one of them. [`points`] makes all combinations of several axes. Each
 //! combination is a program of the ensemble. A [`Sweep`] has the results, and `data.rs` writes them.
-//! `docs/sweep.md` explains each figure.
+//! `docs/guides/sweep.md` explains each figure.
 mod axis;
 mod data;
 mod outcome;

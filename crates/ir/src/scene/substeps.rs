@@ -16,7 +16,7 @@ impl Substeps {
     /// The most steps a tick that are taken.
     pub const MAX: u32 = 1000;
 
-    /// The default: the cheapest that keep the times of the default scene (docs/trade.md).
+    /// The default: the cheapest that keep the times of the default scene (docs/validation/speed-and-accuracy.md).
     pub const DEFAULT: Substeps = Substeps {
         near: 8,
         away: Some(2),

@@ -49,7 +49,7 @@ pub struct Stepping {
 impl Stepping {
     /// The smallest turn in a step that single precision adds up, and that Rapier does \[rad\].
     ///
-    /// docs/stability.md measures both.
+    /// docs/validation/stability.md measures both.
     pub const SINGLE: f64 = 2.5e-7;
     /// See [`Stepping::SINGLE`].
     pub const RAPIER: f64 = 2.5e-6;

@@ -1,7 +1,7 @@
 //! What came of ensembles, as one page to read and a folder of figures and tables.
 //!
 //! `analysis` sums up the inputs, [`figures`](crate::figures) and `data.rs` write that down, `page/` puts
-//! the page together. All of it is a pure function of the inputs. `docs/report.md` says what each figure shows.
+//! the page together. All of it is a pure function of the inputs. `docs/guides/report.md` says what each figure shows.
 mod data;
 mod html;
 pub(crate) mod narrative;

@@ -9,7 +9,7 @@ use crate::text::{TextColumn, TextTable};
 
 /// What goes with every time by rates.
 pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of other programs were 3 % off those with physics on average and 7 % at most; \
-     in other scenes up to 20 % (docs/rates.md).";
+     in other scenes up to 20 % (docs/validation/rates.md).";
 
 /// Returns a sentence for each program of an ensemble by rates whose times are lower bounds.
 pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
@@ -31,7 +31,7 @@ pub fn first_guess() -> String {
     let (usual, most) = GUESS_ERROR;
     format!(
         "The rates of the scene are a first guess from kinetic theory: mean waits were off those of measured scenes by a factor of {usual} as a root mean \
-         square, and of {most} at most (docs/rates.md). `stochc calibrate FILE --out X.rates` \
+         square, and of {most} at most (docs/validation/rates.md). `stochc calibrate FILE --out X.rates` \
          measures them for `--rates X.rates`."
     )
 }

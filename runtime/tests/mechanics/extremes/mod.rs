@@ -17,7 +17,7 @@ use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 use stochc_runtime::{Model, Settings};
 
-const PAGE: &str = "../docs/stability.md";
+const PAGE: &str = "../docs/validation/stability.md";
 
 const HEAD: &str = "\
 # Stability at the extremes

@@ -1,7 +1,7 @@
 //! Numbers without a dimension that say how a scene behaves, the same at every scale.
 //!
 //! Some also say whether a step a tick is short enough for what happens in it: these have a limit.
-//! docs/model.md derives them.
+//! docs/concepts/physical-model.md derives them.
 mod block_units;
 mod gas;
 mod settling;

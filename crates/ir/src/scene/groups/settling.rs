@@ -1,7 +1,7 @@
 //! Sinking against stirring: how high free blocks are that gravity pulls down.
 //!
 //! What sinks at a speed w and is spread by a diffusivity D comes to rest with a density that falls as
-//! exp(-z / h), h = D / w (the balance of fluxes, w n = -D dn/dz). docs/model.md derives it, and holds it
+//! exp(-z / h), h = D / w (the balance of fluxes, w n = -D dn/dz). docs/concepts/physical-model.md derives it, and holds it
 //! against simulated profiles.
 use std::f64::consts::PI;
 

@@ -210,7 +210,7 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
              others, on times up to the last that both tell of; p (Holm) for all pairs together."
                 .to_owned(),
             "Formulas with their sources, and the columns of the data files: \
-             <code>docs/report.md</code> of stochc."
+             <code>docs/guides/report.md</code> of stochc."
                 .to_owned(),
         ],
     );

@@ -1,4 +1,4 @@
-// `window.replay`: the page, driven from outside (docs/replay.md).
+// `window.replay`: the page, driven from outside (docs/guides/replay.md).
 
 function api({ about, recording, history, scene, painter, camera, player, fetch, draw, select, against }) {
   const show = async tick => {

@@ -1,4 +1,4 @@
-// The recording: docs/replay.md describes the format.
+// The recording: docs/guides/replay.md describes the format.
 
 const VERSION = 1;
 /** Checksum behind every part [bytes]. */
