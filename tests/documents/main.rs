@@ -7,6 +7,7 @@
 #![cfg(unix)]
 mod dependencies;
 mod page;
+mod prose;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
