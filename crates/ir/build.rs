@@ -1,4 +1,4 @@
-//! Tells the crate what its sources are.
+//! Provides the digest of the sources to the crate.
 fn main() -> std::io::Result<()> {
     stochc_digest::emit()
 }

@@ -1,5 +1,5 @@
-//! Any bytes are checked to the end, with findings that can be shown; a program without an error has
-//! tables.
+//! Checks arbitrary bytes. The check must end with valid diagnostics, and a program without errors
+//! must have tables.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

@@ -1,4 +1,5 @@
-//! Any bytes are compiled programs or none; those that are survive being written and read again, and can be run.
+//! Reads arbitrary bytes as compiled programs. Valid ones must survive writing and reading, and
+//! must run.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

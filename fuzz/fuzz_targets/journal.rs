@@ -1,4 +1,5 @@
-//! Any bytes are read as a journal: what is sound is a run that the manifest allows, each once, and all else is told.
+//! Reads arbitrary bytes as a journal. Valid runs must belong to the manifest, each once;
+//! everything else must be reported.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

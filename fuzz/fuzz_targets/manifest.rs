@@ -1,4 +1,4 @@
-//! Any text is a manifest or none; what is one survives being written and read again.
+//! Reads arbitrary text as a manifest. A valid one must survive writing and reading.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

@@ -1,5 +1,5 @@
-//! Any text parses to its end; the grammar as a whole comes to the same verdict, and what
-//! is right survives being printed and read again.
+//! Parses arbitrary text to its end. The verdict must equal that of the whole grammar, and valid
+//! text must survive printing and parsing.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

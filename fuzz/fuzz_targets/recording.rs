@@ -1,4 +1,4 @@
-//! Any bytes are a recording or none.
+//! Reads arbitrary bytes as a recording.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

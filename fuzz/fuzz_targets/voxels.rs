@@ -1,4 +1,4 @@
-//! Any bytes are voxels or are refused.
+//! Reads arbitrary bytes as voxels.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

@@ -1,11 +1,11 @@
-//! Any bytes are checked to the end, with findings that can be shown; a program without an error has tables, and what it costs can be
-//! asked of any.
+//! Checks arbitrary bytes. The check must end with valid diagnostics. A program without errors must
+//! have tables, and cost estimates must not fail for any.
 use stochc_compiler::cost::estimate;
 use stochc_compiler::diagnostic::Renderer;
 use stochc_compiler::{Limits, check};
 use stochc_rates::Rates;
 
-/// Small enough that every execution is quick.
+/// Small limits, for short executions.
 const LIMITS: Limits = Limits {
     events: 500,
     steps: 5_000,
@@ -13,7 +13,7 @@ const LIMITS: Limits = Limits {
     further: None,
 };
 
-/// Reads an input, and panics where something is wrong with what comes of it.
+/// Reads an input, and panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let mut reader = |path: &str| match path {
         "fuzz.sa" => Ok(bytes.to_vec()),

@@ -1,7 +1,7 @@
-//! Any bytes are the state of a run or none: it goes on from them for a while, or is refused.
+//! Resumes a run from arbitrary bytes, which must succeed for some ticks or be rejected.
 //!
-//! The first byte says the model, and whether the rest is the file, the state, or its values, each behind two bytes of its length,
-//! which become the eight of a state.
+//! The first byte selects the model and the kind of input: a file, a state, or values. Each value
+//! has a length of two bytes, which becomes the eight bytes of a state.
 use std::io::{Cursor, Read};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -14,7 +14,7 @@ use stochc_ir::Executable;
 use stochc_ir::table::PhaseId;
 use stochc_runtime::{Model, Settings, Watch};
 
-/// Ticks that a run goes on for.
+/// Number of ticks of a resumed run.
 const TICKS: u32 = 20;
 
 static PROGRAM: LazyLock<Executable> = LazyLock::new(super::program);
@@ -26,7 +26,7 @@ static PLACE: LazyLock<(tempfile::TempDir, PathBuf)> = LazyLock::new(|| {
     (folder, file)
 });
 
-/// A run that goes on.
+/// Watch of a resumed run.
 struct Resumed {
     state: Option<Vec<u8>>,
     left: u32,
@@ -49,7 +49,7 @@ impl Watch for Resumed {
     }
 }
 
-/// The file that holds a state behind a line, both with their checksums.
+/// Returns a file with a state after a line, both with their checksums.
 fn whole(bytes: &[u8]) -> Vec<u8> {
     let mut parts = bytes.splitn(2, |byte| *byte == b'\n');
     let line = String::from_utf8_lossy(parts.next().unwrap_or_default()).into_owned();
@@ -62,7 +62,7 @@ fn whole(bytes: &[u8]) -> Vec<u8> {
     [&file[..], &crc32(&file).to_le_bytes()].concat()
 }
 
-/// Values, each with its length before it.
+/// Returns values, each after its length.
 fn values(mut bytes: &[u8]) -> Vec<u8> {
     let mut state = Vec::new();
     while let [low, high, rest @ ..] = bytes {
@@ -75,7 +75,7 @@ fn values(mut bytes: &[u8]) -> Vec<u8> {
     state
 }
 
-/// Reads an input, and panics where something is wrong with what comes of it.
+/// Reads an input, and panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let Some((how, bytes)) = bytes.split_first() else {
         return;
@@ -104,7 +104,7 @@ pub fn read(bytes: &[u8]) {
         state: Some(state),
         left: TICKS,
     };
-    // Who makes runs begins such a one anew, as after an error.
+    // In production such a run is restarted, as after an error.
     let run = || stochc_runtime::run(&PROGRAM.tables, &PROGRAM.scene, &settings, 1, 0, &mut watch);
     let _ = catch_unwind(AssertUnwindSafe(run));
 }

@@ -1,22 +1,23 @@
-//! Any bytes are compiled programs or none; those that are survive being written and read again, and can be run.
+//! Reads arbitrary bytes as compiled programs. Valid ones must survive writing and reading, and
+//! must run.
 use std::ops::ControlFlow;
 
 use stochc_ir::Executable;
 use stochc_runtime::{Model, Settings};
 
-/// Reads an input, and panics where something is wrong with what comes of it.
+/// Reads an input, and panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let Ok(programs) = Executable::read_all(bytes) else {
         return;
     };
     let mut written = Vec::new();
     Executable::write_all(&programs, &mut written).expect("memory takes everything");
-    let again = Executable::read_all(&written).expect("what is written can be read");
+    let again = Executable::read_all(&written).expect("written files can be read");
     for (program, again) in programs.iter().zip(&again) {
         assert_eq!(program.identity(), again.identity());
     }
     for Executable { tables, scene, .. } in programs.iter().take(2) {
-        // Small enough that every execution is quick.
+        // Small programs only, for short executions.
         if scene.free.count > 50 || tables.roles.len() > 50 {
             continue;
         }

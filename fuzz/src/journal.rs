@@ -1,6 +1,8 @@
-//! Any bytes are read as a journal: what is sound is a run that the manifest allows, each once, and all else is told.
+//! Reads arbitrary bytes as a journal. Valid runs must belong to the manifest, each once;
+//! everything else must be reported.
 //!
-//! An even first byte marks a whole file, an odd one lines that get their checksums here.
+//! If the first byte is even, the rest is a whole file, otherwise lines without checksums, which
+//! are added.
 use std::sync::LazyLock;
 
 use stochc_ensemble::Folder;
@@ -8,7 +10,7 @@ use stochc_files::checksum::sealed;
 
 static PLACE: LazyLock<(tempfile::TempDir, String)> = LazyLock::new(super::folder);
 
-/// Reads an input, and panics where something is wrong with what comes of it.
+/// Reads an input, and panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let Some((how, bytes)) = bytes.split_first() else {
         return;

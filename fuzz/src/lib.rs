@@ -1,4 +1,4 @@
-//! What the targets do with an input, and the program that files are about. An ordinary test does the same with the corpus.
+//! Fuzz targets, and the program of their files. A normal test runs them on the corpus.
 pub mod check;
 pub mod checkpoint;
 pub mod executable;
@@ -15,11 +15,11 @@ use stochc_ensemble::Manifest;
 use stochc_ir::Executable;
 use stochc_runtime::Settings;
 
-/// Two phases, a release, and few blocks.
+/// Program with two phases, a release, and few blocks.
 const PROGRAM: &str = "scene s from hemisphere { free 4 uniform }
 assembly a in s { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } phase q { release A } }";
 
-/// The program, compiled.
+/// Returns the compiled program.
 fn program() -> Executable {
     let mut reader = |_: &str| Ok(PROGRAM.as_bytes().to_vec());
     let checked = check("a.sa", &mut reader, Limits::default());
@@ -28,7 +28,7 @@ fn program() -> Executable {
     executable.expect("the program is right")
 }
 
-/// An ensemble of it.
+/// Returns an ensemble of the program.
 fn ensemble() -> Manifest {
     let program = stochc_ensemble::EnsembleProgram::new("a", Vec::new(), program());
     let settings = Settings {
@@ -38,7 +38,7 @@ fn ensemble() -> Manifest {
     Manifest::new(settings.resolved(), 1, 3, vec![program])
 }
 
-/// A folder of that ensemble in memory, where there is such a place, and its identity.
+/// Returns a folder of that ensemble, in memory if possible, and its identity.
 fn folder() -> (tempfile::TempDir, String) {
     let memory = PathBuf::from("/dev/shm");
     let above = if memory.is_dir() {

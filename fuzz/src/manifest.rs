@@ -1,17 +1,17 @@
-//! Any text is a manifest or none; what is one survives being written and read again.
+//! Reads arbitrary text as a manifest. A valid one must survive writing and reading.
 use std::sync::LazyLock;
 
 use stochc_ensemble::Manifest;
 
 static OTHER: LazyLock<Manifest> = LazyLock::new(super::ensemble);
 
-/// Reads an input, and panics where something is wrong with what comes of it.
+/// Reads an input, and panics if the result is wrong.
 pub fn read(text: &str) {
     let Ok(manifest) = Manifest::from_json(text) else {
         return;
     };
     let written = manifest.to_json();
-    let again = Manifest::from_json(&written).expect("what is written can be read");
+    let again = Manifest::from_json(&written).expect("written files can be read");
     assert_eq!(again.to_json(), written);
     assert_eq!(again.identity(), manifest.identity());
     assert!(manifest.total() > 0 && manifest.within_limits().is_ok());

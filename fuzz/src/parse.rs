@@ -1,12 +1,13 @@
-//! Any text parses to its end; the grammar as a whole comes to the same verdict, and what is right survives being printed and read again.
+//! Parses arbitrary text to its end. The verdict must equal that of the whole grammar, and valid
+//! text must survive printing and parsing.
 use stochc_grammar::{Symbols, accepts, parse, print};
 
-/// Reads an input, and panics where something is wrong with what comes of it.
+/// Reads an input, and panics if the result is wrong.
 pub fn read(text: &str) {
     let mut symbols = Symbols::default();
     let parsed = parse(text, &mut symbols);
     let is_wrong = (parsed.errors.iter()).any(|error| error.kind.is_of_grammar());
-    // Past the first hundred errors nobody looks.
+    // Not compared after a hundred errors.
     if parsed.errors.len() < 100 {
         assert_eq!(
             !is_wrong,

@@ -1,7 +1,7 @@
-//! Any bytes are a recording or none.
+//! Reads arbitrary bytes as a recording.
 //!
-//! The first byte says whether the bytes are the whole file, or parts that are packed and get their checksums: of each
-//! its kind, its length and what it holds.
+//! The first byte selects a whole file, or uncompressed parts without checksums: kind, length and
+//! content of each.
 use std::io::Write as _;
 use std::sync::LazyLock;
 
@@ -16,7 +16,7 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| super::program().tables);
 const HEADER: &str =
     "{\"stochc\":\"\",\"ensemble\":\"\",\"program\":0,\"run\":0,\"every\":1,\"bodies\":4}";
 
-/// Bytes of a part of places that are not packed, but for four for each tick.
+/// Uncompressed size of a part of positions \[bytes\], without four per tick.
 const FIXED: usize = 48;
 
 fn sealed(part: &[u8]) -> Vec<u8> {
@@ -63,7 +63,7 @@ fn whole(mut bytes: &[u8]) -> Vec<u8> {
     file
 }
 
-/// Reads an input, and panics where something is wrong with what comes of it.
+/// Reads an input, and panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let Some((how, bytes)) = bytes.split_first() else {
         return;
@@ -79,7 +79,7 @@ pub fn read(bytes: &[u8]) {
         return;
     };
     let end = recording.record().ticks;
-    // Nothing that is shown of it ends the program.
+    // Displaying it must not panic.
     if recording.header().bodies <= 1000 {
         for frame in recording.frames().take(1000) {
             assert!(frame.tick <= end && frame.places.len() == recording.header().bodies as usize);

@@ -1,4 +1,4 @@
-//! Any bytes are voxels or are refused; cells that are read rest on the plate.
+//! Reads arbitrary bytes as voxels. Cells of a valid input must rest on the plate.
 use stochc_planner::{layers, magica_voxel};
 
 /// Reads an input, and panics if its cells do not rest on the plate.

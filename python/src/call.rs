@@ -1,4 +1,5 @@
-//! Work in a thread of its own: without the interpreter's lock, stopped by Ctrl-C, and no panic comes through.
+//! Work in a separate thread: without the interpreter's lock, stopped by Ctrl-C, and with panics
+//! converted to exceptions.
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -13,14 +14,15 @@ use stochc::host::Host as _;
 use super::exceptions::{defect, exception, warn};
 use super::host::Caller;
 
-/// How often a caller hears of signals, and of how far it is.
+/// Interval of signal checks and progress reports.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Does some work, tells `progress` the share that is done and a line on it, and gives what comes of it.
+/// Runs `work`, reports its progress and returns its result.
 ///
 /// # Errors
-/// What the work fails with, as an exception of `stochc`; the exception of a signal or of `progress`, after which the work is
-/// stopped at its next tick.
+///
+/// The error of the work as an exception of `stochc`. An exception of a signal or of `progress`
+/// stops the work at its next tick.
 pub fn call<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -29,7 +31,7 @@ pub fn call<T: Send + 'static>(
     let caller = Arc::new(Caller::default());
     let (sender, receiver) = channel::<()>();
     let theirs = caller.clone();
-    // As much as a main thread has.
+    // As large as the stack of a main thread.
     let thread = (std::thread::Builder::new().name("stochc".into())).stack_size(8 << 20);
     let thread = thread.spawn(move || {
         // Dropped at the end, also by a panic.
@@ -52,7 +54,7 @@ pub fn call<T: Send + 'static>(
         Ok(())
     };
     let is_over = || {
-        let receiver = receiver.lock().expect("nobody else has it");
+        let receiver = receiver.lock().expect("it is locked once");
         receiver.recv_timeout(PERIOD) != Err(RecvTimeoutError::Timeout)
     };
     while !py.detach(is_over) {

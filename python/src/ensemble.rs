@@ -1,4 +1,4 @@
-//! Ensembles: making them, whole or in pieces, and what their runs tell.
+//! Ensembles: simulation, shards and results.
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -28,7 +28,7 @@ use super::table::PythonTable;
 
 mod derived;
 
-/// What an ensemble depends on.
+/// Arguments that determine an ensemble.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EnsembleRequest {
@@ -41,7 +41,7 @@ pub struct EnsembleRequest {
     threads: Option<u16>,
 }
 
-/// What of it, and where it is kept.
+/// Number of runs to make, and storage.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct StorageOptions {
@@ -52,7 +52,7 @@ pub struct StorageOptions {
     record_every: u32,
 }
 
-/// The same without the interpreter.
+/// The arguments without interpreter objects.
 struct Detached {
     asked: EnsembleRequest,
     programs: Vec<EnsembleProgram>,
@@ -70,7 +70,7 @@ impl EnsembleRequest {
 }
 
 impl Detached {
-    /// The manifest, whose scenes can be set up.
+    /// Returns the validated manifest.
     fn manifest(self, record: Option<&Selection>, host: &dyn Host) -> Result<Manifest, Failure> {
         let Detached {
             asked,
@@ -103,7 +103,7 @@ impl Detached {
     }
 }
 
-/// Makes an ensemble.
+/// Simulates an ensemble.
 #[pyfunction]
 pub fn simulate(
     py: Python<'_>,
@@ -146,15 +146,16 @@ pub fn simulate(
     })
 }
 
-/// The end of work whose caller has stopped it.
+/// Returns the failure of interrupted work.
 fn interrupted() -> Failure {
     Failure {
         exit: Exit::Interrupted,
-        message: "stopped; finished runs are kept where there is a folder for them\n".to_owned(),
+        message: "stopped; finished runs are kept in the results folder, if there is one\n"
+            .to_owned(),
     }
 }
 
-/// Prepares the pieces of an ensemble, and says how many runs it has.
+/// Prepares the shards of an ensemble. Returns its number of runs.
 #[pyfunction]
 pub fn prepare(py: Python<'_>, asked: EnsembleRequest, out: PathBuf, shards: u64) -> PyResult<u64> {
     let detached = asked.detached();
@@ -165,7 +166,7 @@ pub fn prepare(py: Python<'_>, asked: EnsembleRequest, out: PathBuf, shards: u64
     })
 }
 
-/// Makes a piece, and says how many runs it has.
+/// Runs a shard. Returns its number of runs.
 #[pyfunction]
 pub fn shard(
     py: Python<'_>,
@@ -180,7 +181,7 @@ pub fn shard(
     })
 }
 
-/// Which pieces are there, as JSON.
+/// Returns the state of the shards as JSON.
 #[pyfunction]
 pub fn status(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
     call(py, None, move |_| {
@@ -191,7 +192,7 @@ pub fn status(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
     })
 }
 
-/// Puts the pieces of an ensemble together.
+/// Merges the shards of an ensemble.
 #[pyfunction]
 pub fn merge(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
     call(py, None, move |host| {
@@ -200,13 +201,13 @@ pub fn merge(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
     })
 }
 
-/// Reads a folder of results.
+/// Reads a results folder.
 #[pyfunction]
 pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
     call(py, None, move |host| PythonEnsemble::read(folder, host))
 }
 
-/// Writes the report on folders, and says where it is.
+/// Writes the report on folders. Returns its path.
 #[pyfunction]
 pub fn report(
     py: Python<'_>,
@@ -227,14 +228,15 @@ pub fn report(
     })
 }
 
-/// The runs of an ensemble.
+/// Runs of an ensemble.
 #[pyclass(frozen, name = "Ensemble", module = "stochc._native")]
 pub struct PythonEnsemble(Arc<Inner>);
 
 struct Inner {
     folder: Option<PathBuf>,
     manifest: Manifest,
-    /// Of the process that has read them: another one, after a fork, would read the same open files.
+    /// Records with the process that opened them. After a fork, another process would share the
+    /// open files.
     finished: Mutex<(u32, Records)>,
 }
 
@@ -252,7 +254,7 @@ impl PythonEnsemble {
         Ok(PythonEnsemble::new(Some(folder), manifest, finished))
     }
 
-    /// Asks something of it, without the interpreter's lock.
+    /// Evaluates a query without the interpreter's lock.
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -291,7 +293,7 @@ impl Inner {
     }
 }
 
-/// Why a table could not be made.
+/// Error of making a table.
 enum RecordsError {
     Journal(JournalError),
     Table(String),
@@ -305,51 +307,51 @@ impl From<JournalError> for RecordsError {
 
 #[pymethods]
 impl PythonEnsemble {
-    /// The folder that it was read from, or is kept in.
+    /// Returns the folder that it was read from or is stored in.
     #[getter]
     fn folder(&self) -> Option<&Path> {
         self.0.folder.as_deref()
     }
 
-    /// How many runs of each program were asked for.
+    /// Returns the requested number of runs of each program.
     #[getter]
     fn runs_asked(&self) -> u64 {
         self.0.manifest.runs
     }
 
-    /// The seed of every draw.
+    /// Returns the seed.
     #[getter]
     fn seed(&self) -> u64 {
         self.0.manifest.seed
     }
 
-    /// The name of the model.
+    /// Returns the name of the model.
     #[getter]
     fn model(&self) -> &'static str {
         self.0.manifest.settings.model.name()
     }
 
-    /// The programs.
+    /// Returns the programs.
     #[getter]
     fn programs(&self) -> Vec<PythonProgram> {
         let programs = self.0.manifest.programs.iter();
         programs.map(|program| program.clone().into()).collect()
     }
 
-    /// SHA-256 of all that decides what a run does.
+    /// Returns the SHA-256 of everything that determines a run.
     #[getter]
     fn identity(&self, py: Python<'_>) -> PyResult<String> {
         self.ask(py, |inner, _, _| Ok(inner.manifest.identity()))
     }
 
-    /// How many runs are finished, of how many.
+    /// Returns the number of finished runs, and the total.
     fn counts(&self, py: Python<'_>) -> PyResult<(u64, u64)> {
         self.ask(py, |inner, finished, _| {
             Ok((finished.len() as u64, inner.manifest.total()))
         })
     }
 
-    /// A table of its folder, by name.
+    /// Returns a table of its folder by name.
     fn table(&self, py: Python<'_>, name: String) -> PyResult<PythonTable> {
         self.ask(py, move |inner, finished, _| {
             let manifest = &inner.manifest;
@@ -368,7 +370,7 @@ impl PythonEnsemble {
         })
     }
 
-    /// A row for each program.
+    /// Returns the summary table, with a row for each program.
     fn summary(&self, py: Python<'_>) -> PyResult<PythonTable> {
         self.ask(py, |inner, finished, _| {
             let comparison = ensemble_results(&inner.manifest, finished, false)?.comparison;
@@ -376,14 +378,14 @@ impl PythonEnsemble {
         })
     }
 
-    /// The curves of Kaplan and Meier.
+    /// Returns the Kaplan-Meier curves.
     fn survival(&self, py: Python<'_>) -> PyResult<PythonTable> {
         self.ask(py, |inner, finished, _| {
             derived::survival(&inner.manifest, finished)
         })
     }
 
-    /// What `stochc show` prints: tables of so many columns, or JSON.
+    /// Returns the output of `stochc show`: tables with a line width, or JSON.
     fn results(&self, py: Python<'_>, bonds: bool, width: Option<usize>) -> PyResult<String> {
         self.ask(py, move |inner, finished, _| {
             let told = ensemble_results(&inner.manifest, finished, bonds)?;
@@ -394,7 +396,7 @@ impl PythonEnsemble {
         })
     }
 
-    /// Pictures: the completion curves, or those of a sweep; name, title and SVG of each.
+    /// Returns figures, the completion curves or those of a sweep: name, title and SVG of each.
     fn pictures(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
         self.ask(py, |inner, finished, _| {
             let drawings = match ensemble_results(&inner.manifest, finished, false)?.sweep {
@@ -411,7 +413,8 @@ impl PythonEnsemble {
         })
     }
 
-    /// A run as `simulate --run N --format json` tells it; it is made if it is not there.
+    /// Returns a run in the form of `simulate --run N --format json`. Makes the run if it is
+    /// missing.
     fn record(&self, py: Python<'_>, program: Option<String>, run: u64) -> PyResult<String> {
         self.chosen(py, (program, run), |chosen, host| {
             let record = match chosen.known() {
@@ -423,21 +426,21 @@ impl PythonEnsemble {
         })
     }
 
-    /// The number of the run with the median time to completion.
+    /// Returns the number of the run with the median completion time.
     fn median_run(&self, py: Python<'_>, program: Option<String>) -> PyResult<u64> {
         self.ask(py, move |inner, finished, _| {
             median_run(&inner.manifest, finished, program.as_deref())
         })
     }
 
-    /// The page that shows a run.
+    /// Returns the replay page of a run.
     fn replay(&self, py: Python<'_>, program: Option<String>, run: u64) -> PyResult<String> {
         self.chosen(py, (program, run), |chosen, host| {
             replay::page(chosen, &replay::View::default(), host)
         })
     }
 
-    /// Writes the page that shows a run, and says where it is.
+    /// Writes the replay page of a run. Returns its path.
     fn write_replay(
         &self,
         py: Python<'_>,
@@ -450,7 +453,7 @@ impl PythonEnsemble {
         })
     }
 
-    /// Makes a run again and writes its trajectories: `parquet` or `gltf`.
+    /// Repeats a run and writes its trajectories: `parquet` or `gltf`.
     fn export(
         &self,
         py: Python<'_>,

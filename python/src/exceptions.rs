@@ -4,10 +4,10 @@ use stochc::exit::{Exit, Failure};
 
 use super::host::HostLog;
 
-/// The module that declares them.
+/// Module that declares the exceptions.
 const MODULE: &str = "stochc._errors";
 
-/// The exception for a failure, of which the caller may have heard the reasons before.
+/// Returns the exception for a failure, including reasons reported before.
 pub fn exception(py: Python<'_>, failure: &Failure, log: &HostLog) -> PyErr {
     let message = log.failures.clone() + &failure.message;
     let findings = serde_json::Value::from(log.findings.clone()).to_string();
@@ -20,11 +20,11 @@ pub fn exception(py: Python<'_>, failure: &Failure, log: &HostLog) -> PyErr {
     raised(py, kind, &message, &findings)
 }
 
-/// The exception for a defect of `stochc` itself.
+/// Returns the exception for a defect of `stochc` itself.
 pub fn defect(py: Python<'_>, panic: &(dyn std::any::Any + Send)) -> PyErr {
     let text = (panic.downcast_ref::<&str>().copied())
         .or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    raised(py, "defect", text.unwrap_or("nobody knows why"), "[]")
+    raised(py, "defect", text.unwrap_or("unknown reason"), "[]")
 }
 
 fn raised(py: Python<'_>, kind: &str, message: &str, findings: &str) -> PyErr {
@@ -34,10 +34,11 @@ fn raised(py: Python<'_>, kind: &str, message: &str, findings: &str) -> PyErr {
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
-/// Warns of what has been heard.
+/// Raises the collected warnings.
 ///
 /// # Errors
-/// The warning, where the caller takes warnings for errors.
+///
+/// The warning, if the caller turns warnings into errors.
 pub fn warn(py: Python<'_>, log: &HostLog) -> PyResult<()> {
     let all = log.doubts.iter().map(|text| ("findings", text));
     let all = all.chain(log.warnings.iter().map(|text| ("note", text)));

@@ -1,4 +1,5 @@
-//! The caller as the host of work: keeps what it hears until the work is over, and what it sees until somebody looks.
+//! The Python caller as host of the work: collects messages until the work ends, and progress until
+//! it is read.
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -10,10 +11,10 @@ use stochc::ensemble::clock::now;
 use stochc::host::Host;
 use stochc::progress::WorkProgress;
 
-/// Columns of what is drawn.
+/// Width of drawings \[columns\].
 pub const WIDTH: usize = 100;
 
-/// What a caller has heard and seen.
+/// Messages and progress for a caller.
 #[derive(Debug, Default)]
 pub struct Caller {
     stop: AtomicBool,
@@ -21,31 +22,31 @@ pub struct Caller {
     state: Mutex<WorkProgress>,
 }
 
-/// What it has heard.
+/// Messages so far.
 #[derive(Debug, Default)]
 pub struct HostLog {
     /// Notes and warnings.
     pub warnings: Vec<String>,
-    /// Findings of files that have nothing but warnings, drawn.
+    /// Rendered diagnostics of files with warnings only.
     pub doubts: Vec<String>,
-    /// Why parts of the work have failed.
+    /// Reasons of partial failures.
     pub failures: String,
-    /// The findings of files that are wrong.
+    /// Diagnostics of files with errors.
     pub findings: Vec<serde_json::Value>,
 }
 
-/// What a panic of another thread has left is as good as any.
+/// Locks a mutex. Data left by a panic of another thread are still valid.
 fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Caller {
-    /// All that it has heard until now, once.
+    /// Returns and removes all messages so far.
     pub fn log(&self) -> HostLog {
         std::mem::take(&mut *lock(&self.log))
     }
 
-    /// How far the work is.
+    /// Returns the progress of the work.
     pub fn state(&self) -> WorkProgress {
         lock(&self.state).clone()
     }

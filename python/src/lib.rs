@@ -1,7 +1,7 @@
-//! `stochc._native`: what the Python package `stochc` has done in Rust.
+//! `stochc._native`: the Rust part of the Python package `stochc`.
 //!
-//! Arguments have been looked at by the package (`python/stochc/`), and answers are plain: texts of JSON, handles, and
-//! tables. Everything is done by [`stochc::operations`], in a [thread of its own](call).
+//! The package (`python/stochc/`) validates arguments. Results are simple: JSON texts, handles, and
+//! tables. [`stochc::operations`] does the work, in a [separate thread](call).
 mod call;
 mod ensemble;
 mod exceptions;
@@ -13,7 +13,7 @@ mod table;
 
 use pyo3::prelude::*;
 
-/// The native part of `stochc`.
+/// Native part of `stochc`.
 #[pymodule]
 mod _native {
     #[pymodule_export]

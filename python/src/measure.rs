@@ -19,7 +19,7 @@ use super::host::WIDTH;
 use super::program::PythonProgram;
 use super::settings::folders;
 
-/// How programs are estimated.
+/// Arguments of an estimate.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EstimateRequest {
@@ -31,14 +31,14 @@ pub struct EstimateRequest {
     threads: Option<u16>,
 }
 
-/// Estimates as JSON and as text.
+/// Returns estimates as JSON and as text.
 #[pyfunction]
 pub fn estimate(
     py: Python<'_>,
     asked: EstimateRequest,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
-    /// Captures that are shown.
+    /// Number of captures listed.
     const SHOWN: usize = 5;
     call(py, progress.as_ref(), move |host| {
         let programs = asked.programs.iter().map(|it| (*it.get().0).clone());
@@ -57,7 +57,7 @@ pub fn estimate(
     })
 }
 
-/// What is to be planned.
+/// Arguments of a plan.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct PlanRequest {
@@ -84,7 +84,7 @@ pub struct PlanRequest {
     rates: Vec<PathBuf>,
 }
 
-/// The texts of a program by their paths, its own first, its assembly, its plan as JSON, and that in words.
+/// Sources by path, the program's own first; assembly name; plan as JSON; plan as text.
 type PlanOutput = (Vec<(String, String)>, String, String, String);
 
 /// Plans a program.
@@ -141,7 +141,7 @@ pub fn plan(
     })
 }
 
-/// What is to be traded.
+/// Arguments of a trade.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct TradeRequest {
@@ -157,7 +157,7 @@ pub struct TradeRequest {
     resume: bool,
 }
 
-/// A trade as JSON, as text and as a picture.
+/// Returns a trade as JSON, as text and as a figure.
 #[pyfunction]
 pub fn trade(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! Programs: their findings, and what they compile to.
+//! Programs: diagnostics and compilation.
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ use super::call::call;
 use super::host::WIDTH;
 use super::settings::{LevelSetting, folders, levels};
 
-/// A program that is ready to run.
+/// Compiled program.
 #[pyclass(frozen, name = "Program", module = "stochc._native")]
 #[derive(Clone)]
 pub struct PythonProgram(pub Arc<EnsembleProgram>);
@@ -33,10 +33,10 @@ impl From<EnsembleProgram> for PythonProgram {
     }
 }
 
-/// The JSON and the text that `check` prints, whether there are errors, and the programs if not.
+/// JSON and text of `check`, whether there are errors, and the programs if not.
 type CheckOutput = (String, String, bool, Vec<PythonProgram>);
 
-/// Looks for errors in a file, or in a text of a name.
+/// Checks a file, or a source with a name.
 #[pyfunction]
 pub fn check(
     py: Python<'_>,
@@ -67,15 +67,15 @@ pub fn check(
     })
 }
 
-/// The programs of a file without errors.
+/// Returns the programs of a file without errors.
 fn entries(checked: Checked) -> Vec<PythonProgram> {
-    // Hears what has been told already.
+    // Its messages have already been reported.
     let silent = super::host::Caller::default();
     let found = accept("", checked, &silent).unwrap_or_default();
     found.into_iter().map(PythonProgram::from).collect()
 }
 
-/// The programs of a file, or of a text of a name.
+/// Returns the programs of a file, or of a source with a name.
 #[pyfunction]
 pub fn load(
     py: Python<'_>,
@@ -97,7 +97,7 @@ pub fn load(
     })
 }
 
-/// The programs of texts by their paths; the first one may import the others.
+/// Returns the programs of sources by path. The first one may import the others.
 #[pyfunction]
 pub fn load_texts(py: Python<'_>, texts: Vec<(String, String)>) -> PyResult<Vec<PythonProgram>> {
     call(py, None, move |host| {
@@ -110,7 +110,7 @@ pub fn load_texts(py: Python<'_>, texts: Vec<(String, String)>) -> PyResult<Vec<
     })
 }
 
-/// The page on a kind of finding.
+/// Returns the page of a diagnostic.
 #[pyfunction]
 pub fn explain(py: Python<'_>, code: String) -> PyResult<&'static str> {
     call(py, None, move |_| {
@@ -120,50 +120,50 @@ pub fn explain(py: Python<'_>, code: String) -> PyResult<&'static str> {
 
 #[pymethods]
 impl PythonProgram {
-    /// What tables call it.
+    /// Returns the name in tables.
     #[getter]
     fn name(&self) -> &str {
         &self.0.name
     }
 
-    /// The name of its assembly or aggregate.
+    /// Returns the name of its assembly or aggregate.
     #[getter]
     fn assembly(&self) -> &str {
         self.0.assembly()
     }
 
-    /// The name of its scene.
+    /// Returns the name of its scene.
     #[getter]
     fn scene(&self) -> &str {
         &self.0.scene.name
     }
 
-    /// The length of a tick [s].
+    /// Returns the length of a tick [s].
     #[getter]
     fn tick(&self) -> f64 {
         self.0.scene.tick
     }
 
-    /// Captures that it makes, or blocks of an aggregate.
+    /// Returns the number of captures, or of blocks of an aggregate.
     #[getter]
     fn captures(&self) -> u64 {
         self.0.captures()
     }
 
-    /// The names of its phases.
+    /// Returns the names of its phases.
     #[getter]
     fn phases(&self) -> Vec<String> {
         let phases = self.0.phases().iter();
         phases.map(|phase| phase.name.clone()).collect()
     }
 
-    /// SHA-256 of its text, all that it imports, and its scene.
+    /// Returns the SHA-256 of its source, all imports, and its scene.
     #[getter]
     fn digest(&self) -> String {
         self.0.hash()
     }
 
-    /// Its files: path and text of each.
+    /// Returns its files: path and text of each.
     #[getter]
     fn sources(&self) -> Vec<(String, String)> {
         let sources = self.0.sources.iter();
@@ -172,12 +172,12 @@ impl PythonProgram {
             .collect()
     }
 
-    /// The scene as a manifest has it, in JSON.
+    /// Returns the scene as JSON, in the form of a manifest.
     fn scene_json(&self) -> String {
         serde_json::json!(self.0.scene).to_string()
     }
 
-    /// The picture of its structure, if its text is known and it has one.
+    /// Returns a drawing of its structure, if its source is known and it has one.
     fn structure_svg(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.of_text(py, |program, checked| {
             let built = built_structure(&program.plan, &program.layout, &checked.symbols)?;
@@ -185,14 +185,14 @@ impl PythonProgram {
         })
     }
 
-    /// Its structure in words, if its text is known.
+    /// Returns its structure as text, if its source is known.
     fn structure_text(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.of_text(py, |program, _| {
             Some(structure_text(&program.plan, &program.layout).to_string())
         })
     }
 
-    /// Its dependency graph, in words.
+    /// Returns its dependency graph as text.
     fn graph_text(&self, py: Python<'_>) -> PyResult<String> {
         let entry = self.0.clone();
         call(py, None, move |_| {
@@ -200,7 +200,7 @@ impl PythonProgram {
         })
     }
 
-    /// Its event tables, in words.
+    /// Returns its event tables as text.
     fn table_text(&self, py: Python<'_>) -> PyResult<String> {
         let entry = self.0.clone();
         call(
@@ -210,7 +210,7 @@ impl PythonProgram {
         )
     }
 
-    /// It as a file of compiled programs, which `stochc simulate` runs.
+    /// Returns it as a file of compiled programs, for `stochc simulate`.
     fn executable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let entry = self.0.clone();
         let bytes = call(py, None, move |_| {
@@ -227,7 +227,7 @@ impl PythonProgram {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// All of it as a text, for [`from_json`](Program::from_json).
+    /// Returns the complete program as text, for [`from_json`](Program::from_json).
     fn to_json(&self, py: Python<'_>) -> PyResult<String> {
         let entry = self.0.clone();
         call(py, None, move |_| {
@@ -235,7 +235,7 @@ impl PythonProgram {
         })
     }
 
-    /// The program that such a text is of.
+    /// Returns the program of such a text.
     #[staticmethod]
     fn from_json(py: Python<'_>, json: String) -> PyResult<PythonProgram> {
         call(py, None, move |_| {
@@ -250,7 +250,7 @@ impl PythonProgram {
 }
 
 impl PythonProgram {
-    /// What can be said of it with its text; `None`: it was compiled elsewhere.
+    /// Evaluates a function of the checked source. Returns `None` if the source is not available.
     fn of_text(
         &self,
         py: Python<'_>,

@@ -1,4 +1,4 @@
-//! Words of the caller as settings.
+//! Conversion of Python arguments to settings.
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
@@ -12,10 +12,10 @@ use stochc::operations::rates;
 use stochc::runtime::rates::Rates;
 use stochc::runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
 
-/// A warning and its level: `allow`, `warn` or `deny`.
+/// Warning and level: `allow`, `warn` or `deny`.
 pub type LevelSetting = (String, String);
 
-/// How runs are computed, in words.
+/// Settings of the computation as Python arguments.
 #[derive(Clone, Debug, FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Computed {
@@ -28,9 +28,10 @@ pub struct Computed {
     rates: Vec<PathBuf>,
 }
 
-/// The levels that are said, of which the last word on a code counts.
+/// Returns the levels of warnings. The last level of a code counts.
 ///
 /// # Errors
+///
 /// If there is no such warning.
 pub fn levels(said: &[LevelSetting]) -> Result<LintLevels, Failure> {
     let mut levels = LintLevels::default();
@@ -46,10 +47,11 @@ pub fn levels(said: &[LevelSetting]) -> Result<LintLevels, Failure> {
 }
 
 impl Computed {
-    /// Returns the settings without rates, as the caller gives them.
+    /// Returns the settings without rates.
     ///
     /// # Errors
-    /// If there is no value of such a name.
+    ///
+    /// If a value is unknown.
     pub fn given(&self) -> Result<Settings, Failure> {
         let steps: Substeps = parsed("substeps", &self.substeps)?;
         Ok(Settings {
@@ -69,9 +71,10 @@ impl Computed {
         })
     }
 
-    /// Returns the rates in the files of the caller. Warns of those for other scenes.
+    /// Returns the rates in the caller's files. Warns of rates for other scenes.
     ///
     /// # Errors
+    ///
     /// If a file cannot be read.
     pub fn rates(
         &self,
@@ -82,10 +85,11 @@ impl Computed {
         rates::of_files_for(&self.rates, scenes, host)
     }
 
-    /// The settings, with the rates that the programs need.
+    /// Returns the settings with the rates that the programs need.
     ///
     /// # Errors
-    /// If a word is none, or there are no rates and they cannot be measured.
+    ///
+    /// If a value is unknown, or rates are missing and cannot be calibrated.
     pub fn settings(
         &self,
         programs: &[EnsembleProgram],
@@ -102,7 +106,7 @@ impl Computed {
         Ok(settings)
     }
 
-    /// Refuses what is set and the model has no use for.
+    /// Rejects settings that the model does not use.
     fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
         let model = settings.model;
         let rates = (!self.rates.is_empty()).then_some(Setting::Rates);
@@ -115,16 +119,17 @@ impl Computed {
             Some(Setting::Rates) => "rates",
         };
         Err(Failure::usage(format!(
-            "{parameter}: the model `{}` has no use for it",
+            "{parameter}: not used by the model `{}`",
             model.name()
         )))
     }
 }
 
-/// Folders from which programs may import, in which no link is left.
+/// Returns import folders with all links resolved.
 ///
 /// # Errors
-/// If one is none.
+///
+/// If one is not a folder.
 pub fn folders(imports: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
     let resolved = imports.iter().map(|path| {
         let found = folder(path);
@@ -134,15 +139,16 @@ pub fn folders(imports: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
     resolved.collect()
 }
 
-/// A value that is said in words.
+/// Parses a value.
 ///
 /// # Errors
-/// What is wrong with them.
+///
+/// The message of the parser.
 pub fn parsed<T: std::str::FromStr<Err = String>>(what: &str, text: &str) -> Result<T, Failure> {
     (text.parse()).map_err(|reason| Failure::usage(format!("{what}: {reason}")))
 }
 
-/// One of a few values, by its name.
+/// Returns a value by its name.
 fn named<T: Copy>(
     what: &str,
     name: &str,

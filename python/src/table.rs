@@ -1,4 +1,4 @@
-//! Tables in Arrow's memory, handed out through its C interface for streams.
+//! Arrow tables, exported through the C stream interface.
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use pyo3::types::PyCapsule;
 use serde_json::{Value, json};
 use stochc::ensemble::{ColumnShape, ColumnValues, TableShape};
 
-/// A table; its rows are in one or more batches.
+/// Table with rows in one or more batches.
 #[pyclass(frozen, name = "Table", module = "stochc._native")]
 #[derive(Debug)]
 pub struct PythonTable {
@@ -25,11 +25,11 @@ pub struct PythonTable {
     batches: Vec<RecordBatch>,
 }
 
-/// What a column is called within lists, in Parquet files as well.
+/// Name of list elements, also in Parquet files.
 const ELEMENT: &str = "element";
 
 impl PythonTable {
-    /// An empty one, of which `about` says more.
+    /// Returns an empty table with metadata.
     pub fn new(shape: TableShape, about: &[(&str, String)]) -> PythonTable {
         let own = [
             ("stochc.table", shape.name.clone()),
@@ -51,7 +51,8 @@ impl PythonTable {
     /// Adds rows.
     ///
     /// # Errors
-    /// If they are not of these columns.
+    ///
+    /// If they do not match the columns.
     pub fn add(&mut self, columns: Vec<ColumnValues<'_>>) -> Result<(), String> {
         let arrays = columns.into_iter().map(array).collect();
         let batch = RecordBatch::try_new(self.schema.clone(), arrays);
@@ -113,7 +114,7 @@ fn array(values: ColumnValues<'_>) -> ArrayRef {
     }
 }
 
-/// A value of a column.
+/// Returns a value of a column.
 fn value(array: &dyn Array, row: usize) -> Value {
     macro_rules! value {
         ($($kind:ty),*) => {
@@ -139,7 +140,7 @@ fn value(array: &dyn Array, row: usize) -> Value {
 
 #[pymethods]
 impl PythonTable {
-    /// What a table is: name, what a row is, and its columns, in JSON.
+    /// Returns the description of the table as JSON: name, meaning of a row, and columns.
     fn shape_json(&self) -> String {
         json!(self.shape).to_string()
     }
@@ -148,7 +149,7 @@ impl PythonTable {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
 
-    /// Rows from one on, at most so many, in JSON: a list for each.
+    /// Returns at most `most` rows from `first` on as JSON, a list for each.
     fn rows_json(&self, first: usize, most: usize) -> String {
         let mut left_out = first;
         let mut rows: Vec<Value> = Vec::new();
@@ -164,14 +165,15 @@ impl PythonTable {
         Value::from(rows).to_string()
     }
 
-    /// The schema, as Arrow's C interface has it.
+    /// Returns the schema through Arrow's C interface.
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
         let schema = FFI_ArrowSchema::try_from(&*self.schema);
         let schema = schema.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
         PyCapsule::new_with_value(py, schema, c"arrow_schema")
     }
 
-    /// All batches as a stream of Arrow's C interface, which shares their memory; another schema is not heeded.
+    /// Returns all batches as a stream of Arrow's C interface without copying. Ignores a requested
+    /// schema.
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,

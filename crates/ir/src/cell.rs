@@ -2,36 +2,36 @@ use serde::{Deserialize, Serialize};
 
 use crate::Face;
 
-/// A site of the structure's cubic lattice, in block sides: x east, y north, z up.
+/// Site of the structure's cubic lattice, in block lengths: x east, y north, z up.
 ///
-/// The seed plate is the layer z = 0 with its south-west block at (0, 0, 0); its upper faces are
-/// level with the ground, so whatever is captured has z >= 1.
+/// The seed plate is the layer z = 0 with its south-west block at (0, 0, 0). Its upper faces are
+/// level with the ground, so captured blocks have z >= 1.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize,
 )]
 #[serde(from = "[i32; 3]", into = "[i32; 3]")]
 pub struct Cell {
-    /// Sides east of the plate's south-west block.
+    /// Block lengths east of the plate's south-west block.
     pub x: i32,
-    /// Sides north of the plate's south-west block.
+    /// Block lengths north of the plate's south-west block.
     pub y: i32,
     /// Layers above the plate.
     pub z: i32,
 }
 
 impl Cell {
-    /// The cell at (x, y, z).
+    /// Returns the cell at (x, y, z).
     pub const fn new(x: i32, y: i32, z: i32) -> Cell {
         Cell { x, y, z }
     }
 
-    /// The cell across `face`; `None` where a coordinate would overflow.
+    /// Returns the cell across `face`, or `None` if a coordinate would overflow.
     #[inline]
     pub fn across(self, face: Face) -> Option<Cell> {
         self.offset(face.normal())
     }
 
-    /// The cell so many steps away; `None` where a coordinate would overflow.
+    /// Returns the cell at an offset, or `None` if a coordinate would overflow.
     #[inline]
     pub fn offset(self, [dx, dy, dz]: [i32; 3]) -> Option<Cell> {
         Some(Cell {
@@ -42,7 +42,7 @@ impl Cell {
     }
 }
 
-/// The offsets of all cells of the cube that reaches so far to each side of a cell, that of the cell itself included.
+/// Returns the offsets of all cells within `reach` along each axis, including (0, 0, 0).
 pub fn offsets_within(reach: i32) -> impl Iterator<Item = [i32; 3]> {
     let along = move || -reach..=reach;
     along().flat_map(move |x| along().flat_map(move |y| along().map(move |z| [x, y, z])))

@@ -1,17 +1,17 @@
-//! The box that cells are in.
+//! Bounding box of cells.
 use crate::Cell;
 
-/// The least and the greatest coordinates of some cells.
+/// Smallest and largest coordinates of some cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CellBounds {
-    /// The least of each axis.
+    /// Smallest coordinates.
     pub low: Cell,
-    /// The greatest of each axis.
+    /// Largest coordinates.
     pub high: Cell,
 }
 
 impl CellBounds {
-    /// Those of some cells; `None` if there are none.
+    /// Returns the bounds of some cells, or `None` if there are none.
     pub fn enclosing(cells: impl IntoIterator<Item = Cell>) -> Option<CellBounds> {
         let mut cells = cells.into_iter();
         let first = cells.next()?;

@@ -1,10 +1,10 @@
-//! One time that chance has given a program, without a run.
+//! Sampled completion time of a program, without a run.
 
-/// A time to completion that was drawn.
+/// Sampled completion time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draw {
-    /// What it took \[tick\].
+    /// Completion time \[ticks\].
     pub ticks: f64,
-    /// Whether all phases were complete before their timeouts.
+    /// Whether all phases completed before their timeouts.
     pub is_complete: bool,
 }

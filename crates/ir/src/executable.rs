@@ -1,4 +1,4 @@
-//! A compiled program as a value, and as a file.
+//! Compiled program as a value and as a file.
 use std::fmt;
 use std::io::{self, Write};
 
@@ -10,33 +10,33 @@ use crate::scene::Scene;
 use crate::strict_json::{StrictJsonError, strict_json};
 use crate::table::Tables;
 
-/// Version of the file format of executables; another one is not read.
+/// Version of the file format. No other version is read.
 pub const FORMAT: u32 = 1;
 
-/// What the file says that it is.
+/// Kind of the file.
 const KIND: &str = "stochc executable";
 
-/// All that is needed to run a program and to tell of its runs: neither text nor grammar.
+/// Everything needed to run a program and to report its runs, without source or grammar.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Executable {
-    /// What every block knows, and the names of blocks and phases.
+    /// Rules of every block, and the names of blocks and phases.
     pub tables: Tables,
-    /// The world it runs in.
+    /// Scene of the program.
     pub scene: Scene,
-    /// What waits for what.
+    /// Dependencies between events.
     pub graph: EventGraph,
-    /// Reasons why blocks may jam. The rate model leaves them out.
+    /// Risks of jamming, which the rate model does not include.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub jam_risks: Vec<JamRisk>,
 }
 
-/// A reason why blocks may jam: the code of a warning.
+/// Risk of jamming: the code of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum JamRisk {
-    /// A block comes in through a gap one block wide.
+    /// A block must enter through a gap one block wide.
     TightApproach,
-    /// Faces near each other attract blocks at the same time.
+    /// Nearby faces are open at the same time.
     CrowdedCaptures,
 }
 
@@ -50,14 +50,14 @@ impl JamRisk {
     }
 }
 
-/// Why a file is no executable.
+/// Reason why a file is not an executable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ExecutableError {
-    /// It is something else.
+    /// The file has another kind.
     OtherFile,
-    /// It has another [`FORMAT`].
+    /// The file has another [`FORMAT`].
     OtherFormat(u32),
-    /// What is damaged, in words.
+    /// The file is corrupted, as described.
     Damaged(String),
 }
 
@@ -84,15 +84,17 @@ struct StoredFile {
 }
 
 impl Executable {
-    /// SHA-256, in hexadecimal, of all that decides what a run does; not of the graph, which follows from the tables.
+    /// Returns the SHA-256, in hexadecimal, of everything that determines a run. The graph follows
+    /// from the tables and is excluded.
     pub fn identity(&self) -> String {
         sha256(&(&self.tables, &self.scene))
     }
 
-    /// Whether everything in it stands for something: it may have been read from a file.
+    /// Validates the program, which may come from a file.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    ///
+    /// A description of the defect.
     pub fn validate(&self) -> Result<(), String> {
         self.scene.validate()?;
         self.tables.validate_in(&self.scene)?;
@@ -102,7 +104,8 @@ impl Executable {
     /// Writes executables as a file.
     ///
     /// # Errors
-    /// When `out` takes no more.
+    ///
+    /// Errors of `out`.
     pub fn write_all(programs: &[Executable], mut out: impl Write) -> io::Result<()> {
         let file = ExecutableFile {
             kind: KIND,
@@ -113,7 +116,7 @@ impl Executable {
         writeln!(out)
     }
 
-    /// Whether a file looks like one of executables, however its JSON is laid out.
+    /// Returns whether a file looks like executables, for any layout of its JSON.
     pub fn is_file(bytes: &[u8]) -> bool {
         let begin = format!("{{\"kind\":\"{KIND}\"");
         let is_sign = |byte: &u8| !byte.is_ascii_whitespace();
@@ -122,10 +125,11 @@ impl Executable {
         wanted.all(|sign| signs.next() == Some(sign))
     }
 
-    /// Reads the executables of a file, and validates them.
+    /// Reads and validates the executables of a file.
     ///
     /// # Errors
-    /// When it is no such file, one of another format, or damaged.
+    ///
+    /// If the file has another kind or format, or is corrupted.
     pub fn read_all(bytes: &[u8]) -> Result<Vec<Executable>, ExecutableError> {
         let head: Head = serde_json::from_slice(bytes).map_err(|error| {
             if Executable::is_file(bytes) {
@@ -149,15 +153,15 @@ impl Executable {
     }
 }
 
-/// SHA-256 of a value as JSON, in hexadecimal.
+/// Returns the SHA-256 of a value as JSON, in hexadecimal.
 pub fn sha256(value: &impl Serialize) -> String {
     use fmt::Write as _;
 
     let mut digest = Digester(Sha256::new());
-    serde_json::to_writer(&mut digest, value).expect("plain data, and a digest takes everything");
+    serde_json::to_writer(&mut digest, value).expect("plain data can be serialized to a digest");
     let mut hexadecimal = String::with_capacity(64);
     for byte in digest.0.finalize() {
-        write!(hexadecimal, "{byte:02x}").expect("a string takes everything");
+        write!(hexadecimal, "{byte:02x}").expect("writing to a string cannot fail");
     }
     hexadecimal
 }

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// One of the six faces of a block, named in the structure's frame: east is +x, north +y, up +z.
+/// Face of a block, in the structure's frame: east is +x, north +y, up +z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[repr(u8)]
@@ -20,7 +20,7 @@ pub enum Face {
 }
 
 impl Face {
-    /// All six, in the order of their discriminants.
+    /// All six faces, in the order of their discriminants.
     pub const ALL: [Face; 6] = [
         Face::East,
         Face::West,
@@ -30,10 +30,10 @@ impl Face {
         Face::Down,
     ];
 
-    /// The four that do not look up or down.
+    /// The four horizontal faces.
     pub const SIDES: [Face; 4] = [Face::East, Face::West, Face::North, Face::South];
 
-    /// The outward unit normal, in cells.
+    /// Returns the outward unit normal \[cells\].
     pub const fn normal(self) -> [i32; 3] {
         match self {
             Face::East => [1, 0, 0],
@@ -45,7 +45,7 @@ impl Face {
         }
     }
 
-    /// The face on the other side of the block.
+    /// Returns the face on the other side of the block.
     pub const fn opposite(self) -> Face {
         match self {
             Face::East => Face::West,
@@ -57,7 +57,7 @@ impl Face {
         }
     }
 
-    /// The word of the language for this face.
+    /// Returns the keyword of the face.
     pub const fn word(self) -> &'static str {
         match self {
             Face::East => "east",
@@ -69,7 +69,7 @@ impl Face {
         }
     }
 
-    /// The face that `word` names.
+    /// Returns the face of a keyword.
     pub fn from_word(word: &str) -> Option<Face> {
         Face::ALL.into_iter().find(|face| face.word() == word)
     }

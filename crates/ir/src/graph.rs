@@ -1,104 +1,104 @@
-//! The dependency graph of a compiled program: what has to happen before what.
+//! Dependency graph of a compiled program.
 use serde::{Deserialize, Serialize};
 
 use crate::table::{News, PhaseId, RoleId, Tables};
 use crate::{Cell, Face};
 
-/// A capture or a release; an index into [`EventGraph::events`].
+/// Capture or release: an index into [`EventGraph::events`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct EventId(pub u32);
 
-/// Captures and releases, phase by phase in source order, and what each waits for.
+/// Captures and releases, phase by phase in source order, with their dependencies.
 ///
-/// Edges stay within a phase: a phase begins when the one before has ended.
+/// Edges stay within a phase, because a phase begins after the end of the previous one.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventGraph {
-    /// The events; those of a phase are a contiguous range.
+    /// Events. Each phase owns a contiguous range.
     pub events: Vec<GraphEvent>,
-    /// The longest serial chain of each phase: captures that have to follow one another, with the releases between
-    /// them. A planted phase has none.
+    /// Longest serial chain of each phase: captures that must follow one another, with the releases
+    /// between them. A pre-attached phase has none.
     pub chains: Vec<Vec<EventId>>,
-    /// Sorted by the event that waits.
+    /// Edges, sorted by the waiting event.
     edges: Vec<Edge>,
 }
 
-/// A capture or a release.
+/// Capture or release.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphEvent {
-    /// In which phase.
+    /// Phase of the event.
     pub phase: PhaseId,
-    /// What happens.
+    /// Action of the event.
     #[serde(flatten)]
     pub action: EventAction,
-    /// Where the block sits.
+    /// Cell of the block.
     pub cell: Option<Cell>,
 }
 
-/// What happens in an event.
+/// Action of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", tag = "event")]
 pub enum EventAction {
-    /// A block magnetizes a face and gives what docks there a role.
+    /// A block magnetizes a face and captures a block in a role.
     Capture {
-        /// The block that does.
+        /// Role of the capturing block.
         parent: RoleId,
-        /// Through this face, in the structure's frame.
+        /// Its face, in the structure's frame.
         face: Face,
-        /// The role that is given.
+        /// Role of the captured block.
         child: RoleId,
     },
-    /// A block is let go.
+    /// A block is released.
     Release {
-        /// The role that ends.
+        /// Role of the released block.
         child: RoleId,
     },
 }
 
-/// An event waits for another one.
+/// Dependency between two events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edge {
-    /// What comes first.
+    /// The earlier event.
     pub first: EventId,
-    /// What waits.
+    /// The waiting event.
     pub then: EventId,
-    /// Why.
+    /// Reason.
     pub why: Dependency,
-    /// Whether there is an order that does without, because a capture of the same block comes sooner.
+    /// Whether some order avoids it, because another capture of the same block comes earlier.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub unneeded: bool,
 }
 
-/// Why an event waits for another.
+/// Reason why an event waits for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Dependency {
-    /// A block captures, or is released, only once it is anchored.
+    /// A block must be anchored before it captures or is released.
     Anchored,
-    /// A block magnetizes so many faces at a time, in source order: of the `of` edges of this kind that lead to a capture,
-    /// `needed` are enough.
+    /// A block magnetizes a limited number of faces at a time, in source order. Of the `of` edges
+    /// of this kind to a capture, `needed` suffice.
     Face {
-        /// Captures of the block that have to have docked.
+        /// Number of the block's captures that must be complete.
         needed: u8,
-        /// Those that count.
+        /// Number of candidates.
         of: u8,
     },
-    /// The program says `after`.
+    /// The program states `after`.
     After,
-    /// A block is let go only once its own children are.
+    /// A block's children must be released first.
     Emptied,
-    /// A block can dock only once its cell is empty; the world sees to that by itself.
+    /// The cell must be empty first. Physics ensures this.
     Vacated,
-    /// A name is given again only once its holder is gone.
+    /// A name can be reused only after its holder was released.
     Freed,
 }
 
 impl Dependency {
-    /// Whether others will do as well.
+    /// Returns whether other events can take its place.
     pub fn is_choice(self) -> bool {
         matches!(self, Dependency::Face { needed, of } if needed < of)
     }
 
-    /// The reason, as text forms show it.
+    /// Returns the reason in text forms.
     pub fn word(self) -> &'static str {
         match self {
             Dependency::Anchored => "anchored",
@@ -112,18 +112,18 @@ impl Dependency {
 }
 
 impl EventAction {
-    /// The role that begins or ends.
+    /// Returns the role that begins or ends.
     pub fn child(self) -> RoleId {
         let (EventAction::Capture { child, .. } | EventAction::Release { child }) = self;
         child
     }
 
-    /// Whether it is a capture.
+    /// Returns whether it is a capture.
     pub fn is_capture(self) -> bool {
         matches!(self, EventAction::Capture { .. })
     }
 
-    /// What messages call it.
+    /// Returns the event as content of messages.
     pub fn news(self) -> News {
         match self {
             EventAction::Capture { child, .. } => News::Anchored(child),
@@ -131,7 +131,7 @@ impl EventAction {
         }
     }
 
-    /// In a few words, with the names that `name` gives: `A.up -> E`, or `release E`.
+    /// Describes the action with the names that `name` returns: `A.up -> E`, or `release E`.
     pub fn describe<S: std::fmt::Display>(self, name: impl Fn(RoleId) -> S) -> String {
         match self {
             EventAction::Capture {
@@ -145,7 +145,7 @@ impl EventAction {
 }
 
 impl EventGraph {
-    /// Puts a graph together; the edges may come in any order, and of two with the same ends and reason one stays.
+    /// Builds a graph from edges in any order. Of edges with equal ends and reason, one is kept.
     pub fn new(
         events: Vec<GraphEvent>,
         mut edges: Vec<Edge>,
@@ -162,31 +162,31 @@ impl EventGraph {
         }
     }
 
-    /// An event.
+    /// Returns an event.
     pub fn event(&self, id: EventId) -> &GraphEvent {
         &self.events[id.0 as usize]
     }
 
-    /// What an event waits for, sorted.
+    /// Returns the dependencies of an event, sorted.
     pub fn waits_for(&self, id: EventId) -> &[Edge] {
         let begin = self.edges.partition_point(|edge| edge.then < id);
         let end = self.edges.partition_point(|edge| edge.then <= id);
         &self.edges[begin..end]
     }
 
-    /// Every edge, sorted by the event that waits.
+    /// Returns all edges, sorted by the waiting event.
     pub fn edges(&self) -> &[Edge] {
         &self.edges
     }
 
-    /// The events of a phase.
+    /// Returns the events of a phase.
     pub fn events_of(&self, phase: PhaseId) -> impl DoubleEndedIterator<Item = EventId> + use<> {
         let begin = self.events.partition_point(|event| event.phase < phase);
         let end = self.events.partition_point(|event| event.phase <= phase);
         (begin as u32..end as u32).map(EventId)
     }
 
-    /// Captures in a chain.
+    /// Returns the number of captures in a chain.
     pub fn length(&self, chain: &[EventId]) -> usize {
         let is_capture = |id: &&EventId| self.event(**id).action.is_capture();
         chain.iter().filter(is_capture).count()
@@ -203,15 +203,17 @@ impl EventGraph {
         largest as u32
     }
 
-    /// An event in a few words.
+    /// Describes an event.
     pub fn describe(&self, id: EventId, tables: &Tables) -> String {
         self.event(id).action.describe(|role| tables.name(role))
     }
 
-    /// What keeps it from being the graph of these tables, in words: for a graph that was read from a file.
+    /// Validates a graph from a file against the tables.
     ///
     /// # Errors
-    /// When a number stands for nothing, events are out of order, or an edge leads back or into another phase.
+    ///
+    /// If an index is invalid, events are out of order, or an edge leads back or into another
+    /// phase.
     pub fn validate(&self, tables: &Tables) -> Result<(), String> {
         let (phases, roles) = (tables.phases.len(), tables.roles.len());
         let known = |role: RoleId| (role.0 as usize) < roles;

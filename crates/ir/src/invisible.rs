@@ -1,9 +1,10 @@
-//! Characters of other people's texts that nobody should meet unseen.
+//! Invisible characters in foreign texts.
 use std::fmt::Write as _;
 
-/// Whether a character acts on a terminal or a browser, turns the direction of reading, is not seen, or is forbidden in XML.
+/// Returns whether a character controls terminals or browsers, changes the reading direction, is
+/// invisible, or is forbidden in XML.
 ///
-/// Besides control characters these are the code points that Unicode calls ignorable by default.
+/// These are control characters and the code points that Unicode calls default ignorable.
 pub fn is_invisible(c: char) -> bool {
     c.is_control()
         || matches!(
@@ -30,13 +31,13 @@ pub fn is_invisible(c: char) -> bool {
         )
 }
 
-/// The text with its invisible characters spelled out, such as `⟨U+202E⟩` for one that turns the
-/// direction of reading: nothing in it can look like something else, or end a line or a document.
+/// Returns the text with its invisible characters spelled out, such as `⟨U+202E⟩` for a change of
+/// direction. The result cannot disguise itself, and cannot end a line or a document.
 pub fn visible(text: &str) -> String {
     spelled_out(text, is_invisible)
 }
 
-/// [`visible`], for a text of several lines: ends of lines and tabs stay.
+/// Like [`visible`], but keeps line ends and tabs.
 pub fn visible_lines(text: &str) -> String {
     spelled_out(text, |c| is_invisible(c) && !matches!(c, '\n' | '\t'))
 }

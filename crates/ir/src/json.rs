@@ -1,35 +1,35 @@
-//! JSON that comes into being while it is written.
+//! JSON that is generated while it is written.
 use std::fmt;
 
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-/// A JSON value whose lists are made element by element, whenever it is written: of a document of
-/// gigabytes only one element is there at a time.
+/// JSON value whose lists are generated element by element during writing, so that large documents
+/// need little memory.
 ///
-/// Fields are sorted by name, as those of [`Value`] are. `{:#}` shows it with indentation, and
-/// [`serde_json::to_writer_pretty`] writes the same to a stream.
+/// Fields are sorted by name, like those of [`Value`]. `{:#}` writes it with indentation, as does
+/// [`serde_json::to_writer_pretty`] to a stream.
 pub enum Json<'a> {
-    /// A small value.
+    /// Small value.
     Value(Value),
     /// Fields, sorted by name.
     Object(Vec<(&'static str, Json<'a>)>),
-    /// What makes the elements.
+    /// Generator of the elements.
     List(Box<MakeElements<'a>>),
 }
 
-/// Begins a list anew.
+/// Function that starts a new iteration over the elements.
 type MakeElements<'a> = dyn Fn() -> Box<dyn Iterator<Item = Json<'a>> + 'a> + 'a;
 
 impl<'a> Json<'a> {
-    /// An object.
+    /// Returns an object.
     pub fn object(fields: impl IntoIterator<Item = (&'static str, Json<'a>)>) -> Json<'a> {
         let mut fields: Vec<_> = fields.into_iter().collect();
         fields.sort_unstable_by_key(|&(name, _)| name);
         Json::Object(fields)
     }
 
-    /// A list of what an iterator gives, which is begun anew each time that the list is written.
+    /// Returns a list of an iterator's elements. Each writing starts a new iterator.
     pub fn list<I>(elements: impl Fn() -> I + 'a) -> Json<'a>
     where
         I: Iterator<Item = Json<'a>> + 'a,
@@ -37,7 +37,7 @@ impl<'a> Json<'a> {
         Json::List(Box::new(move || Box::new(elements())))
     }
 
-    /// A list with an element for each of `items`.
+    /// Returns a list with an element for each of `items`.
     pub fn each<T>(items: &'a [T], element: impl Fn(&'a T) -> Json<'a> + Copy + 'a) -> Json<'a> {
         Json::list(move || items.iter().map(element))
     }

@@ -1,7 +1,8 @@
-//! What a program is once it is compiled, as plain values: no text, no physics.
+//! Compiled programs as plain values, without source and physics.
 //!
-//! The compiler makes [event tables](table) and reads [scenes](scene); the runtime runs the one in the other and leaves
-//! [records](record). All three are here, so that neither needs to know the other.
+//! The compiler makes [event tables](table) and reads [scenes](scene). The runtime runs tables in
+//! scenes and returns [records](record). This crate defines all three, so that compiler and runtime
+//! are independent of each other.
 mod cell;
 mod cell_bounds;
 mod draw;
@@ -32,5 +33,5 @@ pub use json::Json;
 pub use phrases::{counted, listed, series};
 pub use strict_json::{StrictJsonError, strict_json};
 
-/// A digest of this crate's sources: two builds with one digest compute the same.
+/// Digest of this crate's sources. Two builds with equal digests compute equal results.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

@@ -1,6 +1,6 @@
-//! Numbers of things, and lists of them, in words.
+//! Numbers and lists in words.
 
-/// So many of what has this name, the plural of which is regular: `1 entry`, `2 entries`.
+/// Returns a count with its noun, with a regular plural: `1 entry`, `2 entries`.
 pub fn counted(count: usize, noun: &str) -> String {
     match (count, noun.strip_suffix('y')) {
         (1, _) => format!("1 {noun}"),
@@ -11,7 +11,7 @@ pub fn counted(count: usize, noun: &str) -> String {
     }
 }
 
-/// `a`, `a or b`, `a, b or c`.
+/// Returns a series: `a`, `a or b`, `a, b or c`.
 pub fn series(words: &[impl AsRef<str>], conjunction: &str) -> String {
     match words {
         [] => String::new(),
@@ -22,7 +22,7 @@ pub fn series(words: &[impl AsRef<str>], conjunction: &str) -> String {
     }
 }
 
-/// The first few of so many, and how many more there are: `a, b and c`, `a, b and 5 more`.
+/// Returns the first elements and the number of further ones: `a, b and c`, `a, b and 5 more`.
 pub fn listed(first: &[impl AsRef<str>], count: usize) -> String {
     match count.saturating_sub(first.len()) {
         0 => series(first, "and"),

@@ -1,7 +1,7 @@
-//! The blocks on which a structure grows.
+//! Seed plate of a structure.
 use serde::{Deserialize, Serialize};
 
-/// The seed plate: `width` x `depth` blocks at z = 0, only their upper faces exposed.
+/// Seed plate: `width` x `depth` blocks at z = 0, with only their upper faces exposed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Plate {
     /// Blocks from west to east.
@@ -11,6 +11,6 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// Blocks along one edge, at most.
+    /// Largest number of blocks along one edge.
     pub const LONGEST: u32 = 100_000;
 }

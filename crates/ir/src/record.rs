@@ -1,45 +1,45 @@
-//! What one run leaves behind.
+//! Record of one run.
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::table::{PhaseId, RoleId};
 use crate::{Cell, Face};
 
-/// Everything that is kept of one run: a pure function of (tables, scene, settings, seed, run).
+/// Record of one run: a pure function of (tables, scene, settings, seed, run).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
-    /// The number of the run in its ensemble, from 0.
+    /// Number of the run in its ensemble, from 0.
     pub run: u64,
-    /// How it ended.
+    /// Outcome.
     pub outcome: Outcome,
-    /// Ticks until it ended.
+    /// Duration of the run \[ticks\].
     pub ticks: u64,
-    /// Ticks that each phase took, for the phases that were completed: 0 for one that is planted. Of an
-    /// aggregate, those until the first bond, and then from each size to the next.
+    /// Duration of each completed phase \[ticks\]; 0 for a pre-attached one. For an aggregate, the
+    /// times to the first bond and then from each size to the next.
     pub phase_ticks: Vec<u64>,
-    /// Different bodies that were captured at least once; of an aggregate, blocks of the largest group.
+    /// Number of distinct blocks captured. For an aggregate, the size of the largest group.
     pub blocks_used: u32,
-    /// Hops of messages from a block to its parent or child.
+    /// Number of message hops between parents and children.
     pub hops: u64,
-    /// Blocks that docked where nobody expected them, and were rejected at once; 0 where faces have to
+    /// Number of captures at faces that expected none, which were rejected at once. 0 if faces must
     /// be switched on to capture.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub unplanned: u64,
-    /// Every capture, in the order of docking.
+    /// Captures in order.
     pub bonds: Vec<BondRecord>,
-    /// The waits that were under way when it ended, by their beginning: faces that were magnetized and
-    /// had captured nothing. Nobody knows how long they would have been: they are censored.
+    /// Waiting times in progress at the end, by their start: open faces that captured nothing. They
+    /// are right-censored.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub waiting: Vec<WaitRecord>,
-    /// Every release, in its order.
+    /// Releases in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub releases: Vec<ReleaseRecord>,
-    /// Each of the [`unplanned`](RunRecord::unplanned) bonds, in the order of docking.
+    /// Captures counted by [`unplanned`](RunRecord::unplanned), in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unplanned_bonds: Vec<UnplannedRecord>,
 }
 
 impl RunRecord {
-    /// A run that has captured nothing.
+    /// Returns a record without captures.
     pub const fn without_bonds(run: u64, outcome: Outcome, ticks: u64) -> RunRecord {
         RunRecord {
             run,
@@ -65,40 +65,41 @@ fn is_zero(number: &u64) -> bool {
     *number == 0
 }
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Outcome {
-    /// Every phase reported complete.
+    /// Every phase was reported complete.
     Completed,
-    /// A phase reached its timeout, or the run its limit of ticks: the time is censored.
+    /// A phase reached its timeout, or the run its tick limit. The time is right-censored.
     TimedOut {
-        /// The phase that did not end.
+        /// Phase that did not end.
         phase: PhaseId,
-        /// What stopped it.
+        /// Limit that was reached.
         by: Limit,
     },
-    /// The physics broke down; the time means nothing.
+    /// The computation failed. The time is meaningless.
     Failed {
-        /// In which phase.
+        /// Phase of the failure.
         phase: PhaseId,
-        /// What broke, with the block.
+        /// Description of the failure, with the block.
         reason: String,
     },
 }
 
-/// What stops a run before its end.
+/// Limit that stops a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
-    /// The timeout that the program gives the phase.
+    /// Timeout of the phase in the program.
     Timeout,
-    /// The limit of ticks of the whole run, `Settings::max_ticks`.
+    /// Tick limit of the whole run, `Settings::max_ticks`.
     MaxTicks,
 }
 
 impl Limit {
-    /// What stops a run at this tick; `is_late`: its phase has used up its time.
+    /// Returns the limit that stops a run at this tick. `is_late` is whether its phase has timed
+    /// out.
     pub fn reached(is_late: bool, tick: u64, max_ticks: Option<u64>) -> Option<Limit> {
         if is_late {
             return Some(Limit::Timeout);
@@ -109,97 +110,98 @@ impl Limit {
     }
 }
 
-/// One capture.
+/// Capture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BondRecord {
-    /// In which phase.
+    /// Phase of the capture.
     pub phase: PhaseId,
-    /// The role that magnetized a face.
+    /// Role of the capturing block.
     pub parent: RoleId,
-    /// Which, in the structure's frame.
+    /// Its face, in the structure's frame.
     pub face: Face,
-    /// The role that was given.
+    /// Role of the captured block.
     pub child: RoleId,
-    /// Where the child sits.
+    /// Cell of the captured block.
     pub cell: Cell,
-    /// Tick at which the face was magnetized.
+    /// Tick when the face was magnetized.
     pub magnetized: u64,
-    /// Tick of the docking; the wait is `docked - magnetized`.
+    /// Tick of the capture. The waiting time is `docked - magnetized`.
     pub docked: u64,
-    /// Times that a free block came into the reach of the pull, re-entries included.
+    /// Number of entries of free blocks into the reach of the pull, including re-entries.
     pub entries: u32,
-    /// Ticks from the captured block's last entry to its docking.
+    /// Time from the captured block's last entry to its capture \[ticks\].
     pub docking: u64,
-    /// Which body was captured: the number of a free block, from 0.
+    /// Number of the captured block, from 0.
     pub body: u32,
-    /// Where it came from.
+    /// Origin of the captured block.
     pub origin: Origin,
 }
 
-/// A capture that had not happened when the run ended.
+/// Waiting time that was in progress when the run ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WaitRecord {
-    /// In which phase.
+    /// Phase of the wait.
     pub phase: PhaseId,
-    /// The role that magnetized a face.
+    /// Role of the block with the open face.
     pub parent: RoleId,
-    /// Which, in the structure's frame.
+    /// Its face, in the structure's frame.
     pub face: Face,
-    /// The role that the captured block would have been given.
+    /// Role of the expected block.
     pub child: RoleId,
-    /// Where it would have sat.
+    /// Cell of the expected block.
     pub cell: Cell,
-    /// Tick at which the face was magnetized; the censored wait is from there to the end of the run.
+    /// Tick when the face was magnetized. The right-censored waiting time lasts from then to the
+    /// end of the run.
     pub magnetized: u64,
-    /// Times that a free block came into the reach of the pull, re-entries included.
+    /// Number of entries of free blocks into the reach of the pull, including re-entries.
     pub entries: u32,
 }
 
-/// A block was let go.
+/// Release.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ReleaseRecord {
-    /// In which phase.
+    /// Phase of the release.
     pub phase: PhaseId,
-    /// The role that let it go.
+    /// Role of the former parent.
     pub parent: RoleId,
-    /// The role that it had.
+    /// Role of the released block.
     pub child: RoleId,
-    /// When.
+    /// Tick of the release.
     pub tick: u64,
-    /// Which body it is: the number of a free block, from 0.
+    /// Number of the released block, from 0.
     pub body: u32,
 }
 
-/// A block docked where nobody expected it, and was rejected at once.
+/// Capture at a face that expected none. The block was rejected at once.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UnplannedRecord {
-    /// In which phase.
+    /// Phase of the capture.
     pub phase: PhaseId,
-    /// The role of the block on which it docked.
+    /// Role of the capturing block.
     pub parent: RoleId,
-    /// On which of its faces, in the structure's frame.
+    /// Its face, in the structure's frame.
     pub face: Face,
-    /// When.
+    /// Tick of the capture.
     pub tick: u64,
-    /// Which body it is: the number of a free block, from 0.
+    /// Number of the captured block, from 0.
     pub body: u32,
 }
 
-/// Where a captured block came from.
+/// Origin of a captured block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// It had never been captured.
     Free,
     /// It was part of the structure before.
     Released {
-        /// The role it had last.
+        /// Its last role.
         role: RoleId,
-        /// The tick of its release.
+        /// Tick of its release.
         tick: u64,
     },
 }
 
-/// With a name for its kind, which only formats for humans can look at before they read the rest.
+/// Form with a tag, for self-describing formats.
 #[derive(Serialize)]
 #[serde(remote = "Origin", rename_all = "snake_case", tag = "kind")]
 enum NamedOrigin {
@@ -207,7 +209,7 @@ enum NamedOrigin {
     Released { role: RoleId, tick: u64 },
 }
 
-/// The same as it is read: field by field, since whoever reads the kind first has to keep the others meanwhile.
+/// Form for reading by fields: a tagged form would have to buffer the other fields.
 #[derive(Deserialize)]
 struct OriginFields {
     kind: OriginKind,

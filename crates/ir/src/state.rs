@@ -1,31 +1,34 @@
-//! The state of something that is under way, as bytes: whoever takes it over goes on as if it had never stopped.
+//! Serialized state of a running computation, for resuming it.
 //!
-//! The bytes do not say which value is which: they are for the build alone that has written them.
+//! The bytes are not self-describing. Only the build that wrote them can read them.
 use std::io::{self, Read, Write};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Something whose state can be taken over by another one that has been made in the same way.
+/// State that can be transferred to another instance with equal construction.
 pub trait State {
-    /// Writes it down.
+    /// Writes the state.
     ///
     /// # Errors
-    /// Those of the writer, and where it does not know how.
+    ///
+    /// Errors of the writer, and if the type has no serializable state.
     fn save(&self, _to: &mut StateWriter<'_>) -> Result<(), StateError> {
         Err(StateError::unknown())
     }
 
-    /// Takes over what [`State::save`] has written; after an error it is of no use any more.
+    /// Restores the state that [`State::save`] has written. After an error, the instance must not
+    /// be used.
     ///
     /// # Errors
-    /// Those of the reader, and where it is not what was written.
+    ///
+    /// Errors of the reader, and unexpected content.
     fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateError> {
         Err(StateError::unknown())
     }
 }
 
-/// What has no state.
+/// Empty state.
 impl State for () {
     fn save(&self, _to: &mut StateWriter<'_>) -> Result<(), StateError> {
         Ok(())
@@ -46,7 +49,7 @@ impl<T: State> State for Option<T> {
     }
 }
 
-/// Why a state cannot be written or read.
+/// Error of writing or reading a state.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StateError(String);
 
@@ -76,11 +79,11 @@ impl From<postcard::Error> for StateError {
     }
 }
 
-/// Writes values one after the other, each with its length.
+/// Writer of values, each with its length.
 pub struct StateWriter<'a>(&'a mut dyn Write);
 
 impl<'a> StateWriter<'a> {
-    /// Writes to `to`.
+    /// Returns a writer to `to`.
     pub fn new(to: &'a mut dyn Write) -> StateWriter<'a> {
         StateWriter(to)
     }
@@ -88,16 +91,18 @@ impl<'a> StateWriter<'a> {
     /// Writes a value.
     ///
     /// # Errors
-    /// Those of what it writes to.
+    ///
+    /// Errors of the output.
     pub fn put<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), StateError> {
         let bytes = postcard::to_extend(value, Vec::new())?;
         self.copy(bytes.len() as u64, &*bytes)
     }
 
-    /// Writes so many bytes.
+    /// Copies `length` bytes.
     ///
     /// # Errors
-    /// Those of both ends, and where there are fewer.
+    ///
+    /// Errors of input and output, and a shorter input.
     pub fn copy(&mut self, length: u64, from: impl Read) -> Result<(), StateError> {
         self.0.write_all(&length.to_le_bytes())?;
         if io::copy(&mut from.take(length), self.0)? == length {
@@ -108,11 +113,11 @@ impl<'a> StateWriter<'a> {
     }
 }
 
-/// Reads what a [`StateWriter`] has written.
+/// Reader of the output of a [`StateWriter`].
 pub struct StateReader<'a>(&'a mut dyn Read);
 
 impl<'a> StateReader<'a> {
-    /// Reads from `from`.
+    /// Returns a reader from `from`.
     pub fn new(from: &'a mut dyn Read) -> StateReader<'a> {
         StateReader(from)
     }
@@ -120,17 +125,19 @@ impl<'a> StateReader<'a> {
     /// Reads the next value.
     ///
     /// # Errors
-    /// Those of what it reads from, and where there is another value, as far as that can be seen.
+    ///
+    /// Errors of the input, and unexpected content as far as detectable.
     pub fn take<T: DeserializeOwned>(&mut self) -> Result<T, StateError> {
         let mut bytes = Vec::new();
         self.copy(&mut bytes)?;
         Ok(postcard::from_bytes(&bytes)?)
     }
 
-    /// Reads what [`StateWriter::copy`] has written.
+    /// Reads the output of [`StateWriter::copy`].
     ///
     /// # Errors
-    /// Those of both ends, and where there are fewer bytes than it says.
+    ///
+    /// Errors of input and output, and a shorter input.
     pub fn copy(&mut self, to: &mut impl Write) -> Result<(), StateError> {
         let mut length = [0; 8];
         self.0.read_exact(&mut length)?;
@@ -143,8 +150,9 @@ impl<'a> StateReader<'a> {
     }
 }
 
-/// Says of each field of a type whether its state is a value (`values`), in it (`parts`), or nothing that would not be the same in
-/// another one that has been made in the same way (`same`). A field of which nothing is said does not compile.
+/// Implements [`State`] from a list of all fields: serialized values (`values`), fields with a
+/// state (`parts`), and fields determined by construction (`same`). A missing field does not
+/// compile.
 #[macro_export]
 macro_rules! state {
     (

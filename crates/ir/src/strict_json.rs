@@ -1,23 +1,24 @@
-//! JSON of which every field is known.
+//! JSON without unknown fields.
 use std::fmt;
 
 use serde::Deserialize;
 use serde_json::Deserializer;
 use serde_json::de::SliceRead;
 
-/// Why JSON is no such value.
+/// Error of reading strict JSON.
 #[derive(Debug)]
 pub enum StrictJsonError {
-    /// It is no JSON, or of something else.
+    /// It is invalid JSON, or another type.
     Damaged(serde_json::Error),
-    /// It has a field that means nothing, such as `programs.0.tables.fases`: somebody may have meant it.
+    /// It has an unknown field, such as `programs.0.tables.fases`, which is probably an error.
     UnknownField(String),
 }
 
-/// Reads a value, and refuses fields that it does not have.
+/// Reads a value and rejects unknown fields.
 ///
 /// # Errors
-/// If it is no such value, or has such a field.
+///
+/// If the value is invalid or has an unknown field.
 pub fn strict_json<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, StrictJsonError> {
     let mut unknown = None;
     let mut json = Deserializer::new(SliceRead::new(bytes));

@@ -1,34 +1,34 @@
-//! What a program builds, phase by phase, to be drawn.
+//! Structure of a program after each phase, for drawing.
 use crate::Cell;
 use crate::plate::Plate;
 
-/// The structures at the ends of all phases.
+/// Structures at the ends of all phases.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuiltStructure {
-    /// The name of the program.
+    /// Name of the program.
     pub program: String,
-    /// What it grows from.
+    /// Plate.
     pub plate: Plate,
-    /// One for each phase, in their order.
+    /// Phases in order.
     pub phases: Vec<BuiltPhase>,
 }
 
-/// What stands at the end of a phase.
+/// Structure at the end of a phase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuiltPhase {
-    /// Its name.
+    /// Name of the phase.
     pub name: String,
-    /// The blocks above the plate, sorted by cell.
+    /// Blocks above the plate, sorted by cell.
     pub blocks: Vec<BuiltBlock>,
 }
 
-/// A block of a structure.
+/// Block of a structure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuiltBlock {
-    /// Where it sits.
+    /// Cell.
     pub cell: Cell,
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// The number of the phase that captured it, from 0.
+    /// Number of the phase that captured it, from 0.
     pub since: usize,
 }

@@ -1,25 +1,25 @@
-//! The nearest known word to an unknown one.
+//! Suggestions for unknown words.
 
-/// Words that are compared at most, so that a large program with many errors stays quick.
+/// Largest number of words compared, to limit the time for large programs with many errors.
 const MAX: usize = 5_000;
 
-/// A known word that an unknown one is probably meant to be.
+/// Known word that an unknown one probably means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Suggestion {
-    /// The known word.
+    /// Known word.
     pub word: String,
-    /// Whether it is hardly any other: a slip of one letter or two, and no other word is as near.
+    /// Whether it is unambiguous: one or two letters differ, and no other word is as close.
     pub clear: bool,
 }
 
 impl Suggestion {
-    /// ``did you mean `tower`?``
+    /// Returns the help: ``did you mean `tower`?``
     pub fn help(&self) -> String {
         format!("did you mean `{}`?", self.word)
     }
 }
 
-/// The known word that is nearest, if one is near enough.
+/// Returns the nearest known word, if one is near enough.
 pub fn nearest<S: AsRef<str>>(
     unknown: &str,
     known: impl IntoIterator<Item = S>,
@@ -28,7 +28,7 @@ pub fn nearest<S: AsRef<str>>(
         return None;
     }
     let mut best: Option<(usize, S)> = None;
-    // The distance of the nearest word but one.
+    // Distance of the second nearest word.
     let mut second = usize::MAX;
     let mut count = 0;
     for word in known.into_iter().take(MAX) {
@@ -36,7 +36,7 @@ pub fn nearest<S: AsRef<str>>(
         if word.as_ref() == unknown || is_far(unknown, word.as_ref()) {
             continue;
         }
-        // Two names of one letter have nothing in common, whatever their indices are.
+        // Names of one letter are unrelated, whatever their indices.
         let stems = (stem(unknown), stem(word.as_ref()));
         if stems.0.len() == 1 && stems.1.len() == 1 && !stems.0.eq_ignore_ascii_case(stems.1) {
             continue;
@@ -65,8 +65,8 @@ pub fn nearest<S: AsRef<str>>(
     })
 }
 
-/// Whether it is plain without working out the distance that neither word is meant by the other, nor says how near another
-/// one is.
+/// Returns whether a cheap bound excludes that either word means the other, or affects the second
+/// distance.
 fn is_far(one: &str, other: &str) -> bool {
     if one.len().abs_diff(other.len()) > 3 {
         return true;
@@ -76,7 +76,7 @@ fn is_far(one: &str, other: &str) -> bool {
     }
     let (one, other) = (one.as_bytes(), other.as_bytes());
     let longest = one.len().max(other.len());
-    // Letters that one word has more often than the other are all put in, taken away or changed.
+    // Letters that occur more often in one word must be inserted, deleted or changed.
     let mut more = [0_i8; 128];
     one.iter()
         .for_each(|&letter| more[usize::from(letter)] += 1);
@@ -88,7 +88,7 @@ fn is_far(one: &str, other: &str) -> bool {
     longest - common.count() > longest.div_ceil(3)
 }
 
-/// A name without its indices and the instances around it.
+/// Returns a name without its indices and enclosing instances.
 fn stem(word: &str) -> &str {
     let bare = word.split('[').next().unwrap_or(word);
     if word.contains('.') {
@@ -98,9 +98,10 @@ fn stem(word: &str) -> &str {
     }
 }
 
-/// Whether a word is another one with a slip, where the next word is `second` letters away.
+/// Returns whether a word is a misspelling of another one. `second` is the distance of the second
+/// nearest word.
 fn is_slip(unknown: &str, word: &str, distance: usize, second: usize) -> bool {
-    // `T[2]` and `T[3]` are two names, not one with a slip.
+    // `T[2]` and `T[3]` are different names, not misspellings.
     let digits = |word: &str| -> String { word.chars().filter(char::is_ascii_digit).collect() };
     if digits(unknown) != digits(word) {
         return false;

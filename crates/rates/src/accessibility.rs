@@ -1,4 +1,4 @@
-//! The part of a magnetized face's surroundings that a block can come through.
+//! Accessible fraction of a magnetized face's surroundings.
 use std::cell::RefCell;
 use std::sync::LazyLock;
 
@@ -7,41 +7,43 @@ use stochc_ir::{Cell, Face};
 
 use crate::neighbourhood::{CELLS, Neighbourhood, SIGHT, all, place};
 
-/// Points across the sphere around a face.
+/// Grid points across the sphere around a face.
 const ACROSS: usize = 16;
 
-/// Those in the sphere.
+/// Grid points in the sphere.
 const POINTS: usize = 2176;
 
-/// Words of a bit for each point, a multiple of [`AT_ONCE`].
+/// Words of a bit set of points, a multiple of [`AT_ONCE`].
 const WORDS: usize = POINTS.div_ceil(64).next_multiple_of(AT_ONCE);
 
-/// Words that are looked at together.
+/// Words processed together.
 const AT_ONCE: usize = 12;
 
-/// Radius of the sphere around the centre of the face \[side\].
+/// Radius of the sphere around the centre of the face \[block lengths\].
 pub(crate) const RADIUS: f64 = 1.35;
 
-/// How close to a block's surface a point counts as blocked \[side\].
+/// Distance from a block's surface below which a point counts as blocked \[block lengths\].
 const CLEARANCE: f64 = 0.35;
 
-/// One bit for each point.
+/// Bit set of points.
 type Points = [u64; WORDS];
 
-/// The cells that may block, for faces of one direction: offsets from the open cell, with the points that each blocks.
+/// Cells that may block faces of one direction: offsets from the open cell, with the points that
+/// each blocks.
 type Blockers = Vec<([i32; 3], Points)>;
 
-/// Answers that are kept, at most.
+/// Capacity of the cache.
 const KEPT: usize = 1 << 16;
 
 thread_local! {
-    /// What has been asked for before: the same surroundings come again and again.
+    /// Cache: equal surroundings occur again and again.
     static KNOWN: RefCell<FxHashMap<(Face, Neighbourhood), f64>> = RefCell::default();
 }
 
-/// The part of the sphere around a face that blocks and ground leave open, from 0 to 1.
+/// Returns the fraction of the sphere around a face that blocks and ground leave open, from 0 to 1.
 ///
-/// `way` leads from the block that captures to the cell where the captured one will sit, which these cells are around.
+/// `way` is the direction from the capturing block to the open cell, which is the centre of
+/// `around`.
 pub(crate) fn unobstructed(way: Face, around: Neighbourhood) -> f64 {
     let around = around.within(in_reach(way));
     KNOWN.with_borrow_mut(|known| {
@@ -57,7 +59,7 @@ fn left_open(way: Face, around: Neighbourhood) -> f64 {
     let (blockers, numbers) = (&BLOCKERS[way as usize], &NUMBERS[way as usize]);
     let (all_words, _) = blocked.as_chunks_mut::<AT_ONCE>();
     for (part, words) in all_words.iter_mut().enumerate() {
-        // In registers.
+        // Kept in registers.
         let mut found = [0; AT_ONCE];
         for place in around.places() {
             let (_, points) = &blockers[usize::from(numbers[place])];
@@ -72,18 +74,18 @@ fn left_open(way: Face, around: Neighbourhood) -> f64 {
     1.0 - f64::from(count) / POINTS as f64
 }
 
-/// Whether a face that is open towards one cell may have to do with what is in another.
+/// Returns whether the content of one cell can affect a face open to another.
 pub fn sees(open: Cell, other: Cell) -> bool {
     let near = |a: i32, b: i32| a.abs_diff(b) <= SIGHT.unsigned_abs();
     near(open.x, other.x) && near(open.y, other.y) && near(open.z, other.z)
 }
 
-/// The offsets from an open cell of the cells that may have to do with it, for faces of a direction.
+/// Returns the offsets from an open cell of the cells that can affect a face of a direction.
 pub fn offsets(way: Face) -> impl Iterator<Item = [i32; 3]> {
     BLOCKERS[way as usize].iter().map(|(offset, _)| *offset)
 }
 
-/// The cells of a neighbourhood that may block, for faces of a direction.
+/// Returns the cells of a neighbourhood that can block a face of a direction.
 pub(crate) fn in_reach(way: Face) -> Neighbourhood {
     IN_REACH[way as usize]
 }
@@ -93,7 +95,7 @@ static IN_REACH: LazyLock<[Neighbourhood; 6]> =
 
 static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blockers));
 
-/// The number among the [`BLOCKERS`] of each that is in reach, by its place in a neighbourhood.
+/// Index in [`BLOCKERS`] of each cell within reach, by its place in a neighbourhood.
 static NUMBERS: LazyLock<[[u8; CELLS]; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         let mut numbers = [0; CELLS];
@@ -117,20 +119,21 @@ fn blockers(way: Face) -> Blockers {
             (blocked != [0; WORDS]).then_some((offset, blocked))
         })
         .collect();
-    // The nearest first: they block most.
+    // Nearest first, since they block most.
     found.sort_by_key(|(offset, _)| offset.iter().map(|part| part * part).sum::<i32>());
     found
 }
 
-/// The distance of a point to the cube in a cell, both seen from the middle of the open cell.
+/// Returns the distance of a point from the cube in a cell, both relative to the centre of the open
+/// cell.
 fn distance(point: [f64; 3], cell: [i32; 3]) -> f64 {
     let outside = |axis: usize| ((point[axis] - f64::from(cell[axis])).abs() - 0.5).max(0.0);
     let squares: f64 = (0..3).map(|axis| outside(axis) * outside(axis)).sum();
     libm::sqrt(squares)
 }
 
-/// Points of a cubic grid in the sphere, seen from the middle of the open cell: it looks the same after a quarter turn, so that the
-/// same surroundings count the same whichever way they are turned.
+/// Returns the points of a cubic grid in the sphere, relative to the centre of the open cell. The
+/// grid is invariant under quarter turns, so rotated surroundings give equal results.
 fn points(way: Face) -> Vec<[f64; 3]> {
     let (axis, sign) = axis(way);
     let step = 2.0 * RADIUS / ACROSS as f64;
@@ -151,7 +154,7 @@ fn points(way: Face) -> Vec<[f64; 3]> {
     points
 }
 
-/// The axis of a direction, and its sign on it.
+/// Returns the axis of a direction, and its sign.
 fn axis(way: Face) -> (usize, f64) {
     match way {
         Face::East => (0, 1.0),
@@ -205,7 +208,7 @@ mod tests {
 
     #[test]
     fn surroundings_count_the_same_in_every_direction() {
-        // A wall to one side of the open cell, seen along every face, and from each of its four sides.
+        // A wall to one side of the open cell, for every face and each of its four sides.
         let mut seen = Vec::new();
         for way in Face::ALL {
             let parent = HIGH.across(way.opposite()).expect("there is one");

@@ -1,12 +1,13 @@
-//! How long a block takes to dock, once it has come: the distribution of the time, its integral, and the inverse of that.
+//! Distribution of docking times: distribution function, its integral, and the inverse of the
+//! integral.
 
-/// Stages of a docking: its time has the Erlang distribution of this shape.
+/// Shape of the Erlang distribution of docking times.
 pub const STAGES: i32 = 2;
 
-/// Stages below which sums of powers have more digits than differences: 10 of them at least.
+/// Argument below which power series are more accurate than differences, with at least 10 digits.
 const SMALL: f64 = 0.05;
 
-/// a + b x + c x^2 and so on.
+/// Returns a + b x + c x^2 and so on.
 fn sum_of_powers<const N: usize>(x: f64, factors: [f64; N]) -> f64 {
     factors
         .iter()
@@ -14,19 +15,19 @@ fn sum_of_powers<const N: usize>(x: f64, factors: [f64; N]) -> f64 {
         .fold(0.0, |sum, factor| sum * x + factor)
 }
 
-/// The distribution function of a docking time, in units of its mean.
+/// Returns the distribution function of a docking time, in units of its mean.
 pub(crate) fn docked(time: f64) -> f64 {
     let x = f64::from(STAGES) * time;
     docked_with(x, || libm::exp(-x))
 }
 
-/// The integral of [`docked`].
+/// Returns the integral of [`docked`].
 pub(crate) fn summed(time: f64) -> f64 {
     let x = f64::from(STAGES) * time;
     summed_with(x, || libm::exp(-x))
 }
 
-/// The same after x stages, by e^-x.
+/// Returns the distribution function after x stages, from e^-x.
 fn docked_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
     if x < SMALL {
         x * x
@@ -56,7 +57,7 @@ fn summed_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
     integral / f64::from(STAGES)
 }
 
-/// The inverse of [`summed`]: Newton's steps from the side on which they cannot pass it.
+/// Returns the inverse of [`summed`], by Newton's method from the side without overshooting.
 pub(crate) fn when_summed(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
@@ -64,7 +65,7 @@ pub(crate) fn when_summed(value: f64) -> f64 {
     if value == f64::INFINITY {
         return value;
     }
-    // summed(t) >= t - 1; and where t is small, with two stages, 2 t^3 / 3 (1 - t).
+    // summed(t) >= t - 1; for small t with two stages, 2 t^3 / 3 (1 - t).
     let mut time = value + 1.0;
     if value < 1.0 {
         let small = libm::cbrt(1.5 * value);

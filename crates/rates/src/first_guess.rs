@@ -1,4 +1,4 @@
-//! Rates of a scene that nobody has measured.
+//! Uncalibrated estimates of rates.
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
@@ -9,22 +9,23 @@ use crate::accessibility::RADIUS;
 use crate::law::Parameters;
 use crate::rates::Rates;
 
-/// What first guesses of mean waits were off by, beside rates that were measured (docs/validation/rates.md): a factor, as a root mean square of
-/// its logarithm, and that of the worst; both rounded up.
+/// Errors of estimated mean waiting times relative to calibrated ones (docs/validation/rates.md): the rms
+/// factor and the largest factor, both rounded up.
 pub const GUESS_ERROR: (f64, f64) = (1.5, 3.0);
 
-/// The work of the pull over the energy of a block at which half of those that come into reach dock.
+/// Ratio of the pull's work to a block's energy when half of the blocks within reach dock.
 const HALF: f64 = 2.13;
 
-/// How steeply that grows.
+/// Steepness of the docking probability.
 const STEEPNESS: f64 = 9.4;
 
-/// Exponent of the density: where blocks are many, they knock each other out of reach.
+/// Exponent of the density: dense blocks knock each other out of reach.
 const CROWDING: f64 = 0.3;
 
-/// The numbers of the law, of which the first is the logarithm of a rate, where a block that comes into reach docks with a
-/// probability. Where hardly any does, it matters little how many come, and much what slows them; where all do, it is the other way round.
-/// What else there is, is as in another scene.
+/// Returns the parameters for a logarithmic rate and a docking probability.
+///
+/// If few blocks dock, retardation matters more than the number of arrivals. If all dock, it is the
+/// reverse. Other parameters are those of `like`.
 fn parameters(rate: f64, probability: f64, like: Parameters) -> Parameters {
     let fails = 1.0 - probability;
     let [
@@ -67,7 +68,7 @@ fn parameters(rate: f64, probability: f64, like: Parameters) -> Parameters {
     ])
 }
 
-/// Where guesses were held against measurements: works over energies, and densities over that of the default scene.
+/// Ranges of the validation: work over energy, and density over that of the default scene.
 const WORKS: RangeInclusive<f64> = 1.2..=4.0;
 const DENSITIES: RangeInclusive<f64> = 0.4..=2.5;
 
@@ -75,17 +76,19 @@ const DENSITIES: RangeInclusive<f64> = 0.4..=2.5;
 const LOW: usize = 12;
 
 impl Rates {
-    /// A first guess for scenes like the default one, in which magnets that are switched on catch a gas of blocks that kicks drive and drag
-    /// slows, from kinetic theory; `None`: others, of which its error is not known.
+    /// Returns an uncalibrated estimate from kinetic theory for scenes like the default one:
+    /// magnets that are switched on, random impulses and drag. Returns `None` for other scenes,
+    /// whose error is unknown.
     ///
-    /// Blocks of density n and mean speed v come into reach of a face at the rate n v A / 4, with A the surface of the sphere of reach,
-    /// and dock with the probability 1 / (1 + (x₀ / x)^s), with x the work of the pull over the energy of a block. The gas near the ground,
-    /// and blocks that are released, are as in the default scene.
+    /// Blocks of density n and mean speed v come within reach at the rate n v A / 4, with A the
+    /// surface of the sphere of reach. They dock with probability 1 / (1 + (x₀ / x)^s), with x the
+    /// pull's work over the energy of a block. The gas near the ground, and released blocks, are as
+    /// in the default scene.
     pub fn first_guess(scene: &Scene) -> Option<Rates> {
         let Some(Bond::Attract { pull, .. }) = &scene.bond else {
             return None;
         };
-        // In a sphere the gas near the plate is another.
+        // A sphere has a different gas near the plate.
         let is_other = !matches!(scene.enclosure, Some(Enclosure::Hemisphere { .. }))
             || scene.fluid.is_some()
             || scene.flow.is_some()
@@ -126,7 +129,7 @@ impl Rates {
         rate.is_finite().then_some(guess)
     }
 
-    /// Whether nobody has measured them.
+    /// Returns whether the rates are an uncalibrated estimate.
     pub fn is_guess(&self) -> bool {
         self.captures == 0
     }

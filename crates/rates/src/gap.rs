@@ -1,20 +1,21 @@
-//! How blocks come into a gap: an open cell between the block that captures and one ahead of it.
+//! Access to a gap: an open cell between the capturing block and a block opposite.
 //!
-//! There a cube has no clearance along the face's normal, and all room at right angles to it. In some scenes it jams, in others the two blocks guide it; which of the two, is
-//! measured ([`Rates::passes_gaps`](crate::Rates::passes_gaps)).
+//! A cube in it has no clearance along the face's normal, and free space to the sides. In some
+//! scenes it jams; in others the two blocks guide it. Calibration decides which
+//! ([`Rates::passes_gaps`](crate::Rates::passes_gaps)).
 use stochc_ir::{Cell, Face};
 
 use crate::surroundings::aside;
 
-/// The cells above the ground beside the open one to which `way` leads, at right angles to it. In a gap they are empty: blocks that stand
-/// there as well make others jam sometimes, which the ground does not.
+/// Returns the cells next to an open cell, perpendicular to `way`, above the ground. In a gap they
+/// are empty: blocks there sometimes cause jams, the ground does not.
 pub fn beside_gap(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     let beside = aside(way).filter_map(move |face| cell.across(face));
     beside.filter(|beside| beside.z >= 1)
 }
 
-/// The places of a cube of two sides, by their low corners, above the ground, from which a block slides into a gap: the cube holds a cell
-/// beside the gap, but not the gap, and reaches a step to either side.
+/// Returns the positions of a cube of size two, by their low corners, from where a block slides
+/// into a gap. The cube covers a cell next to the gap, but not the gap, and extends to either side.
 pub fn gap_entrances(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     let pairs = aside(way).flat_map(move |out| {
         let edges = aside(way).filter(move |edge| *edge != out && *edge != out.opposite());
@@ -26,7 +27,8 @@ pub fn gap_entrances(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     lows.flatten().filter(|low| low.z >= 1)
 }
 
-/// The cube begins a step out of the cell and reaches another one out, and one along each of two other directions.
+/// Returns the low corner of a cube from a step out of the cell to the next, extended along each of
+/// two other directions.
 fn entrance(cell: Cell, out: Face, edge: Face, along: Face) -> Option<Cell> {
     let [first, edge, along] = [out, edge, along].map(Face::normal);
     let low = |axis: usize| first[axis] + (first[axis] + edge[axis] + along[axis]).min(0);
@@ -58,7 +60,7 @@ mod tests {
             }
             assert_eq!((beside.len(), seen.len()), (4, 16), "{way:?}");
         }
-        // On the ground nobody comes from below.
+        // On the ground there is no access from below.
         let low = gap_entrances(Cell::new(0, 0, 1), Face::East);
         assert_eq!(low.count(), 8);
     }

@@ -1,4 +1,4 @@
-//! What blocks do that are let go near a face which is open, or opens soon.
+//! Head starts: captures of blocks released near an open face, or one that opens soon.
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::groups::kick;
@@ -6,24 +6,27 @@ use stochc_ir::{Cell, Face};
 
 use crate::accessibility::RADIUS;
 
-/// What a block does that is released near an open face.
+/// Capture of a block that was released near an open face.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeadStart {
-    /// The squared distance from its cell to the open one, in sides.
+    /// Squared distance from its cell to the open one \[block lengths^2\].
     pub squared_distance: u32,
-    /// How far it was before the open face, beyond the open cell, in sides; behind it, this is negative.
+    /// Distance in front of the open cell along the face's normal \[block lengths\]. Negative on
+    /// the other side.
     pub before: i32,
-    /// The probability that it docks there, if no other does before.
+    /// Probability of the capture if no other block is faster.
     pub probability: f64,
-    /// The mean time in which it does \[tick\].
+    /// Mean time of the capture \[ticks\].
     pub ticks: f64,
-    /// Whether it is of a face that opens a moment after the block was let go, in its own cell: what has come loose has to dock anew.
+    /// Whether the face opens shortly after the release, in the block's own cell. A loose block
+    /// must dock again.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub late: bool,
 }
 
 impl HeadStart {
-    /// In how many ticks it docks, by a draw from the exponential distribution of mean 1: what is caught where it is takes always as long.
+    /// Returns the time of the capture for a draw from the exponential distribution with mean 1. It
+    /// is constant for a block captured in place.
     pub fn time(&self, draw: f64) -> f64 {
         if self.squared_distance == 0 && !self.late {
             self.ticks
@@ -33,8 +36,8 @@ impl HeadStart {
     }
 }
 
-/// What a block does that is let go in front of a face which opens a moment later, where the file does not say it: as 1360 releases in the
-/// default scene had it.
+/// Default for a block released in front of a face that opens shortly after, from 1360 releases in
+/// the default scene.
 const LATE: HeadStart = HeadStart {
     squared_distance: 0,
     before: 0,
@@ -43,32 +46,33 @@ const LATE: HeadStart = HeadStart {
     late: true,
 };
 
-/// The head starts of a scene.
+/// Head starts of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct HeadStarts<'r> {
     known: &'r [HeadStart],
-    /// In how many ticks a block that was let go leaves the reach of a face.
+    /// Time until a released block leaves the reach of a face \[ticks\].
     leaves: f64,
 }
 
-/// What a block may do at one open face, by when it was let go.
+/// Head starts of a block at one open face, by the time of its release.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReleaseNearby {
-    /// At a face that is open when the block is let go.
+    /// For a face that is open at the release.
     at_once: HeadStart,
-    /// At one that opens a moment later.
+    /// For a face that opens shortly after.
     late: HeadStart,
     leaves: f64,
 }
 
-/// That many where there are no kicks \[tick\].
+/// Default time without random impulses \[ticks\].
 const LEAVES: f64 = 25.0;
 
 impl<'r> HeadStarts<'r> {
-    /// What released blocks do in a scene of which so much is known.
+    /// Returns the head starts of a scene with these calibrated values.
     ///
-    /// Kicks of the rms j take a block that was at rest j t^(3/2) / √3 far in t ticks, and it is like any other in twice the time in which
-    /// that is the radius of the sphere of reach: by runs with physics in the default scene, and in two others (docs/validation/rates.md).
+    /// Random impulses with rms j move a block from rest by j t^(3/2) / √3 in t ticks. It counts as
+    /// any other block after twice the time to reach the radius of the sphere of reach. This was
+    /// validated in the default scene and two others (docs/validation/rates.md).
     pub(crate) fn in_scene(scene: &Scene, known: &'r [HeadStart]) -> HeadStarts<'r> {
         let kick = kick(scene);
         let leaves = 2.0 * libm::cbrt(3.0 * (RADIUS / kick) * (RADIUS / kick));
@@ -78,7 +82,8 @@ impl<'r> HeadStarts<'r> {
         }
     }
 
-    /// Those of a block that is released in the cell `from`, at an open cell to which `way` leads; `None`: it is like any other block.
+    /// Returns the head starts of a block released in the cell `from` at an open cell in direction
+    /// `way`. Returns `None` if there are none.
     pub fn of(&self, cell: Cell, way: Face, from: Cell) -> Option<ReleaseNearby> {
         let (squared_distance, before) = relative(cell, way, from)?;
         let at = |late: bool| {
@@ -100,14 +105,14 @@ impl<'r> HeadStarts<'r> {
         })
     }
 
-    /// Whether a block that was let go so many ticks ago is like any other, wherever that was.
+    /// Returns whether all head starts end before this number of ticks after the release.
     pub fn are_over(&self, since: f64) -> bool {
         since >= self.leaves
     }
 }
 
 impl ReleaseNearby {
-    /// Of a face that is open when the block has been loose for so many ticks, and was not before.
+    /// Returns the head start at a face that opens this number of ticks after the release.
     pub fn after(&self, since: f64) -> Option<HeadStart> {
         if since <= 0.0 {
             return Some(self.at_once);
@@ -120,8 +125,8 @@ impl ReleaseNearby {
     }
 }
 
-/// Where a cell is from an open one, to which `way` leads: the squared distance, and how far before the face; `None`: beyond all
-/// numbers.
+/// Returns the squared distance of a cell from an open one, and its distance in front of the face.
+/// Returns `None` on overflow.
 pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
     let offset = [
         from.x.checked_sub(cell.x)?,
@@ -163,7 +168,8 @@ mod tests {
             late.len()
         };
         let usual = leaves(1.0);
-        // As runs with physics have it: a third of those that dock a tick later still do after 15 to 25, and none after 50.
+        // In physical runs, a third of the later captures still occur after 15 to 25 ticks, and
+        // none after 50.
         assert!((20..40).contains(&usual), "{usual}");
         assert!(leaves(0.5) > usual * 3 / 2 && leaves(2.0) < usual * 3 / 4);
     }

@@ -1,8 +1,8 @@
-//! How far sums of waits are known to be off.
+//! Known errors of sums of waiting times.
 use serde::Serialize;
 
-/// What the captures of a program have to do with each other while they wait. Waits that are added up along its graph leave some of it
-/// out, and this says how much; the worst of a program counts.
+/// Interaction of a program's captures while they wait, which sums along the graph neglect. The
+/// worst one of a program counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Interaction {
@@ -10,12 +10,13 @@ pub enum Interaction {
     Apart,
     /// Blocks are released, and may dock at an open face nearby.
     Releases,
-    /// Faces wait beside each other, and nobody knows which captures first.
+    /// Adjacent faces are open at the same time, and their order is random.
     Racing,
 }
 
 impl Interaction {
-    /// The largest error of a mean beside runs by the same rates, of those that were measured (docs/validation/rates.md).
+    /// Returns the largest measured error of a mean relative to runs with the same rates
+    /// (docs/validation/rates.md).
     pub fn error(self) -> f64 {
         match self {
             Interaction::Apart => 0.016,
@@ -24,12 +25,12 @@ impl Interaction {
         }
     }
 
-    /// The same as a clause about the captures of a program.
+    /// Returns the interaction as a clause.
     pub fn meaning(self) -> &'static str {
         match self {
-            Interaction::Apart => "no faces wait beside each other, and no block is released",
+            Interaction::Apart => "no adjacent faces are open together, and no block is released",
             Interaction::Releases => "blocks are released, and may dock nearby",
-            Interaction::Racing => "faces wait beside each other",
+            Interaction::Racing => "adjacent faces are open together",
         }
     }
 }

@@ -1,33 +1,33 @@
-//! When a summed hazard comes to a value, nearly, or within bounds: that takes a few multiplications instead of some steps of
-//! Newton's, each with an exponential.
+//! Fast inverse of the cumulative hazard, approximate or with bounds: a few multiplications instead
+//! of Newton steps with an exponential each.
 use std::sync::LazyLock;
 
 use crate::docking_time::{docked, when_summed};
 
-/// Parts of each binade of values, by the leading bits of their mantissas.
+/// Parts per binade of values, as a number of leading mantissa bits.
 const PART_BITS: u32 = 5;
 
-/// The bits of a value that say where in its part it is.
+/// Bits of a value within its part.
 const WITHIN_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PART_BITS;
 
-/// The values of the table; larger ones need none.
+/// Range of the table. Larger values need none.
 const MIN: f64 = 1.0 / 128.0;
 const MAX: f64 = 8.0;
 
-/// Parts between them.
+/// Number of parts.
 const PARTS: usize = part(MAX) - part(MIN);
 
-/// By how much the table may be off, of itself: thirty times what it is.
+/// Bound of the relative error: thirty times the actual one.
 const ERROR: f64 = 1e-7;
 
-/// Of values from here on, single bits are larger than that.
+/// Value beyond which the spacing of doubles exceeds that error.
 const HUGE: f64 = 1e6;
 
-/// A polynomial for each part.
+/// Polynomial of each part.
 static CUBICS: LazyLock<[[f64; 4]; PARTS]> =
     LazyLock::new(|| std::array::from_fn(|number| cubic(part(MIN) + number)));
 
-/// Bounds of [`when_summed`].
+/// Returns bounds of [`when_summed`].
 pub(crate) fn bounds(value: f64) -> (f64, f64) {
     if (MIN..HUGE).contains(&value) {
         let time = about_when_summed(value);
@@ -38,19 +38,19 @@ pub(crate) fn bounds(value: f64) -> (f64, f64) {
     }
 }
 
-/// [`when_summed`], to [`ERROR`] of itself.
+/// Returns [`when_summed`] with the relative error [`ERROR`].
 pub(crate) fn about_when_summed(value: f64) -> f64 {
     if (MIN..MAX).contains(&value) {
         near(value)
     } else if (MAX..HUGE).contains(&value) {
-        // Nobody is left who has come and not docked.
+        // All arrived blocks have docked.
         value + 1.0
     } else {
         when_summed(value)
     }
 }
 
-/// About [`when_summed`], of a value of the table.
+/// Approximates [`when_summed`] for a value of the table.
 fn near(value: f64) -> f64 {
     let [a, b, c, d] = CUBICS[part(value) - part(MIN)];
     let within = value.to_bits() & ((1 << WITHIN_BITS) - 1);
@@ -59,17 +59,18 @@ fn near(value: f64) -> f64 {
     a + u * (b + u * (c + u * d))
 }
 
-/// The number of a value's part, from 0 on.
+/// Returns the index of a value's part.
 const fn part(value: f64) -> usize {
     (value.to_bits() >> WITHIN_BITS) as usize
 }
 
-/// The least value of a part.
+/// Returns the smallest value of a part.
 fn begin(part: usize) -> f64 {
     f64::from_bits((part as u64) << WITHIN_BITS)
 }
 
-/// With the times and slopes of both ends of a part (C. Hermite 1878); its variable grows from 0 to 1.
+/// Returns the Hermite cubic from the times and slopes at both ends of a part. Its variable runs
+/// from 0 to 1.
 fn cubic(part: usize) -> [f64; 4] {
     let ends = [begin(part), begin(part + 1)];
     let [from, to] = ends.map(when_summed);

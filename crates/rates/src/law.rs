@@ -1,59 +1,60 @@
-//! The law: from the surroundings of an open face to its wait.
+//! Rate law: waiting times from the surroundings of an open face.
 use serde::{Deserialize, Serialize};
 
 use crate::rivals::Rivals;
 use crate::wait::Wait;
 
-/// What a face's wait depends on.
+/// Surroundings that determine a waiting time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
-    /// The part of its sphere of reach that is not obstructed.
+    /// Fraction of the sphere of reach that is not obstructed.
     pub open: f64,
-    /// Density of the free gas at the cell's height over the mean of the gas.
+    /// Density of free blocks at the cell's height, relative to their mean.
     pub density: f64,
-    /// Blocks that are free over those that were at the beginning.
+    /// Fraction of the initial free blocks that are still free.
     pub free: f64,
-    /// Whether a block or the ground is beside the open cell, at right angles to the face's normal.
+    /// Whether a block or the ground is next to the open cell, perpendicular to the face's normal.
     pub beside: bool,
-    /// Whether one is beside the block that captures, likewise.
+    /// Whether a block or the ground is next to the capturing block, likewise.
     pub beside_parent: bool,
-    /// Whether none is beside the open cell, but one is across an edge of it, at right angles to the face's normal.
+    /// Whether no block is next to the open cell, but one is across an edge of it, perpendicular to
+    /// the face's normal.
     pub corner: bool,
-    /// The same of the block that captures.
+    /// The same for the capturing block.
     pub corner_parent: bool,
-    /// Whether nothing is beside the block that captures or across an edge of it, but a block or the ground is two cells from it, at
-    /// right angles to the face's normal.
+    /// Whether nothing is next to or diagonal from the capturing block, but a block or the ground
+    /// is two cells away, perpendicular to the face's normal.
     pub near_parent: bool,
-    /// Whether a block is ahead of the open cell, on the side opposite to the face, and none beside it: the cell is a gap in a beam.
+    /// Whether a block is opposite to the face and none next to the open cell, which is then a gap.
     pub ahead: bool,
-    /// The faces that wait near it.
+    /// Open faces nearby.
     pub rivals: Rivals,
-    /// Whether the face has been open since the first tick, when the gas was at rest.
+    /// Whether the face has been open since the first tick, when the free blocks were at rest.
     pub cold: bool,
 }
 
-/// The numbers of the law.
+/// Parameters of the rate law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Parameters(pub [f64; Parameters::COUNT]);
 
-/// A number of the law.
+/// Parameter of the rate law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// What it is.
+    /// Meaning.
     pub meaning: &'static str,
 }
 
 impl Parameters {
-    /// How many there are: [`Parameters::RATE`] of the rate, then those of the docking time.
+    /// Number of parameters: [`Parameters::RATE`] of the rate, then those of the docking time.
     pub const COUNT: usize = 19;
 
-    /// How many belong to the rate.
+    /// Number of parameters of the rate.
     pub const RATE: usize = 13;
 
-    /// What they are, in order.
+    /// Descriptions in order.
     pub const ALL: [Parameter; Parameters::COUNT] = [
         Parameter {
             name: "rate",
@@ -69,23 +70,23 @@ impl Parameters {
         },
         Parameter {
             name: "beside",
-            meaning: "logarithm of the rate's factor where a block is beside the cell",
+            meaning: "logarithm of the rate's factor if a block is next to the cell",
         },
         Parameter {
             name: "beside-parent",
-            meaning: "logarithm of the rate's factor where a block is beside the parent",
+            meaning: "logarithm of the rate's factor if a block is next to the parent",
         },
         Parameter {
             name: "corner",
-            meaning: "logarithm of the rate's factor where a block is across an edge of the cell, and none beside it",
+            meaning: "logarithm of the rate's factor if a block is across an edge of the cell, and none next to it",
         },
         Parameter {
             name: "corner-parent",
-            meaning: "logarithm of the rate's factor where a block is across an edge of the parent, and none beside it",
+            meaning: "logarithm of the rate's factor if a block is across an edge of the parent, and none next to it",
         },
         Parameter {
             name: "rival",
-            meaning: "logarithm of the rate's factor beside a cell that is open as well",
+            meaning: "logarithm of the rate's factor next to a cell that is open as well",
         },
         Parameter {
             name: "rival-across",
@@ -97,11 +98,11 @@ impl Parameters {
         },
         Parameter {
             name: "ahead",
-            meaning: "logarithm of the rate's factor where a block is ahead of the cell, and none beside it",
+            meaning: "logarithm of the rate's factor if a block is ahead of the cell, and none next to it",
         },
         Parameter {
             name: "near-parent",
-            meaning: "logarithm of the rate's factor where a block is two cells from the parent, and none beside it or across an edge of it",
+            meaning: "logarithm of the rate's factor if a block is two cells from the parent, and none next to it or across an edge of it",
         },
         Parameter {
             name: "depletion",
@@ -113,19 +114,19 @@ impl Parameters {
         },
         Parameter {
             name: "docking-beside",
-            meaning: "logarithm of its factor where a block is beside the cell",
+            meaning: "logarithm of its factor if a block is next to the cell",
         },
         Parameter {
             name: "docking-beside-parent",
-            meaning: "logarithm of its factor where a block is beside the parent",
+            meaning: "logarithm of its factor if a block is next to the parent",
         },
         Parameter {
             name: "docking-corner-parent",
-            meaning: "logarithm of its factor where a block is across an edge of the parent, and none beside it",
+            meaning: "logarithm of its factor if a block is across an edge of the parent, and none next to it",
         },
         Parameter {
             name: "docking-rival",
-            meaning: "logarithm of its factor beside a cell that is open as well",
+            meaning: "logarithm of its factor next to a cell that is open as well",
         },
         Parameter {
             name: "docking-cold",
@@ -133,21 +134,24 @@ impl Parameters {
         },
     ];
 
-    /// What was found in the built-in scene `hemisphere`, to begin with in others.
+    /// Result for the built-in scene `hemisphere`, and starting point for others.
     pub const TYPICAL: Parameters = Parameters([
         -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 0.27, 0.0, 5.17, -0.26,
         -0.81, -0.50, -0.45, 1.40,
     ]);
 
-    /// How far scenes are apart from that: a scene of its own has its own rate and docking time, and much the same geometry. What
-    /// faces beside each other do depends on whether blocks are easily caught: where they are not, two pulls catch more than one. In a
-    /// gap blocks jam in some scenes, and in others they come to rest sooner than elsewhere.
+    /// Prior standard deviations between scenes.
+    ///
+    /// Rate and docking time vary with the scene, the geometry little. The effect of adjacent faces
+    /// depends on how easily blocks are captured: two pulls capture more than one if it is hard. In
+    /// gaps, blocks jam in some scenes and settle faster in others.
     pub const SPREAD: [f64; Parameters::COUNT] = [
         5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 0.3, 1.0, 5.0, 0.3, 0.3, 0.3, 0.3,
         0.5,
     ];
 
-    /// The numbers that the logarithms of rate and docking time are linear in, but for what is proportional to the free blocks.
+    /// Returns the features for the logarithms of rate and docking time, without the factor of the
+    /// free blocks.
     pub fn features(
         of: &Surroundings,
     ) -> (
@@ -185,7 +189,7 @@ impl Parameters {
         )
     }
 
-    /// The factor of all rates when a part of the blocks is still free; never less when more are.
+    /// Returns the factor of all rates at this fraction of free blocks. Monotone.
     pub fn of_free(&self, part: f64) -> f64 {
         let part = part.max(0.0);
         match self.0[DEPLETION] {
@@ -194,7 +198,7 @@ impl Parameters {
         }
     }
 
-    /// The wait of a face in such surroundings.
+    /// Returns the waiting time of a face with these surroundings.
     pub fn wait(&self, of: &Surroundings) -> Wait {
         let (rate, docking) = Parameters::features(&Surroundings { free: 1.0, ..*of });
         let sum = |parameters: &[f64], features: &[f64]| -> f64 {
@@ -208,16 +212,16 @@ impl Parameters {
     }
 }
 
-/// The place of the exponent of the free blocks.
+/// Index of the exponent of the free blocks.
 const DEPLETION: usize = 12;
 
-/// The least part of the blocks that is free by which `depletion` counts.
+/// Smallest fraction of free blocks for `depletion`.
 const MIN_FREE: f64 = 1e-3;
 
-/// What is added to the open part, so that a face in a pit still captures sometimes.
+/// Added to the open fraction, so that a face in a pit still captures sometimes.
 const MIN_OPEN: f64 = 0.02;
 
-/// The least density over the mean that the law is asked for.
+/// Smallest relative density in the rate law.
 const MIN_DENSITY: f64 = 1e-3;
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
-//! How long an open face waits for a block, from what is around it.
+//! Waiting times of open faces, from their surroundings.
 //!
-//! A capture is a race of arrivals and a docking. [`Rates`] hold what was measured of a scene; their law says the rate of arrivals and the
-//! docking time of a face from the [`Surroundings`] of its cell, and [`Wait`] is the distribution that follows.
+//! A capture is a race of arrivals, each followed by a docking. [`Rates`] are calibrated for a
+//! scene. Their law gives the arrival rate and the docking time of a face from the [`Surroundings`]
+//! of its cell. [`Wait`] is the resulting distribution.
 //!
 //! ```
 //! use stochc_ir::{Cell, Face};
@@ -47,5 +48,5 @@ pub use surroundings::{around, feature_cells};
 pub use times::{Times, quantile};
 pub use wait::Wait;
 
-/// A digest of this crate's sources: two builds with one digest compute the same.
+/// Digest of this crate's sources. Two builds with equal digests compute equal results.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

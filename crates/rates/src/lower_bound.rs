@@ -1,4 +1,4 @@
-//! When a time by rates is a lower bound.
+//! Conditions under which times of the rate model are lower bounds.
 use serde::{Serialize, Serializer};
 use stochc_ir::JamRisk;
 
@@ -12,7 +12,7 @@ pub enum LowerBoundReason {
     TightApproach,
     /// Blocks may jam before faces near each other.
     CrowdedCaptures,
-    /// The structure has more blocks than any that the rates were measured with.
+    /// The structure is larger than all structures of the calibration.
     ///
     /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer with physics (docs/validation/rates.md).
     LargeStructure,

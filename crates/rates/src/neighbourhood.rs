@@ -1,18 +1,18 @@
-//! The cells around an open one.
+//! Occupancy of the cells around an open one.
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, offsets_within};
 
-/// How far a cell is from the open one along an axis, at most, if it blocks anything.
+/// Largest distance along an axis from the open cell of a blocking cell.
 pub const SIGHT: i32 = 2;
 
-/// Which cells that are no farther than [`SIGHT`] along each axis from a cell are blocked: by a block, or by the ground.
+/// Set of blocked cells within [`SIGHT`] along each axis. Blocks and the ground count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Neighbourhood(u128);
 
-/// What the ground blocks around cells of the layers around 0.
+/// Cells blocked by the ground, by layer.
 static ON_GROUND: LazyLock<[Neighbourhood; EDGE as usize]> = LazyLock::new(|| {
     std::array::from_fn(|layer| {
         let layer = layer as i32 - SIGHT;
@@ -20,22 +20,23 @@ static ON_GROUND: LazyLock<[Neighbourhood; EDGE as usize]> = LazyLock::new(|| {
     })
 });
 
-/// Cells along each of its edges.
+/// Cells along each edge.
 const EDGE: i32 = 2 * SIGHT + 1;
 
-/// Cells of it.
+/// Number of cells.
 pub(crate) const CELLS: usize = EDGE.pow(3) as usize;
 
 impl Neighbourhood {
-    /// That of a cell high above the ground, where nothing is.
+    /// Neighbourhood of a cell high above the ground, without blocks.
     pub const EMPTY: Neighbourhood = Neighbourhood(0);
 
-    /// That of a cell, by which cells above the plate are full: everything below is ground.
+    /// Returns the neighbourhood of a cell. `is_full` is called for cells above the plate;
+    /// everything below is ground.
     pub fn new(cell: Cell, is_full: impl Fn(Cell) -> bool) -> Neighbourhood {
         Neighbourhood::of_interest(Neighbourhood::of_cells(all()), cell, is_full)
     }
 
-    /// The part of it that is of interest: nothing is asked of the other cells.
+    /// Returns the part of a neighbourhood in `which`. Calls `is_full` for no other cells.
     pub fn of_interest(
         which: Neighbourhood,
         cell: Cell,
@@ -51,19 +52,19 @@ impl Neighbourhood {
         found
     }
 
-    /// That of a cell above the plate where there is no block.
+    /// Returns the neighbourhood of a cell above the plate without blocks.
     pub fn on_ground(cell: Cell) -> Neighbourhood {
         let layer = cell.z.clamp(-SIGHT, SIGHT + 1) + SIGHT;
         let low = ON_GROUND.get(layer as usize);
         low.copied().unwrap_or(Neighbourhood::EMPTY)
     }
 
-    /// Blocks a cell so many steps away, none of them longer than [`SIGHT`].
+    /// Blocks a cell at an offset of at most [`SIGHT`].
     pub fn block(&mut self, offset: [i32; 3]) {
         self.0 |= bit(offset);
     }
 
-    /// Blocks a cell so many steps away, none of them longer than [`SIGHT`], or frees it.
+    /// Blocks or unblocks a cell at an offset of at most [`SIGHT`].
     pub fn set(&mut self, offset: [i32; 3], is_blocked: bool) {
         if is_blocked {
             self.block(offset)
@@ -72,24 +73,24 @@ impl Neighbourhood {
         }
     }
 
-    /// Whether a cell so many steps away is blocked, none of them longer than [`SIGHT`].
+    /// Returns whether a cell at an offset of at most [`SIGHT`] is blocked.
     pub fn is_blocked(self, offset: [i32; 3]) -> bool {
         self.0 & bit(offset) != 0
     }
 
-    /// Cells so many steps away, none of them longer than [`SIGHT`].
+    /// Returns the set of cells at these offsets.
     pub(crate) fn of_cells(offsets: impl IntoIterator<Item = [i32; 3]>) -> Neighbourhood {
         let mut found = Neighbourhood::EMPTY;
         offsets.into_iter().for_each(|offset| found.block(offset));
         found
     }
 
-    /// Whether a cell is blocked that is of interest there.
+    /// Returns whether the two sets have a common cell.
     pub(crate) fn meets(self, other: Neighbourhood) -> bool {
         self.0 & other.0 != 0
     }
 
-    /// The places of the blocked cells among all, below [`CELLS`].
+    /// Returns the indices of the blocked cells, below [`CELLS`].
     pub(crate) fn places(self) -> impl Iterator<Item = usize> {
         let mut left = self.0;
         std::iter::from_fn(move || {
@@ -99,26 +100,26 @@ impl Neighbourhood {
         })
     }
 
-    /// What is blocked here or there.
+    /// Returns the union of two sets.
     #[must_use]
     pub fn and(self, other: Neighbourhood) -> Neighbourhood {
         Neighbourhood(self.0 | other.0)
     }
 
-    /// What is blocked here and not there.
+    /// Returns the difference of two sets.
     #[must_use]
     fn without(self, other: Neighbourhood) -> Neighbourhood {
         Neighbourhood(self.0 & !other.0)
     }
 
-    /// What is blocked here and of interest there.
+    /// Returns the intersection of two sets.
     #[must_use]
     pub fn within(self, other: Neighbourhood) -> Neighbourhood {
         Neighbourhood(self.0 & other.0)
     }
 }
 
-/// The offsets of all cells of a neighbourhood.
+/// Returns the offsets of all cells of a neighbourhood.
 pub(crate) fn all() -> impl Iterator<Item = [i32; 3]> {
     offsets_within(SIGHT)
 }
@@ -127,13 +128,13 @@ fn bit(offset: [i32; 3]) -> u128 {
     1 << place(offset)
 }
 
-/// The place of a cell among all.
+/// Returns the index of a cell.
 pub(crate) fn place(offset: [i32; 3]) -> usize {
     let [x, y, z] = offset.map(|step| step + SIGHT);
     (x + EDGE * (y + EDGE * z)) as usize
 }
 
-/// The cell of a place.
+/// Returns the offset of an index.
 fn offset(place: usize) -> [i32; 3] {
     let place = place as i32;
     [place, place / EDGE, place / (EDGE * EDGE)].map(|part| part % EDGE - SIGHT)
@@ -157,7 +158,7 @@ mod tests {
             }
             let some = Neighbourhood::of_cells(all().filter(|[dx, ..]| *dx > 0));
             let part = Neighbourhood::of_interest(some, cell, |near| {
-                assert!(near.x > 7, "nobody wants to know");
+                assert!(near.x > 7, "cells out of interest must not be queried");
                 is_full(near)
             });
             assert_eq!(part, found.within(some));

@@ -1,4 +1,4 @@
-//! What was measured of a scene.
+//! Calibrated rates of a scene.
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
@@ -13,59 +13,60 @@ use crate::rivals::Rivals;
 use crate::surroundings::{around, blocked_around};
 use crate::wait::Wait;
 
-/// The rates of capture in a scene, with what they were measured from.
+/// Capture rates of a scene, with their origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Stored")]
 pub struct Rates {
-    /// The version of this form.
+    /// Version of the file format.
     pub format: u32,
-    /// The scene that they are of.
+    /// Calibrated scene.
     pub scene: Scene,
-    /// How it was simulated: the model and its steps.
+    /// Model and steps of the calibration runs.
     pub simulated: String,
-    /// The seed of the runs.
+    /// Seed of the runs.
     pub seed: u64,
-    /// The captures observed.
+    /// Number of observed captures.
     pub captures: u64,
-    /// The numbers of the law.
+    /// Parameters of the rate law.
     pub parameters: Parameters,
     /// Their covariance, row by row.
     pub covariance: Vec<f64>,
-    /// Density of the free gas around the plate over the mean of the gas, in layers of one side: the first has the middles of blocks
-    /// in the lowest cells.
+    /// Density of free blocks around the plate relative to their mean, by layers of one block
+    /// length. The first layer contains the centres of blocks in the lowest cells.
     pub profile: Vec<f64>,
-    /// Blocks that were free at the beginning.
+    /// Number of initially free blocks.
     pub free: u32,
-    /// What released blocks do near open faces.
+    /// Head starts of released blocks.
     pub head_starts: Vec<HeadStart>,
-    /// Where it was measured.
+    /// Range of the observations.
     pub coverage: Coverage,
 }
 
-/// What surroundings were observed.
+/// Range of observed surroundings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
-    /// The highest cell that captured.
+    /// Highest capturing cell.
     pub highest: i32,
-    /// The least part of its sphere of reach that a face had open.
+    /// Smallest open fraction of a sphere of reach.
     pub least_open: f64,
-    /// The least part of the blocks that was free.
+    /// Smallest fraction of free blocks.
     pub least_free: f64,
 }
 
 /// Version of the format of [`Rates`]. No other version is read.
 pub const FORMAT: u32 = 1;
 
-/// The place of the parameter for a block ahead.
+/// Index of the parameter for a block opposite.
 const AHEAD: usize = 10;
 
-/// The logarithm of a rate's factor from which on a gap hinders nobody: half of the rate.
+/// Smallest logarithmic rate factor of a passable gap: half of the rate.
 const SLOWEST_GAP: f64 = -0.7;
 
-/// Rates of built-in scenes, as `stochc calibrate SCENE --out` wrote them.
+/// Rates of built-in scenes, written by `stochc calibrate SCENE --out`.
 const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
 
-/// What a [`profile`](Rates::profile) says of a layer of cells; above the last one, what that says.
+/// Returns the density of a [`profile`](Rates::profile) at a layer of cells. Constant above the
+/// last one.
 pub fn density_in(profile: &[f64], layer: i32) -> f64 {
     let layer = usize::try_from(layer - 1).unwrap_or(0);
     profile
@@ -76,17 +77,17 @@ pub fn density_in(profile: &[f64], layer: i32) -> f64 {
 }
 
 impl Rates {
-    /// Those that come with this crate, of a built-in scene; `None`: the scene is another.
+    /// Returns the built-in rates of a scene, if there are any.
     pub fn built_in(scene: &Scene) -> Option<&'static Rates> {
         Rates::shipped().iter().find(|rates| rates.are_of(scene))
     }
 
-    /// Whether blocks are known to [pass gaps](Rates::passes_gaps) in a built-in scene.
+    /// Returns whether blocks are known to [pass gaps](Rates::passes_gaps) in a built-in scene.
     pub fn pass_gaps(scene: &Scene) -> bool {
         Rates::built_in(scene).is_some_and(Rates::passes_gaps)
     }
 
-    /// All that come with this crate, those of the default scene first.
+    /// Returns all built-in rates, those of the default scene first.
     pub(crate) fn shipped() -> &'static [Rates] {
         static ALL: LazyLock<Vec<Rates>> = LazyLock::new(|| {
             let all = BUILT_IN.iter();
@@ -95,21 +96,22 @@ impl Rates {
         &ALL
     }
 
-    /// Those of a scene among given ones, or those that come with this crate.
+    /// Returns the given or built-in rates of a scene.
     pub fn known<'a>(given: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
         let given = given.iter().find(|rates| rates.are_of(scene));
         given.or_else(|| Rates::built_in(scene))
     }
 
-    /// Those of a scene that are known, or a [first guess](Rates::first_guess).
+    /// Returns the given or built-in rates of a scene, or an [uncalibrated
+    /// estimate](Rates::first_guess).
     pub fn known_or_guessed<'a>(given: &'a [Rates], scene: &Scene) -> Option<Cow<'a, Rates>> {
         let known = Rates::known(given, scene).map(Cow::Borrowed);
         known.or_else(|| Rates::first_guess(scene).map(Cow::Owned))
     }
 
-    /// Whether they are of this scene.
+    /// Returns whether the rates are valid for a scene.
     pub fn are_of(&self, scene: &Scene) -> bool {
-        // What it is called, how many faces a block switches on and what messages do has nothing to do with a wait.
+        // Name, number of open faces per block, and messages do not affect waiting times.
         let mut alike = scene.clone();
         alike.name.clone_from(&self.scene.name);
         alike.block.faces = self.scene.block.faces;
@@ -117,23 +119,25 @@ impl Rates {
         self.scene == alike
     }
 
-    /// Whether blocks come into a gap between the face and a block ahead about as fast as elsewhere, beyond doubt: in some scenes they jam there.
+    /// Returns whether blocks certainly enter gaps about as fast as other cells. In some scenes
+    /// they jam there.
     pub fn passes_gaps(&self) -> bool {
         let variance = self.covariance[AHEAD * (Parameters::COUNT + 1)];
         variance > 0.0 && self.parameters.0[AHEAD] - 2.0 * variance.sqrt() > SLOWEST_GAP
     }
 
-    /// Density of the free gas at a layer of cells over the mean; above the measured ones that of the last.
+    /// Returns the relative density of free blocks at a layer of cells. Constant above the
+    /// calibrated ones.
     pub fn density(&self, layer: i32) -> f64 {
         density_in(&self.profile, layer)
     }
 
-    /// What released blocks do in its scene.
+    /// Returns the head starts in its scene.
     pub fn head_starts(&self) -> HeadStarts<'_> {
         HeadStarts::in_scene(&self.scene, &self.head_starts)
     }
 
-    /// What is around an open face; see [`around`].
+    /// Returns the surroundings of an open face; see [`around`].
     pub fn surroundings(
         &self,
         cell: Cell,
@@ -147,7 +151,7 @@ impl Rates {
         }
     }
 
-    /// The wait of a face, by how many others wait near it.
+    /// Returns the waiting time of a face with open faces nearby.
     pub fn wait_among(
         &self,
         cell: Cell,
@@ -164,44 +168,45 @@ impl Rates {
         })
     }
 
-    /// The wait of a face in such surroundings.
+    /// Returns the waiting time of a face with these surroundings.
     pub fn wait(&self, surroundings: &Surroundings) -> Wait {
         self.parameters.wait(surroundings)
     }
 
-    /// Returns the blocks of the largest structure that the rates were measured with.
+    /// Returns the size of the largest structure in the calibration.
     ///
-    /// `None`: they are a first guess.
+    /// Returns `None` for uncalibrated estimates.
     pub fn largest_structure(&self) -> Option<u32> {
         let part = 1.0 - self.coverage.least_free;
         let blocks = (part * f64::from(self.free)).round();
         (!self.is_guess()).then_some(blocks as u32)
     }
 
-    /// As a file, a JSON object on lines of its own.
+    /// Returns the rates as a file: a JSON object on several lines.
     pub fn to_text(&self) -> String {
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
         text.push('\n');
         text
     }
 
-    /// From a file.
+    /// Reads rates from a file.
     ///
     /// # Errors
-    /// If it is no such file, or one that makes no sense, in words.
+    ///
+    /// A description, if the file is invalid.
     pub fn from_text(text: &str) -> Result<Rates, String> {
         strict_json(text.as_bytes()).map_err(no_rates)
     }
 }
 
 fn no_rates(error: impl std::fmt::Display) -> String {
-    format!("it holds no rates as `stochc calibrate` writes them: {error}")
+    format!("it is not a file of rates by `stochc calibrate`: {error}")
 }
 
-// All numbers are finite: `Stored` sees to that.
+// `Stored` ensures that all numbers are finite.
 impl Eq for Rates {}
 
-/// Rates that nobody has looked at yet.
+/// Rates before validation.
 #[derive(Deserialize)]
 struct Stored {
     format: u32,
@@ -240,23 +245,23 @@ impl TryFrom<Stored> for Rates {
             ));
         }
         let parameters = <[f64; Parameters::COUNT]>::try_from(parameters)
-            .map_err(|_| "its parameters are of another number")?;
+            .map_err(|_| "its number of parameters is wrong")?;
         if covariance.len() != Parameters::COUNT * Parameters::COUNT {
-            return Err("its covariance has another size".to_owned());
+            return Err("the size of its covariance is wrong".to_owned());
         }
-        // Beyond e^30 no wait has a meaning, and sums overflow.
+        // Beyond e^30 waiting times are meaningless, and sums overflow.
         if (parameters.iter()).any(|value| !(-30.0..=30.0).contains(value)) {
             return Err("a parameter is out of range".to_owned());
         }
         let is_density = |value: &f64| (0.0..=1e6).contains(value);
         if profile.is_empty() || profile.len() > MAX_LAYERS || !profile.iter().all(is_density) {
-            return Err("its profile makes no sense".to_owned());
+            return Err("its profile is invalid".to_owned());
         }
         let is_start = |start: &HeadStart| {
             (0.0..=1.0).contains(&start.probability) && (0.0..=1e9).contains(&start.ticks)
         };
         if head_starts.len() > MAX_HEAD_STARTS || !head_starts.iter().all(is_start) {
-            return Err("its head starts make no sense".to_owned());
+            return Err("its head starts are invalid".to_owned());
         }
         let others = [coverage.least_open, coverage.least_free];
         if covariance
@@ -282,10 +287,10 @@ impl TryFrom<Stored> for Rates {
     }
 }
 
-/// Layers of a profile, at most.
+/// Largest number of layers of a profile.
 const MAX_LAYERS: usize = 1000;
 
-/// Squared distances of head starts, at most.
+/// Largest squared distance of a head start.
 const MAX_HEAD_STARTS: usize = 100;
 
 #[cfg(test)]
@@ -329,7 +334,7 @@ mod tests {
     #[test]
     fn a_field_that_means_nothing_is_refused() {
         let text = BUILT_IN[0].replacen("\"seed\"", "\"sead\": 1, \"seed\"", 1);
-        let refused = Rates::from_text(&text).expect_err("nobody reads it");
+        let refused = Rates::from_text(&text).expect_err("it must be rejected");
         assert!(refused.contains("`sead`"), "{refused}");
     }
 }

@@ -1,40 +1,40 @@
-//! Which open faces pull at the same blocks.
+//! Open faces that compete for the same blocks.
 use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, Face, offsets_within};
 
-/// How many faces wait near an open one that pull at the same blocks.
+/// Numbers of open faces nearby that compete for the same blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Rivals {
-    /// Of the same direction, open to a cell beside the open one, at right angles to their normal.
+    /// Faces of the same direction, open to an adjacent cell perpendicular to their normal.
     pub beside: u8,
-    /// Of the same direction, open to a cell across an edge of it, at right angles to their normal.
+    /// Faces of the same direction, open to a diagonal cell perpendicular to their normal.
     pub across: u8,
-    /// Twice the number of all others that are open to a cell which shares a side or an edge with the open one, and of those at a corner
-    /// of it their number; those that face away count for nothing.
+    /// Weighted number of all others. Faces open to a cell across a side or an edge count 2, at a
+    /// corner 1. Faces that point away count 0.
     pub around: u8,
 }
 
-/// How a face is a rival of another.
+/// Kind of competition between two faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rivalry {
     /// One of [`Rivals::beside`].
     Beside,
     /// One of [`Rivals::across`].
     Across,
-    /// One of [`Rivals::around`], at a side or an edge.
+    /// One of [`Rivals::around`], across a side or an edge.
     Around,
-    /// One of those, at a corner.
+    /// One of [`Rivals::around`], at a corner.
     AtCorner,
 }
 
 impl Rivals {
-    /// One more of a kind.
+    /// Adds a face of a kind.
     pub fn add(&mut self, of: Rivalry) {
         let (number, one) = self.number(of);
         *number += one;
     }
 
-    /// One less of a kind.
+    /// Removes a face of a kind.
     pub fn remove(&mut self, of: Rivalry) {
         let (number, one) = self.number(of);
         *number -= one;
@@ -50,8 +50,8 @@ impl Rivals {
     }
 }
 
-/// How a face that is open towards `other.0` in the direction `other.1` is a rival of one that is open towards `cell` in the direction
-/// `way`; `None`: it is none.
+/// Returns the competition between a face open to `other.0` in direction `other.1` and one open to
+/// `cell` in direction `way`, if they compete.
 pub fn rivalry((cell, way): (Cell, Face), other: (Cell, Face)) -> Option<Rivalry> {
     let difference = |to: i32, from: i32| to.checked_sub(from).filter(|it| it.abs() <= 1);
     let offset = [
@@ -74,7 +74,8 @@ pub fn rivalry((cell, way): (Cell, Face), other: (Cell, Face)) -> Option<Rivalry
     }
 }
 
-/// The rivals of a face that is open towards `cell` in the direction `way`: which way a face is open towards a cell, `open` says.
+/// Returns the rivals of a face open to `cell` in direction `way`. `open` returns the direction of
+/// the face open to a cell.
 pub fn rivals(cell: Cell, way: Face, open: impl Fn(Cell) -> Option<Face>) -> Rivals {
     let mut rivals = Rivals::default();
     for offset in touching() {
@@ -89,7 +90,7 @@ pub fn rivals(cell: Cell, way: Face, open: impl Fn(Cell) -> Option<Face>) -> Riv
     rivals
 }
 
-/// The cells that touch one.
+/// Returns the offsets of all cells that touch a cell.
 fn touching() -> impl Iterator<Item = [i32; 3]> {
     offsets_within(1).filter(|offset| *offset != [0; 3])
 }
@@ -118,7 +119,7 @@ mod tests {
         assert_eq!(counts(up([1, -1, 0])), [0, 1, 0]);
         assert_eq!(counts(up([0, 1, -1])), [0, 0, 2]);
         assert_eq!(counts(up([1, 1, -1])), [0, 0, 1]);
-        // One step ahead, with its parent beside the open cell.
+        // One step ahead, with its parent next to the open cell.
         assert_eq!(counts(up([0, 1, 1])), [0; 3]);
         assert_eq!(counts(up([0, 2, 0])), [0; 3]);
     }

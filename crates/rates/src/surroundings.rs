@@ -1,4 +1,4 @@
-//! What is around an open face, cell by cell.
+//! Surroundings of an open face, from the cells around it.
 use std::sync::LazyLock;
 
 use stochc_ir::{Cell, Face};
@@ -8,10 +8,11 @@ use crate::law::Surroundings;
 use crate::neighbourhood::Neighbourhood;
 use crate::rivals::{Rivals, rivals};
 
-/// What is around the face that is open towards `cell` in the direction `way`: blocked cells, and cells that other faces are open to, in
-/// the direction that `open` says.
+/// Returns the surroundings of the face open to `cell` in direction `way`. `near` are the blocked
+/// cells, and `open` returns the direction of the face open to a cell.
 ///
-/// The gas is left as it is in the mean; see [`Rates::surroundings`](crate::Rates::surroundings).
+/// The density of free blocks is set to the mean; see
+/// [`Rates::surroundings`](crate::Rates::surroundings).
 pub fn around(
     cell: Cell,
     way: Face,
@@ -24,7 +25,7 @@ pub fn around(
     }
 }
 
-/// The same where no other face is open.
+/// Returns the surroundings without other open faces.
 pub(crate) fn blocked_around(cell: Cell, way: Face, near: Neighbourhood) -> Surroundings {
     let [of_cell, of_parent] = &FLANKS[way as usize];
     let beside = |of: &Flanks| near.meets(of.beside);
@@ -47,14 +48,14 @@ pub(crate) fn blocked_around(cell: Cell, way: Face, near: Neighbourhood) -> Surr
     }
 }
 
-/// The cells around one at right angles to a direction.
+/// Cells around a cell, perpendicular to a direction.
 struct Flanks {
     beside: Neighbourhood,
     across_edge: Neighbourhood,
     two_away: Neighbourhood,
 }
 
-/// Those of the open cell and of the block that captures, for faces of each direction.
+/// Cells around the open cell and around the capturing block, by direction of the face.
 static FLANKS: LazyLock<[[Flanks; 2]; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         [[0; 3], way.opposite().normal()].map(|of| Flanks {
@@ -65,7 +66,7 @@ static FLANKS: LazyLock<[[Flanks; 2]; 6]> = LazyLock::new(|| {
     })
 });
 
-/// The cells around the open one that [`around`] looks at, for a face of a direction.
+/// Returns the cells that [`around`] depends on, for a face of a direction.
 pub fn feature_cells(way: Face) -> Neighbourhood {
     FEATURE_CELLS[way as usize]
 }
@@ -83,13 +84,13 @@ static FEATURE_CELLS: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
     })
 });
 
-/// The directions at right angles to another.
+/// Returns the directions perpendicular to `way`.
 pub(crate) fn aside(way: Face) -> impl Iterator<Item = Face> {
     let others = Face::ALL.into_iter();
     others.filter(move |face| *face != way && *face != way.opposite())
 }
 
-/// The cells so many steps from one, at right angles to a direction.
+/// Returns the cells at a distance from a cell, perpendicular to a direction.
 fn at_distance(steps: i32, way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
     aside(way).map(move |face| {
         let step = face.normal();
@@ -97,7 +98,7 @@ fn at_distance(steps: i32, way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32
     })
 }
 
-/// The four cells across an edge of one, at right angles to a direction.
+/// Returns the four diagonal cells perpendicular to a direction.
 fn across_edge(way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
     let signs = [[1, 1], [1, -1], [-1, 1], [-1, -1]].into_iter();
     let along = way.normal().map(i32::abs);
@@ -174,7 +175,7 @@ mod tests {
             let near: Vec<Cell> = at_distance(2, way, parent).map(at).collect();
             assert!(!seen(&[]));
             assert!(near.iter().all(|near| seen(&[*near])), "{way:?}");
-            // Beside the cell is another matter.
+            // Cells next to the open one are counted separately.
             let of_cell: Vec<Cell> = at_distance(1, way, [0; 3]).map(at).collect();
             assert!(seen(&[near[0], of_cell[0]]) && !seen(&of_cell));
             assert!(!seen(

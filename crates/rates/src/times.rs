@@ -1,31 +1,34 @@
-//! What many times come to.
+//! Statistics of times.
 use serde::Serialize;
 
 use crate::LowerBoundReasons;
 
-/// Mean and quantiles of a time \[tick\], each with half of its 95 % interval, in which there is chance alone.
+/// Mean and quantiles of a time \[ticks\], with half-widths of 95 % confidence intervals from
+/// random variation alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Times {
-    /// Its mean; `None`: there are cases in which it never ends.
+    /// Mean. `None` if some cases never end.
     pub mean: Option<f64>,
-    /// Of the mean, of draws by the normal distribution and of runs by Student's; `None`: there is no mean, or only one time.
+    /// Half-width for the mean: normal distribution for draws, Student's for runs. `None` without a
+    /// mean, or for a single time.
     pub half_width: Option<f64>,
-    /// In a tenth of all cases it is less; `None`: in fewer.
+    /// 10th percentile. `None` if fewer than a tenth of the cases end.
     pub p10: Option<f64>,
-    /// Of that; `None`: there are too few cases to say.
+    /// Its half-width. `None` for too few cases.
     pub p10_half_width: Option<f64>,
-    /// In half of them, likewise.
+    /// Median, likewise.
     pub median: Option<f64>,
-    /// Likewise.
+    /// Its half-width.
     pub median_half_width: Option<f64>,
-    /// In nine tenths, likewise.
+    /// 90th percentile, likewise.
     pub p90: Option<f64>,
-    /// Likewise.
+    /// Its half-width.
     pub p90_half_width: Option<f64>,
 }
 
 impl Times {
-    /// Of some times in any order, beside cases in which it `never` ends; `None`: those are more than nine tenths, or there are no cases.
+    /// Returns the statistics of times in any order, and of `never` cases that never end. Returns
+    /// `None` without cases, or if more than nine tenths never end.
     pub fn new(mut times: Vec<f64>, never: usize) -> Option<Times> {
         times.sort_unstable_by(f64::total_cmp);
         let count = times.len() as f64;
@@ -71,18 +74,21 @@ impl Times {
     }
 }
 
-/// So many standard deviations to either side hold 95 % of a normal distribution.
+/// Number of standard deviations of a 95 % interval of the normal distribution.
 const NORMAL: f64 = 1.96;
 
-/// The value below which a share `q` of a sorted sample lies, 0 to 1; `None`: there are no values.
+/// Returns the quantile `q`, from 0 to 1, of a sorted sample. Returns `None` for an empty one.
 ///
-/// Between two values it goes in a straight line, by type 7 of R. J. Hyndman and Y. Fan, The
-/// American Statistician 50 (1996), 361-365, as numpy and R do by default.
+/// Interpolates linearly between two values, as numpy and R do by default.
+///
+/// # Source
+///
+/// R. J. Hyndman and Y. Fan, The American Statistician 50 (1996), 361-365, type 7.
 pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     Cases { sorted, never: 0 }.quantile(q)
 }
 
-/// Sorted times, and how many cases never end.
+/// Sorted times, and the number of cases that never end.
 #[derive(Clone, Copy)]
 struct Cases<'a> {
     sorted: &'a [f64],
@@ -94,7 +100,7 @@ impl Cases<'_> {
         self.sorted.len() + self.never
     }
 
-    /// `None`: it is infinite, or there are no cases.
+    /// Returns a quantile, or `None` if it is infinite or there are no cases.
     fn quantile(self, q: f64) -> Option<f64> {
         let place = q.clamp(0.0, 1.0) * self.count().checked_sub(1)? as f64;
         let at = |place: f64| self.sorted.get(place as usize).copied();
@@ -102,7 +108,8 @@ impl Cases<'_> {
         Some(below + (above - below) * place.fract())
     }
 
-    /// Half of the interval of a quantile: how many values lie below it is binomial, whatever their distribution.
+    /// Returns the half-width for a quantile. The number of values below it is binomial for any
+    /// distribution.
     fn half_width(self, q: f64) -> Option<f64> {
         let by = NORMAL * (q * (1.0 - q) / self.count() as f64).sqrt();
         let is_within = q - by >= 0.0 && q + by <= 1.0;
@@ -126,7 +133,8 @@ mod tests {
         assert_eq!(quantile(&[3.0], 0.9), Some(3.0));
     }
 
-    /// Of n evenly spread values between 0 and 1, the standard error of a quantile q is the root of q (1 - q) / n.
+    /// For n uniform values in (0, 1), the standard error of a quantile q is the root of q (1 - q)
+    /// / n.
     #[test]
     fn intervals_are_those_of_order_statistics() {
         let n = 4000;
@@ -151,7 +159,8 @@ mod tests {
         assert!(times.median_half_width.is_some());
     }
 
-    /// 70 times of 1 to 70 beside 30 that never come: quantiles are those of all hundred, and there is no mean.
+    /// 70 times from 1 to 70 and 30 infinite ones: quantiles refer to all hundred cases, and there
+    /// is no mean.
     #[test]
     fn cases_that_never_end_are_slower_than_all_others() {
         let times = Times::new((1..=70).map(f64::from).collect(), 30).unwrap();

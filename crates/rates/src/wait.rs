@@ -1,4 +1,4 @@
-//! How long an open face waits.
+//! Distribution of the waiting time of an open face.
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
@@ -6,21 +6,22 @@ use serde::{Deserialize, Serialize};
 use crate::docking_time::{STAGES, docked, summed, when_summed};
 use crate::inverse::{about_when_summed, bounds};
 
-/// The wait of an open face in surroundings that stay as they are.
+/// Waiting time of an open face in constant surroundings.
 ///
-/// Blocks that will dock come into reach as a Poisson process, and each then needs a docking time of an Erlang distribution with
-/// [`STAGES`] stages; the first that is through is captured. So the hazard of a face that has been open for s ticks is `rate G(s)`, with
-/// G the distribution function of the docking time.
+/// Blocks that will dock arrive as a Poisson process. Each needs a docking time from an Erlang
+/// distribution with [`STAGES`] stages, and the first to finish is captured. The hazard of a face
+/// open for s ticks is therefore `rate G(s)`, with G the distribution function of the docking time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wait {
-    /// Blocks that will dock come into reach so often \[1/tick\].
+    /// Rate of arrivals that will dock \[1/tick\].
     pub rate: f64,
-    /// What one of them needs on average \[tick\].
+    /// Mean docking time \[ticks\].
     pub docking: f64,
 }
 
 impl Wait {
-    /// The wait in surroundings that are half way between two others: both of its numbers are their geometric means.
+    /// Returns the waiting time halfway between two surroundings: the geometric means of both
+    /// parameters.
     #[must_use]
     pub fn between(self, other: Wait) -> Wait {
         Wait {
@@ -29,17 +30,17 @@ impl Wait {
         }
     }
 
-    /// The hazard after so many ticks \[1/tick\].
+    /// Returns the hazard after a number of ticks \[1/tick\].
     pub fn hazard(self, ticks: f64) -> f64 {
         self.rate * docked(ticks / self.docking)
     }
 
-    /// The hazard summed up from the beginning to a time \[tick\].
+    /// Returns the cumulative hazard after a time \[ticks\].
     pub fn cumulative_hazard(self, ticks: f64) -> f64 {
         self.rate * self.docking * summed(ticks / self.docking)
     }
 
-    /// The hazards summed up from the beginning to a time, in these surroundings and in others \[tick\].
+    /// Returns the cumulative hazards of two waiting times after a time \[ticks\].
     pub fn cumulative_hazards(of: [Wait; 2], ticks: f64) -> [f64; 2] {
         let [one, other] = of;
         let summed_one = summed(ticks / one.docking);
@@ -54,7 +55,8 @@ impl Wait {
         ]
     }
 
-    /// By how much the summed hazard and the logarithm of the hazard grow with the logarithm of the docking time.
+    /// Returns the derivatives of the cumulative hazard and of the logarithmic hazard by the
+    /// logarithm of the docking time.
     pub fn docking_slopes(self, ticks: f64) -> (f64, f64) {
         let time = ticks / self.docking;
         let x = f64::from(STAGES) * time;
@@ -69,31 +71,32 @@ impl Wait {
         (summed, hazard)
     }
 
-    /// The time at which the summed hazard has come to a value \[tick\]; never, if nobody comes.
+    /// Returns the time of a cumulative hazard \[ticks\]. Infinite without arrivals.
     pub fn time_of(self, cumulative_hazard: f64) -> f64 {
         self.docking * when_summed(cumulative_hazard / (self.rate * self.docking))
     }
 
-    /// [`Wait::time_of`], to 1e-7 of itself, which takes less time.
+    /// Returns [`Wait::time_of`] faster, with a relative error of 1e-7.
     pub fn about_time_of(self, cumulative_hazard: f64) -> f64 {
         self.docking * about_when_summed(cumulative_hazard / (self.rate * self.docking))
     }
 
-    /// Bounds of [`Wait::time_of`], which take less time.
+    /// Returns bounds of [`Wait::time_of`], which are faster to compute.
     pub fn time_bounds(self, cumulative_hazard: f64) -> (f64, f64) {
         let (low, high) = bounds(cumulative_hazard / (self.rate * self.docking));
         (self.docking * low, self.docking * high)
     }
 
-    /// The probability of having captured by then.
+    /// Returns the probability of a capture by this time.
     pub fn distribution(self, ticks: f64) -> f64 {
         -libm::expm1(-self.cumulative_hazard(ticks))
     }
 
-    /// The mean wait and its variance \[tick, tick^2\], to about 1e-4 of themselves.
+    /// Returns the mean waiting time and its variance \[ticks, ticks^2\], with a relative error of
+    /// about 1e-4.
     pub fn moments(self) -> (f64, f64) {
-        // E f(T) with the summed hazard exponential of mean 1, by Gauss and Laguerre's nodes would miss the root at 0; equal parts of
-        // the probability do not, and their middles are good to the second order.
+        // Expectation over an exponential cumulative hazard with mean 1. Gauss-Laguerre nodes would
+        // miss the root at 0. Midpoints of equal probabilities are accurate to second order.
         let (mut mean, mut square) = (0.0, 0.0);
         for &exponential in MIDDLES.iter() {
             let time = self.about_time_of(exponential);
@@ -105,18 +108,18 @@ impl Wait {
         (mean, square / parts - mean * mean)
     }
 
-    /// The mean wait \[tick\].
+    /// Returns the mean waiting time \[ticks\].
     pub fn mean(self) -> f64 {
         self.moments().0
     }
 }
 
-/// Equal parts of the probability that moments are summed over.
+/// Number of equal probabilities for moments.
 const PARTS: usize = 256;
 
-/// The mean of an exponential variable of mean 1 within each of [`PARTS`] equal parts of its probability.
+/// Means of an exponential variable of mean 1 within each of [`PARTS`] equal probabilities.
 static MIDDLES: LazyLock<[f64; PARTS]> = LazyLock::new(|| {
-    // The integral of -ln(1 - p) from p = 0.
+    // Integral of -ln(1 - p) from p = 0.
     let integral = |p: f64| {
         if p < 1.0 {
             p + (1.0 - p) * libm::log1p(-p)
@@ -211,7 +214,7 @@ mod tests {
             },
         ] {
             let (mean, variance) = wait.moments();
-            // E T = sum of P(T > t), E T^2 = sum of 2 t P(T > t).
+            // E T = integral of P(T > t), E T^2 = integral of 2 t P(T > t).
             let longest = wait.time_of(40.0);
             let steps = 400_000;
             let step = longest / f64::from(steps);

@@ -1,4 +1,4 @@
-//! Tables that sum runs up.
+//! Tables derived from runs.
 use stochc::ensemble::statistics::{KaplanMeier, TimeSample};
 use stochc::ensemble::{
     ColumnShape, ColumnValues, Comparison, FilledTable, Manifest, Records, TableShape,
@@ -8,10 +8,10 @@ use stochc::exit::Failure;
 
 use super::super::table::PythonTable;
 
-/// A column and its values: name, unit, meaning.
+/// Column with its values: name, unit, meaning.
 struct DerivedColumn<'a>(&'a str, &'a str, &'a str, ColumnValues<'a>);
 
-/// A table of columns in which everything may be null.
+/// Returns a table whose columns are all nullable.
 fn table(name: &str, row: &str, columns: Vec<DerivedColumn<'_>>) -> Result<PythonTable, String> {
     let (mut shapes, mut values) = (Vec::new(), Vec::new());
     for DerivedColumn(name, unit, meaning, column) in columns {
@@ -24,7 +24,7 @@ fn table(name: &str, row: &str, columns: Vec<DerivedColumn<'_>>) -> Result<Pytho
             },
             unit: unit.to_owned(),
             meaning: meaning.to_owned(),
-            null: Some("it is not known".to_owned()),
+            null: Some("unknown".to_owned()),
         });
         values.push(column);
     }
@@ -38,7 +38,7 @@ fn table(name: &str, row: &str, columns: Vec<DerivedColumn<'_>>) -> Result<Pytho
     Ok(table)
 }
 
-/// The figures of each program, and the numbers of the scene that a sweep has chosen for it.
+/// Returns the results of each program, and the scene parameters of a sweep.
 pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<PythonTable, String> {
     let FilledTable { shape, values } = summary_table(manifest, comparison);
     let mut table = PythonTable::new(shape, &[]);
@@ -46,7 +46,7 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Py
     Ok(table)
 }
 
-/// Shares of runs that are not complete, at each time at which one completed.
+/// Returns the fraction of incomplete runs after each completion time.
 pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<PythonTable, Failure> {
     let mut times = vec![TimeSample::default(); manifest.programs.len()];
     let read = finished.each(|done| {

@@ -1,4 +1,4 @@
-//! The dependency graph for Graphviz.
+//! Dependency graph for Graphviz.
 use std::fmt::{self, Display, Formatter};
 
 use super::Text;
@@ -6,7 +6,7 @@ use super::graph_text::label;
 use crate::graph::{Dependency, EventAction, EventGraph};
 use crate::table::{PhaseId, Tables};
 
-/// The graph in DOT: a box for each phase, the longest chain of each drawn thick.
+/// Returns the graph in DOT: a box for each phase, with its longest chain in bold.
 pub fn graph_dot(graph: &EventGraph, tables: &Tables) -> impl Display {
     Text(move |out: &mut Formatter<'_>| write_dot(out, graph, tables))
 }

@@ -1,13 +1,15 @@
-//! The dependency graph as JSON.
+//! Dependency graph as JSON.
 use serde_json::json;
 
 use crate::Json;
 use crate::graph::{Dependency, EventAction, EventGraph, EventId};
 use crate::table::{PhaseId, Tables};
 
-/// The graph: `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent, face,
-/// after: [{ event, why }] }], longest_chain: [id] }] }`. Of the edges with `enough: n`, n are enough. A phase of blocks that are attached by hand has
-/// `planted: true` as well, here and in the tables, and no chain.
+/// Returns the graph as `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent,
+/// face, after: [{ event, why }] }], longest_chain: [id] }] }`.
+///
+/// If edges have `enough: n`, n of them suffice. A phase of pre-attached blocks also has `planted:
+/// true`, here and in the tables, and no chain.
 pub fn graph_json<'a>(graph: &'a EventGraph, tables: &'a Tables) -> Json<'a> {
     let phases = move || {
         let phases = (0..).map(PhaseId).zip(&tables.phases).zip(&graph.chains);

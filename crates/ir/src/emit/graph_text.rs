@@ -1,11 +1,11 @@
-//! The dependency graph as text.
+//! Dependency graph as text.
 use std::fmt::{self, Display, Formatter};
 
 use super::Text;
 use crate::graph::{Dependency, EventGraph};
 use crate::table::{PhaseId, Tables};
 
-/// The graph phase by phase: each event with what it waits for, then the longest chain.
+/// Returns the graph phase by phase: each event with its predecessors, then the longest chain.
 pub fn graph_text(graph: &EventGraph, tables: &Tables) -> impl Display {
     Text(move |out: &mut Formatter<'_>| write_graph(out, graph, tables))
 }
@@ -42,7 +42,7 @@ fn write_graph(out: &mut Formatter<'_>, graph: &EventGraph, tables: &Tables) -> 
     Ok(())
 }
 
-/// Why an event waits for another: `after`, or `face, 1 of 2`.
+/// Returns the reason of a dependency: `after`, or `face, 1 of 2`.
 pub(super) fn label(why: Dependency) -> String {
     match why {
         Dependency::Face { needed, of } if needed < of => {
@@ -52,9 +52,9 @@ pub(super) fn label(why: Dependency) -> String {
     }
 }
 
-/// A chain in one line; the middle of a long one is left out.
+/// Returns a chain in one line, without the middle of a long one.
 pub fn chain_text<T>(chain: &[T], describe: impl Fn(&T) -> String) -> String {
-    /// Events shown of a long chain.
+    /// Number of events shown of a long chain.
     const SHOWN: usize = 12;
     let describe = |events: &[T]| -> Vec<String> { events.iter().map(&describe).collect() };
     if chain.is_empty() {

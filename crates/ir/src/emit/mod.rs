@@ -1,4 +1,4 @@
-//! Tables and graphs in a form to read: text, JSON and DOT.
+//! Readable forms of tables and graphs: text, JSON and DOT.
 mod graph_dot;
 mod graph_json;
 mod graph_text;
@@ -13,9 +13,9 @@ pub use graph_text::{chain_text, graph_text};
 pub use table_json::table_json;
 pub use table_text::{duties_text, table_text};
 
-/// Text that is written as it is made, so that nothing holds all of it.
+/// Text that is generated while it is written, without holding all of it.
 pub struct Text<F>(
-    /// Writes it.
+    /// Function that writes it.
     pub F,
 );
 

@@ -5,16 +5,18 @@ use crate::Json;
 use crate::scene::BondKind;
 use crate::table::{Action, Condition, Duty, News, RoleId, Tables, Trigger};
 
-/// Event tables with every name written out.
+/// Returns event tables with names.
 ///
-/// `{ assembly, faces, plate: { width, depth }, phases: [{ name, reports, timeout }],
-/// blocks: [{ name, seed, duties: [{ phase, trigger, rules: [{ when, then }] }] }] }`; a cell is
-/// `[x, y, z]`, a timeout is in ticks. A condition is `{ docked: NAME }`, `{ asked: NAME }`, `{ released: NAME }`,
-/// `{ heard: { anchored: NAME } }`, or `{ turn: { enough: n, of: [NAME] } }`: n of these have docked.
+/// `{ assembly, faces, plate: { width, depth }, phases: [{ name, reports, timeout }], blocks: [{
+/// name, seed, duties: [{ phase, trigger, rules: [{ when, then }] }] }] }`; a cell is `[x, y, z]`,
+/// a timeout is in ticks. A condition is `{ docked: NAME }`, `{ asked: NAME }`, `{ released: NAME
+/// }`, `{ heard: { anchored: NAME } }`, or `{ turn: { enough: n, of: [NAME] } }`: n of these have
+/// docked.
 ///
-/// What a rule does to capture and to let go is `magnetize` and `switch_off`, `open` and `close`, or
-/// `expect` and `reject`, by the kind of bond. That is said in `bond` if it is not `attract`; where every
-/// face always attracts, `otherwise` says what becomes of a block on a face that expects none.
+/// The verbs for capture and release depend on the kind of bond: `magnetize` and `switch_off`,
+/// `open` and `close`, or `expect` and `reject`. The field `bond` names the kind unless it is
+/// `attract`. If every face always attracts, `otherwise` gives the action for a block at a face
+/// that expects none.
 pub fn table_json(tables: &Tables) -> Json<'_> {
     let blocks = move || {
         let roles = tables.roles.iter().enumerate();
@@ -72,7 +74,7 @@ fn duty<'a>(tables: &'a Tables, duty: Duty<'a>) -> Json<'a> {
     ])
 }
 
-/// The verbs of a kind of bond: to capture, and to let go.
+/// Returns the verbs of a kind of bond for capture and release.
 fn verbs(bond: BondKind) -> (&'static str, &'static str) {
     match bond {
         BondKind::Attract => ("magnetize", "switch_off"),

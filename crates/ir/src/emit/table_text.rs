@@ -1,4 +1,4 @@
-//! Event tables as text: stable, sorted and made for comparing line by line.
+//! Event tables as text: stable and sorted, for comparison line by line.
 use std::fmt::{self, Display, Formatter, Write};
 
 use super::Text;
@@ -6,7 +6,7 @@ use crate::counted;
 use crate::scene::BondKind;
 use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
 
-/// The text form of event tables.
+/// Returns the text form of event tables.
 pub fn table_text(tables: &Tables) -> impl Display {
     Text(move |out: &mut Formatter<'_>| match tables.aggregate {
         Some(size) => write_aggregate(out, tables, size),
@@ -73,7 +73,7 @@ fn write_tables(out: &mut Formatter<'_>, tables: &Tables) -> fmt::Result {
     Ok(())
 }
 
-/// Blocks that only attract have nothing to know.
+/// Writes an aggregate, whose blocks have no rules.
 fn write_aggregate(out: &mut Formatter<'_>, tables: &Tables, size: u32) -> fmt::Result {
     write!(
         out,
@@ -96,7 +96,7 @@ fn write_aggregate(out: &mut Formatter<'_>, tables: &Tables, size: u32) -> fmt::
     Ok(())
 }
 
-/// The part of the text form that one block holds, without its name; empty if it does nothing.
+/// Returns the text form of one block's rules, without its name. Empty if it has none.
 pub fn duties_text(tables: &Tables, role: RoleId) -> String {
     let mut out = String::new();
     for phase in (0..tables.phases.len() as u32).map(PhaseId) {

@@ -1,10 +1,15 @@
-//! How far colours are apart, for all kinds of sight: CIEDE2000 (Sharma, Wu and Dalal 2005) of what is left of them without one
-//! kind of cone (Machado, Oliveira and Fernandes 2009, at full severity).
+//! Colour differences for all kinds of vision: CIEDE2000 after a simulation of colour blindness at
+//! full severity.
+//!
+//! # Source
+//!
+//! G. Sharma, W. Wu and E. N. Dalal (2005); G. M. Machado, M. M. Oliveira and L. A. F. Fernandes
+//! (2009).
 use super::{DARK, LIGHT, MIN, PHASES, Rgb, Theme, sequential};
 
 type ColourMatrix = [[f64; 3]; 3];
 
-/// What is seen of red, green and blue light.
+/// Kinds of vision, as matrices on red, green and blue light.
 const SIGHTS: [(&str, ColourMatrix); 4] = [
     (
         "normal sight",
@@ -36,21 +41,21 @@ const SIGHTS: [(&str, ColourMatrix); 4] = [
     ),
 ];
 
-/// From linear sRGB to CIE XYZ.
+/// Linear sRGB to CIE XYZ.
 const XYZ: ColourMatrix = [
     [0.412_456_4, 0.357_576_1, 0.180_437_5],
     [0.212_672_9, 0.715_152_2, 0.072_175_0],
     [0.019_333_9, 0.119_192_0, 0.950_304_1],
 ];
 
-/// The white of sRGB (D65).
+/// White point of sRGB (D65).
 const WHITE: [f64; 3] = [0.950_47, 1.0, 1.088_83];
 
 fn product(matrix: &ColourMatrix, vector: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum())
 }
 
-/// CIELAB of a colour as somebody sees it.
+/// Returns the CIELAB coordinates of a colour with a kind of vision.
 fn lab(colour: Rgb, sight: &ColourMatrix) -> [f64; 3] {
     let seen = product(sight, colour.linear()).map(|part| part.clamp(0.0, 1.0));
     let xyz = product(&XYZ, seen);
@@ -61,7 +66,7 @@ fn lab(colour: Rgb, sight: &ColourMatrix) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// CIEDE2000 of two colours in CIELAB.
+/// Returns the CIEDE2000 difference of two colours in CIELAB.
 fn distance([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
     let weight = |chroma: f64| (chroma.powi(7) / (chroma.powi(7) + 25f64.powi(7))).sqrt();
     let g = 0.5 * (1.0 - weight(f64::midpoint(a1.hypot(b1), a2.hypot(b2))));
@@ -98,7 +103,7 @@ fn distance([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
     (lightness.powi(2) + colourfulness.powi(2) + hues.powi(2) + mixed).sqrt()
 }
 
-/// All that has to be told apart in a theme.
+/// Returns all pairs of a theme that must be distinguishable.
 fn pairs(theme: &Theme) -> Vec<(String, Rgb, Rgb)> {
     let phases = (0..)
         .zip(PHASES)
@@ -119,7 +124,7 @@ fn pairs(theme: &Theme) -> Vec<(String, Rgb, Rgb)> {
             }
         }
     };
-    // What a block can be, and what it is seen in front of.
+    // Block colours, and their possible backgrounds.
     let behind = [
         ("the background", theme.background),
         ("the ground", theme.ground),
@@ -210,7 +215,7 @@ fn lines_and_words_of_a_figure_stand_out() {
     }
 }
 
-/// More is lighter with any sight, and equal steps of an amount are about equal steps of lightness with all cones.
+/// Lightness increases with any vision, and in about equal steps with normal vision.
 #[test]
 fn more_is_lighter_with_any_sight() {
     const STEPS: usize = 64;
@@ -221,7 +226,7 @@ fn more_is_lighter_with_any_sight() {
             .collect();
         let all: f64 = steps.iter().sum();
         assert!(all > 60.0, "{sight}: {all}");
-        // What is left of a colour may lie outside of what a screen shows, and is cut there.
+        // Simulated colours may lie outside the range of a screen and are clipped.
         let least = match *sight {
             "normal sight" => 0.5 * all / STEPS as f64,
             _ => 0.0,

@@ -1,7 +1,7 @@
-//! The colours of all that is shown: replays, reports, structures and scenes of other programs.
+//! Colours of all output: replays, reports, structures and scenes for other programs.
 //!
-//! Colours with different meanings differ by at least [`MIN`], with normal sight and without one kind of cone.
-//! Tests check every such pair.
+//! Colours with different meanings differ by at least [`MIN`], with normal vision and with each
+//! kind of colour blindness. Tests check every such pair.
 #[cfg(test)]
 mod distance;
 mod sequential;
@@ -21,7 +21,7 @@ impl Display for Rgb {
 }
 
 impl Rgb {
-    /// Its three parts of light, from 0 to 1.
+    /// Returns the linear light intensities, from 0 to 1.
     pub fn linear(self) -> [f64; 3] {
         [self.0, self.1, self.2].map(|part| match f64::from(part) / 255.0 {
             low if low <= 0.040_45 => low / 12.92,
@@ -29,26 +29,26 @@ impl Rgb {
         })
     }
 
-    /// The relative luminance of WCAG, from 0 to 1.
+    /// Returns the relative luminance of WCAG, from 0 to 1.
     pub fn luminance(self) -> f64 {
         let [red, green, blue] = self.linear();
         0.2126 * red + 0.7152 * green + 0.0722 * blue
     }
 
-    /// The contrast of WCAG, from 1 to 21.
+    /// Returns the contrast of WCAG, from 1 to 21.
     pub fn contrast(self, other: Rgb) -> f64 {
         let (a, b) = (self.luminance() + 0.05, other.luminance() + 0.05);
         a.max(b) / a.min(b)
     }
 
-    /// Darker: each part by a factor.
+    /// Scales each component to darken the colour.
     #[must_use]
     pub fn shaded(self, factor: f64) -> Rgb {
         let part = |part: u8| (f64::from(part) * factor).round() as u8;
         Rgb(part(self.0), part(self.1), part(self.2))
     }
 
-    /// What is read best on it: nearly black, or white.
+    /// Returns the more readable text colour on this background: nearly black, or white.
     pub fn ink(self) -> Rgb {
         let inks = [Rgb(0x10, 0x14, 0x18), Rgb(0xff, 0xff, 0xff)];
         let [dark, light] = inks.map(|ink| self.contrast(ink));
@@ -56,10 +56,10 @@ impl Rgb {
     }
 }
 
-/// Colours that differ by this much (CIEDE2000) are told apart.
+/// Smallest distinguishable difference (CIEDE2000).
 pub const MIN: f64 = 10.0;
 
-/// Of the phases, in turn; the same everywhere, on light and on dark.
+/// Colours of the phases, in turn. Equal in all themes.
 pub const PHASES: [Rgb; 8] = [
     Rgb(0xfa, 0xcf, 0x2f),
     Rgb(0x33, 0x62, 0x9d),
@@ -71,49 +71,49 @@ pub const PHASES: [Rgb; 8] = [
     Rgb(0x28, 0xfa, 0x9b),
 ];
 
-/// The colour of a phase, by its number from 0.
+/// Returns the colour of a phase, by its number from 0.
 pub fn phase(number: usize) -> Rgb {
     PHASES[number % PHASES.len()]
 }
 
-/// What is light and what is dark.
+/// Colour theme.
 #[derive(Clone, Copy, Debug)]
 pub struct Theme {
-    /// Behind the arena.
+    /// Background of the arena.
     pub background: Rgb,
-    /// The ground of the arena.
+    /// Ground of the arena.
     pub ground: Rgb,
     /// Rings on the ground.
     pub rings: Rgb,
     /// Lines of the shell.
     pub shell: Rgb,
-    /// Blocks of the plate with a name.
+    /// Named blocks of the plate.
     pub seed: Rgb,
-    /// The other blocks of the plate.
+    /// Other blocks of the plate.
     pub plate: Rgb,
     /// Free blocks.
     pub free: Rgb,
-    /// Free blocks in a group, by its size: a scale in which each colour stands out more than the one before.
+    /// Free blocks in groups, by size, from weak to strong.
     pub groups: [Rgb; 5],
-    /// Faces that are on, what they pull, and what goes.
+    /// Open faces, attracted blocks, and released blocks.
     pub lit: Rgb,
-    /// Edges of the chosen block.
+    /// Edges of the selected block.
     pub mark: Rgb,
-    /// Names.
+    /// Text.
     pub ink: Rgb,
-    /// Around names.
+    /// Outline of text.
     pub halo: Rgb,
-    /// Behind figures.
+    /// Background of figures.
     pub paper: Rgb,
-    /// Curves, bars and discs of what is compared.
+    /// Curves, bars and discs of compared items.
     pub series: [Rgb; 6],
-    /// In a figure, what stands out.
+    /// Highlights in figures.
     pub hot: Rgb,
-    /// In a figure, what is left.
+    /// Background elements in figures.
     pub rest: Rgb,
 }
 
-/// On dark.
+/// Dark theme.
 pub const DARK: Theme = Theme {
     background: Rgb(0x12, 0x16, 0x1c),
     ground: Rgb(0x1d, 0x24, 0x2d),
@@ -146,7 +146,7 @@ pub const DARK: Theme = Theme {
     rest: Rgb(0x76, 0x7b, 0x84),
 };
 
-/// On light, and in print.
+/// Light theme, also for print.
 pub const LIGHT: Theme = Theme {
     background: Rgb(0xf4, 0xf5, 0xf7),
     ground: Rgb(0xe3, 0xe6, 0xea),

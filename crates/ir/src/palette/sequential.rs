@@ -1,7 +1,11 @@
-//! A scale of colours for amounts: the lighter, the more.
+//! Sequential colour scale: lighter colours for larger amounts.
 //!
-//! Ten colours of viridis (S. van der Walt and N. Smith, 2015, given into the public domain), evenly spaced, whose lightness
-//! rises evenly, so that it is read right in grey and with any sight.
+//! Ten evenly spaced colours of viridis. Their lightness increases evenly, so the scale is readable
+//! in grey and with colour blindness.
+//!
+//! # Source
+//!
+//! S. van der Walt and N. Smith (2015), public domain.
 use super::Rgb;
 
 const VIRIDIS: [Rgb; 10] = [
@@ -17,11 +21,11 @@ const VIRIDIS: [Rgb; 10] = [
     Rgb(0xfd, 0xe7, 0x25),
 ];
 
-/// The colour of a share of the most, from 0 to 1; one beyond an end has the colour of that end.
+/// Returns the colour of a fraction from 0 to 1. Values outside are clamped.
 pub fn sequential(share: f64) -> Rgb {
     let last = VIRIDIS.len() - 1;
     let place = share.clamp(0.0, 1.0) * last as f64;
-    // What is no number is the least.
+    // NaN counts as 0.
     let first = (place as usize).min(last - 1);
     let within = if place.is_nan() {
         0.0

@@ -1,40 +1,40 @@
-//! How free blocks are captured and held.
+//! Capture and bonding of free blocks.
 use serde::{Deserialize, Serialize};
 
-/// How a structure captures a free block.
+/// Kind of bond between structure and blocks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bond {
-    /// A face is switched on to capture; distances are between the centres of two faces.
+    /// A face is switched on to capture. Distances are between the centres of two faces.
     Attract {
-        /// Pulls the centre of the nearest face of every free block in reach.
+        /// Pull on the centre of the nearest face of every free block within reach.
         pull: Reach,
-        /// Pulls each of that face's four corners to its counterpart.
+        /// Pull on each corner of that face towards its counterpart.
         align: Option<Reach>,
-        /// When the block is anchored.
+        /// Condition of a capture.
         anchor: Anchor,
     },
-    /// Every face always attracts; a face is switched on to reject what it holds.
+    /// Every face always attracts. A face is switched on to reject its block.
     Reject {
-        /// The passive magnets in every face of every block.
+        /// Permanent magnets in every face of every block.
         magnets: Magnets,
-        /// When two blocks are bonded.
+        /// Condition of a bond.
         anchor: Anchor,
-        /// What a rejected block gets along the normal of the face \[N s\].
+        /// Impulse on a rejected block along the normal of the face \[N s\].
         impulse: f64,
     },
-    /// A valve is opened to capture: the face draws fluid, and with it blocks.
+    /// A valve is opened to capture: the face draws fluid, and blocks with it.
     Suction {
-        /// What drives the fluid, and what hinders it.
+        /// Pump and flow resistances.
         pump: Pump,
-        /// Between the centres of two faces: closer, a block feels the pressure drop of the face \[m\].
+        /// Distance of face centres below which a block feels the pressure drop of the face \[m\].
         seal: f64,
-        /// When the block is anchored.
+        /// Condition of a capture.
         anchor: Anchor,
     },
 }
 
-/// The kinds of [`Bond`].
+/// Kind of a [`Bond`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BondKind {
@@ -48,7 +48,7 @@ pub enum BondKind {
 }
 
 impl Bond {
-    /// Its kind.
+    /// Returns its kind.
     pub const fn kind(&self) -> BondKind {
         match self {
             Bond::Attract { .. } => BondKind::Attract,
@@ -57,7 +57,7 @@ impl Bond {
         }
     }
 
-    /// The same, to be changed.
+    /// Returns the condition of a capture for changing it.
     pub(super) const fn anchor_mut(&mut self) -> &mut Anchor {
         match self {
             Bond::Attract { anchor, .. }
@@ -66,7 +66,7 @@ impl Bond {
         }
     }
 
-    /// When a block is anchored.
+    /// Returns the condition of a capture.
     pub const fn anchor(&self) -> &Anchor {
         match self {
             Bond::Attract { anchor, .. }
@@ -77,7 +77,7 @@ impl Bond {
 }
 
 impl BondKind {
-    /// Its word in a scene.
+    /// Returns its keyword in a scene.
     pub const fn name(self) -> &'static str {
         match self {
             BondKind::Attract => "attract",
@@ -87,62 +87,63 @@ impl BondKind {
     }
 }
 
-/// The passive magnets of a face, of a pattern that attracts every other face in each of the four
-/// quarter turns: four pairs of dipoles, somewhat behind the faces.
+/// Permanent magnets of a face: four pairs of dipoles somewhat below the surface. The pattern
+/// attracts every other face in each of the four quarter turns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Magnets {
-    /// Attraction of two faces that touch \[N\]; more tears them apart.
+    /// Force between two touching faces \[N\]. A larger load separates them.
     pub hold: f64,
-    /// Distance of two opposite dipoles when their faces touch \[m\].
+    /// Distance of two opposite dipoles of touching faces \[m\].
     pub depth: f64,
-    /// Between the centres of two faces: farther, they do not attract \[m\].
+    /// Distance of face centres above which there is no attraction \[m\].
     pub within: f64,
 }
 
-/// A pump and the resistances on the way from a face to it; all flows are laminar.
+/// Pump, and resistances between a face and it. All flows are laminar.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pump {
-    /// Pressure drop that it can make \[Pa\].
+    /// Largest pressure of the pump \[Pa\].
     pub head: f64,
-    /// Of the pump and the plate \[Pa s/m^3\].
+    /// Resistance of pump and plate \[Pa s/m^3\].
     pub supply: f64,
-    /// Of an open face \[Pa s/m^3\].
+    /// Resistance of an open face \[Pa s/m^3\].
     pub valve: f64,
-    /// From a block's chamber through a joint to that of its parent, or of the plate \[Pa s/m^3\].
+    /// Resistance from a block's chamber through a joint to that of its parent, or of the plate
+    /// \[Pa s/m^3\].
     pub passage: f64,
 }
 
-/// A force of constant magnitude, within a distance.
+/// Force of constant magnitude within a distance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
-    /// \[N\]
+    /// Force \[N\].
     pub force: f64,
-    /// Between the centres of the two faces \[m\].
+    /// Distance between the centres of the two faces \[m\].
     pub within: f64,
 }
 
-/// When a block is anchored.
+/// Condition of a capture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Anchor {
-    /// What is measured.
+    /// Kind of distance.
     pub measure: Measure,
-    /// Closer than this \[m\].
+    /// Largest distance \[m\].
     pub within: f64,
-    /// And the normals of the two faces less than this from opposite \[rad\].
+    /// Largest angle of the two normals from opposite \[rad\].
     pub tilt: f64,
-    /// Tested at the end of each tick only, and not along the way of every step.
+    /// Whether it is tested only at the end of each tick, instead of along the path of every step.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub sampled: bool,
 }
 
-/// What the anchoring distance is measured between.
+/// Kind of distance for the condition of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// The centres of the two faces.
+    /// Between the centres of the two faces.
     Centres,
-    /// Along the normal of the magnetized face only, with the lateral offset under half a side.
+    /// Along the normal of the magnetized face, with a lateral offset below half a block length.
     Gap,
-    /// The corners of the two faces: the largest of four distances.
+    /// Between the corners of the two faces: the largest of four distances.
     Corners,
 }

@@ -1,4 +1,4 @@
-//! A scene term by term: what is in force and what is not.
+//! Description of a scene, term by term.
 use serde::Serialize;
 
 use super::Scene;
@@ -6,55 +6,55 @@ use super::groups::BlockUnits;
 use super::quantity::QuantityKind;
 use super::schema::{CLAUSES, Equation, EquationSymbol, SchemaEntry, SchemaPart};
 
-/// A term that a scene has.
+/// Term of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DescribedTerm {
     /// Its clause: `drag`.
     pub clause: &'static str,
-    /// The clause as it can be written in a scene, with all its fields.
+    /// The clause as source text, with all its fields.
     pub text: String,
-    /// What it makes a runtime compute, at least one.
+    /// Its physical laws, at least one.
     pub laws: Vec<DescribedLaw>,
 }
 
-/// One thing that a term does.
+/// Physical law of a term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DescribedLaw {
-    /// In words.
+    /// Description.
     pub meaning: &'static str,
-    /// In the symbols of the values, in plain text; `None`: there is nothing to compute.
+    /// Equation in the symbols of the values, in plain text. `None` if nothing is computed.
     pub equation: Option<&'static str>,
-    /// The values in it.
+    /// Values in it.
     pub values: Vec<DescribedValue>,
 }
 
-/// A value of a scene.
+/// Value of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DescribedValue {
-    /// What equations call it; empty: it is in none.
+    /// Symbol in equations. Empty if it occurs in none.
     pub symbol: &'static str,
-    /// What it is.
+    /// Name.
     pub name: &'static str,
-    /// In SI units, or in ticks.
+    /// Value in SI units, or in ticks.
     pub si: f64,
-    /// That unit; empty: a pure number.
+    /// That unit. Empty for a dimensionless number.
     pub unit: &'static str,
-    /// In block units: the side a, the mass m and the tick τ are 1.
+    /// Value in block units: the block length a, the mass m and the tick τ are 1.
     pub block: f64,
-    /// The unit among those; empty: a pure number.
+    /// The unit among those. Empty for a dimensionless number.
     pub block_unit: &'static str,
 }
 
-/// A term that a scene does not have, and that is not computed.
+/// Term that a scene does not have.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AbsentTerm {
-    /// What would stand in the scene.
+    /// Clause that would add it.
     pub clause: String,
-    /// What that means, as a clause.
+    /// Consequence, as a clause.
     pub meaning: &'static str,
 }
 
-/// The terms of a scene, in the order of the reference.
+/// Returns the terms of a scene, in the order of the reference.
 pub fn terms(scene: &Scene) -> Vec<DescribedTerm> {
     let clauses = CLAUSES.iter().filter(|clause| clause.is_in(scene));
     let term = |clause: &SchemaEntry| {
@@ -69,7 +69,7 @@ pub fn terms(scene: &Scene) -> Vec<DescribedTerm> {
     clauses.map(term).collect()
 }
 
-/// The terms that a scene could have and does not.
+/// Returns the terms that a scene does not have.
 pub fn absent(scene: &Scene) -> Vec<AbsentTerm> {
     let mut out = Vec::new();
     for clause in &CLAUSES {
@@ -83,7 +83,7 @@ pub fn absent(scene: &Scene) -> Vec<AbsentTerm> {
     out
 }
 
-/// The fields that an entry could have and does not; `within` is what stands before its braces.
+/// Adds the optional fields that an entry does not have. `within` is the text before its braces.
 fn absent_fields(entry: &SchemaEntry, scene: &Scene, within: &str, out: &mut Vec<AbsentTerm>) {
     for part in entry.parts {
         match part {
@@ -109,7 +109,7 @@ fn absent_fields(entry: &SchemaEntry, scene: &Scene, within: &str, out: &mut Vec
     }
 }
 
-/// An entry as it can be written, with all that the scene says of it.
+/// Returns an entry as source text, with all its fields in the scene.
 fn written(entry: &SchemaEntry, scene: &Scene) -> String {
     let mut out = entry.word.to_owned();
     let all = |entries: &[SchemaEntry]| -> Vec<String> {
@@ -135,7 +135,7 @@ fn range_of((low, high): (f64, f64), kind: QuantityKind) -> String {
     if low == high {
         return kind.write(low);
     }
-    // A zero has the unit of what it goes up to.
+    // A zero takes the unit of the upper end.
     let unit = if low == 0.0 {
         QuantityKind::NUMBER
     } else {
@@ -144,7 +144,7 @@ fn range_of((low, high): (f64, f64), kind: QuantityKind) -> String {
     format!("{} .. {}", unit.write(low), kind.write(high))
 }
 
-/// What an entry, and the kind of it that the scene has, make a runtime compute.
+/// Collects the laws of an entry, and of its kind in the scene.
 fn collect_laws(entry: &SchemaEntry, scene: &Scene, out: &mut Vec<DescribedLaw>) {
     out.extend(
         entry

@@ -1,16 +1,16 @@
-//! What is around the blocks: a fluid, how it flows, and what chance does.
+//! Medium around the blocks: fluid, flow and agitation.
 use serde::{Deserialize, Serialize};
 
-/// What the blocks float in; what is `None` has no effect.
+/// Fluid around the blocks. Terms that are `None` have no effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fluid {
-    /// Of its mass \[kg/m^3\]: for buoyancy and for the drag that grows with the square of the speed.
+    /// Density \[kg/m^3\], for buoyancy and for quadratic drag.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
-    /// Dynamic \[Pa s\]: for the drag that grows with the speed.
+    /// Dynamic viscosity \[Pa s\], for linear drag.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
-    /// Mass of fluid that an accelerating block takes along, over the mass that it displaces. Needs a density.
+    /// Added mass over displaced mass. Needs a density.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
 }
@@ -18,90 +18,94 @@ pub struct Fluid {
 /// Boltzmann's constant \[J/K\], exact.
 pub const BOLTZMANN: f64 = 1.380649e-23;
 
-/// Hydrodynamic radius of a cube \[side\]: its electrostatic capacity, by J. B. Hubbard and J. F. Douglas,
-/// Phys. Rev. E 47, R2983 (1993), good to about a percent.
+/// Hydrodynamic radius of a cube \[block lengths\]: its electrostatic capacity, accurate within
+/// about one percent.
+///
+/// # Source
+///
+/// J. B. Hubbard and J. F. Douglas, Phys. Rev. E 47, R2983 (1993).
 const CUBE: f64 = 0.660_678;
 
 impl Fluid {
-    /// Returns the mass of fluid that an accelerating cube takes along \[kg\].
+    /// Returns the added mass of a cube \[kg\].
     pub fn taken_along(&self, side: f64) -> f64 {
         let displaced = self.density.unwrap_or(0.0) * side.powi(3);
         self.added_mass.unwrap_or(0.0) * displaced
     }
 
-    /// Stokes' friction of a cube that moves through a viscous fluid \[N s/m\].
+    /// Returns Stokes' friction coefficient of a moving cube \[N s/m\].
     pub fn friction(viscosity: f64, side: f64) -> f64 {
         6.0 * std::f64::consts::PI * viscosity * CUBE * side
     }
 
-    /// Stokes' friction of a cube that turns in a viscous fluid \[N m s\]: that of the ball of its volume,
-    /// 8 pi eta r^3 with 4 pi r^3 / 3 = side^3.
+    /// Returns Stokes' friction coefficient of a rotating cube \[N m s\]: that of a sphere of equal
+    /// volume, 8 pi eta r^3.
     pub fn turning_friction(viscosity: f64, side: f64) -> f64 {
         6.0 * viscosity * side.powi(3)
     }
 
-    /// Force of the drag of a cube's wake over the square of its speed \[N s^2/m^2\]: a drag coefficient
+    /// Returns the wake drag of a cube over its squared speed \[N s^2/m^2\], for a drag coefficient
     /// of 1.
     pub fn wake(density: f64, side: f64) -> f64 {
         density * side * side / 2.0
     }
 
-    /// Torque of the drag of a turning cube over the square of its spin \[N m s^2\]: that of MuJoCo's
-    /// boxes, rho r^5 for a half side r.
+    /// Returns the drag torque of a rotating cube over its squared spin \[N m s^2\]: rho r^5 for a
+    /// half-side r, as in MuJoCo.
     pub fn turning_wake(density: f64, side: f64) -> f64 {
         density * (side / 2.0).powi(5)
     }
 }
 
-/// How the fluid flows on the average.
+/// Mean flow of the fluid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Flow {
-    /// A ring of rods turns about the vertical axis and takes the fluid with it.
+    /// A ring of rods rotates about the vertical axis and drives the fluid.
     Stir(Stir),
-    /// Tubes along the wall blow fluid in.
+    /// Tubes at the wall blow fluid in.
     Jets(Jets),
 }
 
-/// A turning ring of rods.
+/// Rotating ring of rods.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stir {
-    /// Of the ring \[m\].
+    /// Radius of the ring \[m\].
     pub radius: f64,
-    /// How fast it turns \[rad/s\], counterclockwise seen from above.
+    /// Angular velocity \[rad/s\], counterclockwise seen from above.
     pub rate: f64,
-    /// Tangential force on the ring \[N\], for the power that it takes; moves nothing by itself.
+    /// Tangential force on the ring \[N\], to compute its power only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<f64>,
-    /// Speed of the fluid at the ring, as a part of the ring's, 0 to 1.
+    /// Speed of the fluid at the ring relative to the ring, 0 to 1.
     pub follow: f64,
 }
 
 impl Stir {
-    /// Speed of the ring's rods \[m/s\].
+    /// Returns the speed of the rods \[m/s\].
     pub fn speed(&self) -> f64 {
         self.radius * self.rate
     }
 
-    /// Power that the ring gives to the fluid \[W\]: P = F 2 pi r rev/s.
+    /// Returns the power that the ring transfers to the fluid \[W\]: P = F 2 pi r rev/s.
     pub fn power(&self) -> Option<f64> {
         self.force.map(|force| force * self.speed())
     }
 }
 
-/// Round jets at the wall, evenly about the vertical axis, halfway up the enclosure, aimed at its middle.
+/// Round jets from the wall towards the centre, evenly spaced at half height of the enclosure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Jets {
-    /// How many, 1 to 64.
+    /// Number of jets, 1 to 64.
     pub count: u8,
-    /// Through all of them together \[m^3/s\].
+    /// Total flow \[m^3/s\].
     pub flow: f64,
     /// Diameter of a tube \[m\].
     pub nozzle: f64,
 }
 
 impl Jets {
-    /// Speed at which the fluid leaves a tube \[m/s\].
+    /// Returns the speed of the fluid at the tube's mouth \[m/s\].
     pub fn speed(&self) -> f64 {
         let area = std::f64::consts::FRAC_PI_4 * self.nozzle * self.nozzle;
         self.flow / (f64::from(self.count) * area)
@@ -109,7 +113,7 @@ impl Jets {
 }
 
 impl Flow {
-    /// The speed that drives it \[m/s\]: of the rods, or of the fluid that leaves a tube.
+    /// Returns the driving speed \[m/s\]: of the rods, or of the fluid at a tube's mouth.
     pub fn speed(&self) -> f64 {
         match self {
             Flow::Stir(stir) => stir.speed(),
@@ -118,51 +122,52 @@ impl Flow {
     }
 }
 
-/// What moves the free blocks by chance.
+/// Random motion of the free blocks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Agitation {
-    /// Once a tick every free block gets an impulse through its centre of mass.
+    /// Every free block gets a random impulse through its centre of mass once per tick.
     Kicks {
-        /// Range of the uniformly drawn change of speed \[m/s\]; its direction is isotropic.
+        /// Range of the uniformly distributed change of speed \[m/s\], in isotropic directions.
         speed: (f64, f64),
     },
-    /// The fluid moves in eddies and drags the blocks along.
+    /// Eddies of the fluid carry the blocks.
     Turbulence(Turbulence),
-    /// The molecules of the fluid: fluctuations that balance its viscous drag.
+    /// Thermal fluctuations, in balance with viscous drag.
     Brownian {
-        /// \[K\]
+        /// Temperature \[K\].
         temperature: f64,
     },
 }
 
-/// Eddies: a random field of velocity without sources, Gaussian, correlated in space and time.
+/// Turbulence: a random velocity field without sources, Gaussian, correlated in space and time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turbulence {
-    /// How strong it is.
+    /// Strength.
     #[serde(flatten)]
     pub strength: Strength,
-    /// Size of an eddy \[m\]: half of the wave length.
+    /// Size of an eddy \[m\]: half of the wavelength.
     pub length: f64,
-    /// Time in which an eddy is forgotten \[s\]; absent: the time to move by its size.
+    /// Correlation time of an eddy \[s\]. Default: the time to move by its size.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
-    /// Vertical rms velocity over that of each horizontal direction; 1 is isotropic.
+    /// Vertical rms velocity over the horizontal one. 1 is isotropic.
     pub vertical: f64,
 }
 
-/// How strong turbulence is.
+/// Strength of turbulence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Strength {
     /// Rms velocity in each horizontal direction \[m/s\].
     Speed(f64),
-    /// The same, as a part of the speed that drives the mean flow; see [`Flow::speed`].
+    /// Rms velocity relative to the driving speed of the mean flow; see [`Flow::speed`].
     Intensity(f64),
 }
 
 impl Turbulence {
-    /// Rms velocity in each horizontal direction \[m/s\]; none without a flow to be a part of.
+    /// Returns the rms velocity in each horizontal direction \[m/s\]. 0 for a relative strength
+    /// without flow.
     pub fn speed(&self, flow: Option<&Flow>) -> f64 {
         match self.strength {
             Strength::Speed(speed) => speed,
@@ -170,7 +175,7 @@ impl Turbulence {
         }
     }
 
-    /// Time in which an eddy is forgotten \[s\], at that speed.
+    /// Returns the correlation time of an eddy at that speed \[s\].
     pub fn time(&self, speed: f64) -> f64 {
         self.time.unwrap_or(self.length / speed)
     }
@@ -179,6 +184,6 @@ impl Turbulence {
 /// Linear drag on the velocity of the centre of mass: v' = -rate v.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drag {
-    /// \[1/s\]
+    /// Rate \[1/s\].
     pub rate: f64,
 }

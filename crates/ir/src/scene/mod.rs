@@ -1,7 +1,7 @@
-//! The physical world of a program, in SI units.
+//! Physical world of a program, in SI units.
 //!
 //! Each field of [`Scene`] is one term of the model. `None` is a term that does not exist: a
-//! runtime must not compute it, not even with a zero.
+//! runtime must not compute it, not even as zero.
 mod bond;
 pub mod describe;
 pub mod groups;
@@ -24,54 +24,55 @@ use serde::{Deserialize, Serialize};
 use crate::Cell;
 use crate::plate::Plate;
 
-/// A world of free blocks around a seed plate, or without one.
+/// World of free blocks around a seed plate, or without one.
 ///
 /// The ground is the plane z = 0 through the plate's upper faces, with the centre of the plate at
-/// the origin; blocks float above it.
+/// the origin. Blocks float above it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
-    /// Its name in the program.
+    /// Name in the program.
     pub name: String,
-    /// The clock: kicks fall, messages travel and times are told once a tick \[s\].
+    /// Tick \[s\]: interval of random impulses and message hops, and unit of reported times.
     pub tick: f64,
-    /// The cubes.
+    /// Blocks.
     pub block: Block,
-    /// The blocks that float at the beginning.
+    /// Free blocks at the start.
     pub free: Free,
-    /// What keeps them together.
+    /// Enclosure of the free blocks.
     pub enclosure: Option<Enclosure>,
-    /// What pulls them down \[m/s^2\]; a fluid with a density bears them up.
+    /// Gravity \[m/s^2\]. A fluid with a density adds buoyancy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<f64>,
-    /// What they float in.
+    /// Fluid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fluid: Option<Fluid>,
-    /// How it flows on the average.
+    /// Mean flow.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow: Option<Flow>,
-    /// What moves them by chance.
+    /// Agitation.
     pub agitation: Option<Agitation>,
-    /// What slows them between collisions.
+    /// Drag between collisions.
     pub drag: Option<Drag>,
-    /// How two of them, or one and the ground, collide; absent: they pass through each other.
+    /// Contact between blocks and with the ground. `None` lets them pass through each other.
     pub contact: Option<Contact>,
-    /// How a magnetized face captures.
+    /// Capture by a magnetized face.
     pub bond: Option<Bond>,
-    /// What a message costs; absent: nothing, a message arrives in the tick it is sent in.
+    /// Message parameters. `None` delivers a message in the tick of its sending.
     pub messages: Option<Messages>,
 }
 
 impl Scene {
-    /// Returns the mass of a block and of the fluid that it takes along \[kg\].
+    /// Returns the mass of a block including the added mass of fluid \[kg\].
     pub fn inertial_mass(&self) -> f64 {
         let fluid = self.fluid.as_ref();
         self.block.mass + fluid.map_or(0.0, |fluid| fluid.taken_along(self.block.side))
     }
 
-    /// Whether every number is one that it may be: the scene may have been read from a file.
+    /// Validates every number of the scene, which may come from a file.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    ///
+    /// A description of the defect.
     pub fn validate(&self) -> Result<(), String> {
         for scalar in scalars::scalars(self) {
             if let Some(value) = scalar.get(self) {
@@ -87,69 +88,71 @@ impl Scene {
     }
 }
 
-/// The one kind of block.
+/// Block properties. All blocks are equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block {
-    /// Edge of the cube \[m\].
+    /// Block length \[m\].
     pub side: f64,
-    /// Mass \[kg\], spread evenly.
+    /// Mass \[kg\], uniformly distributed.
     pub mass: f64,
-    /// Faces that one block can magnetize at the same time, 1 to 5.
+    /// Number of faces that one block can magnetize at the same time, 1 to 5.
     pub faces: u8,
 }
 
-/// The blocks that float at the beginning, at rest.
+/// Free blocks at the start, at rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Free {
-    /// How many.
+    /// Number.
     pub count: u32,
-    /// Where.
+    /// Arrangement.
     pub arrangement: Arrangement,
 }
 
-/// Where free blocks are at tick 0; the same in every run.
+/// Positions of the free blocks at tick 0, equal in all runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Arrangement {
-    /// A cubic lattice that fills the enclosure.
+    /// Cubic lattice that fills the enclosure.
     Uniform,
-    /// Evenly on a level circle about the vertical axis, halfway up the enclosure, the first in the
-    /// east.
+    /// Horizontal circle about the vertical axis at half height of the enclosure, evenly spaced.
+    /// The first block is in the east.
     Ring {
-        /// Of the circle through the blocks' centres \[m\].
+        /// Radius of the circle through the blocks' centres \[m\].
         radius: f64,
     },
 }
 
-/// What keeps the free blocks together.
+/// Enclosure of the free blocks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Enclosure {
-    /// A half ball on the ground: a flat, solid floor at z = 0, and an elastic shell.
+    /// Hemisphere on the ground: a flat solid floor at z = 0, and an elastic shell.
     Hemisphere {
-        /// Of the shell \[m\].
+        /// Radius of the shell \[m\].
         radius: f64,
-        /// Force per depth on the centre of a block that is outside the shell, inward \[N/m\].
+        /// Inward force per depth on the centre of a block outside the shell \[N/m\].
         wall: f64,
     },
-    /// A ball, cut off by the ground so that the cut just holds the plate, or that it just touches the
-    /// ground where there is none; see [`Enclosure::centre_height`].
+    /// Sphere, cut off by the ground so that the cut circumscribes the plate. Without a plate it
+    /// touches the ground. See [`Enclosure::centre_height`].
     Sphere {
-        /// Of the shell \[m\].
+        /// Radius of the shell \[m\].
         radius: f64,
-        /// Force per depth on a block whose inscribed ball reaches through the shell, inward \[N/m\].
+        /// Inward force per depth on a block whose inscribed sphere extends beyond the shell
+        /// \[N/m\].
         wall: f64,
     },
 }
 
 impl Enclosure {
-    /// Of the shell \[m\].
+    /// Returns the radius of the shell \[m\].
     pub fn radius(&self) -> f64 {
         let (Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) = *self;
         radius
     }
 
-    /// From the shell's centre to where the centre of a block of this side is pushed back \[m\].
+    /// Returns the largest distance of a block's centre from the shell's centre without a force
+    /// \[m\].
     pub fn reach(&self, side: f64) -> f64 {
         match *self {
             Enclosure::Hemisphere { radius, .. } => radius,
@@ -157,7 +160,8 @@ impl Enclosure {
         }
     }
 
-    /// Height of the shell's centre over the ground \[m\], around a plate of blocks of this side \[m\].
+    /// Returns the height of the shell's centre above the ground \[m\], for a plate of blocks of
+    /// this length \[m\].
     pub fn centre_height(&self, plate: &Plate, side: f64) -> f64 {
         match *self {
             Enclosure::Hemisphere { .. } => 0.0,
@@ -168,7 +172,8 @@ impl Enclosure {
         }
     }
 
-    /// Distance from the shell's centre to the farthest point of a block in `cell` \[m\], with blocks of this side \[m\].
+    /// Returns the distance from the shell's centre to the farthest point of a block in `cell`
+    /// \[m\], for blocks of this length \[m\].
     pub fn distance_to(&self, cell: Cell, plate: &Plate, side: f64) -> f64 {
         let middle = self.centre_height(plate, side) / side;
         let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
@@ -180,41 +185,41 @@ impl Enclosure {
     }
 }
 
-/// Collisions of blocks with each other, the structure and the ground.
+/// Contacts of blocks with each other, the structure and the ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// What keeps them apart.
+    /// Normal force.
     #[serde(flatten)]
     pub law: ContactLaw,
-    /// Coulomb's coefficient.
+    /// Coefficient of Coulomb friction.
     pub friction: f64,
 }
 
-/// What keeps two blocks apart, or one and the ground.
+/// Law of the normal force.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ContactLaw {
-    /// They never overlap, but for what the time step lets through.
+    /// Bodies do not overlap, except for errors of the time step.
     Rigid {
-        /// 0: inelastic, 1: elastic.
+        /// Coefficient of restitution. 0: inelastic, 1: elastic.
         restitution: f64,
     },
-    /// A pair that overlaps by a depth d repels with `stiffness d + damping d'`, and never
-    /// attracts; it does so at its deepest point.
+    /// Bodies with an overlap d repel by `stiffness d + damping d'`, never attract. The force acts
+    /// at the deepest point.
     Compliant {
         /// Force per depth \[N/m\], more than 0.
         stiffness: f64,
-        /// Force per speed at which the depth grows \[N s/m\], at least 0.
+        /// Force per rate of the depth \[N s/m\], at least 0.
         damping: f64,
     },
 }
 
-/// What a message costs.
+/// Message parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Messages {
-    /// Ticks that a message takes from a block to its parent or child.
+    /// Time of a hop between parent and child \[ticks\].
     pub hop: u32,
-    /// Probability that a hop is lost, and that its acknowledgement is; absent: none ever is.
+    /// Probability of loss of a hop, and of its acknowledgement. `None` if nothing is lost.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loss: Option<f64>,
 }

@@ -1,23 +1,23 @@
-//! The kinds of quantity that a scene deals with: what each is called, and the units it is told and written in.
+//! Kinds of quantities in a scene, with their names and units.
 use super::groups::BlockUnits;
 use super::units::{Dimension, to_si};
 
-/// What a value is one of.
+/// Kind of a quantity.
 #[derive(Clone, Copy, Debug)]
 pub struct QuantityKind {
-    /// Its dimension, which others may share.
+    /// Dimension, possibly shared with other kinds.
     pub dimension: Dimension,
-    /// What messages call it, with a unit as an example.
+    /// Name in messages, with an example.
     pub noun: &'static str,
-    /// The SI unit that its values are told in; empty: a pure number.
+    /// SI unit of reported values. Empty for a dimensionless number.
     pub unit: &'static str,
-    /// The unit among block units, in which the side a, the mass m and the tick τ are 1.
+    /// Unit among block units. The block length a, the mass m and the tick τ are 1.
     pub block_unit: &'static str,
-    /// A value in SI units in block units.
+    /// Conversion from SI to block units.
     pub in_block_units: fn(BlockUnits, f64) -> f64,
-    /// The SI unit as it is written in a scene; every value can be.
+    /// SI unit in scene syntax, possible for every value.
     si: &'static str,
-    /// The units that values are written in where they are short, the preferred first.
+    /// Units for short values, in order of preference.
     preferred: &'static [&'static str],
 }
 
@@ -70,17 +70,17 @@ kinds! {
 }
 
 impl Dimension {
-    /// What messages call it, with a unit as an example.
+    /// Returns the name in messages, with an example.
     pub fn noun(self) -> &'static str {
         let known = (QuantityKind::ALL.iter()).find(|kind| kind.dimension == self);
         known.map_or("a value of another kind", |kind| kind.noun)
     }
 }
 
-/// More digits than this are no value that somebody has chosen in that unit.
+/// Largest number of digits of a value that was probably written in a unit.
 const CHOSEN: usize = 8;
 
-/// What the conversion of a unit into another one may change, as a share: some roundings.
+/// Relative error allowed for a conversion between units.
 const ROUNDING: f64 = 1e-15;
 
 impl QuantityKind {
@@ -89,13 +89,13 @@ impl QuantityKind {
         self.preferred.iter().copied().chain([self.si])
     }
 
-    /// A value in SI units with a unit in which it is short; reads as the same value again, within the
-    /// rounding of the conversion: of what was written in another unit, as `1 g/cm^3`, more is not to be had.
+    /// Returns a value in SI units with the unit that makes it short. It reads back within the
+    /// rounding error of the unit conversion.
     pub fn write(&self, value: f64) -> String {
         let chosen = |rounding: f64| {
             let preferred = self.preferred.iter().find_map(|&unit| {
                 let number = shortest(value, unit, rounding)?;
-                // A zero is one of any unit, and of an angle nobody minds how many degrees it has.
+                // Zero fits any unit, and angles are written in degrees of any size.
                 let fits = value == 0.0 || unit == "deg" || (0.1..1000.0).contains(&number.abs());
                 fits.then(|| text(number, unit))
             });
@@ -112,7 +112,8 @@ fn text(number: f64, unit: &str) -> String {
     format!("{number} {unit}").trim_end().to_owned()
 }
 
-/// The number with the fewest digits, up to [`CHOSEN`], that is `value` in a unit, but for a share of it.
+/// Returns the shortest number, of up to [`CHOSEN`] digits, that equals `value` in a unit within a
+/// relative error.
 fn shortest(value: f64, unit: &str, rounding: f64) -> Option<f64> {
     let in_si = |value: f64| to_si(value, factors(unit)).0;
     let about = value / in_si(1.0);
@@ -121,7 +122,7 @@ fn shortest(value: f64, unit: &str, rounding: f64) -> Option<f64> {
         .find(|&number| (in_si(number) - value).abs() <= rounding * value.abs())
 }
 
-/// The factors of a unit such as `N s/m^2`, each with its power.
+/// Returns the factors of a unit such as `N s/m^2`, each with its power.
 fn factors(unit: &str) -> impl Iterator<Item = (&str, i8)> {
     unit.split_whitespace().flat_map(|product| {
         (product.split('/').enumerate()).map(|(i, factor)| {
@@ -136,7 +137,7 @@ fn factors(unit: &str) -> impl Iterator<Item = (&str, i8)> {
 mod tests {
     use super::*;
 
-    /// What is written in any unit of its kind comes back in few digits, and within a rounding.
+    /// Values in any unit of the kind are read back within rounding, with few digits.
     #[test]
     fn a_short_number_in_any_unit_is_written_as_a_short_number() {
         let kinds: [(QuantityKind, &[&str]); 12] = [
@@ -162,10 +163,10 @@ mod tests {
                     let (number, _) = told.split_once(' ').unwrap();
                     let digits = number.split('e').next().unwrap();
                     let digits = digits.chars().filter(char::is_ascii_digit).count();
-                    // Minutes and hours are no decimal part of a second.
+                    // Minutes and hours are not decimal fractions of a second.
                     let is_decimal =
                         factors(unit).all(|(symbol, _)| !["min", "h"].contains(&symbol));
-                    let spelling = format!("{value} {unit} is told as {told}");
+                    let spelling = format!("{value} {unit} is written as {told}");
                     assert!(!is_decimal || digits <= 10, "{spelling}");
                     assert!(!number.contains("0000000"), "{spelling}");
                     assert!(!number.contains("9999999"), "{spelling}");

@@ -1,4 +1,4 @@
-//! Whether the free blocks of a scene have room in its enclosure at tick 0.
+//! Check whether the free blocks of a scene fit into its enclosure at tick 0.
 use std::f64::consts::{SQRT_2, TAU};
 use std::fmt;
 
@@ -6,30 +6,30 @@ use super::groups::BlockUnits;
 use super::{Arrangement, Scene};
 use crate::plate::Plate;
 
-/// Least distance of a centre from the ground and from the shell \[side\].
+/// Smallest distance of a centre from the ground and from the shell \[block lengths\].
 pub const MARGIN: f64 = 1.0;
 
-/// Least spacing of the lattice \[side\]: below it, blocks would touch.
+/// Smallest spacing of the lattice \[block lengths\], so that blocks do not touch.
 pub const MIN_SPACING: f64 = 1.1;
 
-/// Why the free blocks of a scene are nowhere at tick 0.
+/// Reason why the free blocks cannot be placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoRoom {
-    /// The enclosure is too small for its blocks.
+    /// The enclosure is too small.
     DoesNotFit {
-        /// How many there should be.
+        /// Number of blocks.
         count: u32,
-        /// How many there could be.
+        /// Number of blocks that fit.
         fits: u32,
     },
-    /// There are free blocks, and nothing says where.
+    /// There are free blocks but no enclosure.
     NoEnclosure {
-        /// How many there should be.
+        /// Number of blocks.
         count: u32,
     },
-    /// Blocks on a circle stand in each other's way, or in that of the enclosure.
+    /// Blocks on a circle overlap, or leave the enclosure.
     OnRing {
-        /// How many there should be.
+        /// Number of blocks.
         count: u32,
     },
 }
@@ -53,18 +53,18 @@ impl fmt::Display for NoRoom {
     }
 }
 
-/// The part of space in which centres of blocks are free, over the middle of the plate.
+/// Region available to the centres of free blocks, above the centre of the plate.
 #[derive(Clone, Copy, Debug)]
 pub struct Interior {
-    /// From its centre to where a block is pushed back \[side\].
+    /// Largest distance of a block from its centre without a force \[block lengths\].
     pub radius: f64,
-    /// Of its centre over the ground \[side\].
+    /// Height of its centre above the ground \[block lengths\].
     pub height: f64,
 }
 
 impl Interior {
-    /// Height of the level plane in which rings and jets are \[side\]: that of the middle of a ball, or
-    /// half of that of a hemisphere.
+    /// Returns the height of rings and jets \[block lengths\]: that of a sphere's centre, or half
+    /// of a hemisphere's.
     pub fn halfway(&self) -> f64 {
         if self.height > 0.0 {
             self.height
@@ -73,8 +73,8 @@ impl Interior {
         }
     }
 
-    /// The sites of a cubic lattice with this spacing and a half ball or ball of this radius over the ground \[side\], symmetric about the
-    /// vertical axis, in the order of z, y, x.
+    /// Returns the sites of a cubic lattice with this spacing in the region \[block lengths\],
+    /// symmetric about the vertical axis, in the order of z, y, x.
     pub fn lattice(&self, spacing: f64) -> impl Iterator<Item = [f64; 3]> + use<> {
         let Interior { radius, height } = *self;
         let (radius, low) = (radius - MARGIN, MARGIN - height);
@@ -87,10 +87,11 @@ impl Interior {
             .map(move |[x, y, z]| [x, y, z + height])
     }
 
-    /// Whether so many blocks have room, in this arrangement; `side` is that of a block \[m\].
+    /// Checks whether blocks fit in this arrangement. `side` is the block length \[m\].
     ///
     /// # Errors
-    /// If they do not.
+    ///
+    /// If they do not fit.
     pub fn has_room(&self, count: u32, arrangement: Arrangement, side: f64) -> Result<(), NoRoom> {
         match arrangement {
             Arrangement::Uniform => {
@@ -117,8 +118,8 @@ impl Interior {
         }
     }
 
-    /// Whether a box in the half ball alone has room for all, so that nothing need be counted: the sites of a wide
-    /// enclosure at the least spacing may be more than memory holds.
+    /// Returns whether all blocks fit in a box within the hemisphere. This avoids counting sites,
+    /// which might be too many for the memory.
     fn is_roomy(&self, count: u32) -> bool {
         let radius = self.radius - MARGIN;
         let along = |length: f64| (length / MIN_SPACING - 1.0).max(0.0);
@@ -127,10 +128,11 @@ impl Interior {
 }
 
 impl Scene {
-    /// Whether its free blocks have room around a plate.
+    /// Checks whether the free blocks fit around a plate.
     ///
     /// # Errors
-    /// If they do not.
+    ///
+    /// If they do not fit.
     pub fn has_room(&self, plate: &Plate) -> Result<(), NoRoom> {
         let count = self.free.count;
         if count == 0 {

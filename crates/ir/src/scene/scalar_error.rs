@@ -1,47 +1,47 @@
-//! What can be wrong with a number that is asked for by its name.
+//! Errors of scene parameters given by name.
 use std::fmt;
 
-/// Why a number of a scene cannot be what it was to be.
+/// Reason why a scene parameter cannot be set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScalarError {
-    /// No scene has a number of that name.
+    /// No scene has a parameter of this name.
     Unknown {
         /// The name.
         name: String,
-        /// Of the scene.
+        /// Name of the scene.
         scene: String,
-        /// The name that was probably meant.
+        /// Name that was probably intended.
         meant: Option<String>,
-        /// The numbers that the scene has.
+        /// Parameters of the scene.
         has: Vec<&'static str>,
     },
-    /// The scene does not have it.
+    /// The scene does not have the parameter.
     Absent {
-        /// The full name of the number.
+        /// Full name of the parameter.
         name: &'static str,
-        /// Of the scene.
+        /// Name of the scene.
         scene: String,
-        /// The clause that the scene lacks; `None`: it has the clause, of another kind.
+        /// Clause that the scene lacks. `None` if the clause is of another kind.
         clause: Option<&'static str>,
-        /// The numbers that the scene has.
+        /// Parameters of the scene.
         has: Vec<&'static str>,
     },
-    /// The value is of another dimension.
+    /// The value has another dimension.
     Dimension {
-        /// The full name of the number.
+        /// Full name of the parameter.
         name: &'static str,
-        /// What it has to be.
+        /// Expected kind of quantity.
         expected: &'static str,
-        /// What it is.
+        /// Given kind of quantity.
         found: &'static str,
     },
-    /// The value is none that the number may have.
+    /// The value is out of range.
     Range {
-        /// The full name of the number.
+        /// Full name of the parameter.
         name: &'static str,
-        /// The value, with its unit.
+        /// Value with its unit.
         value: String,
-        /// What it must be, such as `more than 0`.
+        /// Rule for the value, such as `more than 0`.
         rule: String,
     },
 }
@@ -88,7 +88,7 @@ impl fmt::Display for ScalarError {
 impl std::error::Error for ScalarError {}
 
 impl ScalarError {
-    /// The numbers that could be changed instead, or nothing where that is no help.
+    /// Returns the parameters that could be changed instead, if that is helpful.
     pub fn has(&self) -> &[&'static str] {
         match self {
             ScalarError::Unknown { has, .. } | ScalarError::Absent { has, .. } => has,

@@ -1,4 +1,4 @@
-//! The numbers of a scene by their names, to read and to change one by one.
+//! Scene parameters by name, for reading and changing.
 use serde::{Deserialize, Serialize};
 
 use super::Scene;
@@ -6,11 +6,11 @@ pub use super::scalar_error::ScalarError;
 use super::schema::{self, CLAUSES, SchemaNumber};
 use crate::suggest::nearest;
 
-/// Every number of any scene, once, in the order of the language reference; of several that share a name, it stands
-/// for the one that the scene has.
+/// Returns every parameter of any scene once, in the order of the language reference. One of
+/// several with equal names represents all.
 pub fn all() -> impl Iterator<Item = &'static SchemaNumber> {
     let all: Vec<_> = CLAUSES.iter().flat_map(schema::numbers).collect();
-    // What several kinds of a clause share comes behind what is their own.
+    // Parameters shared by several kinds of a clause come after their own.
     let is_last = |i: usize| {
         !all[i + 1..]
             .iter()
@@ -23,15 +23,16 @@ pub fn all() -> impl Iterator<Item = &'static SchemaNumber> {
     last.into_iter()
 }
 
-/// Every number that a scene has a place for, in the order of the language reference.
+/// Returns every parameter that a scene has, in the order of the language reference.
 pub fn scalars(scene: &Scene) -> impl Iterator<Item = &'static SchemaNumber> {
     all().filter(|number| number.is_in(scene))
 }
 
-/// The number of a scene that a name stands for: its full name or a short one.
+/// Returns the parameter of a scene with a full or short name.
 ///
 /// # Errors
-/// When no scene has one of that name, or this one has not.
+///
+/// If no scene, or not this one, has it.
 pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarError> {
     if let Some(found) = scalars(scene).find(|number| number.names.contains(&name)) {
         return Ok(found);
@@ -49,7 +50,7 @@ pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarEr
     }
     let mut known: Vec<&str> = has();
     known.extend(all().flat_map(|number| number.names));
-    // What is said of a clause may be found by its last word too: `friction`.
+    // The last word of a name suffices for suggestions: `friction`.
     let last = |number: &&SchemaNumber| number.name().rsplit('.').next() == Some(name);
     let mut ends = scalars(scene).filter(last);
     let meant = match (ends.next(), ends.next()) {
@@ -64,19 +65,20 @@ pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarEr
     })
 }
 
-/// Another value for a number of a scene.
+/// New value of a scene parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScalarChange {
-    /// Its name, such as `bond.pull`.
+    /// Name, such as `bond.pull`.
     pub of: String,
-    /// In SI units.
+    /// Value in SI units.
     pub value: f64,
 }
 
-/// A scene with some of its numbers changed; what depends on another comes after it.
+/// Returns a scene with changed parameters, applied in an order that respects their dependencies.
 ///
 /// # Errors
-/// For the first change that cannot be made.
+///
+/// For the first change that is invalid.
 pub fn changed(mut scene: Scene, changes: &[ScalarChange]) -> Result<Scene, ScalarError> {
     let mut found = Vec::new();
     for change in changes {

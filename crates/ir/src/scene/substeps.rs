@@ -1,35 +1,36 @@
-//! Steps of the physics in a tick.
+//! Substeps of the physics per tick.
 use super::{Bond, Scene};
 
-/// Steps of the model per tick, as the option `--substeps` writes them: `4`, or `1/8`.
+/// Steps of the model per tick, in the syntax of the option `--substeps`: `4`, or `1/8`.
 ///
 /// `1/8` is one step for blocks away from magnetized faces and eight for those near them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Substeps {
     /// Steps of blocks near magnetized faces.
     pub near: u32,
-    /// Steps of all other blocks. `None`: as many as near a face.
+    /// Steps of all other blocks. `None` if equal to `near`.
     pub away: Option<u32>,
 }
 
 impl Substeps {
-    /// The most steps a tick that are taken.
+    /// Largest number of steps per tick.
     pub const MAX: u32 = 1000;
 
-    /// The default: the cheapest that keep the times of the default scene (docs/validation/speed-and-accuracy.md).
+    /// Default: the cheapest steps that preserve the times of the default scene (docs/validation/speed-and-accuracy.md).
     pub const DEFAULT: Substeps = Substeps {
         near: 8,
         away: Some(2),
     };
 
-    /// The steps of the blocks that take the longest ones.
+    /// Returns the steps per tick of the blocks with the longest steps.
     pub fn longest(self) -> u32 {
         self.away.unwrap_or(self.near)
     }
 
-    /// The steps that blocks of a scene take with the model `rigid`.
+    /// Returns the steps that blocks of a scene take with the model `rigid`.
     ///
-    /// Steps of two lengths need blocks that no fluid carries and that do not pull each other.
+    /// Steps of two lengths require that no fluid carries blocks and that free blocks do not
+    /// attract each other.
     #[must_use]
     pub fn in_scene(self, scene: &Scene) -> Substeps {
         let local = takes_local_steps(scene);
@@ -39,7 +40,8 @@ impl Substeps {
         }
     }
 
-    /// Whether there are steps, not too many, and whole numbers of short ones in a long one.
+    /// Returns whether the numbers are valid: at least 1, at most [`Substeps::MAX`], and an integer
+    /// number of short steps per long one.
     pub fn are_sound(self) -> bool {
         (1..=Substeps::MAX).contains(&self.near)
             && (self.away).is_none_or(|away| away > 0 && self.near.is_multiple_of(away))
@@ -82,7 +84,7 @@ impl std::str::FromStr for Substeps {
     }
 }
 
-/// Whether blocks of a scene may take steps of different lengths.
+/// Returns whether blocks of a scene may take steps of different lengths.
 pub fn takes_local_steps(scene: &Scene) -> bool {
     scene.fluid.is_none()
         && scene.flow.is_none()

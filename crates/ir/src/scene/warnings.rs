@@ -1,4 +1,4 @@
-//! Reasons why a scene does not work, or why its time step is too long.
+//! Warnings about scenes that do not work, or whose time step is too long.
 use std::ops::RangeInclusive;
 
 use super::groups::{
@@ -7,22 +7,22 @@ use super::groups::{
 };
 use super::{Agitation, Bond, Scene, Substeps};
 
-/// A reason why a scene does not work, or is not computed as it is written.
+/// Warning about a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneWarning {
-    /// Its kind.
+    /// Kind of the warning.
     pub kind: SceneWarningKind,
-    /// The symbol of the dimensionless number. Empty if nothing moves.
+    /// Symbol of the dimensionless number. Empty if nothing moves.
     pub symbol: &'static str,
-    /// The dimensionless number and its limit.
+    /// Dimensionless number and its limit.
     pub figure: String,
-    /// The consequence, as a clause.
+    /// Consequence, as a clause.
     pub effect: String,
-    /// The change that helps.
+    /// Remedy.
     pub remedy: String,
 }
 
-/// A kind of warning about a scene.
+/// Kind of warning about a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SceneWarningKind {
     /// Weight or lift keeps free blocks away from the structure.
@@ -37,24 +37,24 @@ pub enum SceneWarningKind {
     StokesDrag,
 }
 
-/// The steps of a run, and the digits that it computes with.
+/// Time step and precision of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepping {
-    /// Steps in a tick.
+    /// Steps per tick.
     pub steps: Substeps,
-    /// The smallest turn in a step that an orientation keeps \[rad\].
+    /// Smallest rotation per step that the precision resolves \[rad\].
     pub smallest_turn: f64,
 }
 
 impl Stepping {
-    /// The smallest turn in a step that single precision adds up, and that Rapier does \[rad\].
+    /// Smallest rotations per step that single precision, and Rapier, resolve \[rad\].
     ///
     /// docs/validation/stability.md measures both.
     pub const SINGLE: f64 = 2.5e-7;
     /// See [`Stepping::SINGLE`].
     pub const RAPIER: f64 = 2.5e-6;
 
-    /// The steps of a run without options.
+    /// Time step of a run without options.
     pub const DEFAULT: Stepping = Stepping {
         steps: Substeps::DEFAULT,
         smallest_turn: Stepping::SINGLE,
@@ -104,9 +104,10 @@ pub fn scene_warnings(
     found
 }
 
-/// Returns the fewest steps that resolve all of these groups that any number of steps does.
+/// Returns the smallest number of steps that resolves these dimensionless numbers, except those
+/// that no number of steps resolves.
 ///
-/// Blocks near open faces take no fewer steps than before, in whole numbers for each long step.
+/// Blocks near open faces take at least as many steps as before, an integer number per long step.
 fn resolving<'a>(
     exceeded: impl Iterator<Item = &'a DimensionlessGroup>,
     taken: Substeps,
@@ -128,7 +129,7 @@ fn resolving<'a>(
     steps
 }
 
-/// Warns of a scene in which free blocks stay where they are.
+/// Warns of a scene without any motion of free blocks.
 ///
 /// The pump of `bond suction` draws blocks from any distance.
 fn no_agitation(scene: &Scene) -> Option<SceneWarning> {
@@ -148,7 +149,7 @@ fn no_agitation(scene: &Scene) -> Option<SceneWarning> {
     })
 }
 
-/// Warns of a structure at heights where weight or lift leaves few free blocks.
+/// Warns of a structure at heights with few free blocks because of weight or lift.
 fn buoyant(scene: &Scene, layers: RangeInclusive<i32>) -> Option<SceneWarning> {
     let settling = Settling::from_scene(scene)?;
     let layer = if settling.is_floating {
@@ -174,7 +175,7 @@ fn buoyant(scene: &Scene, layers: RangeInclusive<i32>) -> Option<SceneWarning> {
     })
 }
 
-/// Warns of a motion that steps do not resolve.
+/// Warns of a motion that the time step does not resolve.
 fn coarse(
     group: &DimensionlessGroup,
     limit: ResolutionLimit,
@@ -206,15 +207,15 @@ fn coarse(
     }
 }
 
-/// Returns the consequence of a drag that takes `taken` from a speed in a step.
+/// Returns the consequence of a drag of `taken` per step.
 ///
-/// Drag acts before a block moves: its way is x e^-x / (1 - e^-x) of the right one.
+/// Drag acts before a block moves, so its displacement is x e^-x / (1 - e^-x) of the correct one.
 fn slowed(taken: f64) -> String {
     let times = taken.exp_m1() / taken;
     format!("displacements are {} times too small", two_digits(times))
 }
 
-/// Warns of blocks that turn by less than the last digit of an orientation in a step.
+/// Warns of rotations per step below the precision of an orientation.
 fn digits(scene: &Scene, smallest_turn: f64, steps: Substeps) -> Option<SceneWarning> {
     let turn = turn_in_steps(scene, f64::from(steps.longest()))?;
     (turn > 0.0 && turn < smallest_turn).then(|| SceneWarning {
@@ -230,7 +231,7 @@ fn digits(scene: &Scene, smallest_turn: f64, steps: Substeps) -> Option<SceneWar
     })
 }
 
-/// Warns of a group that is out of its range at any steps.
+/// Warns of a dimensionless number out of range at any time step.
 fn out_of_range(group: &DimensionlessGroup, expected: ExpectedRange) -> SceneWarning {
     let (symbol, value) = (group.symbol, short(group.value));
     SceneWarning {
@@ -242,13 +243,13 @@ fn out_of_range(group: &DimensionlessGroup, expected: ExpectedRange) -> SceneWar
     }
 }
 
-/// Returns a number with two digits.
+/// Formats a number with two digits.
 fn two_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
     short(rounded)
 }
 
-/// Returns a number with four digits.
+/// Formats a number with four digits.
 pub fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
@@ -278,7 +279,8 @@ mod tests {
         }
     }
 
-    /// e^-6.5 + e^-13 over 2 is the way in two steps of γ τ = 13. The right one is 1 / 13.
+    /// The displacement in two steps at γ τ = 13 is e^-6.5 + e^-13 over 2. The correct one is 1 /
+    /// 13.
     #[test]
     fn a_coarse_drag_says_how_much_too_small_displacements_are() {
         let way = ((-6.5_f64).exp() + (-13.0_f64).exp()) / 2.0;

@@ -1,16 +1,17 @@
-//! What a kind of hardware makes of a table: one program, three ways to capture and to let go.
+//! Effects of the kind of bond on tables.
 use crate::scene::{BondKind, Scene};
 
 impl BondKind {
-    /// That of a scene; the default one, if nothing bonds there.
+    /// Returns the kind of bond of a scene, or the default without bonds.
     pub fn from_scene(scene: &Scene) -> BondKind {
         let bond = scene.bond.as_ref();
         bond.map_or(BondKind::default(), |bond| bond.kind())
     }
 
-    /// Faces with which a block captures at the same time, at most, of one that magnetizes `faces`.
+    /// Returns the number of faces of a block that can capture at the same time. `faces` is the
+    /// number that it can magnetize.
     ///
-    /// Where every face always attracts nothing has to be switched on, so nothing sets a limit.
+    /// There is no limit if every face always attracts, since nothing is switched.
     pub const fn faces(self, faces: u8) -> u8 {
         match self {
             BondKind::Attract | BondKind::Suction => faces,
@@ -18,8 +19,8 @@ impl BondKind {
         }
     }
 
-    /// Whether blocks also dock on faces that nobody has made capture: an *unplanned bond*, which
-    /// its owner has to undo at once.
+    /// Returns whether blocks can also be captured at faces that expect none: an *unplanned*
+    /// capture, which the owner must undo at once.
     pub const fn is_passive(self) -> bool {
         matches!(self, BondKind::Reject)
     }

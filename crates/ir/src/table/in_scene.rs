@@ -1,13 +1,14 @@
-//! Tables beside the scene that they run in, both from a file.
+//! Consistency of tables and scene, both from a file.
 use super::{Action, Tables};
 use crate::counted;
 use crate::scene::{BondKind, Scene};
 
 impl Tables {
-    /// Whether these are tables for a scene: for those that were read from a file.
+    /// Validates tables from a file against a scene.
     ///
     /// # Errors
-    /// Which field does not go with the scene, in words.
+    ///
+    /// A description of the inconsistent field.
     pub fn validate_in(&self, scene: &Scene) -> Result<(), String> {
         let bond = BondKind::from_scene(scene);
         if self.bond != bond {
@@ -33,7 +34,7 @@ impl Tables {
         Ok(())
     }
 
-    /// The most blocks that are held at the end of a phase.
+    /// Returns the largest number of blocks held at the end of a phase.
     fn blocks_at_once(&self) -> u64 {
         let mut changes = vec![0_i64; self.phases.len()];
         for duty in self.duties() {

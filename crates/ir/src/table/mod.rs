@@ -1,12 +1,11 @@
-//! What every block knows: the lowered program.
+//! Event tables: the lowered program, as stored in every block.
 //!
-//! A [`Tables`] is the only thing that crosses from the compiler to the runtime. A *role* is a
-//! name of the program; a block takes a role when it is captured and drops it when it is released,
-//! and another block may take it later. For each phase a role holds up to two [`Duty`]s: one for a
-//! block that already is anchored when the phase starts, one for a block that is captured during
-//! it. A duty is a list of [`Rule`]s. A rule fires once, as soon as the duty has begun and all its
-//! conditions have come true, and only speaks of what its block can see: its own faces, and
-//! messages. The runtime needs nothing else, and holds no script.
+//! [`Tables`] are the only data from the compiler to the runtime. A *role* is a name of the
+//! program. A block takes a role when it is captured and drops it when it is released; another
+//! block may take it later. A role has up to two [`Duty`]s per phase: one for a block that is
+//! anchored at its start, one for a block captured during it. A duty is a list of [`Rule`]s. A rule
+//! fires once, as soon as its duty has begun and all its conditions hold. It uses only what its
+//! block can see: its own faces, and messages. The runtime needs no other program.
 mod hardware;
 mod in_scene;
 mod stored;
@@ -20,167 +19,165 @@ use crate::{Cell, Face};
 
 pub use crate::plate::Plate;
 
-/// A name that blocks take in turn; an index into [`Tables::roles`].
+/// Name that blocks take in turn: an index into [`Tables::roles`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct RoleId(pub u32);
 
-/// A phase of the program; an index into [`Tables::phases`].
+/// Phase of the program: an index into [`Tables::phases`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct PhaseId(pub u32);
 
-/// The event tables of one assembly.
+/// Event tables of one assembly.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "stored::StoredTables")]
 pub struct Tables {
-    /// The name of the assembly.
+    /// Name of the assembly.
     pub assembly: String,
-    /// How the hardware bonds: what to capture and to release mean for a face.
+    /// Kind of bond, which determines how a face captures and releases.
     pub bond: BondKind,
-    /// Faces that one block magnetizes at the same time, at most.
+    /// Number of faces that one block can magnetize at the same time.
     pub faces: u8,
-    /// Of an aggregate, the blocks of a group with which it is complete: free blocks bond to each other,
-    /// there is no plate and nobody acts, and phase i ends as soon as some group has i + 2 blocks.
+    /// For an aggregate, the size of a complete group. Free blocks bond to each other without plate
+    /// and rules. Phase i ends when some group has i + 2 blocks.
     pub aggregate: Option<u32>,
-    /// What the seed plate knows.
+    /// Seed plate.
     pub plate: Plate,
-    /// The phases, in the order in which they run.
+    /// Phases in order.
     pub phases: Vec<Phase>,
-    /// Every role: first the seeds in source order, then the captured ones by first capture.
+    /// Roles: seeds in source order, then captured ones by first capture.
     pub roles: Vec<Role>,
-    /// All duties, sorted by (role, phase, trigger).
+    /// Duties, sorted by (role, phase, trigger).
     duties: Vec<DutyRow>,
-    /// All rules; a duty owns a contiguous range.
+    /// Rules. Each duty owns a contiguous range.
     rules: Vec<RuleRow>,
-    /// All conditions; a rule owns a contiguous range.
+    /// Conditions. Each rule owns a contiguous range.
     conditions: Vec<Condition>,
 }
 
-/// The name of the phase of blocks that are attached by hand: a word of the language, so that
-/// no other phase has it.
+/// Name of the phase of pre-attached blocks: a keyword, so that no other phase has it.
 pub const PLANTED: &str = "seed";
 
-/// One building stage.
+/// Phase of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Phase {
-    /// Its name in the program.
+    /// Name in the program.
     pub name: String,
-    /// Ticks after which the phase has failed; `None`: it waits for ever.
+    /// Timeout \[ticks\]. `None` if the phase waits forever.
     pub timeout: Option<u64>,
-    /// Reports after which the plate starts the next phase, in the very next tick.
+    /// Number of reports after which the plate begins the next phase, in the next tick.
     pub reports: u32,
-    /// Whether its blocks are attached by hand before the first tick, rather than captured. Such a
-    /// phase comes first, takes no time, and has only captures, of which nobody reports.
+    /// Whether its blocks are pre-attached before the first tick. Such a phase comes first, takes
+    /// no time, and consists of captures without reports.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub planted: bool,
 }
 
-/// A name of the program.
+/// Name of the program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Role {
-    /// As the program writes it, such as `E`, `T[2]` or `a.T[2]`.
+    /// Name as in the program, such as `E`, `T[2]` or `a.T[2]`.
     pub name: String,
-    /// The cell of a seed; `None` for a role that is captured.
+    /// Cell of a seed. `None` for a captured role.
     pub seed: Option<Cell>,
 }
 
-/// When a duty begins.
+/// Start of a duty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Trigger {
-    /// At the start of the phase, for a block that is anchored then.
+    /// At the start of the phase, for a block anchored then.
     Start,
-    /// At its own anchoring, for a block that is captured during the phase.
+    /// At its own capture, for a block captured during the phase.
     Anchored,
 }
 
-/// What a rule waits for, besides the beginning of its duty. Each is seen by the block itself.
+/// Condition of a rule, after the start of its duty. Observed by the block itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
-    /// A block has docked on this block's magnetized face and been given the role.
+    /// A block has been captured at a magnetized face of this block, in this role.
     Docked(RoleId),
-    /// The child with this role asks to be let go.
+    /// The child with this role requests its release.
     Asked(RoleId),
-    /// This block has switched off the face that held the child with this role.
+    /// This block has released the child with this role.
     Released(RoleId),
-    /// A message has said so.
+    /// A message has reported this event.
     Heard(News),
-    /// Of the blocks that earlier rules of this duty capture, at least so many have docked: the block has a
-    /// face to spare.
+    /// At least this many of the blocks that earlier rules of this duty capture have been captured.
+    /// The block then has a face available.
     Turn(u8),
 }
 
-/// An event that a message tells of.
+/// Event reported by a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum News {
-    /// A block has been anchored in this role during this phase.
+    /// A block has been captured in this role during this phase.
     Anchored(RoleId),
     /// The block in this role has been released during this phase.
     Released(RoleId),
 }
 
-/// What a rule does.
+/// Action of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
-    /// Make a face capture, and give the role to the block that docks there.
+    /// Makes a face capture, and gives the role to the captured block.
     ///
-    /// What that is depends on the [bond](Tables::bond): the face's magnet is switched on, or its
-    /// valve is opened; a face that always attracts is expected to, and from then on what docks
-    /// there is kept.
+    /// The mechanism depends on the [bond](Tables::bond): the face's magnet is switched on, or its
+    /// valve is opened. A face that always attracts keeps the next block instead of rejecting it.
     Magnetize {
-        /// In the structure's frame: the block turns it into its own by its orientation.
+        /// Face in the structure's frame. The block converts it by its orientation.
         face: Face,
-        /// The role to give.
+        /// Role to give.
         child: RoleId,
-        /// The lattice site across the face, where the child will sit.
+        /// Cell across the face, for the child.
         cell: Cell,
     },
-    /// Ask the parent to let this block go.
+    /// Requests release from the parent.
     AskRelease,
-    /// Let the child go that a face holds: switch the magnet off, close the valve, or reject it with
+    /// Releases the child at a face: switches the magnet off, closes the valve, or rejects it with
     /// an impulse.
     SwitchOff {
-        /// In the structure's frame.
+        /// Face in the structure's frame.
         face: Face,
-        /// The role that ends.
+        /// Role that ends.
         child: RoleId,
     },
-    /// Send news to another block of the structure, along parents and children.
+    /// Sends news to another block of the structure, along parents and children.
     Tell {
-        /// The receiver.
+        /// Receiver.
         to: RoleId,
-        /// What happened.
+        /// Event.
         news: News,
     },
-    /// Report to the plate, along the chain of parents, that this branch of the phase is done.
+    /// Reports to the plate, along the chain of parents, that this branch of the phase is complete.
     Report,
 }
 
-/// A rule as its block holds it.
+/// Rule of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Rule<'a> {
-    /// All of these have to come true; none: at once.
+    /// Conditions that must all hold. Without any, the rule fires at once.
     pub when: &'a [Condition],
-    /// Done once, when they have.
+    /// Action, performed once.
     pub then: Action,
 }
 
-/// What a block in one role does in one phase.
+/// Rules of a role in one phase.
 #[derive(Clone, Copy, Debug)]
 pub struct Duty<'a> {
-    /// Whose.
+    /// Role.
     pub role: RoleId,
-    /// In which phase.
+    /// Phase.
     pub phase: PhaseId,
-    /// From when on.
+    /// Start.
     pub trigger: Trigger,
     tables: &'a Tables,
     rules: RuleRange,
 }
 
-/// Some rules of tables, one after the other: those of a duty.
+/// Contiguous range of rules of a duty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RuleRange {
     first: u32,
@@ -188,7 +185,7 @@ pub struct RuleRange {
 }
 
 impl RuleRange {
-    /// How many rules there are.
+    /// Returns the number of rules.
     #[inline]
     pub fn count(self) -> u32 {
         self.end - self.first
@@ -200,47 +197,47 @@ struct DutyRow {
     pub role: RoleId,
     pub phase: PhaseId,
     pub trigger: Trigger,
-    /// Where its rules begin; they end where the next duty's begin.
+    /// Start of its rules, which end at those of the next duty.
     pub rules: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct RuleRow {
-    /// Where its conditions begin; they end where the next rule's begin.
+    /// Start of its conditions, which end at those of the next rule.
     pub when: u32,
     pub then: Action,
 }
 
 impl<'a> Duty<'a> {
-    /// The rules, in the order in which the block tries them.
+    /// Returns the rules in the order of evaluation.
     #[inline]
     pub fn rules(&self) -> impl ExactSizeIterator<Item = Rule<'a>> + use<'a> {
         let Duty { tables, rules, .. } = *self;
         (0..rules.count() as usize).map(move |place| tables.rule(rules, place))
     }
 
-    /// Which of all rules they are.
+    /// Returns the range of its rules.
     #[inline]
     pub fn range(&self) -> RuleRange {
         self.rules
     }
 
-    /// The roles that the rules before one give, by its place.
+    /// Returns the roles that the rules before an index give.
     pub fn given_before(&self, place: usize) -> impl Iterator<Item = RoleId> + use<'a> {
         self.tables.given_before(self.rules, place)
     }
 
-    /// [`Tables::is_true`] of one of its rules.
+    /// Calls [`Tables::is_true`] for one of its rules.
     pub fn is_true(&self, place: usize, when: Condition, has: impl Fn(Condition) -> bool) -> bool {
         self.tables.is_true(self.rules, place, when, has)
     }
 }
 
-/// A duty that belongs to no tables yet: whose, when, and its rules.
+/// Duty outside of tables: role, phase, trigger and rules.
 pub type LooseDuty = (RoleId, PhaseId, Trigger, Vec<(Vec<Condition>, Action)>);
 
 impl Tables {
-    /// Tables in which nobody does anything yet, of the default bond.
+    /// Returns tables without duties and with the default bond.
     pub fn new(
         assembly: impl Into<String>,
         faces: u8,
@@ -262,10 +259,10 @@ impl Tables {
         }
     }
 
-    /// Puts tables together from loose duties, for tools and tests that write them by hand.
+    /// Assembles tables from loose duties, for tools and tests.
     ///
-    /// `duties` may come in any order; an empty list of rules is left out. The bond is the default
-    /// one; [`Tables::bond`] may be set afterwards.
+    /// `duties` may be in any order; empty lists of rules are dropped. The bond is the default one
+    /// and can be changed through [`Tables::bond`].
     pub fn assemble(
         assembly: impl Into<String>,
         faces: u8,
@@ -287,13 +284,13 @@ impl Tables {
         tables
     }
 
-    /// Takes the memory for so many more rules and conditions at once.
+    /// Reserves memory for additional rules and conditions.
     pub fn reserve(&mut self, rules: usize, conditions: usize) {
         self.rules.reserve_exact(rules);
         self.conditions.reserve_exact(conditions);
     }
 
-    /// Opens a duty; duties have to come in the order of (role, phase, trigger).
+    /// Begins a duty. Duties must be in the order of (role, phase, trigger).
     pub fn begin_duty(&mut self, role: RoleId, phase: PhaseId, trigger: Trigger) {
         let rules = self.rules.len() as u32;
         self.duties.push(DutyRow {
@@ -304,30 +301,30 @@ impl Tables {
         });
     }
 
-    /// Adds a rule to the duty opened last.
+    /// Adds a rule to the current duty.
     pub fn push_rule(&mut self, when: impl IntoIterator<Item = Condition>, then: Action) {
         let start = self.conditions.len() as u32;
         self.conditions.extend(when);
         self.rules.push(RuleRow { when: start, then });
     }
 
-    /// The name of a role.
+    /// Returns the name of a role.
     pub fn name(&self, role: RoleId) -> &str {
         &self.roles[role.0 as usize].name
     }
 
-    /// How many captures there are in all phases.
+    /// Returns the number of captures in all phases.
     pub fn captures(&self) -> usize {
         self.captured_cells().count()
     }
 
-    /// How many releases there are in all phases.
+    /// Returns the number of releases in all phases.
     pub fn releases(&self) -> usize {
         let is_release = |rule: &&RuleRow| matches!(rule.then, Action::SwitchOff { .. });
         self.rules.iter().filter(is_release).count()
     }
 
-    /// The cell of each capture, in the order of the rules.
+    /// Returns the cell of each capture, in the order of the rules.
     pub fn captured_cells(&self) -> impl Iterator<Item = Cell> {
         self.rules.iter().filter_map(|rule| match rule.then {
             Action::Magnetize { cell, .. } => Some(cell),
@@ -335,7 +332,7 @@ impl Tables {
         })
     }
 
-    /// The roles that are on the plate from the beginning, with their cells.
+    /// Returns the seeds with their cells.
     pub fn seeds(&self) -> impl Iterator<Item = (RoleId, Cell)> {
         self.roles
             .iter()
@@ -343,7 +340,7 @@ impl Tables {
             .filter_map(|(i, role)| Some((RoleId(i as u32), role.seed?)))
     }
 
-    /// What a block in `role` does in `phase` from `trigger` on; `None`: nothing.
+    /// Returns the duty of a role in a phase for a trigger, or `None` if it has none.
     pub fn duty(&self, role: RoleId, phase: PhaseId, trigger: Trigger) -> Option<Duty<'_>> {
         let key = (role, phase, trigger);
         let i = self
@@ -353,12 +350,12 @@ impl Tables {
         Some(self.duty_at(i))
     }
 
-    /// Every duty, sorted by (role, phase, trigger).
+    /// Returns every duty, sorted by (role, phase, trigger).
     pub fn duties(&self) -> impl ExactSizeIterator<Item = Duty<'_>> {
         (0..self.duties.len()).map(|i| self.duty_at(i))
     }
 
-    /// Returns the lowest and the highest layer of captures. `None` without captures.
+    /// Returns the lowest and the highest layer of captures, or `None` without captures.
     pub fn capture_layers(&self) -> Option<RangeInclusive<i32>> {
         let rules = self.duties().flat_map(|duty| duty.rules());
         let heights = rules.filter_map(|rule| match rule.then {
@@ -371,14 +368,14 @@ impl Tables {
         })
     }
 
-    /// The duties of one role, sorted by (phase, trigger).
+    /// Returns the duties of one role, sorted by (phase, trigger).
     pub(crate) fn duties_of(&self, role: RoleId) -> impl ExactSizeIterator<Item = Duty<'_>> {
         let start = self.duties.partition_point(|row| row.role < role);
         let end = self.duties.partition_point(|row| row.role <= role);
         (start..end).map(|i| self.duty_at(i))
     }
 
-    /// One of [`Tables::duties`], by its number.
+    /// Returns one of [`Tables::duties`] by its index.
     #[inline]
     pub fn duty_at(&self, i: usize) -> Duty<'_> {
         let row = self.duties[i];
@@ -398,7 +395,7 @@ impl Tables {
         }
     }
 
-    /// One of some rules, by its place among them.
+    /// Returns a rule by its index in a range.
     #[inline]
     pub fn rule(&self, rules: RuleRange, place: usize) -> Rule<'_> {
         let number = rules.first as usize + place;
@@ -418,7 +415,7 @@ impl Tables {
         })
     }
 
-    /// Whether a condition of the rule at a place is true for a block that has seen what `has` says.
+    /// Returns whether a condition of a rule holds for a block with the observations `has`.
     #[inline]
     pub fn is_true(
         &self,

@@ -1,4 +1,4 @@
-//! Event tables in files: written as they are, read with distrust.
+//! Event tables in files, with validation on reading.
 use std::collections::BTreeMap;
 
 use serde::ser::SerializeStruct as _;
@@ -11,7 +11,7 @@ use super::{
 use crate::Cell;
 use crate::scene::BondKind;
 
-/// Cells from the origin at most, in each direction.
+/// Largest distance of a cell from the origin in each direction.
 const FARTHEST: i32 = 100_000_000;
 
 impl Serialize for Tables {
@@ -29,7 +29,7 @@ impl Serialize for Tables {
     }
 }
 
-/// The duties one by one, so that nothing holds all of them twice.
+/// Duties serialized one by one, without a second copy of all.
 struct Duties<'a>(&'a Tables);
 
 impl Serialize for Duties<'_> {
@@ -49,7 +49,7 @@ impl Serialize for Duty<'_> {
     }
 }
 
-/// Tables as they stand in a file.
+/// Tables in the form of a file.
 #[derive(Deserialize)]
 pub(super) struct StoredTables {
     assembly: String,
@@ -100,7 +100,7 @@ impl TryFrom<StoredTables> for Tables {
 }
 
 impl StoredTables {
-    /// Whether every number stands for something.
+    /// Validates all indices and numbers.
     fn validate(&self) -> Result<(), String> {
         if !(1..=6).contains(&self.faces) {
             return Err(format!("a block has no {} faces", self.faces));
@@ -144,7 +144,7 @@ impl StoredTables {
         Ok(())
     }
 
-    /// Whether phases can end, and not before their blocks have reported.
+    /// Validates that phases can end, and only after their blocks have reported.
     fn validate_phases(&self) -> Result<(), String> {
         let mut reports = vec![0; self.phases.len()];
         for duty in &self.duties {

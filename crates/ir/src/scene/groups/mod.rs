@@ -1,7 +1,6 @@
-//! Numbers without a dimension that say how a scene behaves, the same at every scale.
+//! Dimensionless numbers of a scene, which are the same at every scale.
 //!
-//! Some also say whether a step a tick is short enough for what happens in it: these have a limit.
-//! docs/concepts/physical-model.md derives them.
+//! Some also limit the time step. docs/concepts/physical-model.md derives them.
 mod block_units;
 mod gas;
 mod settling;
@@ -19,56 +18,56 @@ pub use speed::{Speed, SpeedFrom, carried, kick, speed, turn_in_steps};
 use super::warnings::SceneWarningKind;
 use super::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene, Substeps};
 
-/// A number without a dimension.
+/// Dimensionless number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DimensionlessGroup {
-    /// How it is made, in the symbols of the terms.
+    /// Definition in the symbols of the terms.
     pub symbol: &'static str,
-    /// What it says.
+    /// Meaning.
     pub meaning: &'static str,
-    /// Its value with one step a tick.
+    /// Value with one step per tick.
     pub value: f64,
-    /// What it has to keep to, if it is one that steps have to resolve.
+    /// Limit that the time step must resolve, if there is one.
     pub limit: Option<ResolutionLimit>,
-    /// What it should keep to whatever the steps are.
+    /// Range that it should be in at any time step.
     pub expected: Option<ExpectedRange>,
-    /// Whether it is about blocks that an open face attracts, which may take shorter steps than all others.
+    /// Whether it concerns blocks near an open face, which may take shorter steps.
     pub of_faces: bool,
 }
 
-/// The largest value of a group at which what it stands for is resolved.
+/// Largest value that the time step resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ResolutionLimit {
-    /// The value with one step a tick, about.
+    /// Approximate value with one step per tick.
     pub most: f64,
-    /// The fewest substeps a tick with which the group keeps to it; `None`: no number of them does.
+    /// Smallest number of substeps within the limit. `None` if there is none.
     pub substeps: Option<u32>,
-    /// What happens beyond it, as a clause.
+    /// Consequence beyond it, as a clause.
     pub beyond: &'static str,
 }
 
-/// The largest value of a group that a scene works with, at any steps.
+/// Largest value for a working scene, at any time step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ExpectedRange {
-    /// The largest value, about.
+    /// Approximate value.
     pub most: f64,
-    /// The consequence beyond it, as a clause.
+    /// Consequence beyond it, as a clause.
     pub beyond: &'static str,
-    /// The change that helps.
+    /// Remedy.
     pub remedy: &'static str,
-    /// The kind of the warning about it.
+    /// Kind of the warning.
     #[serde(skip)]
     pub kind: SceneWarningKind,
 }
 
 impl DimensionlessGroup {
-    /// Whether so many steps a tick are too long.
+    /// Returns whether this number of steps per tick is too small.
     pub fn is_exceeded(&self, substeps: u32) -> bool {
         let needed = |limit: ResolutionLimit| limit.substeps;
         (self.limit).is_some_and(|limit| needed(limit).is_none_or(|needed| substeps < needed))
     }
 
-    /// The steps a tick that the blocks take which the group is about.
+    /// Returns the steps per tick of the blocks concerned.
     pub fn steps_of(&self, steps: Substeps) -> u32 {
         if self.of_faces {
             steps.near
@@ -77,18 +76,20 @@ impl DimensionlessGroup {
         }
     }
 
-    /// The fewest substeps a tick that keep to the limit; `None` if there is none, or no number of them does.
+    /// Returns the smallest number of substeps within the limit. `None` without limit, or if there
+    /// is no such number.
     pub fn substeps(&self) -> Option<u32> {
         self.limit?.substeps
     }
 
-    /// Returns the range that the group leaves, whatever the steps are.
+    /// Returns the range if the value is outside of it.
     pub fn disappoints(&self) -> Option<ExpectedRange> {
         self.expected.filter(|expected| self.value > expected.most)
     }
 }
 
-/// The least number from 1 on for which a question that stays answered is; `None`: for none that fits.
+/// Returns the smallest number from 1 that fulfils a monotone condition, or `None` if there is
+/// none.
 fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
     const MAX: u32 = u32::MAX / 2;
     let mut enough = 1;
@@ -107,7 +108,7 @@ fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
     Some(enough)
 }
 
-/// The groups of a scene, of those terms that it has.
+/// Returns the dimensionless numbers of a scene's terms.
 pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     let units = BlockUnits::from_scene(scene);
     let v = speed(scene).rms.map(|rms| units.speed(rms));
@@ -207,10 +208,10 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     out
 }
 
-/// What a force does in a step.
+/// Effect of a force over a step.
 #[derive(Clone, Copy)]
 struct Push {
-    /// What a viscous drag takes from a velocity in a tick.
+    /// Fraction of a velocity that viscous drag removes per tick.
     drag: f64,
 }
 
@@ -221,23 +222,24 @@ impl Push {
         }
     }
 
-    /// How far a force of one block's weight, side and tick moves a block at rest in one of so many steps of a
-    /// tick \[side\]: by φ / steps², as the worlds compute it, with the mean φ that the drag leaves of it.
+    /// Returns the displacement of a block at rest by a unit force in one step \[block lengths\]: φ
+    /// / steps², with the mean fraction φ that drag leaves.
     fn displacement(self, steps: f64) -> f64 {
         self.left(steps) / (steps * steps)
     }
 
-    /// φ, the mean that the drag leaves of a force in one of so many steps of a tick: 1 without drag.
+    /// Returns φ, the mean fraction of a force that drag leaves in one step. 1 without drag.
     fn left(self, steps: f64) -> f64 {
         speed::mean_left(self.drag / steps)
     }
 
-    /// The symbol that says whether drag is in it.
+    /// Returns the symbol with or without drag.
     fn symbol(self, [free, slowed]: [&'static str; 2]) -> &'static str {
         if self.drag > 0.0 { slowed } else { free }
     }
 
-    /// A group of a force \[side/tick^2\] and of the anchoring distance \[side\].
+    /// Returns the number of a force \[block lengths / tick^2\] and a capture distance \[block
+    /// lengths\].
     fn anchoring(self, force: f64, within: f64) -> DimensionlessGroup {
         let value = force / within;
         DimensionlessGroup::new(
@@ -246,7 +248,8 @@ impl Push {
             value * self.displacement(1.0),
         )
         .limited(
-            // Without drag it goes on faster in the next step; with much of it, the place is two distances wide.
+            // Without drag the motion is faster in the next step. With strong drag the window is
+            // two distances wide.
             |steps| 2.0 - self.left(steps),
             |steps| value * self.displacement(steps),
             "a pulled block jumps over the place where it would be anchored",
@@ -254,7 +257,7 @@ impl Push {
         .of_faces()
     }
 
-    /// A group of a spring \[1/tick^2\].
+    /// Returns the number of a spring \[1 / tick^2\].
     fn spring(
         self,
         symbols: [&'static str; 2],
@@ -314,10 +317,11 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     }
 }
 
-/// The range of Stokes' drag alone.
+/// Range of Stokes' drag alone: at 10, a cube's drag is twice that.
 ///
 /// # Source
-/// A. Haider, O. Levenspiel, Powder Technology 58, 63, 1989: at 10 a cube's drag is twice Stokes'.
+///
+/// A. Haider and O. Levenspiel, Powder Technology 58, 63 (1989).
 const STOKES: ExpectedRange = ExpectedRange {
     most: 10.0,
     beyond: "Stokes' drag alone slows blocks too little",
@@ -325,14 +329,15 @@ const STOKES: ExpectedRange = ExpectedRange {
     kind: SceneWarningKind::StokesDrag,
 };
 
-/// The symbol of the part of a speed that `drag` takes in a tick.
+/// Symbol of the fraction of a speed that `drag` removes per tick.
 pub(super) const DRAG_SYMBOL: &str = "γ τ";
 
-/// What drag may take in a step. A force acts before it, so that a terminal speed lacks half of that.
+/// Limit of the fraction that drag removes per step. Forces act before drag, so terminal speeds
+/// lack half of it.
 const DRAG: f64 = 0.2;
 
-/// A spring is resolved when its angle in a step, √(k/m) τ, is less than half a radian; or, where drag
-/// rules, when a step does not go beyond its end, so that the group is less than 1.
+/// Limit for springs: the phase √(k/m) τ per step is below half a radian. With strong drag, a step
+/// does not overshoot, so the number is below 1.
 const SPRING: f64 = 0.25;
 
 fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
@@ -455,7 +460,7 @@ impl DimensionlessGroup {
         self
     }
 
-    /// `at` is its value with so many steps a tick, and `most` what it may be then.
+    /// Adds a limit: `at` is the value with a number of steps per tick, and `most` its limit then.
     fn limited(
         mut self,
         most: impl Fn(f64) -> f64,

@@ -1,30 +1,30 @@
-//! Sinking against stirring: how high free blocks are that gravity pulls down.
+//! Sedimentation against stirring: the height distribution of free blocks under gravity.
 //!
-//! What sinks at a speed w and is spread by a diffusivity D comes to rest with a density that falls as
-//! exp(-z / h), h = D / w (the balance of fluxes, w n = -D dn/dz). docs/concepts/physical-model.md derives it, and holds it
-//! against simulated profiles.
+//! Blocks that sink at speed w with diffusivity D reach a density profile exp(-z / h) with h = D /
+//! w. This balances the fluxes, w n = -D dn/dz. docs/concepts/physical-model.md derives it and compares it with
+//! simulated profiles.
 use std::f64::consts::PI;
 
 use super::super::{Agitation, BOLTZMANN, Enclosure, Fluid, Scene, Turbulence};
 use super::{BlockUnits, speed};
 
-/// How blocks that are heavier than their fluid, or lighter, are spread.
+/// Height distribution of blocks with a density other than the fluid's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settling {
-    /// Over which the density of those that are lifted falls to 1/e \[m\].
+    /// Scale height of the lifted blocks: the density falls to 1/e \[m\].
     pub height: f64,
-    /// The part of them that is lifted at all; where heat or kicks stir, all are.
+    /// Fraction of the blocks that are lifted. 1 with heat or random impulses.
     pub lifted: f64,
-    /// Whether they are lighter than the fluid, and gather at the top.
+    /// Whether they are lighter than the fluid and gather at the top.
     pub is_floating: bool,
-    /// Where eddies stir, the speed of sinking over their vertical rms speed.
+    /// Ratio of sinking speed to the vertical rms speed of eddies, if there are eddies.
     pub speeds: Option<f64>,
 }
 
 impl Settling {
-    /// Returns how weight and agitation spread blocks.
+    /// Returns the height distribution by weight and agitation.
     ///
-    /// `None` without weight, without agitation, and for sinking blocks without a floor.
+    /// Returns `None` without weight, without agitation, and for sinking blocks without a floor.
     pub fn from_scene(scene: &Scene) -> Option<Settling> {
         let down = down(scene);
         if down > 0.0 && scene.contact.is_none() {
@@ -41,7 +41,7 @@ impl Settling {
             speeds: None,
         };
         match scene.agitation.as_ref()? {
-            // k T / (m' g), whatever the drag.
+            // k T / (m' g), independent of drag.
             Agitation::Brownian { temperature } => Some(at(
                 BOLTZMANN * temperature / (scene.inertial_mass() * weight)
             )),
@@ -50,12 +50,12 @@ impl Settling {
         }
     }
 
-    /// The mean height above where blocks come to rest, where no roof keeps them lower \[m\].
+    /// Returns the mean height above the resting place \[m\], without an upper limit.
     pub fn mean(&self) -> f64 {
         self.lifted * self.height
     }
 
-    /// The part of the blocks that is more than so high above where they come to rest \[m\].
+    /// Returns the fraction of blocks above this height over the resting place \[m\].
     pub fn above(&self, height: f64) -> f64 {
         if self.height > 0.0 {
             self.lifted * (-height / self.height).exp()
@@ -66,10 +66,11 @@ impl Settling {
 }
 
 impl Settling {
-    /// Returns the density of free blocks in a layer of cells, over their mean in the enclosure.
+    /// Returns the density of free blocks in a layer of cells, relative to their mean in the
+    /// enclosure.
     ///
-    /// The lowest layer is 1. Sinking blocks reach it wherever they lie.
-    /// `None` without an enclosure.
+    /// The lowest layer is 1. Sinking blocks reach it in any case. Returns `None` without an
+    /// enclosure.
     pub fn density_in(&self, scene: &Scene, layer: i32) -> Option<f64> {
         let enclosure = scene.enclosure.as_ref()?;
         let side = scene.block.side;
@@ -84,7 +85,7 @@ impl Settling {
         let top = middle + reach;
         let middle_of_layer = (f64::from(layer) - 0.5) * side;
         let area = |height: f64| (reach * reach - (height - middle).powi(2)).max(0.0);
-        // Distances from the place of settled blocks: the roof, or half a block above the floor.
+        // Distances from the resting place: the roof, or half a block above the floor.
         let away = if self.is_floating {
             top - middle_of_layer
         } else {
@@ -116,13 +117,13 @@ impl Settling {
     }
 }
 
-/// Slices of the enclosure that a sum is made of.
+/// Number of slices of the enclosure for a sum.
 const SLICES: u32 = 512;
 
-/// Heights of the profile beyond which nothing of it is left.
+/// Number of scale heights after which the profile is negligible.
 const FAR: f64 = 40.0;
 
-/// Returns the acceleration of a block at rest by weight and buoyancy. Positive is downward \[m/s^2\].
+/// Returns the acceleration of a block at rest by weight and buoyancy, positive downward \[m/s^2\].
 pub fn down(scene: &Scene) -> f64 {
     let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
     let displaced = density.map_or(0.0, |density| density * scene.block.side.powi(3));
@@ -131,21 +132,22 @@ pub fn down(scene: &Scene) -> f64 {
     scene.gravity.unwrap_or(0.0) * (1.0 - borne) * inert
 }
 
-/// The mean square of the vertical velocity of blocks that are kicked, and land \[m^2/s^2\].
+/// Returns the mean square of the vertical velocity of blocks under random impulses and gravity
+/// \[m^2/s^2\].
 ///
-/// A third of the kicks' energy comes in, drag takes its part, and each of g / (v √(2π)) landings in a time
-/// takes (1 - e²) of the 2 v² that those have who land. No more than in an even gas, where blocks
-/// take energy from each other.
+/// One third of the impulses' energy is vertical, and drag removes a part. There are g / (v √(2π))
+/// landings per time. Each loses (1 - e²) of the mean 2 v² of landing blocks. The result is at most
+/// that of a uniform gas, whose blocks exchange energy.
 fn kicked(scene: &Scene, weight: f64) -> f64 {
     let units = BlockUnits::from_scene(scene);
     let gain = speed::kick(scene).powi(2) / 3.0;
-    // Of `drag`, which acts at the end of a tick; a fluid takes 2 γ τ v² in it on the average.
+    // The clause `drag` acts at the end of a tick. A fluid removes 2 γ τ v² per tick on average.
     let lost = 1.0 / speed::left_by_drag(scene) - 1.0 + 2.0 * speed::viscous(scene);
     let landing = scene.contact.as_ref().map_or(0.0, |contact| {
         let restitution = speed::restitution(scene, contact, false);
         (1.0 - restitution * restitution) * (2.0 / PI).sqrt() * units.acceleration(weight)
     });
-    // The root of lost v² + landing v = gain.
+    // Solution of lost v² + landing v = gain.
     let root = 2.0 * gain / (landing + (landing * landing + 4.0 * lost * gain).sqrt());
     let own = units.speed_si(root).powi(2);
     let even = speed(scene).rms.map(|rms| rms * rms / 3.0);
@@ -159,33 +161,37 @@ fn eddies(scene: &Scene, turbulence: &Turbulence, weight: f64, at: Settling) -> 
         return Some(Settling { lifted: 0.0, ..at });
     }
     let sinking = terminal(scene, scene.inertial_mass() * weight)?;
-    // What follows an eddy for a time t moves by σ t with it: D = σ² t. A block leaves it when its time is
-    // over, or when it has crossed it.
+    // Following an eddy for a time t gives D = σ² t. A block leaves it after its lifetime or after
+    // crossing it.
     let across = turbulence.length / level.hypot(sinking);
     let followed = 1.0 / (1.0 / turbulence.time(level) + 1.0 / across);
     let against = sinking / vertical;
     Some(Settling {
         height: vertical * vertical * followed / sinking,
-        // Only an eddy that is faster than the block sinks takes it from the floor.
+        // Only eddies faster than the sinking speed lift blocks from the floor.
         lifted: erfc(against / 2_f64.sqrt()),
         speeds: Some(against),
         ..at
     })
 }
 
-/// The speed at which drag bears a force \[m/s\]; `None`: nothing bears it.
+/// Returns the terminal speed under a force \[m/s\], or `None` without drag.
 fn terminal(scene: &Scene, force: f64) -> Option<f64> {
     let fluid = scene.fluid.as_ref()?;
     let side = scene.block.side;
     let linear = (fluid.viscosity).map_or(0.0, |viscosity| Fluid::friction(viscosity, side));
     let square = (fluid.density).map_or(0.0, |density| Fluid::wake(density, side));
-    // The root of square v^2 + linear v = force, without a difference of nearly equal numbers.
+    // Root of square v^2 + linear v = force, without cancellation.
     let speed = 2.0 * force / (linear + (linear * linear + 4.0 * square * force).sqrt());
     Some(speed).filter(|speed| speed.is_finite())
 }
 
-/// The part of a normal distribution that is farther than x √2 standard deviations from its mean, to
-/// 1.5e-7 (M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 7.1.26), x not negative.
+/// Returns the fraction of a normal distribution beyond x √2 standard deviations, for x not
+/// negative. Accurate within 1.5e-7.
+///
+/// # Source
+///
+/// M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 7.1.26.
 fn erfc(x: f64) -> f64 {
     const A: [f64; 5] = [
         0.254829592,

@@ -1,18 +1,18 @@
-//! How deep blocks go into what gives way: a compliant contact, and the shell.
+//! Penetration depths of blocks into compliant contacts and the shell.
 use super::super::warnings::SceneWarningKind;
 use super::super::{ContactLaw, Enclosure, Scene};
 use super::{BlockUnits, DimensionlessGroup, ExpectedRange, settling, speed};
 
-/// A spring that keeps blocks out, in block units.
+/// Spring that keeps blocks out, in block units.
 #[derive(Clone, Copy)]
 struct Spring {
     stiffness: f64,
     damping: f64,
-    /// Steady force that presses a block into it.
+    /// Steady force of a block into it.
     load: f64,
 }
 
-/// Symbols, meanings and consequences for one kind of spring.
+/// Symbols, meanings and consequences of one kind of spring.
 struct Words {
     symbols: [&'static str; 2],
     meanings: [&'static str; 2],
@@ -46,14 +46,14 @@ const SHELL: Words = Words {
     remedy: "give the enclosure a stiffer `wall`",
 };
 
-/// The sinking blocks of a scene without contacts are borne by the shell alone.
+/// Without contacts, the shell alone supports sinking blocks.
 const FLOORLESS: &str = "give the scene a `contact`, without which there is no floor, or the enclosure a stiffer `wall`";
 
-/// The largest depths at which contacts and shell hold \[block length\].
+/// Largest tolerable penetration of contacts and shell \[block lengths\].
 const MAX_STEADY: f64 = 0.5;
 const MAX_MOVING: f64 = 1.0;
 
-/// Adds the depths that forces and speeds lead to.
+/// Adds the depths due to forces and speeds.
 pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
     let units = BlockUnits::from_scene(scene);
     let down = settling::down(scene);
@@ -95,7 +95,7 @@ pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
 }
 
 impl Spring {
-    /// Adds the groups of a spring that forces and motion act on.
+    /// Adds the dimensionless numbers of a spring under forces and motion.
     fn add(
         self,
         words: &Words,
@@ -119,9 +119,9 @@ impl Spring {
         }
     }
 
-    /// Returns how deep a block at a speed goes before spring and damper stop it.
+    /// Returns the depth of a block of this speed when spring and damper stop it.
     ///
-    /// The first maximum of a damped oscillator of mass 1.
+    /// It is the first maximum of a damped oscillator of mass 1.
     fn depth(self, speed: f64) -> f64 {
         let frequency = self.stiffness.sqrt();
         let ratio = speed::damping_ratio(self.stiffness, self.damping);

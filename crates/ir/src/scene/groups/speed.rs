@@ -1,39 +1,39 @@
-//! How fast free blocks are in the long run.
+//! Long-term speed of free blocks.
 use serde::Serialize;
 
 use super::super::{Agitation, BOLTZMANN, Contact, ContactLaw, Flow, Fluid, Scene};
 use super::{BlockUnits, Gas};
 
-/// The speed that a free block is expected to have in the long run, away from magnets.
+/// Expected long-term speed of a free block, away from magnets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Speed {
-    /// The root of the mean square \[m/s\]; `None`: it never stops growing.
+    /// Root mean square \[m/s\]. `None` if it grows without limit.
     pub rms: Option<f64>,
-    /// What it follows from.
+    /// Origin of the value.
     pub from: SpeedFrom,
 }
 
-/// What an expected speed follows from.
+/// Origin of an expected speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpeedFrom {
-    /// Nothing kicks the blocks, and they begin at rest.
+    /// No agitation, and blocks start at rest.
     Rest,
-    /// Kicks and drag alone: exact. In a viscous fluid, the mean velocity of a tick.
+    /// Random impulses and drag: exact. In a viscous fluid, the mean velocity of a tick.
     Drag,
-    /// Kicks against what inelastic collisions, and drag if there is any, take away: an estimate.
+    /// Random impulses, inelastic collisions and possibly drag: an estimate.
     Collisions,
-    /// Kicks against the drag of wakes, and what else slows blocks: an estimate.
+    /// Random impulses, wake drag and other losses: an estimate.
     Wakes,
-    /// Kicks, and nothing to take their energy away again.
+    /// Random impulses without dissipation.
     Nothing,
-    /// Eddies that take the blocks along: that of the fluid, which heavy blocks do not quite reach.
+    /// Eddies that carry the blocks: the speed of the fluid, an upper limit for heavy blocks.
     Eddies,
-    /// The heat of a viscous fluid: the mean velocity of a tick, exact.
+    /// Brownian motion in a viscous fluid: the mean velocity of a tick, exact.
     Heat,
 }
 
-/// The speed that the terms of a scene lead to, a mean flow apart.
+/// Returns the expected speed in a scene, without mean flow.
 pub fn speed(scene: &Scene) -> Speed {
     speed_in(scene, 1.0)
 }
@@ -51,7 +51,7 @@ fn speed_in(scene: &Scene, steps: f64) -> Speed {
     if kick == 0.0 {
         return of_rms(0.0, SpeedFrom::Rest);
     }
-    // The drag of a fluid is in the kick already; any other acts on what the kick has made.
+    // Drag of a fluid is included in the impulse. The clause `drag` acts after it.
     let gain = kick * kick * left_by_drag(scene);
     let left = left_by_drag(scene) * (-2.0 * viscous(scene)).exp();
     let (collisions, wakes) = (collisions(scene), wakes(scene));
@@ -69,13 +69,14 @@ fn speed_in(scene: &Scene, steps: f64) -> Speed {
     }
 }
 
-/// The part of the square of a speed that `drag` leaves of it in a tick.
+/// Returns the fraction of the squared speed that the clause `drag` leaves per tick.
 pub(super) fn left_by_drag(scene: &Scene) -> f64 {
     let rate = scene.drag.as_ref().map_or(0.0, |drag| drag.rate);
     (-2.0 * BlockUnits::from_scene(scene).rate(rate)).exp()
 }
 
-/// φ: the mean over a step of what a viscous drag leaves of a velocity, of which it takes so much in it.
+/// Returns φ: the mean fraction of a velocity that viscous drag leaves over a step. `taken` is the
+/// drag rate times the step.
 pub(super) fn mean_left(taken: f64) -> f64 {
     if taken < 1e-8 {
         1.0
@@ -84,7 +85,7 @@ pub(super) fn mean_left(taken: f64) -> f64 {
     }
 }
 
-/// The speed at which the mean flow takes blocks along, at most \[m/s\]; 0 without one.
+/// Returns the largest speed of blocks carried by the mean flow \[m/s\]. 0 without one.
 pub fn carried(scene: &Scene) -> f64 {
     match &scene.flow {
         Some(Flow::Stir(stir)) => stir.follow * stir.speed(),
@@ -93,16 +94,17 @@ pub fn carried(scene: &Scene) -> f64 {
     }
 }
 
-/// Returns the speed of blocks that meet contacts or shell \[m/s\], mean flow included.
+/// Returns the speed of blocks that hit contacts or shell, including mean flow \[m/s\].
 ///
-/// `away`: the distance from the mouth of a jet \[m\]. `None` if the speed never stops growing.
+/// `away` is the distance from the mouth of a jet \[m\]. Returns `None` if the speed grows without
+/// limit.
 pub(super) fn impact(scene: &Scene, away: f64) -> Option<f64> {
     Some(energetic(scene)?.hypot(flow_at(scene, away)))
 }
 
-/// Returns the drag of the fluid on a block that something holds \[N\], in mean flow and eddies.
+/// Returns the fluid's drag on a held block in mean flow and eddies \[N\].
 ///
-/// `away`: the distance from the mouth of a jet \[m\].
+/// `away` is the distance from the mouth of a jet \[m\].
 pub(super) fn flow_force(scene: &Scene, away: f64) -> f64 {
     let (Some(fluid), side) = (&scene.fluid, scene.block.side) else {
         return 0.0;
@@ -117,7 +119,7 @@ pub(super) fn flow_force(scene: &Scene, away: f64) -> f64 {
     linear * speed + square * speed * speed
 }
 
-/// Returns the largest speed of the mean flow, of jets at a distance from their mouths \[m/s\].
+/// Returns the largest speed of the mean flow \[m/s\], for jets at a distance from their mouths.
 fn flow_at(scene: &Scene, away: f64) -> f64 {
     let slowed = match &scene.flow {
         Some(Flow::Jets(jets)) => (JET * jets.nozzle / away).min(1.0),
@@ -126,13 +128,15 @@ fn flow_at(scene: &Scene, away: f64) -> f64 {
     carried(scene) * slowed
 }
 
-/// Speed on the axis of a round jet, over that at its mouth, at one diameter.
+/// Speed on the axis of a round jet at one diameter, relative to its mouth.
 ///
 /// # Source
-/// S. B. Pope, Turbulent Flows, 2000, 5.1.
+///
+/// S. B. Pope, Turbulent Flows (2000), section 5.1.
 const JET: f64 = 6.2;
 
-/// The rms speed by which free blocks have their energy of motion \[m/s\], where velocities that are means over a tick have less.
+/// Returns the rms speed corresponding to the kinetic energy \[m/s\]. Velocities averaged over a
+/// tick are smaller.
 pub(super) fn energetic(scene: &Scene) -> Option<f64> {
     match scene.agitation {
         Some(Agitation::Brownian { temperature }) => {
@@ -142,7 +146,7 @@ pub(super) fn energetic(scene: &Scene) -> Option<f64> {
     }
 }
 
-/// What a viscous drag takes from a velocity in a tick; 0 without one.
+/// Returns the viscous drag rate per tick. 0 without drag.
 pub(super) fn viscous(scene: &Scene) -> f64 {
     let viscosity = scene.fluid.as_ref().and_then(|fluid| fluid.viscosity);
     viscosity.map_or(0.0, |viscosity| {
@@ -150,23 +154,24 @@ pub(super) fn viscous(scene: &Scene) -> f64 {
     })
 }
 
-/// The rms speed within one of so many steps of a tick, the first of those \[m/s\]; `None`: it never stops growing.
+/// Returns the rms speed within the first of this number of steps per tick \[m/s\]. Returns `None`
+/// if it grows without limit.
 ///
-/// It depends on the step in a viscous fluid alone, where velocities are means over one. Where its drag rules, the heat moves a block
-/// by √(6 D dt) in a step.
+/// It depends on the step only in a viscous fluid, where velocities are step averages. Under strong
+/// drag, Brownian motion moves a block by √(6 D dt) per step.
 pub(super) fn in_steps(scene: &Scene, steps: f64) -> Option<f64> {
     speed_in(scene, steps).rms
 }
 
-/// How far a free block turns in one of so many steps of a tick, root mean square \[rad\]; `None`: it never stops growing.
+/// Returns the rms rotation of a free block per step \[rad\], or `None` if it grows without limit.
 ///
-/// Where turning has as much energy as moving has, as collisions and heat make it: m side² ω² / 6 = m v².
+/// Assumes equipartition, as collisions and heat establish it: m a² ω² / 6 = m v².
 pub fn turn_in_steps(scene: &Scene, steps: f64) -> Option<f64> {
     let way = BlockUnits::from_scene(scene).speed(in_steps(scene, steps)?) / steps;
     Some(6.0_f64.sqrt() * way)
 }
 
-/// The speed that a fluid gives its blocks by chance, with so many steps a tick.
+/// Returns the random speed of blocks in a fluid, for this number of steps per tick.
 fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
     let fluid = scene.fluid.as_ref()?;
     match scene.agitation.as_ref()? {
@@ -182,7 +187,7 @@ fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
         Agitation::Brownian { temperature } => {
             let (mass, tick) = (scene.inertial_mass(), scene.tick);
             let friction = Fluid::friction(fluid.viscosity?, scene.block.side);
-            // Of the mean of a step: k T / m times tanh(x) / x, x = rate step / 2.
+            // Mean over a step: k T / m times tanh(x) / x, with x = rate step / 2.
             let half = friction / mass * tick / steps / 2.0;
             let part = if half < 1e-6 { 1.0 } else { half.tanh() / half };
             Some(Speed {
@@ -193,7 +198,8 @@ fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
     }
 }
 
-/// The rms change of speed by the kicks of a tick \[side/tick\]; 0 without kicks.
+/// Returns the rms velocity change by random impulses per tick \[block lengths / tick\]. 0 without
+/// them.
 pub fn kick(scene: &Scene) -> f64 {
     let Some(Agitation::Kicks { speed: (low, high) }) = scene.agitation else {
         return 0.0;
@@ -202,17 +208,17 @@ pub fn kick(scene: &Scene) -> f64 {
     rms_of_range(units.speed(low), units.speed(high))
 }
 
-/// The rms of what is uniform between two values.
+/// Returns the rms of a uniform distribution.
 pub(in crate::scene) fn rms_of_range(low: f64, high: f64) -> f64 {
     ((low * low + low * high + high * high) / 3.0).sqrt()
 }
 
-/// What collisions take from the square of a speed in a tick, over the speed's third power
-/// \[1/side\].
+/// Returns the loss of squared speed by collisions per tick, divided by the cubed speed \[1 / block
+/// length\].
 ///
-/// A meeting at the temperature T = m v^2 / 3 takes (1 - e^2) T on average, whatever the shapes: the
-/// approaching speed of what meets has the mean square 2 T / (effective mass). Two blocks share the
-/// loss, at the floor one bears it. Without friction.
+/// A collision at temperature T = m v^2 / 3 removes (1 - e^2) T on average, for any shapes. The
+/// approach speed has the mean square 2 T / (effective mass). Two blocks share the loss; at the
+/// floor one bears it. Neglects friction.
 fn collisions(scene: &Scene) -> f64 {
     let (Some(gas), Some(contact)) = (Gas::from_scene(scene), &scene.contact) else {
         return 0.0;
@@ -221,10 +227,11 @@ fn collisions(scene: &Scene) -> f64 {
     gas.meetings(1.0) * lost(true) / 3.0 + gas.landings(1.0) * lost(false) * 2.0 / 3.0
 }
 
-/// What wakes take from the square of a speed in a tick, over the speed's third power \[1/side\].
+/// Returns the loss of squared speed by wakes per tick, divided by the cubed speed \[1 / block
+/// length\].
 ///
-/// A wake slows a block by w v^2, and v^2 by 2 w v^3; the mean third power of Maxwell's speeds is (8 / 3) sqrt(2 / (3 pi))
-/// times that of their root mean square.
+/// A wake slows a block by w v^2, and v^2 by 2 w v^3. The mean cube of Maxwell's speeds is (8 / 3)
+/// sqrt(2 / (3 pi)) times the cubed rms speed.
 fn wakes(scene: &Scene) -> f64 {
     let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
     density.map_or(0.0, |density| {
@@ -234,26 +241,30 @@ fn wakes(scene: &Scene) -> f64 {
     })
 }
 
-/// The speed after a head-on collision over that before, of two blocks or one and something fixed.
+/// Returns the coefficient of restitution for a head-on collision, of two blocks or of one with a
+/// fixed body.
 pub(super) fn restitution(scene: &Scene, contact: &Contact, pair: bool) -> f64 {
     match contact.law {
         ContactLaw::Rigid { restitution } => restitution,
         ContactLaw::Compliant { stiffness, damping } => {
             let units = BlockUnits::from_scene(scene);
             let ratio = damping_ratio(units.stiffness(stiffness), units.damping(damping));
-            // Two blocks meet like one of half the mass and something fixed.
+            // Two blocks collide like one of half the mass with a fixed body.
             rebound(if pair { ratio * 2f64.sqrt() } else { ratio })
         }
     }
 }
 
-/// Of a block against something fixed, in block units.
+/// Returns the damping ratio of a block against a fixed body, in block units.
 pub(super) fn damping_ratio(stiffness: f64, damping: f64) -> f64 {
     damping / (2.0 * stiffness.sqrt())
 }
 
-/// The restitution of a spring with a damping ratio that is let go when it would begin to pull
-/// (Schwager and Pöschel 2007).
+/// Returns the restitution of a damped spring that is released when it would begin to pull.
+///
+/// # Source
+///
+/// T. Schwager and T. Pöschel (2007).
 fn rebound(ratio: f64) -> f64 {
     let off = (1.0 - ratio * ratio).abs().sqrt();
     let angle = if off < 1e-6 {
@@ -266,10 +277,10 @@ fn rebound(ratio: f64) -> f64 {
     (-2.0 * ratio * angle).exp()
 }
 
-/// The v at which v^2 = v^2 left + gain - loss v^3.
+/// Returns the v that solves v^2 = v^2 left + gain - loss v^3.
 fn balance(gain: f64, left: f64, loss: f64) -> f64 {
     let grows = |v: f64| v * v * left + gain - v * v - loss * v.powi(3);
-    // With neither drag nor loss of the other kind, v would be at most this.
+    // Upper bound, attained without drag.
     let (mut low, mut high) = (0.0, (gain / loss).cbrt());
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -288,7 +299,7 @@ mod tests {
 
     #[test]
     fn a_spring_throws_back_what_its_damping_leaves() {
-        // Solved step by step, until the force would become an attraction.
+        // Integrated step by step until the force would become attractive.
         let solved = |ratio: f64| {
             let dt = 1e-5;
             let (mut depth, mut speed) = (0.0, 1.0);

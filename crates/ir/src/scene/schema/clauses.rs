@@ -1,4 +1,4 @@
-//! The clauses of a scene: their kinds and fields, in the order of the reference.
+//! Clauses of a scene: their kinds and fields, in the order of the reference.
 use super::super::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid,
     Free, Jets, Magnets, Measure, Messages, Pump, Reach, Scene, Stir, Strength, Turbulence,
@@ -8,10 +8,10 @@ use super::numbers::*;
 use super::{Absent, Either, FieldAlternative, FieldGroup, SchemaEntry, SchemaNumber, SchemaPart};
 use Absent::{Example, NoTerm, NoTermWhere};
 
-/// A number that has not been said yet.
+/// Value of a parameter that is not given yet.
 const UNSAID: f64 = f64::NAN;
 
-/// A number that holds where none is said, as a value and as it is written.
+/// Default of a parameter, as a value and as source text.
 macro_rules! default {
     ($number:literal deg) => {
         (
@@ -43,7 +43,7 @@ const UNSAID_ANCHOR: Anchor = Anchor {
     sampled: false,
 };
 
-/// A scene in which nothing has been said.
+/// Returns an empty scene.
 pub fn unsaid() -> Scene {
     Scene {
         name: String::new(),
@@ -81,7 +81,7 @@ const fn unsaid_contact(law: ContactLaw) -> Contact {
     }
 }
 
-/// A field of one number, which is called like the last word of its name.
+/// Returns a field with one number, named by the last word of the number's name.
 const fn field(number: &'static SchemaNumber, part: &'static [SchemaPart]) -> SchemaEntry {
     let name = number.names[0];
     let mut start = name.len();
@@ -97,7 +97,7 @@ macro_rules! field {
     };
 }
 
-/// A word with fields between braces.
+/// Makes a keyword with fields in braces.
 macro_rules! braces {
     ($word:literal [$($field:expr),* $(,)?]) => {
         braces!($word [$($field),*] FieldGroup::Free)
@@ -107,14 +107,14 @@ macro_rules! braces {
     };
 }
 
-/// A word of which there are several kinds.
+/// Makes a keyword with several kinds.
 macro_rules! kinds {
     ($word:literal [$($kind:expr),* $(,)?]) => {
         SchemaEntry::new($word, &[SchemaPart::OneOf { noun: $word, of: &[$($kind),*] }])
     };
 }
 
-/// Every clause that a scene may have.
+/// All clauses of a scene.
 #[rustfmt::skip]
 pub static CLAUSES: [SchemaEntry; 12] = [
     field!(TICK).absent(Example("tick 20ms")).equations(&[&TICKS]),

@@ -1,4 +1,4 @@
-//! What the terms of a scene make a runtime compute, in the symbols of their numbers.
+//! Physical laws of a scene's terms, in the symbols of their parameters.
 use super::super::groups::rms_of_range;
 use super::super::quantity::QuantityKind;
 use super::super::{
@@ -8,38 +8,38 @@ use super::number::SchemaNumber;
 use super::numbers::*;
 use EquationSymbol::{Derived as D, Number as N};
 
-/// One thing that a term does.
+/// Physical law of a term.
 #[derive(Debug)]
 pub struct Equation {
-    /// In words.
+    /// Description.
     pub meaning: &'static str,
-    /// In the symbols of the values, in plain text; `None`: there is nothing to compute.
+    /// Formula in the symbols of the values, in plain text. `None` if nothing is computed.
     pub formula: Option<&'static str>,
-    /// What stands in it; a scene that does not say the first has no such equation.
+    /// Symbols in it. The law is absent from scenes without the first of them.
     pub symbols: &'static [EquationSymbol],
-    /// In which scenes it holds.
+    /// Condition on the scene.
     pub holds: fn(&Scene) -> bool,
 }
 
-/// What stands in an equation.
+/// Symbol in a law.
 #[derive(Debug)]
 pub enum EquationSymbol {
-    /// A number of the scene.
+    /// Scene parameter.
     Number(&'static SchemaNumber),
-    /// What follows from several.
+    /// Derived value.
     Derived(&'static Derived),
 }
 
-/// A value that follows from numbers of a scene.
+/// Value derived from scene parameters.
 #[derive(Debug)]
 pub struct Derived {
-    /// What it is one of.
+    /// Kind of quantity.
     pub kind: QuantityKind,
-    /// What equations call it.
+    /// Symbol in equations.
     pub symbol: &'static str,
-    /// What it is.
+    /// Name.
     pub label: &'static str,
-    /// Its value in SI units; `None`: the scene does not say enough.
+    /// Function that computes it in SI units. Returns `None` if the scene lacks a parameter.
     pub of: fn(&Scene) -> Option<f64>,
 }
 
@@ -57,7 +57,7 @@ fn jets(scene: &Scene) -> Option<&Jets> {
     }
 }
 
-/// The eddies of a scene, and their speed.
+/// Returns the turbulence of a scene, and its speed.
 fn eddies(scene: &Scene) -> Option<(&Turbulence, f64)> {
     match scene.agitation.as_ref()? {
         Agitation::Turbulence(eddies) => Some((eddies, eddies.speed(scene.flow.as_ref()))),
@@ -118,7 +118,7 @@ macro_rules! equations {
     (@ $holds:expr) => { $holds };
 }
 
-// Meaning; formula; symbols; in which scenes it holds.
+// Meaning; formula; symbols; condition on the scene.
 equations! {
     TICKS "the clock: kicks fall, messages travel and times are told once a tick"
         None; [N(&TICK)];

@@ -1,7 +1,7 @@
-//! What a scene may say, as data: its words, numbers, equations and conditions.
+//! Schema of scenes: keywords, parameters, laws and conditions as data.
 //!
-//! The reader, the writer and the descriptions of scenes, sweeps, editors and the reference of the language follow
-//! these tables; none of them knows a term of its own.
+//! Reader, writer, descriptions, sweeps, editors and the language reference all follow these
+//! tables. None of them has code for a single term.
 mod clauses;
 mod equations;
 mod number;
@@ -16,116 +16,117 @@ pub use requirements::{REQUIREMENTS, Requirement};
 
 use super::Scene;
 
-/// A word of a scene, and what stands behind it: a clause, the kind of one, or a field.
+/// Keyword of a scene with its arguments: a clause, a kind of clause, or a field.
 #[derive(Debug)]
 pub struct SchemaEntry {
-    /// The word.
+    /// Keyword.
     pub word: &'static str,
-    /// What it means, as a clause; empty: its numbers say it all.
+    /// Meaning, as a clause. Empty if its parameters explain it.
     pub meaning: &'static str,
-    /// What stands behind it, one after the other.
+    /// Arguments in order.
     pub parts: &'static [SchemaPart],
-    /// What holds where it is absent.
+    /// Meaning if it is absent.
     pub absent: Absent,
-    /// What it makes a runtime compute.
+    /// Physical laws.
     pub equations: &'static [&'static Equation],
-    /// Makes a place for its numbers in a scene, not numbers all.
+    /// Function that adds the clause to a scene, with parameters not set.
     pub make: fn(&mut Scene),
-    /// Whether a scene says it; `None`: where it has the numbers of it that it needs.
+    /// Function that returns whether a scene has it. `None` if this follows from its required
+    /// parameters.
     is: Option<fn(&Scene) -> bool>,
 }
 
-/// What may stand behind a word.
+/// Argument of a keyword.
 #[derive(Debug)]
 pub enum SchemaPart {
-    /// A value.
+    /// Value.
     Number(&'static SchemaNumber),
-    /// A range of values, or a single one.
+    /// Range of values, or a single one.
     Range {
-        /// The lower end.
+        /// Lower end.
         low: &'static SchemaNumber,
-        /// The upper end.
+        /// Upper end.
         high: &'static SchemaNumber,
     },
-    /// One of several words.
+    /// One of several keywords.
     OneOf {
-        /// What they are the kinds of.
+        /// Noun for the kinds.
         noun: &'static str,
-        /// The words.
+        /// Keywords.
         of: &'static [SchemaEntry],
     },
-    /// A further word, and what belongs to it.
+    /// Further keyword with its arguments.
     Then(&'static SchemaEntry),
-    /// Words between braces, in any order, each once.
+    /// Fields in braces, in any order, each once.
     Fields(&'static [SchemaEntry], FieldGroup),
 }
 
-/// Which fields go with each other.
+/// Combination rule for fields.
 #[derive(Debug)]
 pub enum FieldGroup {
-    /// Each as it likes.
+    /// Fields are independent.
     Free,
-    /// At least one.
+    /// At least one field is needed.
     Any {
-        /// The one that is asked for where there is none.
+        /// Field to ask for if there is none.
         needed: &'static str,
-        /// What to do then.
+        /// Help in this case.
         help: &'static str,
     },
     /// One of two alternatives.
     Either(&'static Either),
 }
 
-/// Fields that are alternatives.
+/// Alternative fields.
 #[derive(Debug)]
 pub struct Either {
-    /// The two of them.
+    /// The two alternatives.
     pub of: [FieldAlternative; 2],
-    /// What it is to say both, as a title.
+    /// Title of the diagnostic if both are given.
     pub both: &'static str,
-    /// What to do about that.
+    /// Help in this case.
     pub help: &'static str,
 }
 
-/// Fields of which the first is needed, if any of them is there.
+/// Fields of an alternative. The first is required if any is given.
 #[derive(Debug)]
 pub struct FieldAlternative {
-    /// Their words.
+    /// Keywords.
     pub fields: &'static [&'static str],
-    /// What they say.
+    /// Label for them.
     pub label: &'static str,
-    /// What to do where the first is missing.
+    /// Help if the first is missing.
     pub missing: &'static str,
-    /// Makes a place for them in a scene.
+    /// Function that adds them to a scene.
     pub make: fn(&mut Scene),
 }
 
-/// What holds where a word is absent.
+/// Meaning of an absent keyword.
 #[derive(Clone, Copy, Debug)]
 pub enum Absent {
-    /// Nothing: it is needed.
+    /// Not allowed: the keyword is required.
     Needed,
-    /// Nothing: every scene needs it, such as this.
+    /// Not allowed. Every scene needs it, as in this example.
     Example(&'static str),
-    /// Nothing: it is needed, and asked for in words of its own.
+    /// Not allowed, with a specific message.
     Message {
-        /// What is wrong.
+        /// Title of the diagnostic.
         title: &'static str,
-        /// What belongs there.
+        /// Label.
         label: &'static str,
-        /// What to do about it.
+        /// Help.
         help: &'static str,
     },
-    /// A default.
+    /// Default value.
     Default(&'static str),
-    /// A term does not exist: what that means.
+    /// The term does not exist, with this consequence.
     NoTerm(&'static str),
-    /// The same, but in some scenes nobody would expect it.
+    /// The same, in scenes that could be expected to have the term.
     NoTermWhere(&'static str, fn(&Scene) -> bool),
 }
 
 impl Absent {
-    /// Whether the word has to be there.
+    /// Returns whether the keyword is required.
     pub fn is_needed(self) -> bool {
         matches!(
             self,
@@ -133,7 +134,7 @@ impl Absent {
         )
     }
 
-    /// What holds then; `None`: the word is needed.
+    /// Returns the meaning, or `None` if the keyword is required.
     pub fn meaning(self) -> Option<&'static str> {
         match self {
             Absent::Default(it) | Absent::NoTerm(it) | Absent::NoTermWhere(it, _) => Some(it),
@@ -141,7 +142,7 @@ impl Absent {
         }
     }
 
-    /// What it means for a scene that a term does not exist in it.
+    /// Returns the consequence for a scene without this term.
     pub fn term(self, scene: &Scene) -> Option<&'static str> {
         match self {
             Absent::NoTerm(meaning) => Some(meaning),
@@ -191,7 +192,7 @@ impl SchemaEntry {
         }
     }
 
-    /// Whether a scene says it.
+    /// Returns whether a scene has it.
     pub fn is_in(&self, scene: &Scene) -> bool {
         let is_said = |part: &SchemaPart| match part {
             SchemaPart::Number(number) | SchemaPart::Range { high: number, .. } => {
@@ -211,7 +212,7 @@ impl SchemaEntry {
             .map_or_else(|| self.parts.iter().all(is_said), |is| is(scene))
     }
 
-    /// The words between its braces, if it has any.
+    /// Returns the fields in its braces, if it has any.
     pub fn fields(&self) -> Option<(&'static [SchemaEntry], &'static FieldGroup)> {
         self.parts.iter().find_map(|part| match part {
             SchemaPart::Fields(fields, group) => Some((*fields, group)),
@@ -219,7 +220,7 @@ impl SchemaEntry {
         })
     }
 
-    /// All that may come next behind it, in the order of the reference.
+    /// Returns all keywords that may follow, in the order of the reference.
     pub fn words(&self) -> impl Iterator<Item = &'static SchemaEntry> {
         self.parts.iter().flat_map(|part| match part {
             SchemaPart::OneOf { of, .. } => of,
@@ -230,7 +231,7 @@ impl SchemaEntry {
     }
 }
 
-/// Every number of an entry, in the order of the reference.
+/// Returns all parameters of an entry, in the order of the reference.
 pub fn numbers(entry: &SchemaEntry) -> Vec<&'static SchemaNumber> {
     let mut out: Vec<&'static SchemaNumber> = Vec::new();
     for part in entry.parts {
@@ -246,7 +247,7 @@ pub fn numbers(entry: &SchemaEntry) -> Vec<&'static SchemaNumber> {
     out
 }
 
-/// Whether a word means something in a scene.
+/// Returns whether a word is a keyword in scenes.
 pub fn is_word(word: &str) -> bool {
     fn has(entry: &SchemaEntry, word: &str) -> bool {
         entry.word == word || entry.words().any(|entry| has(entry, word))

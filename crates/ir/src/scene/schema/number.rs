@@ -1,29 +1,29 @@
-//! One number of a scene: what it is, which values it may have, and where it is kept.
+//! Scene parameter: its kind, range and location.
 use super::super::Scene;
 use super::super::quantity::QuantityKind;
 use super::super::scalar_error::ScalarError;
 use super::super::units::Dimension;
 
-/// A number that a scene may have.
+/// Parameter that a scene may have.
 #[derive(Debug)]
 pub struct SchemaNumber {
-    /// Its names, the full one first: the words in front of it in the language, joined by dots.
+    /// Names, the full one first: the preceding keywords, joined by dots.
     pub names: &'static [&'static str],
-    /// What it is one of.
+    /// Kind of quantity.
     pub kind: QuantityKind,
-    /// Which values it may have.
+    /// Range of values.
     pub range: Range,
-    /// What equations call it; empty: it is in none.
+    /// Symbol in equations. Empty if it occurs in none.
     pub symbol: &'static str,
-    /// What it is called beside its value.
+    /// Label for its value.
     pub label: &'static str,
-    /// What it means, as a clause.
+    /// Meaning, as a clause.
     pub meaning: &'static str,
-    /// Where it is, in a scene that has a place for it.
+    /// Function that locates it in a scene that has it.
     pub(super) at: fn(&mut Scene) -> Option<Accessor<'_>>,
 }
 
-/// Which values a number may have, in SI units.
+/// Range of a parameter, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     /// More than 0.
@@ -32,24 +32,24 @@ pub enum Range {
     AtLeast(f64),
     /// From the first to the second.
     Between(f64, f64),
-    /// An angle of more than 0 and at most a quarter of a turn.
+    /// Angle of more than 0 and at most 90 degrees.
     Acute,
-    /// A whole number from the first to the second.
+    /// Integer from the first to the second.
     Whole(u32, u32),
 }
 
-/// Where a number is kept.
+/// Location of a parameter.
 pub(super) enum Accessor<'a> {
     Real(&'a mut f64),
     Byte(&'a mut u8),
     Count(&'a mut u32),
-    /// One that may be left out in a clause that is there.
+    /// Optional parameter of a clause.
     Optional(&'a mut Option<f64>),
-    /// The same, but no number to change where it is left out: it would be another term.
+    /// Optional parameter that is a term of its own. It cannot be changed if it is absent.
     Term(&'a mut Option<f64>),
-    /// The upper end of a range; the lower end stays the same share of it.
+    /// Upper end of a range. The lower end keeps its ratio to it.
     High(&'a mut (f64, f64)),
-    /// The lower end, at most the upper one.
+    /// Lower end of a range, at most the upper end.
     Low(&'a mut (f64, f64)),
 }
 
@@ -72,10 +72,11 @@ impl<'a> From<&'a mut u32> for Accessor<'a> {
 }
 
 impl Range {
-    /// What is computed with, in SI units, beside 0: products of a few of these are numbers still.
+    /// Range of magnitudes other than 0 whose products of a few factors neither overflow nor
+    /// underflow.
     const COMPUTABLE: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-    /// What a value that somebody gives in SI units has to be and is not; `None`: it is in the range.
+    /// Returns the rule that a value in SI units violates, or `None` if it is valid.
     pub fn violated(self, value: f64) -> Option<String> {
         let is_open = matches!(self, Range::Positive | Range::AtLeast(_));
         if is_open && value > 0.0 && !Range::COMPUTABLE.contains(&value) {
@@ -85,7 +86,7 @@ impl Range {
         (!self.contains(value)).then(|| self.rule())
     }
 
-    /// Whether a value in SI units is in it, computed with or not.
+    /// Returns whether a value in SI units is in the range, without the limits of magnitude.
     pub fn contains(self, value: f64) -> bool {
         match self {
             Range::Positive => (f64::MIN_POSITIVE..=f64::MAX).contains(&value),
@@ -98,7 +99,7 @@ impl Range {
         }
     }
 
-    /// What a value has to be, such as `more than 0`.
+    /// Returns the rule for values, such as `more than 0`.
     pub fn rule(self) -> String {
         match self {
             Range::Positive => "more than 0".to_owned(),
@@ -111,29 +112,29 @@ impl Range {
 }
 
 impl SchemaNumber {
-    /// Its full name, such as `bond.pull`.
+    /// Returns its full name, such as `bond.pull`.
     pub fn name(&self) -> &'static str {
         self.names[0]
     }
 
-    /// The clause that it belongs to.
+    /// Returns its clause.
     pub fn clause(&self) -> &'static str {
         let name = self.name();
         name.split_once('.').map_or(name, |(clause, _)| clause)
     }
 
-    /// Whether only whole numbers will do.
+    /// Returns whether it must be an integer.
     pub fn is_whole(&self) -> bool {
         matches!(self.range, Range::Whole(..))
     }
 
-    /// Whether a scene has a place for it.
+    /// Returns whether a scene has it.
     pub fn is_in(&self, scene: &Scene) -> bool {
         let place = |place| !matches!(place, Accessor::Term(None));
         (self.at)(&mut scene.clone()).is_some_and(place)
     }
 
-    /// Its value in a scene, in SI units; `None`: the scene does not say it.
+    /// Returns its value in a scene in SI units, or `None` if the scene does not give it.
     pub fn get(&self, scene: &Scene) -> Option<f64> {
         match (self.at)(&mut scene.clone())? {
             Accessor::Real(value) => Some(*value),
@@ -145,10 +146,11 @@ impl SchemaNumber {
         }
     }
 
-    /// A value in SI units, if it is one that this number may have.
+    /// Returns a value in SI units if it is valid.
     ///
     /// # Errors
-    /// When it is of another dimension, or out of its range.
+    ///
+    /// If it has another dimension or is out of range.
     pub fn accept(&self, (value, found): (f64, Dimension)) -> Result<f64, ScalarError> {
         if found != self.kind.dimension {
             return Err(ScalarError::Dimension {
@@ -163,7 +165,7 @@ impl SchemaNumber {
         }
     }
 
-    /// What has been computed before may be out of what is computed with now.
+    /// Checks the range only: stored values may have any magnitude.
     pub(in crate::scene) fn check(&self, value: f64) -> Result<(), ScalarError> {
         if self.range.contains(value) {
             Ok(())
@@ -180,10 +182,11 @@ impl SchemaNumber {
         }
     }
 
-    /// Gives it another value in a scene, in SI units.
+    /// Sets its value in a scene, in SI units.
     ///
     /// # Errors
-    /// When it is out of its range.
+    ///
+    /// If it is out of range.
     pub fn set(&self, scene: &mut Scene, value: f64) -> Result<(), ScalarError> {
         self.check(value)?;
         match (self.at)(scene) {
@@ -198,10 +201,10 @@ impl SchemaNumber {
         }
     }
 
-    /// Puts a value that is in its range where it belongs, in a scene that has a place for it.
+    /// Stores a valid value in a scene that has the parameter.
     pub fn put(&self, scene: &mut Scene, value: f64) {
         match (self.at)(scene) {
-            // Whole and within the range of its type.
+            // An integer within the range of its type.
             Some(Accessor::Byte(place)) => *place = value as u8,
             Some(Accessor::Count(place)) => *place = value as u32,
             Some(Accessor::Real(place)) => *place = value,

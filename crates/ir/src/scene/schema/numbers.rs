@@ -1,4 +1,4 @@
-//! The rows of the schema: every number that a scene may have.
+//! Rows of the schema: every scene parameter.
 use super::super::quantity::QuantityKind;
 use super::super::{
     Agitation, Arrangement, Bond, ContactLaw, Enclosure, Flow, Strength, Turbulence,
@@ -7,7 +7,7 @@ use super::number::{Accessor, Range, SchemaNumber};
 use Accessor::{High, Low, Optional, Term};
 use Range::{Acute, AtLeast, Between, Positive, Whole};
 
-/// A place in one variant of something.
+/// Location in a variant of an enum.
 macro_rules! of {
     ($it:expr, $variant:pat => $place:expr) => {
         match $it {
@@ -35,7 +35,7 @@ macro_rules! numbers {
     };
 }
 
-// Names; kind and range; symbol and label beside a value; meaning; place in a scene.
+// Names; kind and range; symbol and label of a value; meaning; location in a scene.
 numbers! {
     TICK ["tick"] TIME Positive, "τ" "tick": "the scene's clock: kicks fall, messages travel and times are told in ticks", |s| Some((&mut s.tick).into());
 

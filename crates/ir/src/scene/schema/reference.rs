@@ -1,8 +1,8 @@
-//! The schema in words, for the reference of the language and for editors.
+//! Schema as text, for the language reference and for editors.
 use super::{Absent, Range, SchemaEntry, SchemaNumber, SchemaPart};
 
 impl SchemaNumber {
-    /// What it may be and what it means: `a length, more than 0: the edge of a cube`.
+    /// Returns kind, range and meaning: `a length, more than 0: the edge of a cube`.
     pub fn described(&self) -> String {
         let noun = self.kind.noun.split(',').next().unwrap_or_default();
         let (rule, meaning) = (self.range.rule(), self.meaning);
@@ -14,7 +14,7 @@ impl SchemaNumber {
 }
 
 impl SchemaEntry {
-    /// What it means, and what the values directly behind it may be.
+    /// Returns its meaning and the values that directly follow.
     pub fn described(&self) -> String {
         let values = self.parts.iter().filter_map(|part| match part {
             SchemaPart::Number(number) | SchemaPart::Range { high: number, .. } => {
@@ -26,8 +26,8 @@ impl SchemaEntry {
         values.chain(meaning).collect::<Vec<_>>().join("; ")
     }
 
-    /// The rows of a table of Markdown: the word with what stands behind it, what that means, and what holds where
-    /// it is absent; what belongs to it comes after it, indented by so many steps more.
+    /// Adds rows of a Markdown table: syntax, meaning, and default. Nested entries follow with a
+    /// deeper indentation.
     pub fn rows(&self, depth: usize, out: &mut String) {
         let kinds = self.parts.iter().find_map(|part| match part {
             SchemaPart::OneOf { of, .. } => Some(*of),
@@ -60,7 +60,7 @@ impl SchemaEntry {
         self.inner_rows(depth, out);
     }
 
-    /// The rows of what belongs to it.
+    /// Adds the rows of nested entries.
     fn inner_rows(&self, depth: usize, out: &mut String) {
         for part in self.parts {
             match part {
@@ -73,7 +73,7 @@ impl SchemaEntry {
         }
     }
 
-    /// How it is written, with the symbols of its values.
+    /// Returns its syntax with the symbols of its values.
     fn pattern(&self, kind: Option<&SchemaEntry>) -> Vec<String> {
         let mut out = vec![format!("`{}`", self.word)];
         for part in self.parts {

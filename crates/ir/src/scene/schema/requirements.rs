@@ -1,27 +1,27 @@
-//! Terms that mean nothing without another one.
+//! Terms that require other terms.
 use super::super::{Agitation, Scene, Strength, Turbulence};
 
-/// What a clause needs of another.
+/// Requirement of a clause.
 #[derive(Debug)]
 pub struct Requirement {
     /// The clause.
     pub clause: &'static str,
-    /// The one that it needs.
+    /// The required clause.
     pub needs: &'static str,
-    /// Whether a scene that has the clause does not fulfil it.
+    /// Function that returns whether a scene with the clause violates the requirement.
     pub is_broken: fn(&Scene) -> bool,
-    /// What is wrong then, as a title.
+    /// Title of the diagnostic.
     pub title: &'static str,
-    /// Beside the clause.
+    /// Label of the clause.
     pub label: &'static str,
-    /// What to do about it.
+    /// Help.
     pub help: &'static str,
 }
 
 const ADD_FLUID: &str =
     "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`, which takes the blocks along";
 
-/// All of them; of those of one clause, the first that is broken is told.
+/// All requirements. For each clause, only the first violated one is reported.
 pub const REQUIREMENTS: [Requirement; 5] = [
     Requirement {
         clause: "agitation",

@@ -1,12 +1,12 @@
-//! Units as people write them.
+//! Recognition of misspelt and unsupported units.
 use super::super::quantity::QuantityKind;
 use super::{BASES, PREFIXES, to_si};
 use crate::suggest::{Suggestion, nearest};
 
-/// Which units there are.
+/// Description of the supported units.
 pub const UNITS: &str = "units are those of the SI, with prefixes such as `m` and `k`, and min, h, L, bar, P, rpm, rev, deg and ticks";
 
-/// Names of units and the symbols for them.
+/// Names of units, with their symbols.
 const NAMES: [(&str, &[&str]); 17] = [
     ("s", &["sec", "secs", "second", "seconds"]),
     ("ms", &["msec", "msecs", "millisecond", "milliseconds"]),
@@ -36,7 +36,8 @@ const NAMES: [(&str, &[&str]); 17] = [
     ("K", &["kelvin", "kelvins"]),
 ];
 
-/// Units that the grammar does not read: their names, the unit for them, its value for one of them and for none.
+/// Units that the grammar does not read: their names, a supported unit, the factor and the offset
+/// to it.
 const FOREIGN: [(&[&str], &str, f64, f64); 11] = [
     (&["mmHg", "Torr"], "Pa", 133.322387415, 0.0),
     (&["atm"], "Pa", 101_325.0, 0.0),
@@ -51,14 +52,16 @@ const FOREIGN: [(&[&str], &str, f64, f64); 11] = [
     (&["ccm", "cc"], "mL", 1.0, 0.0),
 ];
 
-/// Returns values in a unit that the grammar does not read in one that it reads, such as `266.645 Pa` for 2 `mmHg`.
-/// `None` if the unit is unknown or of none of the `kinds`; without kinds, every unit will do.
+/// Converts values in an unsupported unit to a supported one, such as 2 `mmHg` to `266.645 Pa`.
+///
+/// Returns `None` if the unit is unknown or of none of the `kinds`. Without kinds, all units are
+/// accepted.
 pub fn converted(values: &[f64], word: &str, kinds: &[QuantityKind]) -> Option<String> {
     let is_meant = |name: &&str| name.eq_ignore_ascii_case(word);
     let mut foreign = FOREIGN.iter().filter(|(_, unit, ..)| fits(unit, kinds));
     let (_, unit, factor, zero) = foreign.find(|(names, ..)| names.iter().any(is_meant))?;
     let numbers = values.iter().map(|value| {
-        // More digits than this are not in such a value.
+        // Such values have fewer digits than this.
         let rounded = format!("{:.11e}", value * factor + zero).parse::<f64>();
         rounded.map(|number| number.to_string())
     });
@@ -66,8 +69,8 @@ pub fn converted(values: &[f64], word: &str, kinds: &[QuantityKind]) -> Option<S
     Some(format!("{} {unit}", numbers.join(" .. ")))
 }
 
-/// Returns the unit that a word is probably meant to be, of one of the `kinds`. If there are none, it has to be plain
-/// from the word alone.
+/// Returns the unit of one of the `kinds` that a word probably means. Without kinds, the word alone
+/// must be unambiguous.
 pub fn unit_meant(word: &str, kinds: &[QuantityKind]) -> Option<Suggestion> {
     let clear = |unit: &str| {
         Some(Suggestion {
@@ -81,7 +84,7 @@ pub fn unit_meant(word: &str, kinds: &[QuantityKind]) -> Option<Suggestion> {
         return clear(unit).filter(|_| fits(unit, kinds));
     }
     let units: Vec<String> = symbols().filter(|unit| fits(unit, kinds)).collect();
-    // `KG` and `khz` are meant to be `kg` and `kHz`; `MS` could be two units.
+    // `KG` and `khz` mean `kg` and `kHz`; `MS` is ambiguous.
     let mut same = units.iter().filter(|unit| unit.eq_ignore_ascii_case(word));
     if let (Some(only), None) = (same.next(), same.next()) {
         return clear(only);
@@ -97,16 +100,16 @@ pub fn unit_meant(word: &str, kinds: &[QuantityKind]) -> Option<Suggestion> {
     nearest(word, known).filter(|_| !kinds.is_empty())
 }
 
-/// Whether a symbol is of the dimension of one of the `kinds`, or there are none.
+/// Returns whether a symbol has the dimension of one of the `kinds`, or there are no kinds.
 fn fits(unit: &str, kinds: &[QuantityKind]) -> bool {
     let (_, dimension) = to_si(1.0, [(unit, 1)]);
     kinds.is_empty() || kinds.iter().any(|kind| kind.dimension == dimension)
 }
 
-/// Symbols of units, and of short ones those with a common prefix as well.
+/// Returns the symbols of units, and short ones also with common prefixes.
 fn symbols() -> impl Iterator<Item = String> {
     let bases = BASES.iter().map(|(base, ..)| *base);
-    // A percent sign is no word, and of ticks the plural will do.
+    // A percent sign is not a word, and the plural of ticks suffices.
     let bases = bases.filter(|base| !["%", "tick"].contains(base));
     let common = PREFIXES.iter().filter(|prefix| prefix.is_common);
     let short = bases
@@ -153,7 +156,7 @@ mod tests {
         assert_eq!(meant("furlong"), None);
     }
 
-    /// Words of the laboratory, and the symbols of all units with a letter more, less or changed.
+    /// Laboratory units, and the symbols of all units with one letter added, removed or changed.
     fn words() -> Vec<String> {
         let odd = [
             "mcg", "mcm", "mcL", "mbr", "torr", "cst", "cSt", "kgm", "Nm", "Ns", "mPas", "ccm",

@@ -1,4 +1,4 @@
-//! Units of the values of a scene, in powers of the base units.
+//! Units of scene values, as powers of the base units.
 mod meant;
 mod scale;
 mod written;
@@ -7,11 +7,11 @@ pub use meant::{UNITS, converted, unit_meant};
 pub use scale::Scale;
 pub use written::WrittenQuantity;
 
-/// Powers of kilogram, metre, second, ampere and kelvin, and of the tick, the scene's own clock.
+/// Powers of kilogram, metre, second, ampere, kelvin and tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dimension(pub(in crate::scene) [i8; 6]);
 
-/// The units that the grammar reads, each with its size in SI units and its dimension.
+/// Units that the grammar reads, each with its size in SI units and its dimension.
 pub const BASES: [(&str, Scale, Dimension); 24] = [
     ("m", Scale::ONE, Dimension::LENGTH),
     ("g", Scale::ONE.tens(-3), Dimension::MASS),
@@ -43,14 +43,14 @@ pub const BASES: [(&str, Scale, Dimension); 24] = [
     ("%", Scale::ONE.tens(-2), Dimension::NUMBER),
 ];
 
-/// What may stand before a unit.
+/// Prefix of a unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Prefix {
-    /// How it is written.
+    /// Character.
     pub sign: char,
-    /// The power of ten that it stands for.
+    /// Power of ten.
     pub power: i32,
-    /// Whether it is in common use, so that units are suggested with it.
+    /// Whether it is common, so that suggestions include it.
     pub is_common: bool,
 }
 
@@ -62,7 +62,7 @@ const fn prefix(sign: char, power: i32, is_common: bool) -> Prefix {
     }
 }
 
-/// The prefixes that the grammar knows, the most frequent first.
+/// Prefixes that the grammar reads, the most frequent first.
 pub const PREFIXES: [Prefix; 11] = [
     prefix('m', -3, true),
     prefix('k', 3, true),
@@ -99,7 +99,7 @@ pub fn to_si<'a>(value: f64, unit: impl IntoIterator<Item = (&'a str, i8)>) -> (
     (scale.apply(value), dimension)
 }
 
-/// The size in SI units and the dimension of a symbol that the grammar lets through.
+/// Returns the size in SI units and the dimension of a valid symbol.
 fn factor(symbol: &str) -> (Scale, Dimension) {
     let base = |symbol: &str| {
         let known = BASES.iter().find(|(base, ..)| *base == symbol);

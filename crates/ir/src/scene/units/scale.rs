@@ -1,8 +1,8 @@
 //! Exact sizes of units.
 use std::f64::consts::TAU;
 
-/// The size of a unit in SI units: 6^`sixes` 10^`tens` (2π)^`turns`. All units are products of these, so that no size
-/// is rounded before it meets a value.
+/// Size of a unit in SI units: 6^`sixes` 10^`tens` (2π)^`turns`. All units are such products, so no
+/// size is rounded before it is applied to a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Scale {
     sixes: i32,
@@ -10,7 +10,7 @@ pub struct Scale {
     turns: i32,
 }
 
-/// An unevaluated sum, which has twice the digits of a double.
+/// Unevaluated sum with twice the precision of a double.
 #[derive(Clone, Copy)]
 struct DoubleDouble {
     high: f64,
@@ -103,7 +103,7 @@ impl DoubleDouble {
 
     fn nearest(self) -> f64 {
         let sum = self.high + self.low;
-        // Beyond the range of doubles the correction has no meaning.
+        // Beyond the range of doubles the correction is meaningless.
         if sum.is_finite() { sum } else { self.high }
     }
 }
@@ -160,7 +160,7 @@ mod tests {
     fn nearest(numerator: u128, denominator: u128) -> f64 {
         let (mut whole, mut rest) = (numerator / denominator, numerator % denominator);
         let mut exponent = 0;
-        // Two bits more than a double has, and whether anything follows, decide the rounding.
+        // Two bits more than a double, and whether the rest is zero, determine the rounding.
         while whole < 1 << 54 {
             rest *= 2;
             whole = whole * 2 + rest / denominator;
@@ -180,7 +180,7 @@ mod tests {
             POWERS.map(|(sign, ..)| sign),
             PREFIXES.map(|prefix| prefix.sign)
         );
-        // 2π as the double that it is here: a whole number of 2^-50.
+        // 2π as a double is an integer multiple of 2^-50.
         let turn = (TAU * 2_f64.powi(50)) as u128;
         for (symbol, numerator, denominator, turns) in SIZES {
             let with = |&(sign, times, by): &(char, u128, u128)| {

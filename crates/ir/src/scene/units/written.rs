@@ -1,22 +1,23 @@
-//! A value that stands alone, read as the language reads it in a scene.
+//! Parser of a single value, with the syntax of a scene.
 use super::{BASES, Dimension, PREFIXES, UNITS, converted, to_si, unit_meant};
 
-/// A number with its unit, such as `4.5 N`.
+/// Number with its unit, such as `4.5 N`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenQuantity<'a> {
-    /// The number as written.
+    /// Number as written.
     pub value: f64,
-    /// The unit as written; empty: none.
+    /// Unit as written. Empty without a unit.
     pub unit: &'a str,
-    /// Its factors, each with its power.
+    /// Factors of the unit, each with its power.
     factors: Vec<(&'a str, i8)>,
 }
 
 impl<'a> WrittenQuantity<'a> {
-    /// Reads a text that is nothing else.
+    /// Parses a text that consists of one value.
     ///
     /// # Errors
-    /// In words, when it is none.
+    ///
+    /// A message, if it is invalid.
     pub fn parse(text: &'a str) -> Result<WrittenQuantity<'a>, String> {
         let text = text.trim();
         let none = || format!("`{text}` is no value; write a number and its unit, such as `4.5 N`");
@@ -47,7 +48,7 @@ impl<'a> WrittenQuantity<'a> {
         })
     }
 
-    /// In SI units, with its dimension.
+    /// Returns the value in SI units and its dimension.
     pub fn to_si(&self) -> (f64, Dimension) {
         to_si(self.value, self.factors.iter().copied())
     }
@@ -67,7 +68,7 @@ fn digits(text: &str) -> usize {
     text.bytes().take_while(u8::is_ascii_digit).count()
 }
 
-/// The length of the number with which a text begins, such as `-1.5e-3`.
+/// Returns the length of the number at the start of a text, such as `-1.5e-3`.
 fn number(text: &str) -> usize {
     let sign = usize::from(text.starts_with('-'));
     let mut end = sign + digits(&text[sign..]);
@@ -86,7 +87,8 @@ fn number(text: &str) -> usize {
     end
 }
 
-/// The factors of the unit with which a text begins, and its length; none and 0: it begins with none.
+/// Returns the factors of the unit at the start of a text, and its length. Empty and 0 if there is
+/// none.
 fn factors(text: &str) -> (Vec<(&str, i8)>, usize) {
     let (mut factors, mut end) = (Vec::new(), 0);
     let mut next = Some((false, 0));
@@ -101,7 +103,7 @@ fn factors(text: &str) -> (Vec<(&str, i8)>, usize) {
     (factors, end)
 }
 
-/// The factor with which a text begins, such as `mm^2`: symbol, power and length.
+/// Returns the factor at the start of a text, such as `mm^2`: symbol, power and length.
 fn factor(text: &str) -> Option<(&str, i8, usize)> {
     let base = |text: &str| {
         let mut lengths = BASES.iter().filter(|(base, ..)| text.starts_with(base));
@@ -126,7 +128,7 @@ fn factor(text: &str) -> Option<(&str, i8, usize)> {
     })
 }
 
-/// What stands between two factors: whether it divides, and its length.
+/// Returns whether the operator between two factors divides, and its length.
 fn operator(text: &str) -> Option<(bool, usize)> {
     let behind = text.trim_start_matches(BLANK);
     let space = text.len() - behind.len();
@@ -137,7 +139,8 @@ fn operator(text: &str) -> Option<(bool, usize)> {
     (space > 0 && !begins_tick(behind)).then_some((false, space))
 }
 
-/// Whether a text begins with the term `tick 20 ms`, which is no unit of what stands before.
+/// Returns whether a text begins with the clause `tick 20 ms`, which is not a unit of the value
+/// before it.
 fn begins_tick(text: &str) -> bool {
     let behind = text.strip_prefix("tick").unwrap_or_default();
     let next = behind.trim_start_matches([' ', '\t', '\r', '\n']);
