@@ -8,68 +8,91 @@ use stochc_ir::{is_invisible, visible};
 
 use crate::command::interrupt::outlive_file_limit;
 pub use crate::command::terminal::show_deferred;
-use crate::command::terminal::{output_has_colour, print_drawn};
+use crate::command::terminal::{Color, TerminalOptions, configure, output_has_colour, print_drawn};
 use crate::command::{
-    calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
-    plan, replay, report, shard, show, simulate, status, submit, trade, verify,
+    calibrate, check, compile, completions, estimate, explain, export, fit, fmt, fsck, lsp, man,
+    plan, repeat, replay, report, resume, shard, show, simulate, sweep, trace, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
 /// Compiler, verifier and simulator for stochastic modular robots.
 #[derive(Debug, Parser)]
-#[command(version, about, after_help = EXIT_STATUS)]
+#[command(version, about, after_help = AFTER_HELP)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// Print no progress, notes or warnings
+    #[arg(long, short, global = true, help_heading = "Global options")]
+    pub quiet: bool,
+    /// Use colors
+    #[arg(
+        long,
+        value_name = "WHEN",
+        default_value = "auto",
+        global = true,
+        hide_possible_values = true,
+        help_heading = "Global options"
+    )]
+    pub color: Color,
 }
 
-const EXIT_STATUS: &str = "\
-Exit status: 0 success, 1 the program has errors or the model cannot run it, 2 the command line is wrong, a file cannot be \
-read or written, 3 a run did not complete or pieces are missing, 4 no setting is known to be accurate enough, 130 interrupted.";
+const AFTER_HELP: &str = "\
+Exit status:
+  0    success
+  1    the program has errors, or the model cannot run it
+  2    wrong command line, or a file cannot be read or written
+  3    a run did not complete, or runs or shards are missing
+  130  interrupted
+
+`stochc COMMAND --help` describes a command.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Check programs and report their errors and warnings, without simulating them
+    /// Check programs: report errors and warnings, and prove that they finish
     Check(check::CheckArguments),
+    /// Check programs, and execute their event tables in every order of events
+    Verify(verify::VerifyArguments),
     /// Format programs
     Fmt(fmt::FmtArguments),
-    /// Plan how to build a shape: write a program that does, fast and without jams
+    /// Write a program that builds a shape
     Plan(Box<plan::PlanArguments>),
-    /// Print a stage of the compilation: structure, dependency graph or event tables
+    /// Print a stage of the compilation: structure, graph or event tables
     Compile(compile::CompileArguments),
-    /// Simulate programs many times and compare their times to completion
-    Simulate(Box<simulate::SimulateArguments>),
-    /// Make one piece of an ensemble that `simulate --shards` has cut
-    Shard(shard::ShardArguments),
-    /// Say which pieces of an ensemble are there
-    Status(status::StatusArguments),
-    /// Put the pieces of an ensemble together: the same results as without pieces
-    Merge(merge::MergeArguments),
-    /// Have a cluster make the pieces that are missing, and put them together: with Slurm
-    Submit(submit::SubmitArguments),
-    /// Measure what accuracy costs: compare many settings with a converged reference
-    Trade(trade::TradeArguments),
-    /// Measure how often faces capture in a scene, for `--model rate`
-    Calibrate(calibrate::CalibrateArguments),
-    /// Estimate when programs will be complete, and what decides it, by rates: in milliseconds
-    Estimate(estimate::EstimateArguments),
-    /// Find the numbers of a scene that measured times speak for, with their uncertainty
-    Fit(Box<fit::FitArguments>),
-    /// Print the results of a folder
-    Show(show::ShowArguments),
-    /// Check that the files of a results folder are as they were written, and save what can be saved
-    Verify(verify::VerifyArguments),
-    /// Write an HTML report on results folders: completion curves, waits, critical paths, tests
-    Report(report::ReportArguments),
-    /// Write an HTML page that replays a run tick by tick
-    Replay(replay::ReplayArguments),
-    /// Export the trajectories of a run as a Parquet table or a glTF animation
-    Export(export::ExportArguments),
     /// Explain an error or a warning by its code
     Explain(explain::ExplainArguments),
-    /// Start the language server for editors: findings as you type, definitions, renaming
+    /// Simulate programs many times and compare their completion times
+    Simulate(Box<simulate::SimulateArguments>),
+    /// Simulate programs for several values of scene parameters or settings
+    Sweep(Box<sweep::SweepArguments>),
+    /// Simulate one run and print all its events
+    Trace(Box<trace::TraceArguments>),
+    /// Make the runs that an interrupted ensemble lacks, or more runs
+    Resume(Box<resume::ResumeArguments>),
+    /// Make the runs of a results folder again, with the same settings
+    Repeat(Box<repeat::RepeatArguments>),
+    /// Estimate completion times from calibrated rates, in milliseconds
+    Estimate(estimate::EstimateArguments),
+    /// Print the results of a folder
+    Show(show::ShowArguments),
+    /// Write an HTML report: completion curves, waiting times, comparisons
+    Report(report::ReportArguments),
+    /// Write an HTML page that replays a run
+    Replay(replay::ReplayArguments),
+    /// Export the trajectories of a run: Parquet table or glTF animation
+    Export(export::ExportArguments),
+    /// Measure speed against accuracy of models and time steps
+    Trade(trade::TradeArguments),
+    /// Measure the rates of a scene, for `--model rate`
+    Calibrate(calibrate::CalibrateArguments),
+    /// Fit scene parameters to measured times
+    Fit(Box<fit::FitArguments>),
+    /// Split an ensemble into shards, run them anywhere, and merge them
+    Shard(shard::ShardArguments),
+    /// Check the integrity of a results folder, and repair it
+    Fsck(fsck::FsckArguments),
+    /// Start the language server for editors
     Lsp(lsp::LspArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
@@ -111,11 +134,12 @@ fn with_nearest_option(mut error: clap::Error) -> clap::Error {
     let Some(unknown) = unknown.filter(|it| it.starts_with("--")) else {
         return error;
     };
-    let command = Cli::command();
-    let mut arguments = std::env::args_os().skip(1);
-    let Some(command) = arguments.find_map(|name| command.find_subcommand(name)) else {
-        return error;
-    };
+    let mut command = Cli::command();
+    command.build();
+    let mut command = &command;
+    for name in std::env::args_os().skip(1) {
+        command = command.find_subcommand(name).unwrap_or(command);
+    }
     let longs = command.get_arguments().filter_map(|it| it.get_long());
     let distance = |long: &str| strsim::damerau_levenshtein(&unknown[2..], long);
     let length = |long: &str| long.len().abs_diff(unknown.len() - 2);
@@ -147,7 +171,11 @@ pub fn parse() -> Result<Cli, clap::Error> {
         let takes_values = arg.get_action().takes_values();
         arg.allow_negative_numbers(takes_values)
     };
-    let mut command = Cli::command().mut_subcommands(|it| it.mut_args(negative));
+    let nested = |it: clap::Command| {
+        it.mut_args(negative)
+            .mut_subcommands(|it| it.mut_args(negative))
+    };
+    let mut command = Cli::command().mut_subcommands(nested);
     let matches = command
         .try_get_matches_from_mut(std::env::args_os())
         .map_err(about_numbers)?;
@@ -177,26 +205,32 @@ fn about_numbers(error: clap::Error) -> clap::Error {
 /// Does what the command line says; what is left to say is in the failure.
 pub fn run(cli: Cli) -> Result<Exit, Failure> {
     outlive_file_limit();
+    configure(TerminalOptions {
+        is_quiet: cli.quiet,
+        color: cli.color,
+    });
     match cli.command {
         Command::Check(options) => check::run(&options),
+        Command::Verify(options) => verify::run(&options),
         Command::Fmt(options) => fmt::run(&options),
         Command::Plan(options) => plan::run(&options),
         Command::Compile(options) => compile::run(&options),
+        Command::Explain(options) => explain::run(&options),
         Command::Simulate(options) => simulate::run(&options),
-        Command::Shard(options) => shard::run(&options),
-        Command::Status(options) => status::run(&options),
-        Command::Merge(options) => merge::run(&options),
-        Command::Submit(options) => submit::run(&options),
-        Command::Trade(options) => trade::run(&options),
-        Command::Calibrate(options) => calibrate::run(&options),
+        Command::Sweep(options) => sweep::run(&options),
+        Command::Trace(options) => trace::run(&options),
+        Command::Resume(options) => resume::run(&options),
+        Command::Repeat(options) => repeat::run(&options),
         Command::Estimate(options) => estimate::run(&options),
-        Command::Fit(options) => fit::run(&options),
         Command::Show(options) => show::run(&options),
-        Command::Verify(options) => verify::run(&options),
         Command::Report(options) => report::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Export(options) => export::run(&options),
-        Command::Explain(options) => explain::run(&options),
+        Command::Trade(options) => trade::run(&options),
+        Command::Calibrate(options) => calibrate::run(&options),
+        Command::Fit(options) => fit::run(&options),
+        Command::Shard(options) => shard::run(&options),
+        Command::Fsck(options) => fsck::run(&options),
         Command::Lsp(options) => lsp::run(&options),
         Command::Completions(options) => completions::run(&options, Cli::command()),
         Command::Man(options) => man::run(&options, Cli::command()),

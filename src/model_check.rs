@@ -1,7 +1,7 @@
 //! Event tables in every order of events, before anybody gets them.
 //!
 //! The compiler has an argument that its tables are right (docs/concepts/protocol.md); here nobody relies on it. Small programs
-//! are explored on every check, and `check --exhaustive` goes on where that ends.
+//! are explored on every check, and `verify` goes on where that ends.
 use std::fmt::Write as _;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};

@@ -40,7 +40,7 @@ def main():
             folder = pathlib.Path(folder)
             data = folder / "times.csv"
             data.write_text(measured(stochc, folder, 10_000 + trial, runs, limit))
-            fit = [stochc, "fit", PROGRAMS, "--data", data, "--vary", "free=8..60 log", "--seed", str(trial), "-q", "--format", "json"]
+            fit = [stochc, "fit", PROGRAMS, "--data", data, "--vary", "free=8..60 log", "--seed", str(trial), "-q", "--json"]
             number = json.loads(subprocess.run(fit, check=True, capture_output=True, text=True).stdout)["numbers"][0]
             low, high = number["interval"]
             held += low <= TRUTH <= high

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Planned programs against four naive ones, simulated: the table of docs/guides/planner.md.
 
-run.py STOCHC FOLDER [--targets FOLDER] [--shapes a,b] [--race N] [--runs N] [--naive-runs N] [--max-ticks T] [--budget B] [--threads N] [--minutes M]
+run.py STOCHC FOLDER [--targets FOLDER] [--shapes a,b] [--race N] [--runs N] [--naive-runs N] [--max-ticks T] [--time T] [--threads N] [--minutes M]
 
 Each shape of shapes/, or of `--targets`, is planned and written in four ways that need no thought: one block after the other along a walk through the
 shape (`chain`), everything at once (`at_once`), layer by layer (`layers`) and one block after the other, the nearest to the plate
@@ -124,10 +124,10 @@ def simulate(arguments, program, folder, runs):
         return None
     found = runs_of(folder)
     if sum(map(len, found)) < runs and not arguments.is_over():
-        options = ["--runs", runs, "--seed", arguments.seed, "--max-ticks", arguments.max_ticks, "--out", folder]
-        options += ["--model", "rigid", "--quiet"] + (["--threads", arguments.threads] if arguments.threads else [])
-        options += ["--resume"] if (folder / "manifest.json").exists() else []
-        subprocess.run([arguments.stochc, "simulate", program, *map(str, options)], capture_output=True, text=True)
+        line = ["simulate", program, "--seed", arguments.seed, "--max-ticks", arguments.max_ticks, "--model", "rigid", "--out", folder]
+        line = ["resume", folder] if (folder / "manifest.json").exists() else line
+        line += ["--runs", runs, "--quiet"] + (["--threads", arguments.threads] if arguments.threads else [])
+        subprocess.run([arguments.stochc, *map(str, line)], capture_output=True, text=True)
         found = runs_of(folder)
     return found
 
@@ -203,7 +203,7 @@ def planned(arguments, path, folder):
             (folder / "scene.sa").write_text(scene(len(cells)) + "\nassembly probe in here { seed plate 1 x 1 { P at (0, 0) } phase grow { P.up -> A } }\n")
             subprocess.run([arguments.stochc, "calibrate", folder / "scene.sa", "--quiet", "--out", rates], check=True, stdout=subprocess.DEVNULL)
         command = [arguments.stochc, "plan", target, "--scene", "here", "--rates", rates]
-    options = ["--budget", arguments.budget] if arguments.budget else []
+    options = ["--time", arguments.time] if arguments.time else []
     options += ["--race", str(arguments.race)] if arguments.race else []
     start = time.monotonic()
     text = subprocess.run([*command, *options, "--quiet"], check=True, capture_output=True, text=True).stdout
@@ -221,7 +221,7 @@ def main():
     parser.add_argument("--naive-runs", type=int, default=100, help="0: no naive plans")
     parser.add_argument("--seed", type=int, default=11)
     parser.add_argument("--max-ticks", type=int, default=60_000)
-    parser.add_argument("--budget", default="", help="as `stochc plan --budget`")
+    parser.add_argument("--time", default="", help="as `stochc plan --time`")
     parser.add_argument("--race", type=int, default=0, help="as `stochc plan --race`")
     parser.add_argument("--targets", type=pathlib.Path, default=HERE / "shapes", help="folder of the shapes")
     parser.add_argument("--threads", type=int, default=0)

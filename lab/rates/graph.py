@@ -14,7 +14,7 @@ EXAMPLES = ["line", "open_platform", "closed_platform", "five_tower", "five_towe
 
 
 def estimate(stochc, program, *options):
-    command = [stochc, "estimate", program, "--format", "json", "--quiet", "--threads", 1, *options]
+    command = [stochc, "estimate", program, "--json", "--quiet", "--threads", 1, *options]
     return json.loads(subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True).stdout)["estimates"][0]
 
 

@@ -36,8 +36,8 @@ def records(folder):
 
 
 def simulate(stochc, program, folder, *options):
-    resume = ["--resume"] if folder.exists() else []
-    run(stochc, "simulate", program, "--max-ticks", MAX_TICKS, "--quiet", "--out", folder, *options, *resume)
+    line = ["resume", folder] if folder.exists() else ["simulate", program, "--max-ticks", MAX_TICKS, "--out", folder, *options]
+    run(stochc, *line, "--quiet")
     return records(folder)
 
 

@@ -27,8 +27,8 @@ def run(*command):
 
 
 def times(stochc, program, folder, *options):
-    resume = ["--resume"] if folder.exists() else []
-    run(stochc, "simulate", program, "--max-ticks", MAX_TICKS, "--quiet", "--allow", "warnings", "--out", folder, *options, *resume)
+    line = ["resume", folder] if folder.exists() else ["simulate", program, "--max-ticks", MAX_TICKS, "--allow", "warnings", "--out", folder, *options]
+    run(stochc, *line, "--quiet")
     with open(folder / "journal.jsonl") as file:
         lines = (json.loads(line) for line in file)
         return [line["record"]["ticks"] for line in lines if "record" in line]

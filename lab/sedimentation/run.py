@@ -93,7 +93,7 @@ with tempfile.TemporaryDirectory() as folder:
     for name, given in SCENES.items():
         file, out = Path(folder, "s.sa"), Path(folder, "".join(filter(str.isalnum, name)))
         file.write_text(SCENE.format(**given))
-        listed = json.loads(stochc("check", "--scene", "--format", "json", file).stdout)
+        listed = json.loads(stochc("check", "--physics", "--json", file).stdout)
         groups = {it["symbol"]: it["value"] for it in listed["scenes"][0]["groups"]}
         stochc("simulate", file, "--runs", 1, "--max-ticks", given["ticks"], "--quiet", "--out", out)
         made = stochc("export", out, "--run", 0, "--format", "gltf", "--every", 50)

@@ -56,7 +56,7 @@ def simulate(options, program, steps, runs, number):
     if (program, steps, seed) in read(options):
         return
     command = [options.stochc, "simulate", program, "--runs", str(runs), "--seed", str(seed), "--substeps", steps,
-               "--threads", "1", "--quiet", "--format", "json"]
+               "--threads", "1", "--quiet", "--json"]
     time = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["programs"][0]["time"]
     if time["incomplete"]:
         raise SystemExit(f"{program} at {steps}, seed {seed}: {time['incomplete']} runs were stopped before they completed")

@@ -37,7 +37,7 @@ def row(stochc, program, where):
     options = ["--runs", 20, "--seed", 7, "--model", "rigid", "--threads", 1, "--max-ticks", 150000, "--out", folder]
     run("simulate", program, *options)
     run("report", folder, "--out", where / f"{program.stem}.html")
-    checked = run("check", program, "--cost", 1000)
+    checked = run("check", program, "--cost=1000")
     # `A.up -> B   8.1 %   621`: the share of the time, and the wait.
     found = re.findall(r"^  (\S.*? -> \S.*?)\s\s+[\d.]+ %\s+(\d+)$", checked.stdout, re.MULTILINE)
     expected = {name: int(wait) for name, wait in found}

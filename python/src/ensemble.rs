@@ -35,7 +35,7 @@ pub struct EnsembleRequest {
     programs: Vec<Py<PythonProgram>>,
     runs: u64,
     seed: u64,
-    sweep: Vec<String>,
+    vary: Vec<String>,
     levels: Vec<LevelSetting>,
     computed: Computed,
     threads: Option<u16>,
@@ -76,9 +76,9 @@ impl Detached {
             asked,
             mut programs,
         } = self;
-        let axes = asked.sweep.iter().map(|axis| Axis::parse(axis));
+        let axes = asked.vary.iter().map(|axis| Axis::parse(axis));
         let axes: Result<Vec<_>, _> = axes.collect();
-        let axes = axes.map_err(|reason| Failure::usage(format!("sweep: {reason}")))?;
+        let axes = axes.map_err(|reason| Failure::usage(format!("vary: {reason}")))?;
         if !axes.is_empty() {
             let levels = levels(&asked.levels)?;
             programs = sweep::points(&axes, asked.runs, &programs, &levels, host)?;
@@ -373,7 +373,7 @@ impl PythonEnsemble {
     /// Returns the summary table, with a row for each program.
     fn summary(&self, py: Python<'_>) -> PyResult<PythonTable> {
         self.ask(py, |inner, finished, _| {
-            let comparison = ensemble_results(&inner.manifest, finished, false)?.comparison;
+            let comparison = ensemble_results(&inner.manifest, finished, None)?.comparison;
             derived::summary(&inner.manifest, &comparison).map_err(Failure::usage)
         })
     }
@@ -386,9 +386,9 @@ impl PythonEnsemble {
     }
 
     /// Returns the output of `stochc show`: tables with a line width, or JSON.
-    fn results(&self, py: Python<'_>, bonds: bool, width: Option<usize>) -> PyResult<String> {
+    fn results(&self, py: Python<'_>, captures: bool, width: Option<usize>) -> PyResult<String> {
         self.ask(py, move |inner, finished, _| {
-            let told = ensemble_results(&inner.manifest, finished, bonds)?;
+            let told = ensemble_results(&inner.manifest, finished, captures.then_some(usize::MAX))?;
             Ok(match width {
                 Some(width) => told.text(width),
                 None => told.json(),
@@ -399,7 +399,7 @@ impl PythonEnsemble {
     /// Returns figures, the completion curves or those of a sweep: name, title and SVG of each.
     fn pictures(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
         self.ask(py, |inner, finished, _| {
-            let drawings = match ensemble_results(&inner.manifest, finished, false)?.sweep {
+            let drawings = match ensemble_results(&inner.manifest, finished, None)?.sweep {
                 Some(sweep) => figures::sweep(Medium::Screen, &sweep, "sweep"),
                 None => {
                     let drawing = figures::completion(Medium::Screen, &inner.manifest, finished);
@@ -413,7 +413,7 @@ impl PythonEnsemble {
         })
     }
 
-    /// Returns a run in the form of `simulate --run N --format json`. Makes the run if it is
+    /// Returns a run in the form of `show DIR --run N --json`. Makes the run if it is
     /// missing.
     fn record(&self, py: Python<'_>, program: Option<String>, run: u64) -> PyResult<String> {
         self.chosen(py, (program, run), |chosen, host| {

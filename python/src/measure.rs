@@ -68,7 +68,7 @@ pub struct PlanRequest {
     dead: Vec<String>,
     shape: Option<String>,
     model: Option<u32>,
-    seed_plate: Option<String>,
+    plate: Option<String>,
     offset: Option<String>,
     scene: Option<String>,
     free: Option<u32>,
@@ -76,7 +76,8 @@ pub struct PlanRequest {
     drops_loose: bool,
     adds_supports: bool,
     imports: Vec<PathBuf>,
-    budget: Option<String>,
+    time: Option<f64>,
+    tries: Option<u64>,
     is_p90: bool,
     seed: u64,
     keeps_scaffolds: bool,
@@ -96,10 +97,11 @@ pub fn plan(
 ) -> PyResult<PlanOutput> {
     call(py, progress.as_ref(), move |host| {
         let said = |what: &'static str| move |reason| Failure::usage(format!("{what}: {reason}"));
-        let seed_plate = asked.seed_plate.as_deref().map(SeedPlate::parse);
-        let seed_plate = seed_plate.transpose().map_err(said("seed_plate"))?;
+        let plate = asked.plate.as_deref().map(SeedPlate::parse);
+        let plate = plate.transpose().map_err(said("plate"))?;
         let offset = asked.offset.as_deref().map(Offset::parse);
-        let budget = asked.budget.as_deref().map(Budget::parse);
+        let time = asked.time.map(Duration::try_from_secs_f64).transpose();
+        let time = time.map_err(Failure::usage)?;
         let imports = folders(asked.imports)?;
         let options = PlanOptions {
             target: &asked.target,
@@ -113,14 +115,14 @@ pub fn plan(
             ),
             shape: asked.shape.as_deref(),
             model: asked.model,
-            seed_plate: seed_plate.as_ref(),
+            seed_plate: plate.as_ref(),
             offset: offset.transpose().map_err(said("offset"))?,
             scene: asked.scene.as_deref(),
             free: asked.free,
             name: asked.name.as_deref(),
             loose: LooseParts::new(asked.drops_loose, asked.adds_supports),
             imports: &imports,
-            budget: budget.transpose().map_err(said("budget"))?,
+            budget: (time.map(Budget::Time)).or(asked.tries.map(Budget::Tries)),
             objective: if asked.is_p90 {
                 Objective::P90
             } else {
@@ -147,7 +149,7 @@ pub fn plan(
 pub struct TradeRequest {
     programs: Vec<Py<PythonProgram>>,
     runs: Option<u64>,
-    budget: Option<f64>,
+    time: Option<f64>,
     until: Option<f64>,
     seed: u64,
     max_ticks: u64,
@@ -166,10 +168,10 @@ pub fn trade(
 ) -> PyResult<(String, String, String)> {
     call(py, progress.as_ref(), move |host| {
         let programs = asked.programs.iter().map(|it| (*it.get().0).clone());
-        let budget = asked.budget.map(Duration::try_from_secs_f64).transpose();
+        let time = asked.time.map(Duration::try_from_secs_f64).transpose();
         let setup = TradeSetup {
             runs: asked.runs,
-            budget: budget.map_err(Failure::usage)?,
+            time: time.map_err(Failure::usage)?,
             until: asked.until,
             finest: asked.finest,
             max_ticks: asked.max_ticks,

@@ -23,7 +23,7 @@ pub struct Computed {
     substeps: String,
     solver_iterations: Option<u32>,
     precision: String,
-    reduce: Option<String>,
+    without: Option<String>,
     max_ticks: u64,
     rates: Vec<PathBuf>,
 }
@@ -63,8 +63,8 @@ impl Computed {
                 &Precision::ALL,
                 Precision::name,
             )?,
-            reduction: (self.reduce.as_ref())
-                .map(|name| named("reduce", name, &Reduction::ALL, Reduction::name))
+            reduction: (self.without.as_ref())
+                .map(|name| named("without", name, &Reduction::ALL, Reduction::name))
                 .transpose()?,
             max_ticks: Some(self.max_ticks),
             ..Settings::default().with_steps(steps)
@@ -115,7 +115,7 @@ impl Computed {
             Some(Setting::Steps) => "substeps",
             Some(Setting::SolverIterations) => "solver_iterations",
             Some(Setting::Precision) => "precision",
-            Some(Setting::Reduction) => "reduce",
+            Some(Setting::Reduction) => "without",
             Some(Setting::Rates) => "rates",
         };
         Err(Failure::usage(format!(

@@ -136,26 +136,26 @@ def selection(value: None | int | str | Iterable[int]) -> str | None:
 def axes(values: Mapping[str, str | float | Sequence[float]]) -> list[str]:
     """What a sweep varies, as the command line says it: `free=50..600/6`."""
     if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise TypeError(f"sweep: give a dictionary of names and values, not {told(values)}")
+        raise TypeError(f"vary: give a dictionary of names and values, not {told(values)}")
     for name in values:
-        if "=" in word("sweep", name):
-            raise UsageError(f"sweep: no number is called {told(name)}")
+        if "=" in word("vary", name):
+            raise UsageError(f"vary: no number is called {told(name)}")
     return [f"{name}={_values(name, said)}" for name, said in values.items()]
 
 
 def _values(name: str, said: object) -> str:
     if isinstance(said, str):
-        return word("sweep", said)
-    listed = [said] if isinstance(said, (int, float)) else _listed("sweep", said)
+        return word("vary", said)
+    listed = [said] if isinstance(said, (int, float)) else _listed("vary", said)
     texts: list[str] = []
     for value in listed:
         if isinstance(value, bool):
-            raise TypeError(f"sweep: {name}: give numbers, not {told(value)}")
+            raise TypeError(f"vary: {name}: give numbers, not {told(value)}")
         try:
             number = float(value)  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
         except (TypeError, ValueError, OverflowError):
-            raise TypeError(f"sweep: {name}: give numbers, not {told(value)}") from None
+            raise TypeError(f"vary: {name}: give numbers, not {told(value)}") from None
         texts.append(str(int(number)) if number.is_integer() and abs(number) < 1e15 else repr(number))
     if not texts:
-        raise UsageError(f"sweep: {name}: give one value at least")
+        raise UsageError(f"vary: {name}: give one value at least")
     return ",".join(texts)

@@ -51,12 +51,12 @@ def _asked(
     runs: int,
     seed: int,
     model: str,
-    sweep: Axes | None,
+    vary: Axes | None,
     rates: Path | Iterable[Path],
     substeps: int | str,
     solver_iterations: int | None,
     precision: str,
-    reduce: str | None,
+    without: str | None,
     max_ticks: int,
     threads: int | None,
     allow: str | Iterable[str],
@@ -68,14 +68,14 @@ def _asked(
     return {
         "runs": whole("runs", runs, 1, MOST_RUNS),
         "seed": whole("seed", seed, 0, MOST_SEED),
-        "sweep": [] if sweep is None else _arguments.axes(sweep),
+        "vary": [] if vary is None else _arguments.axes(vary),
         "levels": _arguments.levels(*levels),
         "computed": {
             "model": _arguments.word("model", model),
             "substeps": _arguments.substeps(substeps),
             "solver_iterations": _arguments.maybe("solver_iterations", solver_iterations, 1, 1000),
             "precision": _arguments.word("precision", precision),
-            "reduce": None if reduce is None else _arguments.word("reduce", reduce),
+            "without": None if without is None else _arguments.word("without", without),
             "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
             "rates": _arguments.paths("rates", rates),
         },
@@ -100,7 +100,7 @@ class Run:
 
     @property
     def record(self) -> dict[str, Any]:
-        """All that is known of it, as `stochc simulate --run N --format json` tells it; times are ticks.
+        """All that is known of it, as `stochc show DIR --run N --json` tells it; times are ticks.
 
         A run that is not there is made.
         """
@@ -328,12 +328,12 @@ def simulate(
     runs: int = 50,
     seed: int = 1,
     model: Literal["rigid", "rapier", "rate", "shuffle"] = "rigid",
-    sweep: Axes | None = None,
+    vary: Axes | None = None,
     rates: Path | Iterable[Path] = (),
     substeps: int | str = "2/8",
     solver_iterations: int | None = None,
     precision: Literal["single", "double"] = "single",
-    reduce: Literal["no-rotation", "spheres", "no-friction", "no-block-contact"] | None = None,
+    without: Literal["rotation", "corners", "friction", "block-contact"] | None = None,
     max_ticks: int = 1_000_000,
     threads: int | None = None,
     out: Path | None = None,
@@ -357,12 +357,12 @@ def simulate(
         seed: of the random numbers.
         model: `rigid`: rigid bodies; `rapier`: the same by a general engine; `rate`: no motion, waits drawn by measured
             rates; `shuffle`: no physics, to try out event tables.
-        sweep: scene parameters or settings and their values; every combination is simulated.
+        vary: scene parameters or settings and their values; every combination is simulated.
         rates: files of rates, for `rate`; scenes that none is about are measured first.
         substeps: steps of the model in each tick; `"2/8"`: two, and eight for blocks near magnetized faces.
         solver_iterations: of the contact solver in each step.
         precision: of the physics; `double` needs `rigid`.
-        reduce: a part of the physics to leave out, with `rigid`.
+        without: a part of the physics to leave out, with `rigid`.
         max_ticks: stop a run after so many ticks; its time is then censored.
         threads: runs at the same time; as many as there are cores, if not said.
         out: a new or empty folder for the results; if not said, they stay in memory.
@@ -386,12 +386,12 @@ def simulate(
         runs=runs,
         seed=seed,
         model=model,
-        sweep=sweep,
+        vary=vary,
         rates=rates,
         substeps=substeps,
         solver_iterations=solver_iterations,
         precision=precision,
-        reduce=reduce,
+        without=without,
         max_ticks=max_ticks,
         threads=threads,
         allow=allow,
@@ -413,7 +413,7 @@ def simulate(
         return Ensemble(_native.simulate(asked, kept, show))
 
 
-def sweep(programs: Programs, over: Axes, **options: Any) -> Ensemble:
+def sweep(programs: Programs, vary: Axes, **options: Any) -> Ensemble:
     """Simulates programs at every combination of some numbers of their scene; the options are those of `simulate`.
 
     >>> import stochc
@@ -421,7 +421,7 @@ def sweep(programs: Programs, over: Axes, **options: Any) -> Ensemble:
     >>> [(row["scene_free"], row["completed"]) for row in ensemble.summary]
     [(50.0, 2), (100.0, 2)]
     """
-    return simulate(programs, sweep=over, **options)
+    return simulate(programs, vary=vary, **options)
 
 
 def open(folder: Path) -> Ensemble:
@@ -462,7 +462,7 @@ def shard(
     Any process may make any piece, in any order, and again: a piece appears whole or not at all.
 
     Args:
-        folder: that of `prepare`, or of `stochc simulate --shards`.
+        folder: that of `prepare`, or of `stochc shard new`.
         number: of the piece, from 0.
         threads: runs at the same time; as many as there are cores, if not said.
         progress: as in `simulate`.
@@ -474,7 +474,7 @@ def shard(
 
 
 def status(folder: Path) -> dict[str, Any]:
-    """Which pieces are there, as `stochc status --format json` says it: `missing` has the numbers of the others."""
+    """Which pieces are there, as `stochc shard status --json` says it: `missing` has the numbers of the others."""
     status: dict[str, Any] = json.loads(_native.status(_arguments.path("folder", folder)))
     return status
 

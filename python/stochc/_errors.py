@@ -71,7 +71,7 @@ _KINDS: dict[str, type[StochcError]] = {
 
 
 _FLAGS = ("resume", "mixed-builds")
-_OPTIONS = ("max-ticks", "out", "record", "runs", "substeps", "sweep", "threads")
+_OPTIONS = ("max-ticks", "out", "record", "runs", "substeps", "threads", "vary")
 
 
 def _in_python(text: str) -> str:

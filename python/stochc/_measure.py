@@ -141,14 +141,15 @@ def plan(
     dead: str | Iterable[str] = (),
     shape: str | None = None,
     model: int | None = None,
-    seed_plate: str | None = None,
+    plate: str | None = None,
     offset: str | None = None,
     scene: str | None = None,
     free: int | None = None,
     name: str | None = None,
     drop_loose: bool = False,
     supports: bool = False,
-    budget: int | str | None = None,
+    time: float | None = None,
+    tries: int | None = None,
     minimize: Literal["mean", "p90"] = "mean",
     seed: int = 1,
     keep_scaffolds: bool = False,
@@ -167,14 +168,15 @@ def plan(
         dead: names of blocks that neither capture nor pass messages on any more at the end of the run.
         shape: which shape of the program.
         model: build only this model of a `.vox` file, counted from 0.
-        seed_plate: the plate to build on, such as `"3 x 3 at (1, 1)"`.
+        plate: the plate to build on, such as `"3 x 3 at (1, 1)"`.
         offset: moves the shape by so many cells to the east and to the north, such as `"2, 1"`.
         scene: the name of the scene to build in, also one of a file: `"lab.sa:tank"`.
         free: the number of free blocks: the program gets a scene with so many, at the same density.
         name: the name of the assembly.
         drop_loose: whether parts are left out that are attached to no block of the plate that may capture.
         supports: whether the fewest cells that hold such parts are added.
-        budget: how long to look for a better plan: a time (`"10s"`), or a number of tries.
+        time: search for a better plan during this time [s].
+        tries: search for a better plan with this number of tries.
         minimize: the mean time to completion, or that in which nine runs of ten are complete.
         seed: of the random numbers.
         keep_scaffolds: whether masts that far parts were grown from stay, instead of being taken down again.
@@ -188,7 +190,7 @@ def plan(
     maybe = _maybe_word
     of_whole = {
         "model": model,
-        "seed_plate": seed_plate,
+        "plate": plate,
         "offset": offset,
         "drop_loose": drop_loose or None,
         "supports": supports or None,
@@ -203,8 +205,8 @@ def plan(
         _alone("run", **of_whole)
     elif program is not None or dead:
         raise UsageError("program, dead: they are of a run: give `run` as well")
-    if budget is not None and not isinstance(budget, str):
-        budget = str(whole("budget", budget, 1, 10**9))
+    if time is not None:
+        _alone("time", tries=tries)
     asked: Planned = {
         "target": _arguments.path("target", target),
         "completes": complete,
@@ -213,7 +215,7 @@ def plan(
         "dead": _arguments.words("dead", dead),
         "shape": maybe("shape", shape),
         "model": _arguments.maybe("model", model, 0, 2**32 - 1),
-        "seed_plate": maybe("seed_plate", seed_plate),
+        "plate": maybe("plate", plate),
         "offset": maybe("offset", offset),
         "scene": maybe("scene", scene),
         "free": _arguments.maybe("free", free, 1, 2**32 - 1),
@@ -221,7 +223,8 @@ def plan(
         "drops_loose": _arguments.yes("drop_loose", drop_loose),
         "adds_supports": _arguments.yes("supports", supports),
         "imports": _arguments.paths("allow_import", allow_import),
-        "budget": maybe("budget", budget),
+        "time": _within("time", time, "seconds", 1e9),
+        "tries": _arguments.maybe("tries", tries, 1, 10**9),
         "is_p90": minimize == "p90",
         "seed": whole("seed", seed, 0, MOST_SEED),
         "keeps_scaffolds": _arguments.yes("keep_scaffolds", keep_scaffolds),
@@ -248,7 +251,7 @@ def trade(
     programs: Programs,
     *,
     runs: int | None = None,
-    budget: float | None = None,
+    time: float | None = None,
     until: float | None = None,
     seed: int = 1,
     max_ticks: int = 1_000_000,
@@ -263,8 +266,8 @@ def trade(
 
     Args:
         programs: programs, texts or files.
-        runs: of each program at each setting; 30 if not given, at most 10000 with `budget` or `until`.
-        budget: start no run after this time [s].
+        runs: of each program at each setting; 30 if not given, at most 10000 with `time` or `until`.
+        time: start no run after this time [s].
         until: make runs until half of the 95 % interval of every mean is at most this part of it; needs `out`.
         seed: of the random numbers, the same at every setting.
         max_ticks: limit of ticks of a run.
@@ -276,14 +279,14 @@ def trade(
         progress: as in `simulate`.
     """
     if until is not None:
-        _alone("until", budget=budget)
+        _alone("until", time=time)
         if out is None:
             raise UsageError("until: name a folder with `out`")
     if resume and out is None:
         raise UsageError("resume: name a folder with `out`")
     asked: Traded = {
         "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
-        "budget": _within("budget", budget, "seconds", 1e9),
+        "time": _within("time", time, "seconds", 1e9),
         "until": _within("until", until, "a part", 1.0),
         "seed": whole("seed", seed, 0, MOST_SEED),
         "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),

@@ -15,7 +15,7 @@ class Computed(TypedDict):
     substeps: str
     solver_iterations: int | None
     precision: str
-    reduce: str | None
+    without: str | None
     max_ticks: int
     rates: list[str]
 
@@ -26,7 +26,7 @@ class Asked(TypedDict):
     programs: list[_native.Program]
     runs: int
     seed: int
-    sweep: list[str]
+    vary: list[str]
     levels: list[tuple[str, str]]
     computed: Computed
     threads: int | None
@@ -63,7 +63,7 @@ class Planned(TypedDict):
     dead: list[str]
     shape: str | None
     model: int | None
-    seed_plate: str | None
+    plate: str | None
     offset: str | None
     scene: str | None
     free: int | None
@@ -71,7 +71,8 @@ class Planned(TypedDict):
     drops_loose: bool
     adds_supports: bool
     imports: list[str]
-    budget: str | None
+    time: float | None
+    tries: int | None
     is_p90: bool
     seed: int
     keeps_scaffolds: bool
@@ -84,7 +85,7 @@ class Traded(TypedDict):
 
     programs: list[_native.Program]
     runs: int | None
-    budget: float | None
+    time: float | None
     until: float | None
     seed: int
     max_ticks: int

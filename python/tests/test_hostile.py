@@ -30,7 +30,7 @@ STRANGE: list[Any] = [
 
 NUMBERS = ["runs", "seed", "max_ticks", "threads", "solver_iterations", "record_every"]
 OTHERS = [
-    "model", "sweep", "rates", "substeps", "precision", "reduce", "resume", "mixed_builds", "record", "allow", "warn", "deny",
+    "model", "vary", "rates", "substeps", "precision", "without", "resume", "mixed_builds", "record", "allow", "warn", "deny",
     "allow_import", "progress",
 ]  # fmt: skip
 EXPECTED = (stochc.StochcError, TypeError)
@@ -43,7 +43,7 @@ def test_strange_options(name: str, tmp_path: Path) -> None:
         if name == "threads" and value is None:
             continue
         # What changes how `rigid` computes is refused with `shuffle`.
-        model = "rigid" if name in ("substeps", "solver_iterations", "precision", "reduce") else "shuffle"
+        model = "rigid" if name in ("substeps", "solver_iterations", "precision", "without") else "shuffle"
         options: dict[str, Any] = {"runs": 1, "model": model, "max_ticks": 100, name: value}
         if name in ("resume", "mixed_builds", "record"):
             options["out"] = tmp_path / f"{name}-{number}"
@@ -61,14 +61,14 @@ def test_strange_options(name: str, tmp_path: Path) -> None:
         stochc.check, stochc.compile, stochc.compile_all, stochc.open, stochc.status, stochc.merge, stochc.report,
         stochc.replay, stochc.explain, stochc.plan, stochc.estimate, lambda it: stochc.simulate(it, runs=1),
         lambda it: stochc.shard(it, 0), lambda it: stochc.shard("/nowhere", it), lambda it: stochc.trade(it, runs=2),
-        lambda it: stochc.trade(stochc.EXAMPLE, budget=0 if it is None else it), lambda it: stochc.sweep(stochc.EXAMPLE, it),
+        lambda it: stochc.trade(stochc.EXAMPLE, time=0 if it is None else it), lambda it: stochc.sweep(stochc.EXAMPLE, it),
         lambda it: stochc.sweep(stochc.EXAMPLE, {"free": it}, runs=1, model="shuffle"),
         lambda it: stochc.sweep(stochc.EXAMPLE, {it: 1}, runs=1, model="shuffle"),
         lambda it: stochc.prepare(stochc.EXAMPLE, "/nowhere/at/all", it),
-        lambda it: stochc.plan("examples/open_platform.sa", budget=1, seed_plate=it),
-        lambda it: stochc.plan("examples/open_platform.sa", budget=1, offset=it),
+        lambda it: stochc.plan("examples/open_platform.sa", tries=1, plate=it),
+        lambda it: stochc.plan("examples/open_platform.sa", tries=1, offset=it),
         lambda it: stochc.plan("examples/open_platform.sa", budget=it),
-        lambda it: stochc.plan("examples/open_platform.sa", budget=1, keep_scaffolds=it),
+        lambda it: stochc.plan("examples/open_platform.sa", tries=1, keep_scaffolds=it),
     ],
 )  # fmt: skip
 def test_strange_arguments(call: Any) -> None:
@@ -97,11 +97,11 @@ def test_messages_say_the_way_out(tmp_path: Path) -> None:
         ({"substeps": "1/3/5"}, "substeps: say from 1 to"),
         ({"model": "rate", "precision": "double"}, "precision: not used by the model `rate`"),
         ({"model": "shuffle", "substeps": 4}, "substeps: not used by the model `shuffle`"),
-        ({"model": "rapier", "reduce": "spheres"}, "reduce: not used by the model `rapier`"),
+        ({"model": "rapier", "without": "corners"}, "without: not used by the model `rapier`"),
         ({"rates": ["lively.rates"]}, "rates: not used by the model `rigid`"),
         ({"record": "all"}, "record: name a folder with `out`"),
         ({"allow": "no-such-code"}, "no finding has the code `no-such-code`"),
-        ({"sweep": {"no_such": 1}}, "no_such"),
+        ({"vary": {"no_such": 1}}, "no_such"),
     ]:
         with pytest.raises(stochc.UsageError, match="^"):
             try:
@@ -111,8 +111,8 @@ def test_messages_say_the_way_out(tmp_path: Path) -> None:
                 raise
     with pytest.raises(TypeError, match="runs: give a whole number, not nan"):
         stochc.simulate(stochc.EXAMPLE, runs=math.nan)  # type: ignore[arg-type]
-    with pytest.raises(stochc.UsageError, match="budget: it makes no sense beside `until`"):
-        stochc.trade(stochc.EXAMPLE, until=0.1, budget=10)
+    with pytest.raises(stochc.UsageError, match="time: it makes no sense beside `until`"):
+        stochc.trade(stochc.EXAMPLE, until=0.1, time=10)
 
 
 def test_messages_speak_of_options_as_python_does(tmp_path: Path) -> None:
@@ -122,7 +122,7 @@ def test_messages_speak_of_options_as_python_does(tmp_path: Path) -> None:
         stochc.simulate(stochc.EXAMPLE, runs=5, model="shuffle", out=out)
     assert "`resume=True`" in str(raised.value)
     assert stochc.simulate(stochc.EXAMPLE, runs=5, model="shuffle", out=out, resume=True).complete
-    with pytest.raises(stochc.UsageError, match="^sweep: "):
+    with pytest.raises(stochc.UsageError, match="^vary: "):
         stochc.sweep(stochc.EXAMPLE, {"no_such": 1})
 
 

@@ -39,14 +39,14 @@ def test_a_completed_program_is_compiled_among_others_and_with_what_it_imports(t
         'import "castle.sa"\nassembly other { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up -> T } }\n'
         f"assembly begun {{ seed plate 2 x 1 {{ A at (0, 0) }} {phase} }}\n"
     )
-    planned = stochc.plan(begun, complete=True, budget=5)
+    planned = stochc.plan(begun, complete=True, tries=5)
     program = planned.compile()
     assert (program.assembly, program.captures) == ("begun", 2)
     assert list(program.sources.values()) == [planned.text, castle]
     assert pictures(planned._repr_html_()) == [program._repr_svg_()]  # pyright: ignore[reportPrivateUsage]
     # What else is claimed is an error until it is planned as well.
     begun.write_text(begun.read_text().replace(phase, phase + " phase high { yields castle }"))
-    half = stochc.plan(begun, complete=True, budget=5)
+    half = stochc.plan(begun, complete=True, tries=5)
     with pytest.raises(stochc.ProgramError, match="castle"):
         half.compile()
     assert half._repr_html_() == f"<pre>{escape(str(half))}</pre>"  # pyright: ignore[reportPrivateUsage]

@@ -45,12 +45,12 @@ def assert_same(one: Path, other: Path, unordered: tuple[str, ...] = ()) -> None
         ),
         (["--model", "rate"], {"model": "rate"}),
         (
-            ["--precision", "double", "--reduce", "spheres", "--max-ticks", "500"],
-            {"precision": "double", "reduce": "spheres", "max_ticks": 500},
+            ["--precision", "double", "--without", "corners", "--max-ticks", "500"],
+            {"precision": "double", "without": "corners", "max_ticks": 500},
         ),
         (
-            ["--model", "shuffle", "--sweep", "free=40..60/3", "--sweep", "tick=10,20 ms"],
-            {"model": "shuffle", "sweep": {"free": "40..60/3", "tick": "10,20 ms"}},
+            ["--model", "shuffle", "--vary", "free=40..60/3", "--vary", "tick=10,20 ms"],
+            {"model": "shuffle", "vary": {"free": "40..60/3", "tick": "10,20 ms"}},
         ),
     ],
 )
@@ -62,11 +62,11 @@ def test_folders_are_the_same(
     programs = [tower, "examples/line.sa"]
     done = subprocess.CompletedProcess[str]
     stopped = "--max-ticks" in flags
-    done = command("simulate", *programs, *common, *flags, status=3 if stopped else 0)
+    done = command("sweep" if "--vary" in flags else "simulate", *programs, *common, *flags, status=3 if stopped else 0)
     ours = stochc.simulate(programs, runs=3, seed=7, threads=1, out=tmp_path / "python", **options)
     assert_same(tmp_path / "python", out)
     assert ours.text() + "\n" == done.stdout or str(ours) == done.stdout.rstrip()
-    results = command("show", out, "--format", "json", status=3 if stopped else 0)
+    results = command("show", out, "--json", status=3 if stopped else 0)
     assert ours.results() == json.loads(results.stdout)
     # In memory it is the same.
     in_memory = stochc.simulate(programs, runs=3, seed=7, **options)
@@ -101,7 +101,7 @@ def test_recordings_replays_and_exports_are_the_same(tower: str, command: Comman
     assert table.read_bytes() == (tmp_path / "its.parquet").read_bytes()
     assert ours.run(1).replay().html.encode() == page.read_bytes()
     alone = command(
-        "simulate", tower, "--run", "1", "--max-ticks", "400", "--format", "json", "--quiet", status=3
+        "trace", tower, "--run", "1", "--max-ticks", "400", "--json", "--quiet", status=3
     )
     assert {"format": 1, "runs": [ours.run(1).record]} == json.loads(alone.stdout)
 
@@ -119,7 +119,7 @@ def test_reports_are_the_same(tower: str, command: Command, tmp_path: Path) -> N
     command("report", folder, "--out", its, "--quiet")
     assert page.read_bytes() == its.read_bytes()
     stochc.report(ours, page, figures="89mm", figure_format=["svg", "pdf"])
-    command("report", folder, "--out", its, "--figures", "89mm", "--figure-format", "svg,pdf", "--quiet")
+    command("report", folder, "--out", its, "--figure-width", "89mm", "--figure-format", "svg,pdf", "--quiet")
     figures = {name: path.read_bytes() for name, path in files(page.parent).items()}
     assert figures == {name: path.read_bytes() for name, path in files(its.parent).items()}
     assert any(name.endswith(".pdf") for name in figures)
@@ -128,10 +128,10 @@ def test_reports_are_the_same(tower: str, command: Command, tmp_path: Path) -> N
 def test_pieces_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
     whole = stochc.simulate(tower, runs=7, model="shuffle", threads=1, out=tmp_path / "whole")
     assert stochc.prepare(tower, tmp_path / "cut", 3, runs=7, model="shuffle") == 7
-    command("simulate", tower, "--runs", "7", "--model", "shuffle", "--shards", "3", "--out", tmp_path / "its")
+    command("shard", "new", tower, "--runs", "7", "--model", "shuffle", "--shards", "3", "--out", tmp_path / "its")
     assert_same(tmp_path / "cut", tmp_path / "its")
     assert stochc.status(tmp_path / "cut")["missing"] == [0, 1, 2]
-    with pytest.raises(stochc.RunError, match="piece"):
+    with pytest.raises(stochc.RunError, match="shard"):
         stochc.merge(tmp_path / "cut")
     for piece in (2, 0, 1, 0):
         assert stochc.shard(tmp_path / "cut", piece) in (2, 3)
@@ -146,7 +146,7 @@ def test_findings_are_the_same(command: Command, tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.sa"
     wrong.write_text("assembly a { seed plate 3 x 3 { M at (1, 1) } phase p { M.up -> A, A.upp -> B } }\n")
     checked = stochc.check(wrong)
-    told = json.loads(command("check", wrong, "--format", "json", status=1).stdout)
+    told = json.loads(command("check", wrong, "--json", status=1).stdout)
     assert [(it.code, it.title, it.help) for it in checked.findings] == [
         (it["code"], it["title"], it["help"]) for it in told["diagnostics"]
     ]
@@ -160,7 +160,7 @@ def test_findings_are_the_same(command: Command, tmp_path: Path) -> None:
 
 def test_proofs_are_the_same(command: Command, tower: str) -> None:
     checked = stochc.check(tower)
-    [told] = json.loads(command("check", tower, "--format", "json").stdout)["programs"]
+    [told] = json.loads(command("check", tower, "--json").stdout)["programs"]
     proof = checked.proofs[told["name"]]
     assert dataclasses.asdict(proof) == told["proved"]
     assert proof.completes
@@ -175,12 +175,12 @@ def assert_same_plan(planned: stochc.Plan, printed: str) -> None:
 
 
 def test_estimates_and_plans_are_the_same(tower: str, command: Command) -> None:
-    told = command("estimate", tower, "--runs", "50", "--format", "json", "--quiet")
+    told = command("estimate", tower, "--runs", "50", "--json", "--quiet")
     estimates = list(stochc.estimate(tower, runs=50).programs)
     assert {"format": 1, "estimates": estimates} == json.loads(told.stdout)
     target = "examples/open_platform.sa"
-    told = command("plan", target, "--budget", "5", "--format", "json", "--quiet")
-    planned = stochc.plan(target, budget=5)
+    told = command("plan", target, "--tries", "5", "--json", "--quiet")
+    planned = stochc.plan(target, tries=5)
     assert_same_plan(planned, told.stdout)
     assert planned.compile().captures > 0
 
@@ -192,13 +192,13 @@ def test_what_is_missing_is_planned_as_by_the_command(command: Command, tmp_path
         "shape pair { layer 1 { # # } }\n"
         "assembly begun { seed plate 2 x 1 { A at (0, 0) } phase begin { A.up -> C } phase rest { yields pair } }\n"
     )
-    told = command("plan", begun, "--complete", "--budget", "5", "--format", "json", "--quiet")
-    completed = stochc.plan(begun, complete=True, budget=5)
+    told = command("plan", begun, "--complete", "--tries", "5", "--json", "--quiet")
+    completed = stochc.plan(begun, complete=True, tries=5)
     assert_same_plan(completed, told.stdout)
     stopped = tmp_path / "stopped"
     stochc.simulate("examples/five_tower.sa", runs=1, max_ticks=2000, out=stopped)
-    told = command("plan", stopped, "--run", "0", "--budget", "5", "--format", "json", "--quiet")
-    rest = stochc.plan(stopped, run=0, budget=5)
+    told = command("plan", stopped, "--run", "0", "--tries", "5", "--json", "--quiet")
+    rest = stochc.plan(stopped, run=0, tries=5)
     assert_same_plan(rest, told.stdout)
     for wrong in ({"complete": True, "run": 0}, {"dead": ["A"]}, {"run": 0, "keep_scaffolds": True}, {"run": 0, "race": 8}, {"race": 7}):
         with pytest.raises(stochc.UsageError):
@@ -206,11 +206,11 @@ def test_what_is_missing_is_planned_as_by_the_command(command: Command, tmp_path
 
 
 def test_scaffolds_are_kept_or_taken_down_as_by_the_command(command: Command) -> None:
-    asked = ("examples/planned/serpentine.sa", "--seed-plate", "12 x 2", "--offset", "1, 0", "--budget", "300")
+    asked = ("examples/planned/serpentine.sa", "--plate", "12 x 2", "--offset", "1, 0", "--tries", "300")
     programs = set()
     for options, keep in [((), False), (("--keep-scaffolds",), True)]:
-        told = command("plan", *asked, "--format", "json", "--quiet", *options)
-        planned = stochc.plan(asked[0], seed_plate="12 x 2", offset="1, 0", budget=300, keep_scaffolds=keep)
+        told = command("plan", *asked, "--json", "--quiet", *options)
+        planned = stochc.plan(asked[0], plate="12 x 2", offset="1, 0", tries=300, keep_scaffolds=keep)
         assert_same_plan(planned, told.stdout)
         programs.add(planned.text)
     assert len(programs) == 2

@@ -89,13 +89,13 @@ pub enum Precision {
 #[serde(rename_all = "snake_case")]
 pub enum Reduction {
     /// Blocks never rotate.
-    NoRotation,
+    Rotation,
     /// Blocks collide as spheres whose diameter is the block length.
-    Spheres,
+    Corners,
     /// Contacts have no friction.
-    NoFriction,
+    Friction,
     /// Free blocks pass through each other, but not through the structure and the ground.
-    NoBlockContact,
+    BlockContact,
 }
 
 impl Model {
@@ -159,29 +159,29 @@ impl Reduction {
     /// Returns the name on the command line and in manifests.
     pub const fn name(self) -> &'static str {
         match self {
-            Reduction::NoRotation => "no-rotation",
-            Reduction::Spheres => "spheres",
-            Reduction::NoFriction => "no-friction",
-            Reduction::NoBlockContact => "no-block-contact",
+            Reduction::Rotation => "rotation",
+            Reduction::Corners => "corners",
+            Reduction::Friction => "friction",
+            Reduction::BlockContact => "block-contact",
         }
     }
 
     /// Returns a description in one line.
     pub const fn meaning(self) -> &'static str {
         match self {
-            Reduction::NoRotation => "Blocks never turn",
-            Reduction::Spheres => "Blocks collide as spheres",
-            Reduction::NoFriction => "Contacts have no friction",
-            Reduction::NoBlockContact => "Free blocks pass through each other",
+            Reduction::Rotation => "Blocks never turn",
+            Reduction::Corners => "Blocks collide as spheres",
+            Reduction::Friction => "Contacts have no friction",
+            Reduction::BlockContact => "Free blocks pass through each other",
         }
     }
 
     /// All reductions.
     pub const ALL: [Reduction; 4] = [
-        Reduction::NoRotation,
-        Reduction::Spheres,
-        Reduction::NoFriction,
-        Reduction::NoBlockContact,
+        Reduction::Rotation,
+        Reduction::Corners,
+        Reduction::Friction,
+        Reduction::BlockContact,
     ];
 }
 
@@ -338,7 +338,7 @@ impl Settings {
                     "`precision`",
                     of.precision.name().to_owned(),
                 ),
-                (Some(Setting::Reduction), "`reduce`", reduction(of)),
+                (Some(Setting::Reduction), "`without`", reduction(of)),
                 (
                     Some(Setting::Rates),
                     "the fingerprint of the rates",

@@ -14,7 +14,7 @@ use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::new_file::NewFile;
-use super::run_options::WorkOptions;
+use super::run_options::ThreadsOption;
 use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
@@ -27,10 +27,10 @@ pub struct CalibrateArguments {
     #[arg(value_name = "SCENE|FILE")]
     target: String,
     /// File for the rates; it must be new
-    #[arg(long, value_name = "FILE.rates")]
+    #[arg(long, short, value_name = "FILE.rates")]
     out: Option<PathBuf>,
     /// Runs of each of the programs that are observed
-    #[arg(long, value_name = "N", default_value_t = RUNS, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    #[arg(long, short = 'n', value_name = "N", default_value_t = RUNS, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     runs: u64,
     /// Steps of the model in each tick; `1/8`: one, and eight for blocks near magnetized faces
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
@@ -39,10 +39,10 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "TICKS", default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = SEED)]
+    #[arg(long, value_name = "N", default_value_t = SEED)]
     seed: u64,
     #[command(flatten)]
-    work: WorkOptions,
+    work: ThreadsOption,
     /// What becomes of warnings
     #[command(flatten)]
     levels: LevelOptions,
@@ -52,7 +52,7 @@ pub struct CalibrateArguments {
 
 /// Measures the rates of a scene.
 pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
-    let host = Terminal::new(options.work.quiet);
+    let host = Terminal::default();
     let out = options.out.as_deref();
     let out = out.map(|path| NewFile::begin(path, Replaces::Nothing));
     let out = out.transpose()?;

@@ -15,6 +15,7 @@ use stochc_report::figures::structure;
 
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
+use super::run_options::JsonOption;
 use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
@@ -22,7 +23,7 @@ use crate::operations::chosen_run::index;
 use crate::operations::json::FORMAT;
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 
-/// What `compile` is given.
+/// Arguments of `compile`.
 #[derive(Debug, Args)]
 pub struct CompileArguments {
     /// Program to compile
@@ -32,13 +33,15 @@ pub struct CompileArguments {
     #[arg(long, value_name = "STAGE", default_value = "table")]
     emit: EmittedStage,
     /// Output format; `dot` for the graph only, `svg` for the structure only [default: text, of an executable json]
-    #[arg(long, value_name = "FORM")]
+    #[arg(long, value_name = "FORMAT", conflicts_with = "json")]
     format: Option<EmittedFormat>,
+    #[command(flatten)]
+    output: JsonOption,
     /// Show one of the file's programs only; a picture is of one
     #[arg(long, value_name = "NAME")]
     program: Option<String>,
     /// Write to this file instead of the output
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
     levels: LevelOptions,
@@ -74,8 +77,13 @@ enum EmittedFormat {
 
 /// Compiles a file and shows a stage.
 pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
+    let given = if options.output.json {
+        Some(EmittedFormat::Json)
+    } else {
+        options.format
+    };
     let is_executable_wanted = options.emit == EmittedStage::Executable;
-    let form = options.format.unwrap_or(if is_executable_wanted {
+    let form = given.unwrap_or(if is_executable_wanted {
         EmittedFormat::Json
     } else {
         EmittedFormat::Text

@@ -9,8 +9,7 @@ use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
-use super::run_options::{MeasuringOptions, RatesOption};
-use super::show::ResultsFormat;
+use super::run_options::{ALL, MeasuringOptions, RatesOption, count};
 use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::estimate::{Estimating, estimates};
@@ -28,13 +27,13 @@ pub struct EstimateArguments {
     rates: RatesOption,
     /// Make N runs by rates of each program (2 to 10,000,000), by the seed, instead of adding up the waits of its
     /// captures, which always has the same random numbers
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
+    #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
     runs: Option<u64>,
-    /// Show so many of the captures that decide the time
-    #[arg(long, value_name = "N", default_value_t = SHOWN)]
+    /// List the N captures that take most of the time, or all captures [default: the first 5]
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_value = SHOWN, default_missing_value = ALL, hide_default_value = true, value_parser = count)]
     captures: usize,
     /// Stop each of these runs after this many ticks
-    #[arg(long, requires = "runs", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "TICKS", requires = "runs", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     #[command(flatten)]
     measuring: MeasuringOptions,
@@ -49,10 +48,10 @@ pub struct EstimateArguments {
 pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,
-        format,
         work,
+        output,
     } = &options.measuring;
-    let host = Terminal::new(work.quiet);
+    let host = Terminal::default();
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
     stop_on_interrupt()?;
@@ -66,24 +65,23 @@ pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
     print_estimates(
         &estimates(programs, &how, &host)?,
         options.captures,
-        *format,
+        output.json,
     )
 }
 
-/// Captures that are shown, if nobody says how many.
-const SHOWN: usize = 5;
+/// Captures that are listed by default.
+const SHOWN: &str = "5";
 
 /// Prints estimates, with so many captures of each; without times, it has failed.
 fn print_estimates(
     estimates: &[CompletionEstimate],
     captures: usize,
-    format: ResultsFormat,
+    is_json: bool,
 ) -> Result<Exit, Failure> {
-    match format {
-        ResultsFormat::Text => print(&estimates_to_text(estimates, captures, output_width()))?,
-        ResultsFormat::Json => {
-            print(&document(json!({ "estimates": estimates })))?;
-        }
+    if is_json {
+        print(&document(json!({ "estimates": estimates })))?;
+    } else {
+        print(&estimates_to_text(estimates, captures, output_width()))?;
     }
     let is_known = |estimate: &CompletionEstimate| estimate.total.is_some();
     Ok(Exit::of_runs(estimates.iter().all(is_known)))

@@ -1,5 +1,6 @@
 //! `stochc export`.
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -15,14 +16,14 @@ use crate::operations::export::{gltf, parquet};
 pub struct ExportArguments {
     #[command(flatten)]
     choice: RunSelection,
-    /// File format
-    #[arg(long, value_name = "FORM")]
-    format: TrajectoryFormat,
+    /// File format [default: by the extension of the file, `.parquet` or `.glb`]
+    #[arg(long, value_name = "FORMAT", required_unless_present = "out")]
+    format: Option<TrajectoryFormat>,
     /// Export positions every so many ticks [default: 1 for parquet, 8 for gltf]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     every: Option<u32>,
     /// File to write [default: `DIR/PROGRAM-N.parquet` or `.glb`]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
@@ -35,22 +36,58 @@ enum TrajectoryFormat {
     Gltf,
 }
 
+impl TrajectoryFormat {
+    fn extension(self) -> &'static str {
+        match self {
+            TrajectoryFormat::Parquet => "parquet",
+            TrajectoryFormat::Gltf => "glb",
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            TrajectoryFormat::Parquet => "parquet",
+            TrajectoryFormat::Gltf => "gltf",
+        }
+    }
+}
+
+/// Returns the format that is given or that the extension of the file names. Refuses a contradiction.
+fn format(
+    given: Option<TrajectoryFormat>,
+    out: Option<&Path>,
+) -> Result<TrajectoryFormat, Failure> {
+    let extension = out.and_then(Path::extension).and_then(OsStr::to_str);
+    let formats = [TrajectoryFormat::Parquet, TrajectoryFormat::Gltf];
+    let named = formats
+        .into_iter()
+        .find(|format| extension.is_some_and(|it| it.eq_ignore_ascii_case(format.extension())));
+    match (given, named, out) {
+        (Some(given), named, _) if named.is_none_or(|named| named == given) => Ok(given),
+        (None, Some(named), _) => Ok(named),
+        (Some(given), _, Some(out)) => Err(Failure::usage(format!(
+            "`{}` does not end in `.{}`, the extension of `--format {}`",
+            out.display(),
+            given.extension(),
+            given.name()
+        ))),
+        _ => Err(Failure::usage(
+            "name the file `.parquet` or `.glb`, or choose the format with `--format parquet` or `--format gltf`",
+        )),
+    }
+}
+
 /// Makes a run again and writes its trajectories.
 pub fn run(options: &ExportArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
-    let host = Terminal::new(false);
+    let host = Terminal::default();
+    let format = format(options.format, options.out.as_deref())?;
     let chosen = choose(&options.choice, &host)?;
     let path = options.out.clone().unwrap_or_else(|| {
-        let extension = match options.format {
-            TrajectoryFormat::Parquet => "parquet",
-            TrajectoryFormat::Gltf => "glb",
-        };
-        options
-            .choice
-            .folder
-            .join(chosen.file_name("", &format!(".{extension}")))
+        let name = chosen.file_name("", &format!(".{}", format.extension()));
+        options.choice.folder.join(name)
     });
-    match options.format {
+    match format {
         TrajectoryFormat::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, &host)?,
         TrajectoryFormat::Gltf => gltf(&chosen, options.every.unwrap_or(8), &path, &host)?,
     }

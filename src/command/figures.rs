@@ -7,11 +7,11 @@ use stochc_report::figures::{FigureFormat, Figures, Medium};
 pub struct FigureOptions {
     /// Width of the figures in files in print, with 7 pt type: such as `89mm` or `183mm` (80 to 300) [default: for a screen]
     #[arg(long, value_name = "WIDTH")]
-    figures: Option<Medium>,
+    figure_width: Option<Medium>,
     /// File format of the figures; several with commas between them
     #[arg(
         long,
-        value_name = "FORM",
+        value_name = "FORMAT",
         value_delimiter = ',',
         default_value = "svg"
     )]
@@ -28,11 +28,6 @@ enum FigureForm {
 }
 
 impl FigureOptions {
-    /// Whether somebody asks for other figures than usual.
-    pub fn are_given(&self) -> bool {
-        self.figures() != Figures::default()
-    }
-
     /// As asked for.
     pub fn figures(&self) -> Figures {
         let mut formats = Vec::new();
@@ -46,7 +41,7 @@ impl FigureOptions {
             }
         }
         Figures {
-            medium: self.figures.unwrap_or_default(),
+            medium: self.figure_width.unwrap_or_default(),
             formats,
             ..Figures::default()
         }

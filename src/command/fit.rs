@@ -17,8 +17,7 @@ use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::run_options::MeasuringOptions;
-use super::show::ResultsFormat;
-use super::terminal::{output_width, print, warn};
+use super::terminal::{is_quiet, output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::fit::{
     FitSetup, Unused, fit, fitted_scenes, forecast, matched, measured_times, of_scenes,
@@ -29,7 +28,7 @@ use crate::operations::programs::programs;
 
 /// What `fit` is given.
 #[derive(Debug, Args)]
-#[command(mut_arg("figures", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
+#[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct FitArguments {
     /// Programs whose times were measured
     #[arg(value_name = "FILE", required = true)]
@@ -48,8 +47,8 @@ pub struct FitArguments {
     #[arg(long, value_name = "PROGRAM")]
     predict: Vec<String>,
     /// Predict the mean and standard deviation of this number of runs
-    #[arg(long, value_name = "RUNS", default_value_t = 30, requires = "predict", value_parser = clap::value_parser!(u32).range(2..))]
-    n: u32,
+    #[arg(long, value_name = "N", default_value_t = 30, requires = "predict", value_parser = clap::value_parser!(u32).range(2..))]
+    predict_runs: u32,
     /// Simulate at so many points in each round, 8 to 200 [default: three for each coefficient of the polynomials]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=200))]
     points: Option<u16>,
@@ -57,7 +56,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=10))]
     rounds: u8,
     /// Runs of each program at each point, 4 to 10,000
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(4..=10_000))]
+    #[arg(long, short = 'n', value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     runs: u64,
     /// Steps of the model in each tick; `1/8`: one, and eight for blocks near magnetized faces
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
@@ -66,7 +65,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Folder for `fit.json`, the figure `fit.svg` and the fitted scenes, `fitted.sa`; it must be new or empty
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print the expected CPU time and end
     #[arg(long)]
@@ -85,14 +84,14 @@ pub struct FitArguments {
 
 /// Finds numbers of scenes that measured times speak for.
 pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
-    let host = Terminal::new(options.measuring.work.quiet);
+    let host = Terminal::default();
     let times = measured_times(&options.data, &host)?;
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
     let unused = Unused {
         held_out: &options.hold_out,
         predicted: &options.predict,
-        n: options.n as usize,
+        n: options.predict_runs as usize,
     };
     let measured = matched(programs, times.programs, unused)?;
     let priors = of_scenes(options.vary.clone(), &measured)?;
@@ -119,14 +118,15 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
         claim_empty(out).map_err(Failure::usage)?;
     }
     stop_on_interrupt()?;
-    if !options.measuring.work.quiet {
+    if !is_quiet() {
         let forecast = forecast(&setup, &measured, &host)?;
         warn(&forecast_to_text(&forecast, setup.threads));
     }
     let fit = fit(&setup, &measured, &host)?;
-    match options.measuring.format {
-        ResultsFormat::Text => print(&fit_to_text(&fit, &priors, output_width()))?,
-        ResultsFormat::Json => print(&document(&fit))?,
+    if options.measuring.output.json {
+        print(&document(&fit))?;
+    } else {
+        print(&fit_to_text(&fit, &priors, output_width()))?;
     }
     if let Some(out) = &options.out {
         let scenes = fitted_scenes(&setup, &measured, &fit, &host)?;

@@ -7,7 +7,9 @@ use stochc_compiler::Checked;
 
 use super::interrupt::STOP;
 use super::progress::Display;
-use super::terminal::{defer, has_colour, message_width, show_deferred, warn, warn_drawn};
+use super::terminal::{
+    defer, has_colour, is_quiet, message_width, show_deferred, warn, warn_drawn,
+};
 use crate::diagnostics::{drawn, drawn_errors, warning_lines};
 use crate::host::Host;
 use crate::progress::WorkProgress;
@@ -16,15 +18,13 @@ use crate::progress::WorkProgress;
 #[derive(Clone, Copy, Debug)]
 pub struct Terminal {
     display: Display,
-    /// Whether warnings are left out.
-    quiet: bool,
 }
 
-impl Terminal {
-    /// Standard error, without progress and warnings if it is to be `quiet`.
-    pub fn new(quiet: bool) -> Terminal {
-        let display = Display::on_standard_error(quiet);
-        Terminal { display, quiet }
+impl Default for Terminal {
+    /// Returns standard error.
+    fn default() -> Terminal {
+        let display = Display::on_standard_error(is_quiet());
+        Terminal { display }
     }
 }
 
@@ -34,7 +34,7 @@ impl Host for Terminal {
     }
 
     fn report_warnings(&self, text: &str) {
-        if !self.quiet {
+        if !is_quiet() {
             warn(text);
         }
     }
@@ -48,7 +48,7 @@ impl Host for Terminal {
         if checked.has_errors() {
             warn_drawn(&drawn_errors(checked, has_colour(), message_width()));
         }
-        if !self.quiet {
+        if !is_quiet() {
             defer(&warning_lines(checked));
         }
     }

@@ -9,11 +9,11 @@ use stochc_files::atomic::{Replaces, begins_with, make_folder, replace};
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
 
-/// What `man` is given.
+/// Arguments of `man`.
 #[derive(Debug, Args)]
 pub struct ManArguments {
     /// Write one page for each subcommand into DIR instead of printing the main page
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
@@ -37,19 +37,15 @@ fn page(command: clap::Command) -> io::Result<Vec<u8>> {
     Ok(page)
 }
 
+/// Writes the pages of a command and its subcommands. `help` needs no page: every page is about it.
 fn pages(command: clap::Command, folder: &Path) -> io::Result<()> {
     make_folder(folder)?;
-    let name = command.get_name().to_owned();
-    let subcommands = command.get_subcommands();
-    // `help` needs no page: it is what every page is about.
-    let subcommands: Vec<_> = subcommands
-        .filter(|it| it.get_name() != "help")
-        .cloned()
-        .collect();
-    write(folder, &name, &page(command)?)?;
-    for subcommand in subcommands {
-        let name = format!("{name}-{}", subcommand.get_name());
-        write(folder, &name, &page(subcommand)?)?;
+    let mut left = vec![command];
+    while let Some(command) = left.pop() {
+        let subcommands = command.get_subcommands();
+        left.extend(subcommands.filter(|it| it.get_name() != "help").cloned());
+        let name = command.get_display_name().unwrap_or(command.get_name());
+        write(folder, &name.to_owned(), &page(command)?)?;
     }
     Ok(())
 }

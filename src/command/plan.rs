@@ -1,6 +1,7 @@
 //! `stochc plan`.
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -11,8 +12,7 @@ use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::new_file::NewFile;
-use super::run_options::RatesOption;
-use super::show::ResultsFormat;
+use super::run_options::{JsonOption, RatesOption, SeedOption};
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::json::document;
@@ -20,6 +20,7 @@ use crate::operations::plan::{
     Budget, LooseParts, MAX_RACE, MIN_RACE, NotPlanned, Offset, PlanOptions, PlanScope, RunEnd,
     SeedPlate, is_right_at, plan, read,
 };
+use crate::operations::time;
 use crate::planning::Planned;
 
 /// What `plan` is given.
@@ -30,11 +31,11 @@ pub struct PlanArguments {
     #[arg(value_name = "TARGET")]
     target: String,
     /// Complete the program: plan what is missing where a phase claims a shape that it does not build
-    #[arg(long, conflicts_with_all = ["run", "seed_plate", "offset", "scene", "keep_scaffolds"])]
+    #[arg(long, conflicts_with_all = ["run", "plate", "offset", "scene", "keep_scaffolds"])]
     complete: bool,
     /// Plan the rest of run N of a results folder: what stands at its end is attached by hand in the program, and what does not belong to
     /// the shape is let go
-    #[arg(long, value_name = "N", conflicts_with_all = ["seed_plate", "offset", "keep_scaffolds"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["plate", "offset", "keep_scaffolds"])]
     run: Option<u64>,
     /// Name of the program of the run; needed if the folder holds several
     #[arg(
@@ -61,7 +62,7 @@ pub struct PlanArguments {
     /// Plate to build on, and those of its blocks that may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`
     /// [default: that of the assembly which claims the shape, or the smallest plate under the shape]
     #[arg(long, value_name = "PLATE", value_parser = SeedPlate::parse)]
-    seed_plate: Option<SeedPlate>,
+    plate: Option<SeedPlate>,
     /// Move the shape by so many cells to the east and to the north on the plate, such as `2, 1`
     #[arg(long, value_name = "X, Y", value_parser = Offset::parse, allow_hyphen_values = true)]
     offset: Option<Offset>,
@@ -82,20 +83,21 @@ pub struct PlanArguments {
     #[arg(long, value_name = "NAME", conflicts_with = "complete")]
     name: Option<String>,
     /// Write the program to this file instead of the output
-    #[arg(long, value_name = "FILE.sa")]
+    #[arg(long, short, value_name = "FILE.sa")]
     out: Option<PathBuf>,
     /// Replace the file of `--out` if `stochc plan` wrote it
     #[arg(long, requires = "out", conflicts_with = "complete")]
     force: bool,
     #[command(flatten)]
     rates: RatesOption,
-    /// How long to look for a better plan: a time, such as 10s or 2m, or a number of tries, of which the same number
-    /// always gives the same plan [default: tries for about a second]
-    #[arg(long, value_name = "TIME|TRIES", value_parser = Budget::parse)]
-    budget: Option<Budget>,
-    /// Seed of the random numbers
-    #[arg(long, default_value_t = 1)]
-    random_seed: u64,
+    /// Search for a better plan during this time, such as 10s or 2m [default: tries for about a second]
+    #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "tries")]
+    time: Option<Duration>,
+    /// Search for a better plan with this number of tries; the same number always gives the same plan
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    tries: Option<u64>,
+    #[command(flatten)]
+    chance: SeedOption,
     /// What to make small: the mean time to completion, or that in which nine runs of ten are complete
     #[arg(long, value_name = "WHAT", default_value = "mean")]
     minimize: Minimize,
@@ -108,12 +110,8 @@ pub struct PlanArguments {
     /// Tell the order in words and as a picture, what limits it, and what alternatives would cost
     #[arg(long)]
     explain: bool,
-    /// Output format; `json` has the program and its plan in one document
-    #[arg(long, value_name = "FORM", default_value = "text")]
-    format: ResultsFormat,
-    /// Print no progress and no warnings
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: JsonOption,
     #[command(flatten)]
     imports: ImportOptions,
 }
@@ -129,7 +127,7 @@ enum Minimize {
 
 /// Plans, and writes the program.
 pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
-    let host = Terminal::new(options.quiet);
+    let host = Terminal::default();
     let out = options.out.as_deref();
     let out = out.map(|path| begin(path, options)).transpose()?;
     let plan_options = PlanOptions {
@@ -144,19 +142,19 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
         ),
         shape: options.shape.as_deref(),
         model: options.model,
-        seed_plate: options.seed_plate.as_ref(),
+        seed_plate: options.plate.as_ref(),
         offset: options.offset,
         scene: options.scene.as_deref(),
         free: options.free,
         name: options.name.as_deref(),
         loose: LooseParts::new(options.drop_loose, options.supports),
         imports: &options.imports.folders,
-        budget: options.budget,
+        budget: (options.time.map(Budget::Time)).or(options.tries.map(Budget::Tries)),
         objective: match options.minimize {
             Minimize::Mean => Objective::Mean,
             Minimize::P90 => Objective::P90,
         },
-        seed: options.random_seed,
+        seed: options.chance.seed,
         keeps_scaffolds: options.keep_scaffolds,
         race: options.race,
         rates: &options.rates.rates,
@@ -202,7 +200,7 @@ fn begin(path: &Path, options: &PlanArguments) -> Result<NewFile, Failure> {
 
 /// Prints an error about the target as JSON if that format was asked for.
 fn report(not_planned: NotPlanned, options: &PlanArguments) -> Result<Planned, Failure> {
-    if let (ResultsFormat::Json, Some(error)) = (options.format, &not_planned.refused) {
+    if let (true, Some(error)) = (options.output.json, &not_planned.refused) {
         let mut content = json!(error);
         content["message"] = json!(error.to_string());
         print(&document(json!({ "error": content })))?;
@@ -215,18 +213,18 @@ fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Re
     if let Some(out) = out {
         out.write(text)?;
     }
-    match (options.format, &options.out) {
-        (ResultsFormat::Json, _) => {
+    match (options.output.json, &options.out) {
+        (true, _) => {
             let content = json!({ "program": text, "scene": planned.scene, "plan": plan });
             print(&document(content))?;
         }
-        (ResultsFormat::Text, None) => print(text)?,
-        (ResultsFormat::Text, Some(_)) => {}
+        (false, None) => print(text)?,
+        (false, Some(_)) => {}
     }
     if options.explain {
         let told = explanation(plan);
-        match (options.format, &options.out) {
-            (ResultsFormat::Text, Some(_)) => print(&told)?,
+        match (options.output.json, &options.out) {
+            (false, Some(_)) => print(&told)?,
             // Where the program goes, nothing else does.
             _ => warn(&told),
         }

@@ -22,14 +22,14 @@ pub struct ReplayArguments {
     #[arg(long)]
     tour: bool,
     /// File to write [default: `DIR/replay-PROGRAM-N.html`, or `DIR/replay-PROGRAM-N-against-N.html`]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
 /// Writes the page that shows a run.
 pub fn run(options: &ReplayArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
-    let host = Terminal::new(false);
+    let host = Terminal::default();
     let chosen = choose(&options.choice, &host)?;
     let other = match options.against {
         Some(run) if run == chosen.run => {

@@ -1,45 +1,69 @@
-//! What commands have in common that make runs of their own.
+//! Options that commands share.
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::show::ResultsFormat;
-
-/// How runs are made.
+/// How many runs are made at the same time.
 #[derive(Debug, Args)]
-pub struct WorkOptions {
+pub struct ThreadsOption {
     /// Number of runs at the same time [default: number of cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Print no progress and no warnings
-    #[arg(long, short)]
-    pub quiet: bool,
 }
 
-/// The chance of runs.
+/// The random numbers of runs.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct SeedOption {
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
 }
 
-/// What is measured by runs, and told as a table.
+/// The output format of commands that print text or JSON.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct JsonOption {
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Measurements by runs, printed as a table.
 #[derive(Debug, Args)]
 pub struct MeasuringOptions {
     #[command(flatten)]
     pub chance: SeedOption,
-    /// Output format of the table
-    #[arg(long, value_name = "FORM", default_value = "text")]
-    pub format: ResultsFormat,
     #[command(flatten)]
-    pub work: WorkOptions,
+    pub work: ThreadsOption,
+    #[command(flatten)]
+    pub output: JsonOption,
 }
 
-/// What is known of scenes.
+/// What is printed of the runs of an ensemble.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct ResultsOptions {
+    /// Also list every capture, or the N with the longest waiting times
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = ALL, value_parser = count)]
+    pub captures: Option<usize>,
+    #[command(flatten)]
+    pub output: JsonOption,
+}
+
+/// Calibrated rates of scenes.
 #[derive(Debug, Args)]
 pub struct RatesOption {
-    /// Rates of scenes, by `stochc calibrate --out`; those of the default scene come with the program
+    /// Rates of scenes, written by `stochc calibrate`; those of the default scene are built in
     #[arg(long, value_name = "FILE.rates")]
     pub rates: Vec<PathBuf>,
+}
+
+/// The word for any number of captures.
+pub const ALL: &str = "all";
+
+/// Parses a number of captures.
+pub fn count(text: &str) -> Result<usize, String> {
+    if text == ALL {
+        return Ok(usize::MAX);
+    }
+    let number = text.parse().ok().filter(|&number: &usize| number > 0);
+    number.ok_or_else(|| "give a whole number from 1".to_owned())
 }

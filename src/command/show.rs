@@ -1,4 +1,4 @@
-//! `stochc show`, and the table that `simulate` ends with.
+//! `stochc show`, and the results that `simulate` prints.
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -9,36 +9,36 @@ use stochc_report::text::Markup;
 
 use super::host::Terminal;
 use super::presentation::PresentationOptions;
+use super::run_options::ResultsOptions;
 use super::terminal::{output_width, print, warn};
+use super::trace::show_runs;
 use crate::exit::{Exit, Failure};
 use crate::operations::results::{ensemble_results, read_contents};
 
-/// What `show` is given.
+/// Arguments of `show`.
 #[derive(Debug, Args)]
 pub struct ShowArguments {
-    /// Results folder of `simulate --out`
+    /// Results folder
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+    /// Print the events of run N of each program instead of the tables
+    #[arg(long, value_name = "N", conflicts_with_all = ["captures", "tables"])]
+    run: Option<u64>,
     /// Output format of the table
-    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "text",
+        conflicts_with = "json"
+    )]
     format: TableFormat,
     #[command(flatten)]
     presentation: PresentationOptions,
     /// Also write the Parquet tables of the finished runs into this folder
     #[arg(long, value_name = "FOLDER")]
     tables: Option<PathBuf>,
-    /// Also print every capture: waits, entries into the field, origin of the blocks
-    #[arg(long)]
-    bonds: bool,
-}
-
-/// A form of the table of results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ResultsFormat {
-    /// Table for the terminal
-    Text,
-    /// JSON
-    Json,
+    #[command(flatten)]
+    shown: ResultsOptions,
 }
 
 /// Output format of the tables of a folder.
@@ -56,15 +56,6 @@ pub enum TableFormat {
     Markdown,
 }
 
-impl From<ResultsFormat> for TableFormat {
-    fn from(format: ResultsFormat) -> TableFormat {
-        match format {
-            ResultsFormat::Text => TableFormat::Text,
-            ResultsFormat::Json => TableFormat::Json,
-        }
-    }
-}
-
 /// What to show of an ensemble.
 #[derive(Clone, Copy, Debug)]
 pub struct ResultsView<'a> {
@@ -72,24 +63,32 @@ pub struct ResultsView<'a> {
     pub form: TableFormat,
     /// Unit of times and names of programs.
     pub how: &'a Presentation,
-    /// The captures as well.
-    pub bonds: bool,
+    /// How many captures are listed, those with the longest waiting times. `None`: none.
+    pub captures: Option<usize>,
     /// Where its runs are kept; `None`: nowhere.
     pub folder: Option<&'a Path>,
 }
 
 impl ShowArguments {
+    fn format(&self) -> TableFormat {
+        if self.shown.output.json {
+            TableFormat::Json
+        } else {
+            self.format
+        }
+    }
+
     /// Refuses options that the format does not use.
     fn are_consistent(&self) -> Result<(), Failure> {
-        let is_published = !matches!(self.format, TableFormat::Text | TableFormat::Json);
+        let is_published = !matches!(self.format(), TableFormat::Text | TableFormat::Json);
         if self.presentation.presentation().in_seconds && !is_published {
             return Err(Failure::usage(
                 "`--unit s` is for `--format csv`, `latex` and `markdown`; text has both units, JSON the length of a tick",
             ));
         }
-        if self.bonds && is_published {
+        if self.shown.captures.is_some() && is_published {
             return Err(Failure::usage(
-                "`--bonds` is for `--format text` and `json`; `bonds.parquet` has every capture as a table",
+                "`--captures` is for `--format text` and `json`; `bonds.parquet` has every capture as a table",
             ));
         }
         Ok(())
@@ -99,12 +98,21 @@ impl ShowArguments {
 /// Shows what a folder holds. Corrupted files and missing runs have an exit status of their own.
 pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     options.are_consistent()?;
+    let host = Terminal::default();
     let Contents {
         manifest,
         finished,
         damage,
-    } = read_contents(&options.folder, &Terminal::new(false))?;
+    } = read_contents(&options.folder, &host)?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);
+    if let Some(run) = options.run {
+        return show_run(
+            &manifest,
+            &finished,
+            run,
+            options.format() == TableFormat::Json,
+        );
+    }
     if missing > 0 {
         warn(&format!(
             "{missing} of {} {} still to do\n",
@@ -114,9 +122,9 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     }
     let how = options.presentation.presentation();
     let shown = ResultsView {
-        form: options.format,
+        form: options.format(),
         how: &how,
-        bonds: options.bonds,
+        captures: options.shown.captures,
         folder: Some(&options.folder),
     };
     let exit = show(&manifest, &finished, &shown)?;
@@ -129,13 +137,32 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     Ok(exit.or_worse(Exit::of_runs(missing == 0)))
 }
 
+/// Prints the events of a run of each program. Fails if the run did not complete.
+fn show_run(
+    manifest: &Manifest,
+    finished: &Records,
+    run: u64,
+    is_json: bool,
+) -> Result<Exit, Failure> {
+    let mut records = Vec::new();
+    for (number, program) in manifest.programs.iter().enumerate() {
+        if let Some(done) = finished.get(number, run).map_err(Failure::usage)? {
+            records.push((done.record, program));
+        }
+    }
+    if records.is_empty() {
+        return Err(Failure::usage(manifest.no_such_run(run)));
+    }
+    show_runs(&records, is_json)
+}
+
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
 pub fn show(
     manifest: &Manifest,
     finished: &Records,
     shown: &ResultsView<'_>,
 ) -> Result<Exit, Failure> {
-    let told = ensemble_results(manifest, finished, shown.bonds)?.shown(shown.how)?;
+    let told = ensemble_results(manifest, finished, shown.captures)?.shown(shown.how)?;
     let failure = told.failure(shown.folder);
     let exit = Exit::of_runs(told.are_all_successful());
     print(&match shown.form {

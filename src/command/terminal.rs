@@ -1,11 +1,49 @@
 //! Writing to the terminal, or to whatever stands in its place.
 use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
+use clap::ValueEnum;
 use console::Term;
 use stochc_ir::visible_lines;
 
 use crate::exit::{Exit, Failure};
+
+/// Options of every command that concern the terminal.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TerminalOptions {
+    /// Whether progress, notes and warnings are left out.
+    pub is_quiet: bool,
+    /// When colors are used.
+    pub color: Color,
+}
+
+/// When colors are used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// On terminals, unless `NO_COLOR` is set
+    #[default]
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+static OPTIONS: OnceLock<TerminalOptions> = OnceLock::new();
+
+/// Sets the options of the command line, once.
+pub fn configure(options: TerminalOptions) {
+    let _ = OPTIONS.set(options);
+}
+
+fn options() -> TerminalOptions {
+    OPTIONS.get().copied().unwrap_or_default()
+}
+
+/// Returns whether progress, notes and warnings are left out.
+pub fn is_quiet() -> bool {
+    options().is_quiet
+}
 
 /// Prints: a terminal is shown what is invisible, and anything else gets the text as it is. A reader that has gone
 /// away, such as `head`, changes nothing, and any other reason why nothing can be written, such as a full disk, ends
@@ -112,12 +150,20 @@ pub fn exit_of(done: Result<Exit, Failure>) -> Exit {
 
 /// Whether standard error shows colours.
 pub fn has_colour() -> bool {
-    std::io::stderr().is_terminal() && wants_colour()
+    uses_colour(std::io::stderr().is_terminal())
 }
 
 /// Whether the output shows colours.
 pub fn output_has_colour() -> bool {
-    std::io::stdout().is_terminal() && wants_colour()
+    uses_colour(std::io::stdout().is_terminal())
+}
+
+fn uses_colour(is_terminal: bool) -> bool {
+    match options().color {
+        Color::Auto => is_terminal && wants_colour(),
+        Color::Always => true,
+        Color::Never => false,
+    }
 }
 
 /// Whether nobody says otherwise: by `NO_COLOR`, or by a terminal that does nothing but print.

@@ -8,14 +8,13 @@ use stochc_ensemble::text::share;
 use stochc_ensemble::trade::FINEST;
 use stochc_report::tables::trade_to_text;
 
+use super::ensemble::{MAX_TICKS, stopped};
 use super::figures::FigureOptions;
 use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::run_options::MeasuringOptions;
-use super::show::ResultsFormat;
-use super::simulate::MAX_TICKS;
 use super::terminal::{output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
@@ -25,28 +24,28 @@ use crate::operations::trade::{MeasuredTrade, TradeSetup, manifest, measured};
 
 /// Arguments of `trade`.
 #[derive(Debug, Args)]
-#[command(mut_arg("figures", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
+#[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct TradeArguments {
     /// Programs to simulate; with several, their ranking at each setting is compared as well
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
-    /// Runs of each program at each setting [default: 30; at most 10000 with `--budget` or `--until`]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
+    /// Runs of each program at each setting [default: 30; at most 10000 with `--time` or `--until`]
+    #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
     runs: Option<u64>,
     /// Start no run after this time, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", value_parser = time)]
-    budget: Option<Duration>,
+    time: Option<Duration>,
     /// Make runs until half of the 95 % interval of every mean is at most PERCENT of it, such as 3%
-    #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with = "budget")]
+    #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with = "time")]
     until: Option<f64>,
     /// Stop a run after this many ticks; its time is then censored
     #[arg(long, value_name = "TICKS", default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Refine the reference up to this many substeps
-    #[arg(long, value_name = "SUBSTEPS", default_value_t = FINEST, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = FINEST, value_parser = clap::value_parser!(u32).range(1..=1000))]
     finest: u32,
     /// Folder for the results, `trade.json` and the figure `trade.svg`; it must be new or empty
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Size and format of the figure.
     #[command(flatten)]
@@ -55,7 +54,7 @@ pub struct TradeArguments {
     #[arg(long, requires = "out")]
     resume: bool,
     /// Print the expected CPU time, and measure nothing
-    #[arg(long, conflicts_with_all = ["budget", "until"])]
+    #[arg(long, conflicts_with_all = ["time", "until"])]
     dry_run: bool,
     #[command(flatten)]
     measuring: MeasuringOptions,
@@ -70,16 +69,16 @@ pub struct TradeArguments {
 pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,
-        format,
         work,
+        output,
     } = &options.measuring;
-    let host = Terminal::new(work.quiet);
+    let host = Terminal::default();
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
     stop_on_interrupt()?;
     let setup = TradeSetup {
         runs: options.runs,
-        budget: options.budget,
+        time: options.time,
         until: options.until,
         finest: options.finest,
         max_ticks: options.max_ticks,
@@ -100,21 +99,14 @@ pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
         trade,
         is_complete,
     } = measured(manifest, &setup, &host)?;
-    match format {
-        ResultsFormat::Text => {
-            print_drawn(&trade_to_text(&trade, output_width(), output_has_colour()))?;
-        }
-        ResultsFormat::Json => print(&trade.to_json(&manifest))?,
+    if output.json {
+        print(&trade.to_json(&manifest))?;
+    } else {
+        print_drawn(&trade_to_text(&trade, output_width(), output_has_colour()))?;
     }
-    match (is_complete, &options.out) {
-        (true, _) => Ok(Exit::Success),
-        (false, out) => Err(Failure {
-            exit: Exit::Interrupted,
-            message: match out {
-                Some(_) => "stopped; finished runs are kept, and `--resume` continues\n",
-                None => "stopped; with `--out DIR`, finished runs are kept\n",
-            }
-            .to_owned(),
-        }),
+    if is_complete {
+        Ok(Exit::Success)
+    } else {
+        Err(stopped(options.out.as_deref()))
     }
 }

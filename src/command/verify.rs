@@ -1,80 +1,209 @@
-//! `stochc verify`.
-use std::path::PathBuf;
+//! `stochc verify`: the proof of a check, and event tables in every order of events.
+use std::fmt::Write as _;
 
 use clap::Args;
-use stochc_ensemble::text::visible;
-use stochc_ensemble::verify::{DAMAGED, FileIntegrity, Integrity, repair, verify};
-use stochc_ensemble::{Folder, FolderError};
-use stochc_files::shell::file as shell_file;
+use stochc_compiler::Checked;
+use stochc_files::programs::programs;
+use stochc_ir::table::Tables;
+use stochc_ir::{counted, visible};
+use stochc_control::explore::{
+    ExceededBound, Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults,
+};
+use stochc_runtime::counter_rng::schedules;
 
-use super::terminal::{print, warn};
+use super::imports::ImportOptions;
+use super::levels::LevelOptions;
+use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
+use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
-use crate::operations::sweep::files_for_screens;
+use crate::model_check::{MISTAKE, expected, shortest};
+use crate::operations::programs::{is_readable, nothing_to_run, verdict};
+use crate::operations::summary::status_line;
 
-/// What `verify` is given.
+/// Random orders of events for a program with too many orders.
+const SCHEDULES: u64 = 1_000;
+
+/// Most steps of these orders: about a minute.
+const SAMPLED: u64 = 200_000_000;
+
+/// Seed of these orders.
+const SEED: u64 = 0;
+
+/// Arguments of `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArguments {
-    /// Results folder of `simulate --out`
-    #[arg(value_name = "DIR")]
-    folder: PathBuf,
-    /// Save what is sound: move damaged files into `DIR/damaged`, and write the journal and the tables anew from the rest
-    #[arg(long)]
-    repair: bool,
+    /// Programs to verify, or folders with programs (`*.sa`) in them
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<String>,
+    /// Explore at most this many states of each program; larger programs are executed in random orders
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    states: u64,
+    #[command(flatten)]
+    levels: LevelOptions,
+    #[command(flatten)]
+    imports: ImportOptions,
 }
 
-/// Says of every file of a folder whether it is as it was written.
+/// Numbers of programs by how far they are verified.
+#[derive(Debug, Default)]
+struct Verified {
+    completely: usize,
+    in_random_orders: usize,
+    wrong: usize,
+}
+
+/// Checks programs and executes their event tables in every order of events.
 pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
-    let path = &options.folder;
-    let health = verify(path).map_err(Failure::usage)?;
-    let is_damaged = |files: &[FileIntegrity]| files.iter().any(|file| file.health.is_damaged());
-    print(&table(&health))?;
-    if !is_damaged(&health) {
-        return Ok(Exit::Success);
+    let mut exit = Exit::Success;
+    let mut verified = Verified::default();
+    for file in programs(&options.files) {
+        let done = file.map_err(Failure::usage);
+        let done = done.and_then(|file| verify(&file, options, &mut verified));
+        exit = exit.or_worse(exit_of(done));
     }
-    if !options.repair {
-        warn("something is damaged; `--repair` saves what is sound, and deletes nothing\n");
-        return Ok(Exit::Usage);
+    print(&verified.summary())?;
+    Ok(exit)
+}
+
+fn verify(file: &str, options: &VerifyArguments, verified: &mut Verified) -> Result<Exit, Failure> {
+    is_readable(file)?;
+    let checked = crate::check_within(file, &options.levels.levels, &options.imports.folders);
+    warn_drawn(&drawn(&checked, has_colour(), message_width()));
+    if checked.has_errors() {
+        return Ok(verdict(&checked));
     }
-    repair(path, files_for_screens).map_err(Failure::usage)?;
-    let kept = match Folder::read(path) {
-        Err(FolderError::Cut { .. }) => {
-            let folder = shell_file(&visible(&path.to_string_lossy()));
-            format!("`stochc status {folder}` says which pieces are to be made again")
+    if checked.programs.is_empty() {
+        return Err(nothing_to_run(file));
+    }
+    explore(file, &checked, options.states, verified)
+}
+
+impl Verified {
+    fn summary(&self) -> String {
+        let mut parts = vec![format!(
+            "every order of events explored: {}",
+            self.completely
+        )];
+        if self.in_random_orders > 0 {
+            parts.push(format!(
+                "{SCHEDULES} random orders: {}",
+                self.in_random_orders
+            ));
         }
-        contents => {
-            let contents = contents.map_err(Failure::usage)?;
-            let (kept, all) = (contents.finished.len(), contents.manifest.total());
-            format!("{kept} of {all} runs are kept")
+        if self.wrong > 0 {
+            parts.push(format!("wrong: {}", self.wrong));
         }
-    };
-    let folder = visible(&path.join(DAMAGED).to_string_lossy());
-    print(&format!(
-        "repaired: {kept}, and what was damaged is in `{folder}`\n"
-    ))?;
-    if is_damaged(&verify(path).map_err(Failure::usage)?) {
-        Err(Failure::usage(
-            "something is damaged still; verify it again",
-        ))
-    } else {
-        Ok(Exit::Success)
+        let all = self.completely + self.in_random_orders + self.wrong;
+        format!(
+            "{} verified; {}\n",
+            counted(all, "program"),
+            parts.join(", ")
+        )
     }
 }
 
-/// A line for each file, and for all that is wrong with it.
-fn table(files: &[FileIntegrity]) -> String {
-    let mut text = String::new();
-    for FileIntegrity { name, health } in files {
-        let name = visible(name);
-        match health {
-            Integrity::Sound => text += &format!("{name}: sound\n"),
-            Integrity::Unprotected => {
-                text += &format!("{name}: has no checksum, and can be read\n")
-            }
-            Integrity::Damaged(reasons) => {
-                let lines = reasons.iter();
-                text.extend(lines.map(|reason| format!("{name}: damaged: {reason}\n")));
-            }
+/// Explores the programs of a file without errors, each up to a number of states.
+fn explore(
+    file: &str,
+    checked: &Checked,
+    states: u64,
+    verified: &mut Verified,
+) -> Result<Exit, Failure> {
+    let mut exit = Exit::Success;
+    let file = &*visible(file);
+    for (number, program) in checked.programs.iter().enumerate() {
+        let Some(tables) = &program.tables else {
+            continue;
+        };
+        print(&status_line(checked, number))?;
+        if tables.aggregate.is_some() {
+            continue;
+        }
+        let expected = expected(&program.event_graph(), tables);
+        let bounds = ExplorationBounds {
+            states,
+            ..ExplorationBounds::default()
+        };
+        let mut exploration = Exploration::new(tables, &expected, bounds, Faults::default());
+        let mut reports = vec![exploration.run()];
+        if let ExplorationVerdict::Violated(found) = &mut reports[0].verdict {
+            **found = shortest(&exploration, found);
+        }
+        if let ExplorationVerdict::Unfinished(_) = reports[0].verdict {
+            exploration.bounds.work = SAMPLED;
+            reports.push(exploration.sample(SCHEDULES, &mut schedules(SEED)));
+        }
+        print(&describe(&reports, &bounds))?;
+        let holds = reports[0].verdict == ExplorationVerdict::Holds;
+        if holds && tables.bond.is_passive() {
+            print("  Stray blocks that dock at any moment change nothing.\n")?;
+        }
+        let violation = reports
+            .iter()
+            .find_map(|report| violation_message(file, tables, report));
+        if let Some(wrong) = violation {
+            warn(&wrong);
+            exit = Exit::InvalidProgram;
+            verified.wrong += 1;
+        } else if holds {
+            verified.completely += 1;
+        } else {
+            verified.in_random_orders += 1;
         }
     }
-    text
+    Ok(exit)
+}
+
+fn describe(reports: &[ExplorationReport], bounds: &ExplorationBounds) -> String {
+    let mut out = String::new();
+    for report in reports {
+        let visited = format!(
+            "{} states, {} transitions",
+            report.states, report.transitions
+        );
+        // Writing to a string cannot fail.
+        let _ = match &report.verdict {
+            ExplorationVerdict::Holds => {
+                writeln!(out, "  Explored every order of events: {visited}.")
+            }
+            ExplorationVerdict::Violated(violation) if report.schedules > 0 => writeln!(
+                out,
+                "  Random order {} goes wrong: {}.",
+                report.schedules + 1,
+                violation.what
+            ),
+            ExplorationVerdict::Violated(violation) => {
+                writeln!(out, "  Goes wrong: {}; {visited}.", violation.what)
+            }
+            ExplorationVerdict::Sampled => writeln!(
+                out,
+                "  Executed in {} random orders without a fault: {} transitions.",
+                report.schedules, report.transitions
+            ),
+            ExplorationVerdict::Unfinished(bound) if out.is_empty() => {
+                let reached = match bound {
+                    ExceededBound::States => format!("{} states", bounds.states),
+                    ExceededBound::Memory => format!("{} MB", bounds.memory / 1_000_000),
+                    ExceededBound::Work => "the bound of work".to_owned(),
+                };
+                writeln!(
+                    out,
+                    "  Too many orders to explore all: stopped after {reached}, without a fault."
+                )
+            }
+            ExplorationVerdict::Unfinished(_) => {
+                writeln!(out, "  No random order ended within the bound of work.")
+            }
+        };
+    }
+    out
+}
+
+/// How a program goes wrong, as a message.
+fn violation_message(file: &str, tables: &Tables, report: &ExplorationReport) -> Option<String> {
+    let violation = report.violation()?;
+    Some(format!(
+        "error: the event tables of `{}` in {file} go wrong in some order of events\n{violation}help: {MISTAKE}\n",
+        tables.assembly
+    ))
 }

@@ -230,7 +230,7 @@ impl ChosenRun {
 fn useless(path: &Path, reason: &str) -> Failure {
     let shown = path.display();
     Failure::usage(format!(
-        "cannot use `{shown}`: {reason}; remove it, or have `stochc verify --repair` move it aside, and the run is \
+        "cannot use `{shown}`: {reason}; remove it, or have `stochc fsck --repair` move it aside, and the run is \
          made and recorded again"
     ))
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use stochc_compiler::{Checked, LintLevels};
 use stochc_ensemble::{EnsembleProgram, Source, Varied};
-use stochc_files::programs::{executables, not_a_file};
+use stochc_files::programs::{executables, not_a_file, programs as in_folders};
 use stochc_ir::Executable;
 use stochc_ir::scene::scalars::ScalarChange;
 
@@ -21,6 +21,7 @@ pub fn programs(
     imports: &[PathBuf],
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
+    let files = expanded(files)?;
     let mut wrong = None;
     for failure in files.iter().filter_map(|file| is_readable(file).err()) {
         host.report_failure(&failure.message);
@@ -30,7 +31,7 @@ pub fn programs(
         return Err(wrong);
     }
     let mut programs = Vec::new();
-    for file in files {
+    for file in &files {
         match read(file, levels, imports, host) {
             Ok(found) => programs.extend(found),
             Err(failure) => {
@@ -40,6 +41,18 @@ pub fn programs(
         }
     }
     wrong.map_or(Ok(programs), Err)
+}
+
+/// Returns the files, with the programs of each folder in its place.
+fn expanded(arguments: &[String]) -> Result<Vec<String>, Failure> {
+    let files = arguments.iter().flat_map(|argument| {
+        if Path::new(argument).is_dir() {
+            in_folders(std::slice::from_ref(argument))
+        } else {
+            vec![Ok(argument.clone())]
+        }
+    });
+    files.map(|file| file.map_err(Failure::usage)).collect()
 }
 
 /// Whether an argument is a file that can be opened.

@@ -6,8 +6,8 @@ use stochc_ensemble::sweep::{Sweep, SweepTally};
 use stochc_ensemble::text::visible;
 use stochc_ensemble::trade::{Trade, TradeTally};
 use stochc_ensemble::{
-    Comparison, ComparisonTally, Contents, Finished, Folder, MANIFEST, Manifest, Records,
-    WaitsTally, captures, summary_table,
+    CaptureSummary, Comparison, ComparisonTally, Contents, EnsembleProgram, Finished, Folder,
+    Manifest, Records, WaitsTally, captures, summary_table,
 };
 use stochc_files::shell::file as shell_file;
 use stochc_ir::record::Outcome;
@@ -59,8 +59,9 @@ pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) 
         text += &format!("warning: so are {rest} more\n");
     }
     let folder = shell_file(&visible(&folder.to_string_lossy()));
-    text +=
-        &format!("`stochc verify {folder}` says what is sound; with `--repair`, it saves that\n");
+    text += &format!(
+        "`stochc fsck {folder}` lists the corrupted files; with `--repair`, it repairs the folder\n"
+    );
     host.warn(&text);
 }
 
@@ -74,10 +75,22 @@ pub struct EnsembleResults<'a> {
     pub sweep: Option<Sweep>,
     /// `None`: no settings are varied.
     pub trade: Option<Trade>,
-    /// Of each program; none are there if nobody asked for captures.
+    /// Of each program; empty if captures are not listed.
     waits: Vec<WaitsTally>,
+    /// Most captures that are listed of a program.
+    max_captures: usize,
     /// `None`: no run failed.
     failure: Option<Failed>,
+}
+
+/// Returns the captures of a program. Of more than `most`, those with the longest waiting times, the longest first.
+fn longest(program: &EnsembleProgram, waits: WaitsTally, most: usize) -> Vec<CaptureSummary> {
+    let mut captures = captures(program, waits);
+    if captures.len() > most {
+        captures.sort_by(|one, other| other.wait.mean.total_cmp(&one.wait.mean));
+        captures.truncate(most);
+    }
+    captures
 }
 
 /// The first run whose physics broke down.
@@ -106,19 +119,19 @@ impl Failed {
     }
 }
 
-/// Goes through the runs of an ensemble once; for their captures as well, if they are asked for.
+/// Goes through the runs of an ensemble once, and for this number of captures of each program.
 ///
 /// # Errors
 /// Where the runs cannot be read again.
 pub fn ensemble_results<'a>(
     manifest: &'a Manifest,
     finished: &Records,
-    bonds: bool,
+    max_captures: Option<usize>,
 ) -> Result<EnsembleResults<'a>, Failure> {
     let mut comparison = ComparisonTally::new(manifest);
     let mut sweep = SweepTally::new(manifest);
     let mut trade = TradeTally::new(manifest);
-    let mut waits: Vec<WaitsTally> = if bonds {
+    let mut waits: Vec<WaitsTally> = if max_captures.is_some() {
         vec![WaitsTally::default(); manifest.programs.len()]
     } else {
         Vec::new()
@@ -141,6 +154,7 @@ pub fn ensemble_results<'a>(
         comparison,
         sweep: sweep.map(SweepTally::finish),
         waits,
+        max_captures: max_captures.unwrap_or(0),
         failure,
     })
 }
@@ -215,7 +229,7 @@ impl EnsembleResults<'_> {
                 continue;
             }
             text += &format!("\n{name}, capture by capture\n");
-            let captures = captures(program, waits);
+            let captures = longest(program, waits, self.max_captures);
             text += &captures_to_text(&captures, program.scene.tick, width);
         }
         text
@@ -227,7 +241,7 @@ impl EnsembleResults<'_> {
         if !self.waits.is_empty() {
             let programs = self.manifest.programs.iter().zip(&self.comparison.programs);
             let bonds = programs.zip(self.waits).map(|((program, told), waits)| {
-                json!({ "program": told.name, "captures": captures(program, waits) })
+                json!({ "program": told.name, "captures": longest(program, waits, self.max_captures) })
             });
             content["captures"] = bonds.collect();
         }
@@ -246,15 +260,11 @@ impl EnsembleResults<'_> {
         };
         let more = match folder {
             Some(folder) => {
-                let manifest = folder.join(MANIFEST);
-                let manifest = shell_file(&visible(&manifest.to_string_lossy()));
-                format!(
-                    "`stochc simulate --manifest {manifest} --run {}`",
-                    first.run
-                )
+                let folder = shell_file(&visible(&folder.to_string_lossy()));
+                format!("`stochc show {folder} --run {}`", first.run)
             }
             None => format!(
-                "`stochc simulate ... --run {}`, with the same programs, seed and settings,",
+                "`stochc trace ... --run {}`, with the same programs, seed and settings,",
                 first.run
             ),
         };

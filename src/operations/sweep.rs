@@ -35,12 +35,12 @@ pub fn points(
     for program in programs {
         if program.sources.is_empty() {
             return Err(Failure::usage(format!(
-                "--sweep: `{}` is already compiled; name its source file instead",
+                "--vary: `{}` is already compiled; name its source file instead",
                 program.name
             )));
         }
         let points = combine(axes, &program.scene)
-            .map_err(|reason| Failure::usage(format!("--sweep: {reason}")))?;
+            .map_err(|reason| Failure::usage(format!("--vary: {reason}")))?;
         for point in points {
             let mut entry = program.clone();
             (entry.varied, entry.chosen) = (point.varied, point.chosen);
@@ -51,14 +51,14 @@ pub fn points(
     let count = at_points.len();
     if count > MAX_POINTS {
         return Err(Failure::usage(format!(
-            "--sweep: these are {count} points of {} programs, and {MAX_POINTS} is the most; ask for fewer \
+            "--vary: these are {count} points of {} programs, and {MAX_POINTS} is the most; ask for fewer \
              values",
             programs.len()
         )));
     }
     if runs.saturating_mul(count as u64) > MAX_RUNS {
         return Err(Failure::usage(format!(
-            "--sweep: {runs} runs at each of {count} points are more than {MAX_RUNS}; lower `--runs`"
+            "--vary: {runs} runs at each of {count} points are more than {MAX_RUNS}; lower `--runs`"
         )));
     }
     let mut wrong = Vec::new();
@@ -99,7 +99,7 @@ pub fn complete(
         let settings = manifest.settings_of(program);
         if settings.model.unused(settings.chosen()).is_some() {
             return Err(Failure::usage(format!(
-                "--sweep: `{}`: the model `{}` does not use all of these settings",
+                "--vary: `{}`: the model `{}` does not use all of these settings",
                 visible(&program.name),
                 settings.model.name()
             )));

@@ -27,7 +27,7 @@ pub struct TradeSetup<'a> {
     /// Runs of each program at each setting.
     pub runs: Option<u64>,
     /// Time after which no run is started.
-    pub budget: Option<Duration>,
+    pub time: Option<Duration>,
     /// Half the width of the interval of every mean, as a part of it, at which no further runs are made.
     pub until: Option<f64>,
     /// Most substeps of the reference.
@@ -70,7 +70,7 @@ pub fn manifest(
         max_ticks: Some(setup.max_ticks),
         ..Settings::default()
     };
-    let is_limited = setup.budget.is_some() || setup.until.is_some();
+    let is_limited = setup.time.is_some() || setup.until.is_some();
     let usual = if is_limited { MAX_RUNS } else { RUNS };
     let runs = setup.runs.unwrap_or(usual);
     let manifest = Manifest::new(settings, setup.seed, runs, programs);
@@ -124,7 +124,7 @@ pub fn measured(
         goes_on: false,
         figures: setup.figures,
         watch: false,
-        time_limit: setup.budget,
+        time_limit: setup.time,
     };
     let (manifest, made) = match setup.until {
         Some(within) => make_until(manifest, within, &how, host)?,

@@ -108,18 +108,18 @@ impl Cluster {
         String::from_utf8(self.command(line).output().unwrap().stdout).unwrap()
     }
 
-    /// Starts `stochc submit` on a folder.
+    /// Starts `stochc shard submit` on a folder.
     pub fn start_submit(&self, folder: &Path, options: &str) -> Child {
-        let mut command = self.command(&format!("stochc submit --grace 2s {options}"));
+        let mut command = self.command(&format!("stochc shard submit --grace 2s {options}"));
         command.arg(folder).spawn().unwrap()
     }
 
-    /// Runs `stochc submit` on a folder. Returns its status and output.
+    /// Runs `stochc shard submit` on a folder. Returns its status and output.
     pub fn submit(&self, folder: &Path, options: &str) -> (i32, String) {
         end(self.start_submit(folder, options))
     }
 
-    /// Runs `stochc submit`, which has to submit this number of shards.
+    /// Runs `stochc shard submit`, which has to submit this number of shards.
     #[track_caller]
     pub fn submits(&self, folder: &Path, shards: u64) {
         let (status, said) = self.submit(folder, "");
@@ -144,7 +144,7 @@ impl Cluster {
     /// The name of the job arrays of a folder, before it is whole.
     pub fn name(&self, folder: &Path) -> String {
         let shown = self
-            .command("stochc submit --dry-run")
+            .command("stochc shard submit --dry-run")
             .arg(folder)
             .output()
             .unwrap();
@@ -170,26 +170,22 @@ impl Ensemble {
         static MADE: Mutex<BTreeMap<String, BTreeMap<PathBuf, Vec<u8>>>> =
             Mutex::new(BTreeMap::new());
         let folder = tempfile::tempdir().unwrap();
-        let make = |name: &str, more: [&str; 2]| {
+        let split = format!("{line} --shards {shards}").replacen("simulate", "shard new", 1);
+        let make = |name: &str, line: &str| {
             let path = folder.path().join(name);
             let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
-            command
-                .args(line.split_whitespace())
-                .args(more)
-                .arg("--quiet");
+            command.args(line.split_whitespace()).arg("--quiet");
             let said = command.arg("--out").arg(&path).output().unwrap();
             assert_ne!(said.status.code(), Some(2), "{said:?}");
             path
         };
         let mut made = MADE.lock().unwrap();
         let expected = made.entry(line.to_owned());
-        let expected = expected.or_insert_with(|| files(&make("plain", ["--threads", "1"])));
+        let expected =
+            expected.or_insert_with(|| files(&make("plain", &format!("{line} --threads 1"))));
         Ensemble {
             // Names of others.
-            path: make(
-                "it's 100 %A \\ \"of\"\n$HOME",
-                ["--shards", &shards.to_string()],
-            ),
+            path: make("it's 100 %A \\ \"of\"\n$HOME", &split),
             expected: expected.clone(),
             _folder: folder,
         }

@@ -1,5 +1,5 @@
 //! Ensembles on a real Slurm: `tests/cluster/run` starts it, with two emulated nodes on this machine. After a failure,
-//! a second `stochc submit` completes the ensemble, the same to the byte as on one machine.
+//! a second `stochc shard submit` completes the ensemble, the same to the byte as on one machine.
 #![cfg(target_os = "linux")]
 #![allow(
     clippy::disallowed_methods,

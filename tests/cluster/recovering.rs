@@ -1,4 +1,4 @@
-//! Failures after which a second `stochc submit` completes the ensemble.
+//! Failures after which a second `stochc shard submit` completes the ensemble.
 use crate::emulated::{Ensemble, Held, SLOW, cluster, daemon, members, signal, until};
 
 #[test]

@@ -7,19 +7,18 @@ const FILE: &str = "tests/fixtures/aggregate.sa";
 
 #[test]
 fn an_aggregate_is_summed_up_in_a_line() {
-    let said = stochc("check --exhaustive --cost=3 tests/fixtures/aggregate.sa");
+    let said = stochc("check --cost=3 tests/fixtures/aggregate.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     for line in [
         "two: an aggregate of 2 of 6 free blocks. No proof: chance decides what an aggregate builds.\n",
         "four: an aggregate of 4 of 6 free blocks. No proof: chance decides what an aggregate builds.\n",
         "tower: 1 capture in 1 phase. Proved: completes in every order, no cell blocked or used twice.\n",
-        "tests/fixtures/aggregate.sa: aggregate two: nobody acts, so there are no orders to try\n",
     ] {
         assert!(said.out.contains(line), "{line} in {}", said.out);
     }
     assert_eq!(stochc("fmt --check tests/fixtures/aggregate.sa").status, 0);
     assert_eq!(
-        stochc("check --scene tests/fixtures/aggregate.sa").status,
+        stochc("check --physics tests/fixtures/aggregate.sa").status,
         0
     );
 }
@@ -67,7 +66,7 @@ fn every_stage_of_it_can_be_shown() {
 fn its_phases_are_the_sizes_that_it_reaches() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "runs");
-    let arguments = [FILE, "--runs", "30", "--out", &out, "--bonds"];
+    let arguments = [FILE, "--runs", "30", "--out", &out, "--captures"];
     let said = stochc_with("simulate --model shuffle --quiet", &arguments);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     // All three stand side by side.
@@ -97,13 +96,13 @@ fn its_phases_are_the_sizes_that_it_reaches() {
         largest.iter().all(|size| (4..=6).contains(size)),
         "{largest:?}"
     );
-    let again = stochc_with("show --bonds", &[&out]);
+    let again = stochc_with("show --captures", &[&out]);
     assert_eq!((again.status, again.out), (0, said.out));
     let page = path(folder.path(), "page");
     let report = stochc_with("report", &[&out, "--out", &page]);
     assert_eq!(report.status, 0, "{}", report.err);
     // The same alone, in words.
-    let told = stochc_with("simulate --model shuffle --run 3", &[FILE]);
+    let told = stochc_with("trace --model shuffle --run 3", &[FILE]);
     assert!(
         told.out
             .contains("four, run 3\n  phase 2, from tick 0 (0 s)\n"),
@@ -118,7 +117,7 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
     let file = path(folder.path(), "late.sa");
     let text = fs::read_to_string(FILE).unwrap();
     fs::write(&file, text.replace("timeout 300 s", "timeout 1 tick")).unwrap();
-    let arguments = [file.as_str(), "--runs", "40", "--format", "json"];
+    let arguments = [file.as_str(), "--runs", "40", "--json"];
     let said = stochc_with("simulate --model shuffle --quiet", &arguments);
     assert_eq!(said.status, 3);
     let two = &said.json()["programs"][0];
@@ -132,8 +131,8 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
     let mut sizes = std::collections::BTreeSet::new();
     for run in 0..12 {
         let run = run.to_string();
-        let limited = ["--max-ticks", "3", "--run", &run, "--format", "json", FILE];
-        let said = stochc_with("simulate --model shuffle", &limited);
+        let limited = ["--max-ticks", "3", "--run", &run, "--json", FILE];
+        let said = stochc_with("trace --model shuffle", &limited);
         let record = &said.json()["runs"][1];
         let reached = record["phase_ticks"].as_array().unwrap().len() as u64;
         if record["outcome"]["kind"] == "timed_out" {

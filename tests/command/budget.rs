@@ -59,7 +59,7 @@ impl Results {
         let file = self.path.join(name);
         let whole = fs::read(&file).unwrap();
         sparse(&file, begins, length);
-        let said = ["show", "verify"].map(|command| refused(&[command, self.text()]));
+        let said = ["show", "fsck"].map(|command| refused(&[command, self.text()]));
         fs::write(&file, whole).unwrap();
         said
     }
@@ -111,7 +111,7 @@ fn a_manifest_of_more_than_there_can_be_is_refused() {
         let file = results.path.join("checksums.json");
         let whole = fs::read(&file).unwrap();
         sparse(&file, "{", length);
-        assert!(refused(&["verify", results.text()]).contains("checksums.json"));
+        assert!(refused(&["fsck", results.text()]).contains("checksums.json"));
         fs::write(&file, whole).unwrap();
     }
     let text = fs::read_to_string(&manifest).unwrap();
@@ -125,10 +125,10 @@ fn a_manifest_of_more_than_there_can_be_is_refused() {
         let _ = fs::remove_file(results.path.join("checksums.json"));
         for arguments in [
             &["show", results.text()][..],
-            &["verify", results.text()],
+            &["fsck", results.text()],
             &["report", results.text()],
             &["replay", "--run", "0", results.text()],
-            &["simulate", "--manifest", path],
+            &["repeat", path],
         ] {
             let said = refused(arguments);
             assert!(said.contains(runs) && said.contains("10000000"), "{said}");
@@ -145,7 +145,7 @@ fn other_files_of_more_than_there_can_be_are_refused() {
     for (begins, length, arguments, told) in [
         (executable, 3 << 30, &["simulate"][..], "it has a hole"),
         (executable, TIB, &["simulate"], "it has 4 GiB or more"),
-        ("{", 3 << 30, &["simulate", "--manifest"], "it has a hole"),
+        ("{", 3 << 30, &["repeat"], "it has a hole"),
         ("assembly", TIB, &["check"], "it has 4 GiB or more"),
         ("", TIB, &["simulate"], "it has 4 GiB or more"),
         (
@@ -254,7 +254,7 @@ fn a_recording_that_unpacks_to_gigabytes_is_refused() {
         let bytes = [header(bodies as u32), parts.concat()].concat();
         assert!(bytes.len() < 5 * MIB, "{name}: {}", bytes.len());
         fs::write(&file, bytes).unwrap();
-        for command in [&["replay", "--run", "0"][..], &["verify"]] {
+        for command in [&["replay", "--run", "0"][..], &["fsck"]] {
             let said = refused(&[command, &[results.text()]].concat());
             assert!(
                 said.contains("damaged") || said.contains("cut short"),
@@ -274,10 +274,10 @@ fn a_recording_that_unpacks_to_gigabytes_is_refused() {
             .unwrap()
             .set_len(length)
             .unwrap();
-        for command in [&["replay", "--run", "0"][..], &["verify"]] {
+        for command in [&["replay", "--run", "0"][..], &["fsck"]] {
             refused(&[command, &[results.text()]].concat());
         }
     }
     fs::write(&file, whole).unwrap();
-    assert_eq!(stochc_with("verify", &[results.text()]).status, 0);
+    assert_eq!(stochc_with("fsck", &[results.text()]).status, 0);
 }

@@ -89,7 +89,7 @@ fn a_timeout_that_some_runs_come_to_is_told() {
             "{long}"
         );
         // In JSON, it is a part of the document.
-        let json = stochc_with("check --cost=5 --format json", &[&file]);
+        let json = stochc_with("check --cost=5 --json", &[&file]);
         assert_eq!(json.json()["diagnostics"], serde_json::json!([]));
         let phases = &json.json()["programs"][0]["cost"]["phases"];
         assert!(phases[0]["depth"].is_number(), "{phases}");
@@ -261,7 +261,7 @@ fn files_that_cannot_be_read_are_errors_of_the_command_line() {
         assert!(said.err.starts_with(&both), "{}", said.err);
     }
     // A document is one all the same.
-    let said = stochc_with("check --format json", &[&missing]);
+    let said = stochc_with("check --json", &[&missing]);
     assert_eq!((said.status, said.err.as_str()), (2, told.as_str()));
     assert_eq!(said.json()["diagnostics"], serde_json::json!([]));
     let said = stochc_with("check --format sarif", &[&missing]).json();
@@ -321,7 +321,7 @@ fn warnings_are_one_line_for_other_commands() {
         }
     }
     // An error of the command line comes first.
-    let said = stochc("simulate tests/fixtures/careless.sa --sweep nothing=1,2");
+    let said = stochc("sweep tests/fixtures/careless.sa --vary nothing=1,2");
     assert_eq!(said.status, 2);
     let lines: Vec<&str> = said.err.lines().collect();
     assert!(lines[0].starts_with("error: "), "{}", said.err);
@@ -380,15 +380,38 @@ fn nothing_of_a_folder_is_skipped_in_silence() {
 }
 
 #[test]
-fn folders_and_the_standard_input_are_for_check_and_fmt() {
-    for command in ["compile", "simulate", "trade --out none"] {
-        for (argument, what) in [("tests/fixtures", "a folder"), ("-", "the standard input")] {
-            let said = stochc_with(command, &[argument]);
-            assert_eq!((said.status, said.out.as_str()), (2, ""), "{command}");
-            let told = format!("error: `{argument}` is {what}: name the file of a program;");
-            assert!(said.err.starts_with(&told), "{}", said.err);
-        }
+fn the_standard_input_is_for_check_and_fmt() {
+    for (command, argument, what) in [
+        ("compile", "tests/fixtures", "a folder"),
+        ("compile", "-", "the standard input"),
+        ("simulate", "-", "the standard input"),
+        ("trade --out none", "-", "the standard input"),
+    ] {
+        let said = stochc_with(command, &[argument]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{command}");
+        let told = format!("error: `{argument}` is {what}: name the file of a program;");
+        assert!(said.err.starts_with(&told), "{}", said.err);
     }
+}
+
+/// A folder stands for its programs where several are taken.
+#[test]
+fn the_programs_of_a_folder_are_simulated() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().to_str().unwrap();
+    let empty = stochc_with("simulate", &[own]);
+    assert_eq!(empty.status, 2);
+    assert!(
+        empty.err.contains("holds no program (`*.sa`)"),
+        "{}",
+        empty.err
+    );
+    for name in ["a.sa", "b.sa"] {
+        fs::copy("tests/fixtures/tower.sa", folder.path().join(name)).unwrap();
+    }
+    let said = stochc_with("simulate --model shuffle --runs 2 --quiet", &[own]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("tower (2)"), "{}", said.out);
 }
 
 #[test]
@@ -468,7 +491,7 @@ fn the_standard_input_is_a_program() {
     let said = stochc_reading("check --fix --dry-run -", wrong);
     assert_eq!(said.status, 1);
     assert!(said.out.contains("-    phaze p"), "{}", said.out);
-    let said = stochc_reading("check --fix --format json -", wrong);
+    let said = stochc_reading("check --fix --json -", wrong);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
     assert!(
         said.err.contains("leave one of the two out"),
@@ -574,7 +597,7 @@ fn sarif_of_all_files_is_one_run() {
 
 #[test]
 fn json_of_all_files_is_one_document_with_lines_and_columns() {
-    let said = stochc("check --format json tests/fixtures/wrong.sa tests/fixtures/careless.sa");
+    let said = stochc("check --json tests/fixtures/wrong.sa tests/fixtures/careless.sa");
     assert_eq!((said.status, said.err.as_str()), (1, ""));
     let document = said.json();
     let diagnostics = &document["diagnostics"];
@@ -613,34 +636,32 @@ fn json_of_all_files_is_one_document_with_lines_and_columns() {
     let text = std::fs::read("tests/fixtures/wrong.sa").unwrap();
     let offset = |end: &str| label[end]["offset"].as_u64().unwrap() as usize;
     assert_eq!(&text[offset("start")..offset("end")], b"Q.up -> A");
-    let right = stochc("check --format json tests/fixtures/tower.sa").json();
+    let right = stochc("check --json tests/fixtures/tower.sa").json();
     assert_eq!(right["diagnostics"], serde_json::json!([]));
 }
 
 #[test]
 fn event_tables_are_run_in_every_order() {
-    let said = stochc("check --exhaustive tests/fixtures/tower.sa");
+    let said = stochc("verify tests/fixtures/tower.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let explored = "\
-tests/fixtures/tower.sa: assembly tower: holds in every order of events; 10 states, 9 transitions
+    let (status, _) = TOWER.split_once('\n').unwrap();
+    let explored = "  Explored every order of events: 10 states, 9 transitions.
+1 program verified; every order of events explored: 1
 ";
-    assert_eq!(said.out, format!("{TOWER}{explored}"));
-    // Findings alone go to the standard output of a machine.
-    let said = stochc("check --exhaustive --format json tests/fixtures/tower.sa");
-    assert_eq!(said.status, 0);
-    assert_eq!(said.json()["diagnostics"], serde_json::json!([]));
-    assert_eq!(said.err, explored);
+    assert_eq!(said.out, format!("{status}\n{explored}"));
     // A wrong program has no tables.
-    let said = stochc("check --exhaustive tests/fixtures/wrong.sa");
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    let said = stochc("verify tests/fixtures/wrong.sa");
+    assert_eq!(said.status, 1);
+    assert!(said.out.starts_with("0 programs verified"), "{}", said.out);
 }
 
 #[test]
 fn too_many_orders_are_told_of_and_some_are_tried() {
-    let said = stochc("check --exhaustive=5 tests/fixtures/tower.sa");
+    let said = stochc("verify --states 5 tests/fixtures/tower.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let tried = "given up after 5 states, without having found anything wrong
-  instead, nothing is wrong in 1000 orders drawn by chance; 9000 transitions
+    let tried = "stopped after 5 states, without a fault.
+  Executed in 1000 random orders without a fault: 9000 transitions.
+1 program verified; every order of events explored: 0, 1000 random orders: 1
 ";
     assert!(said.out.ends_with(tried), "{}", said.out);
 }
@@ -672,7 +693,7 @@ fn numbers_of_the_command_line_are_told_of_in_words() {
         ("0", "0 is not in 1..=10000000"),
     ] {
         let said = stochc_with("simulate tests/fixtures/tower.sa --runs", &[number]);
-        let expected = format!("error: invalid value '{number}' for '--runs <RUNS>': {words}\n");
+        let expected = format!("error: invalid value '{number}' for '--runs <N>': {words}\n");
         assert_eq!(said.status, 2);
         assert!(said.err.starts_with(&expected), "{}", said.err);
     }
@@ -697,7 +718,7 @@ fn offsets_are_those_of_the_file() {
     let file = path(folder.path(), "marked.sa");
     let text = "\u{feff}assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A let z = 2 }\n}\n";
     fs::write(&file, text).unwrap();
-    let found = stochc_with("check --format json", &[&file]).json();
+    let found = stochc_with("check --json", &[&file]).json();
     let edit = &found["diagnostics"][0]["fix"]["edits"][0];
     let [start, end] = ["start", "end"].map(|it| edit[it]["offset"].as_u64().unwrap() as usize);
     assert_eq!(text[start..end].trim(), "let z = 2", "{found:#}");

@@ -54,7 +54,7 @@ fn kill(mut child: Child, folder: &Path, before: &[(String, Vec<u8>)]) -> bool {
     }
 }
 
-/// Kills a command several times while it is in a run, and has it go on with `later` arguments to the end.
+/// Kills a command several times while it is in a run, and then `later` to the end.
 fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
     let folder = Path::new(out).join("checkpoints");
     let mut arguments_now = arguments.to_vec();
@@ -67,7 +67,7 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
             break;
         }
         goes_on += 1;
-        arguments_now = [arguments, later].concat();
+        arguments_now = later.to_vec();
     }
     assert!(goes_on > 0, "it was never killed in a run");
     let last = said(&mut command(&arguments_now));
@@ -86,12 +86,24 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
 /// Runs of some thousand ticks, with their states kept every hundred.
 fn simulate<'a>(file: &'a str, more: &'a str, out: &'a str) -> Vec<&'a str> {
     let all = "--runs 2 --threads 1 --checkpoints 100ticks";
+    let command = if more.contains("--vary") {
+        "sweep"
+    } else {
+        "simulate"
+    };
     let more = more.split_whitespace();
-    let file = ["simulate", file].into_iter();
+    let file = [command, file].into_iter();
     file.chain(all.split(' '))
         .chain(more)
         .chain(["--out", out])
         .collect()
+}
+
+/// Resumes such runs.
+fn resume<'a>(more: &'a str, out: &'a str) -> Vec<&'a str> {
+    let line = "resume --threads 1 --checkpoints 100ticks";
+    let words = line.split(' ').chain(more.split_whitespace());
+    words.chain([out]).collect()
 }
 
 #[test]
@@ -101,11 +113,11 @@ fn runs_that_are_recorded_at_points_of_a_sweep_go_on() {
     let of = |out| {
         simulate(
             TOWER,
-            "--max-ticks 3000 --sweep free=100,300 --record all",
+            "--max-ticks 3000 --vary free=100,300 --record all",
             out,
         )
     };
-    killed_and_resumed(&of(&out), &["--resume"], &out);
+    killed_and_resumed(&of(&out), &resume("--record all", &out), &out);
     let said = said(&mut command(&of(&straight)));
     assert!([0, 3].contains(&said.status), "{}", said.err);
     assert!(tables(&out) == tables(&straight));
@@ -124,12 +136,12 @@ fn runs_that_are_recorded_at_points_of_a_sweep_go_on() {
 fn runs_in_double_precision_and_without_rotation_go_on() {
     for more in [
         "--max-ticks 3000 --precision double",
-        "--max-ticks 3000 --reduce no-rotation",
+        "--max-ticks 3000 --without rotation",
     ] {
         let place = tempfile::tempdir().unwrap();
         let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
         let of = |out| simulate(TOWER, more, out);
-        killed_and_resumed(&of(&out), &["--resume"], &out);
+        killed_and_resumed(&of(&out), &resume("", &out), &out);
         said(&mut command(&of(&straight)));
         assert!(tables(&out) == tables(&straight), "{more}");
     }
@@ -145,12 +157,13 @@ fn pieces_go_on() {
     let checkpoints = cut.iter().position(|word| *word == "--checkpoints");
     let checkpoints = checkpoints.expect("runs that go on have them");
     cut.drain(checkpoints..checkpoints + 2);
-    cut.extend(["--shards", "2"]);
+    cut.splice(0..1, ["shard", "new", "--shards", "2"]);
     let said_of = said(&mut command(&cut));
     assert_eq!(said_of.status, 0, "{}", said_of.err);
     for piece in ["0", "1"] {
         let shard = [
             "shard",
+            "run",
             &out,
             piece,
             "--threads",
@@ -160,7 +173,7 @@ fn pieces_go_on() {
         ];
         killed_and_resumed(&shard, &[], &out);
     }
-    assert_eq!(stochc_with("merge", &[&out]).status, 0);
+    assert_eq!(stochc_with("shard merge", &[&out]).status, 0);
     assert!(files(&Path::new(&out).join("checkpoints")).is_empty());
     said(&mut command(&of(&straight)));
     assert!(tables(&out) == tables(&straight));

@@ -120,11 +120,11 @@ fn an_executable_is_simulated_without_its_text() {
     let text = simulate("tests/fixtures/importing.sa", &there);
     assert_eq!(simulate(&program, &here), text);
     assert!(tables(&there) != tables(&here), "their identities differ");
-    let bonds = |out: &str| stochc_with("show --bonds", &[out]).out;
+    let bonds = |out: &str| stochc_with("show --captures", &[out]).out;
     assert_eq!(bonds(&there), bonds(&here));
     let said = stochc_with("report --quiet", &[&here]);
     assert_eq!(said.status, 0, "{}", said.err);
-    let said = stochc_with("simulate --sweep free=10..20/2", &[&program]);
+    let said = stochc_with("sweep --vary free=10..20/2", &[&program]);
     assert_eq!(said.status, 2);
     assert!(said.err.contains("is already compiled"), "{}", said.err);
 }

@@ -25,10 +25,7 @@ phase grow {{ M.up -> A  A.up -> B }} }}
 fn measured(folder: &std::path::Path) -> String {
     let truth = path(folder, "truth.sa");
     fs::write(&truth, programs(20)).unwrap();
-    let said = stochc_with(
-        "simulate --runs 200 --seed 900 --quiet --format json",
-        &[&truth],
-    );
+    let said = stochc_with("simulate --runs 200 --seed 900 --quiet --json", &[&truth]);
     assert_eq!(said.status, 0, "{}", said.err);
     let table: Value = serde_json::from_str(&said.out).unwrap();
     let rows = table["programs"].as_array().unwrap().iter().map(|program| {
@@ -256,7 +253,7 @@ fn a_number_is_found_again_although_runs_were_stopped() {
     fs::write(&file, programs(8)).unwrap();
     let vary = ["--vary", "free=8..60 log"];
     let options = [&*file, "--data", STOPPED, "--out", &out, vary[0], vary[1]];
-    let said = stochc_with("fit --quiet --points 12 --format json", &options);
+    let said = stochc_with("fit --quiet --points 12 --json", &options);
     assert_eq!((said.status, &*said.err), (0, ""), "{}", said.out);
     let (low, high) = fitted(&said.out);
     assert!(
@@ -279,7 +276,7 @@ fn a_number_is_found_again_although_runs_were_stopped() {
     let clipped = path(folder.path(), "clipped.csv");
     fs::write(&clipped, rows.collect::<String>()).unwrap();
     let options = [&*file, "--data", &clipped, vary[0], vary[1]];
-    let said = stochc_with("fit --quiet --points 12 --format json", &options);
+    let said = stochc_with("fit --quiet --points 12 --json", &options);
     assert_eq!(said.status, 0, "{}", said.err);
     for warned in [
         " times of `one` are 350; if these runs were stopped",
@@ -303,7 +300,7 @@ fn a_program_without_times_is_predicted_and_the_fitted_scene_is_a_program() {
     fs::write(&data, "program,n,mean_ticks,sd_ticks\none,200,337,217\n").unwrap();
     let vary = ["--vary", "free=8..60 log"];
     let options = [&*file, "--data", &data, "--out", &out, vary[0], vary[1]];
-    let all = "fit --points 10 --predict two --n 50";
+    let all = "fit --points 10 --predict two --predict-runs 50";
     let said = stochc_with(&format!("{all} --dry-run"), &options[..3]);
     assert_eq!(said.status, 2, "{}", said.err);
     let dry = stochc_with(&format!("{all} --dry-run"), &options);

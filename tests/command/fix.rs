@@ -89,7 +89,7 @@ fn the_mark_and_the_ends_of_lines_stay() {
     let windows = format!("\u{feff}{}", WRONG.replace('\n', "\r\n"));
     let (_folder, file) = file(windows.as_bytes());
     // For people, where findings are for programs.
-    let shown = stochc_with("check --fix --dry-run --format json", &[&file]);
+    let shown = stochc_with("check --fix --dry-run --json", &[&file]);
     assert!(!shown.err.contains("U+000D"), "{}", shown.err);
     assert!(shown.err.contains("\n-    phaze p"), "{}", shown.err);
     assert_eq!(stochc_with("check --fix", &[&file]).status, 0);

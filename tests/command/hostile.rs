@@ -39,8 +39,8 @@ fn names_of_files_are_shown_as_what_they_are() {
     fs::write(&plain, format!("{TOWER}\n\n\n")).unwrap();
     for (line, file) in [
         ("check tests/fixtures/tower.sa", &good),
-        ("check --scene", &good),
-        ("check --exhaustive", &good),
+        ("check --physics", &good),
+        ("verify", &good),
         ("check", &wrong),
         ("check --format short", &wrong),
         ("check --fix --dry-run", &wrong),
@@ -51,10 +51,10 @@ fn names_of_files_are_shown_as_what_they_are() {
         ("fmt", &missing),
         ("compile", &missing),
         ("simulate --quiet --runs 1", &missing),
-        ("simulate --manifest", &missing),
+        ("repeat", &missing),
         ("trade --quiet --runs 2", &missing),
         ("show", &missing),
-        ("verify", &missing),
+        ("fsck", &missing),
         ("report", &missing),
         ("replay --run 0", &missing),
         ("export --run 0 --format parquet", &missing),
@@ -98,11 +98,11 @@ fn names_in_files_are_shown_as_what_they_are() {
     fs::write(&tower, hostile).unwrap();
     let simulate = "simulate --model shuffle --runs 3 --max-ticks 100000 --out";
     assert_harmless(&stochc_with(simulate, &[&results, &tower]), false);
-    for line in ["show --bonds", "show"] {
+    for line in ["show --captures", "show"] {
         assert_harmless(&stochc_with(line, &[&results]), false);
     }
     assert_harmless(
-        &stochc_with("simulate --model shuffle --run 1", &[&tower]),
+        &stochc_with("trace --model shuffle --run 1", &[&tower]),
         false,
     );
     let again = stochc_with(
@@ -190,7 +190,7 @@ fn imports_stay_within_the_folder_of_the_program() {
         // Every command that compiles says the same.
         for line in [
             "compile --emit structure",
-            "simulate --model shuffle --run 0 --quiet --max-ticks 100000",
+            "trace --model shuffle --run 0 --quiet --max-ticks 100000",
             "check --fix",
         ] {
             assert_eq!(

@@ -73,7 +73,7 @@ fn what_is_finished_is_kept() {
     until(&mut child, "first finished run", || lines() == 2);
     let said = interrupt(child, "-INT");
     assert_eq!(said.status, 130, "{}", said.err);
-    assert!(said.err.contains("`--resume`"), "{}", said.err);
+    assert!(said.err.contains("stochc resume "), "{}", said.err);
     assert!(!said.err.contains("panicked"), "{}", said.err);
     assert_eq!(said.row("Runs"), ["1", "0", "of", "1"]);
     assert_eq!(lines(), 2);
@@ -94,7 +94,7 @@ fn what_is_finished_is_kept() {
     // It goes on, and can be interrupted again, also by those who end processes politely.
     #[cfg(target_os = "linux")]
     {
-        let mut child = start(&[&simulate[..], &["--resume"]].concat());
+        let mut child = start(&["resume", "--threads", "2", &out]);
         listens(&mut child);
         let said = interrupt(child, "-TERM");
         assert_eq!(said.status, 130, "{}", said.err);
@@ -129,8 +129,8 @@ fn without_a_folder_nothing_is_kept() {
     let said = interrupt(child, "-INT");
     assert_eq!(said.status, 130);
     assert!(said.err.contains("with `--out DIR`"), "{}", said.err);
-    assert!(!said.err.contains("--resume"), "{}", said.err);
-    let mut child = start(&[&still[..], &["--run", "0"]].concat());
+    assert!(!said.err.contains("stochc resume"), "{}", said.err);
+    let mut child = start(&[&["trace"], &still[1..]].concat());
     listens(&mut child);
     let said = interrupt(child, "-INT");
     assert_eq!((said.status, said.out.as_str()), (130, ""));
@@ -193,13 +193,7 @@ fn an_ignored_signal_stays_ignored() {
 #[test]
 #[cfg(target_os = "linux")]
 fn the_best_plan_is_kept() {
-    let plan = [
-        "plan",
-        "examples/five_tower.sa",
-        "--budget",
-        "24h",
-        "--quiet",
-    ];
+    let plan = ["plan", "examples/five_tower.sa", "--time", "24h", "--quiet"];
     let mut child = start(&plan);
     let threads = format!("/proc/{}/task", child.id());
     let listens = || {

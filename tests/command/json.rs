@@ -154,21 +154,21 @@ fn results_have_schemas() {
     let folder = tempfile::tempdir().unwrap();
     let [out, cut] = ["out", "cut"].map(|name| path(folder.path(), name));
     let files = ["examples/five_tower_reconfigured.sa", LATE];
-    let simulate = "simulate --quiet --model shuffle --runs 4 --format json --bonds --out";
+    let simulate = "simulate --quiet --model shuffle --runs 4 --json --captures --out";
     let said = stochc_with(simulate, &[&[out.as_str()], &files[..]].concat());
     assert_output("show", &said);
-    assert_output("show", &stochc_with("show --format json", &[&out]));
-    let alone = "simulate --model rigid --substeps 1 --max-ticks 400 --format json --quiet --run 0";
+    assert_output("show", &stochc_with("show --json", &[&out]));
+    let alone = "trace --model rigid --substeps 1 --max-ticks 400 --json --quiet --run 0";
     assert_output("runs", &stochc_with(alone, &files));
-    let shards = "simulate --quiet --model shuffle --runs 4 --shards 2 --out";
+    let shards = "shard new --quiet --model shuffle --runs 4 --shards 2 --out";
     assert_eq!(stochc_with(shards, &[&cut, LATE]).status, 0);
-    assert_output("status", &stochc_with("status --format json", &[&cut]));
+    assert_output("status", &stochc_with("shard status --json", &[&cut]));
     assert_output(
         "missing",
-        &stochc_with("status --missing --format json", &[&cut]),
+        &stochc_with("shard status --missing --json", &[&cut]),
     );
     let swept = path(folder.path(), "swept");
-    let sweep = "simulate --quiet --model shuffle --runs 3 --sweep tick=10,40ms --out";
+    let sweep = "sweep --quiet --model shuffle --runs 3 --vary tick=10,40ms --out";
     stochc_with(sweep, &[&swept, LATE]);
     let text = fs::read_to_string(path(swept.as_ref(), "sweep.json")).unwrap();
     assert_valid("sweep", &text);
@@ -177,33 +177,29 @@ fn results_have_schemas() {
 #[test]
 fn estimates_plans_and_trades_have_schemas() {
     let line = "examples/line.sa";
-    assert_output(
-        "estimate",
-        &stochc_with("estimate --format json --quiet", &[line]),
-    );
-    let runs = "estimate --runs 5 --format json --quiet";
+    assert_output("estimate", &stochc_with("estimate --json --quiet", &[line]));
+    let runs = "estimate --runs 5 --json --quiet";
     assert_output("estimate", &stochc_with(runs, &[line]));
-    let plan = "plan examples/planned/chair.sa --budget 3 --format json --quiet";
+    let plan = "plan examples/planned/chair.sa --tries 3 --json --quiet";
     assert_output("plan", &stochc(plan));
     let folder = tempfile::tempdir().unwrap();
     let loose = path(folder.path(), "loose.txt");
     fs::write(&loose, "#..\n\n..#\n").unwrap();
-    let refused = stochc_with("plan --format json --quiet", &[&loose]);
+    let refused = stochc_with("plan --json --quiet", &[&loose]);
     assert_eq!(refused.status, 1, "{}", refused.err);
     assert_valid("plan_error", &refused.out);
     let fit = "fit examples/fit/small.sa --data examples/fit/stopped.csv --vary free=8..60 --runs 4 \
-               --points 8 --hold-out two --quiet --format json";
+               --points 8 --hold-out two --quiet --json";
     assert_output("fit", &stochc(fit));
-    let trade =
-        "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --format json";
+    let trade = "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --json";
     assert_output("trade", &stochc(trade));
 }
 
 #[test]
 fn checks_have_schemas() {
     let files = "examples/five_tower.sa examples/experiment_2.sa tests/fixtures/wrong.sa";
-    assert_output("check", &stochc(&format!("check --format json {files}")));
-    let said = stochc("check --format json --cost=2 --scene examples/five_tower.sa");
+    assert_output("check", &stochc(&format!("check --json {files}")));
+    let said = stochc("check --json --cost=2 --physics examples/five_tower.sa");
     assert_output("check", &said);
     let cost = &said.json()["programs"][0]["cost"];
     assert_eq!(cost["captures"].as_array().unwrap().len(), 2);
@@ -274,7 +270,7 @@ fn every_key_is_documented() {
 const HEAD: &str = "\
 # JSON
 
-Commands print JSON with `--format json`. Each document is an object with a version, `format`. It is 1.
+Commands print JSON with `--json`. Each document is an object with a version, `format`. It is 1.
 Machine-readable results go to standard output; notes, warnings and errors go to standard error.
 
 [json.schema.json](json.schema.json) is a [JSON Schema](https://json-schema.org) of all documents below.

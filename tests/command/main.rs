@@ -13,6 +13,7 @@ mod explain;
 mod fit;
 mod fix;
 mod fmt;
+mod fsck;
 mod hardware;
 mod hostile;
 #[cfg(unix)]
@@ -51,7 +52,6 @@ mod submit;
 mod sweep;
 mod tanks;
 mod trade;
-mod verify;
 mod watch;
 #[cfg(unix)]
 mod written;

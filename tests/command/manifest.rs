@@ -24,17 +24,21 @@ fn a_manifest_reruns_its_folder() {
     fs::remove_file(&program).unwrap();
     fs::remove_file(&imported).unwrap();
     let manifest = path(first.as_ref(), "manifest.json");
-    let rerun = stochc_with("simulate --quiet --manifest", &[&manifest, "--out", &again]);
+    let rerun = stochc_with("repeat --quiet", &[&manifest, "--out", &again]);
     assert_eq!((rerun.status, rerun.err.as_str()), (0, ""));
-    assert_eq!(rerun.out, said.out);
+    let said_at_first = said.out;
+    assert_eq!(rerun.out, said_at_first);
     assert!(tables(&first) == tables(&again));
     let manifests =
         [&first, &again].map(|of| fs::read(path(of.as_ref(), "manifest.json")).unwrap());
     assert!(manifests[0] == manifests[1]);
     // One of its runs alone.
-    let said = stochc_with("simulate --run 3 --manifest", &[&manifest]);
+    let said = stochc_with("show --run 3", &[&again]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains("importing, run 3"), "{}", said.out);
+    // A folder stands for its manifest.
+    let rerun = stochc_with("repeat --quiet", &[&first]);
+    assert_eq!((rerun.status, rerun.out), (0, said_at_first));
 }
 
 #[test]
@@ -48,11 +52,11 @@ fn what_is_no_manifest_is_refused() {
         (r#"{"format": 1}"#, "damaged"),
     ] {
         fs::write(&file, text).unwrap();
-        let said = stochc_with("simulate --manifest", &[&file]);
+        let said = stochc_with("repeat", &[&file]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{text}");
         assert!(said.err.contains(reason), "{}", said.err);
     }
-    let said = stochc_with("simulate --seed 2 --manifest", &[&file]);
+    let said = stochc_with("repeat --seed 2", &[&file]);
     assert_eq!(said.status, 2, "the manifest says the seed");
 }
 
@@ -70,7 +74,7 @@ fn a_manifest_beyond_all_bounds_is_refused() {
         manifest
     };
     fs::write(&file, of("seed", json!(2)).to_string()).unwrap();
-    let said = stochc_with("simulate --manifest", &[&file]);
+    let said = stochc_with("repeat", &[&file]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
     assert!(said.err.contains("its checksum differs"), "{}", said.err);
     // Elsewhere it is somebody's own.
@@ -83,7 +87,7 @@ fn a_manifest_beyond_all_bounds_is_refused() {
         (of("programs", json!(vec![program; 1_001])), "at most 1000"),
     ] {
         fs::write(&file, manifest.to_string()).unwrap();
-        let said = stochc_with("simulate --manifest", &[&file]);
+        let said = stochc_with("repeat", &[&file]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{reason}");
         assert!(said.err.contains(reason), "{}", said.err);
     }
@@ -97,8 +101,8 @@ fn more_runs_are_added() {
     let refused = stochc_with(TOWER, &["--runs", "8", "--out", &grown]);
     assert_eq!(refused.status, 2);
     assert!(refused.err.contains("3 of the 8 runs"), "{}", refused.err);
-    assert!(refused.err.contains("`--resume`"), "{}", refused.err);
-    let said = stochc_with(TOWER, &["--runs", "8", "--out", &grown, "--resume"]);
+    assert!(refused.err.contains("stochc resume "), "{}", refused.err);
+    let said = stochc_with("resume --quiet --runs 8", &[&grown]);
     assert_eq!(said.status, 0, "{}", said.err);
     stochc_with(TOWER, &["--runs", "8", "--out", &fresh]);
     assert!(tables(&grown) == tables(&fresh));
@@ -128,7 +132,7 @@ fn what_a_kill_has_left_goes_on() {
     );
     let said = stochc_with(TOWER, &["--runs", "8", "--out", &torn]);
     assert_eq!(said.status, 2);
-    let said = stochc_with(TOWER, &["--runs", "8", "--out", &torn, "--resume"]);
+    let said = stochc_with("resume --quiet", &[&torn]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(tables(&whole) == tables(&torn));
 }
@@ -163,12 +167,12 @@ fn runs_of_another_build_are_told_of_once() {
     let once = |err: &str| assert_eq!(err.matches(told).count(), 1, "{err}");
     // Nothing is made, nothing is to be doubted.
     assert!(!stochc_with("show", &[&out]).err.contains(told));
-    let again = stochc_with("simulate --quiet --manifest", &[&file]);
+    let again = stochc_with("repeat --quiet", &[&file]);
     assert_eq!(again.status, 0, "it is a warning");
     once(&again.err);
     once(&stochc_with("export --run 1 --format parquet", &[&out]).err);
     once(&stochc_with("replay --run 1", &[&out]).err);
-    let line = "simulate --quiet tests/fixtures/dense.sa --runs 5 --resume --out";
+    let line = "resume --quiet --runs 5";
     let before = fs::read(&file).unwrap();
     let refused = stochc_with(line, &[&out]);
     assert_eq!(refused.status, 2, "{}", refused.err);
@@ -203,7 +207,7 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
         let text: String = lines.collect();
         fs::write(&journal, &text).unwrap();
         let before = fs::read(path(out.as_ref(), "manifest.json")).unwrap();
-        let line = "simulate --quiet tests/fixtures/dense.sa --runs 5 --resume --out";
+        let line = "resume --quiet --runs 5";
         let said = stochc_with(line, &[&[&out[..]], more].concat());
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
         assert!(
@@ -222,11 +226,11 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
 fn a_folder_without_runs_to_resume_is_told_of() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let told = format!("there is nothing to resume in `{out}`; all runs are made\n");
-    let said = stochc_with(TOWER, &["--runs", "2", "--out", &out, "--resume"]);
-    assert_eq!((said.status, said.err.as_str()), (0, told.as_str()));
-    let said = stochc_with(TOWER, &["--runs", "4", "--out", &out, "--resume"]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let told = format!("there is nothing to resume in `{out}`; `stochc simulate`");
+    let said = stochc_with("resume", &[&out]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains(&told), "{}", said.err);
+    assert!(!fs::exists(&out).unwrap());
 }
 
 /// The same program is the same, wherever it is read from.
@@ -239,10 +243,10 @@ fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
     let copied = path(folder.path(), "copied.sa");
     fs::copy(&absolute, &copied).unwrap();
     let simulate = |program: &str, runs: &str, out: &str| {
-        let line = "simulate --model shuffle --quiet --resume";
+        let line = "simulate --model shuffle --quiet";
         let said = stochc_with(line, &[program, "--runs", runs, "--out", out]);
         assert_eq!(said.status, 0, "{}", said.err);
-        let said = stochc_with("verify", &[out]);
+        let said = stochc_with("fsck", &[out]);
         assert_eq!(said.status, 0, "{program}: {}", said.out);
         assert_eq!(stochc_with("show", &[out]).status, 0, "{program}");
     };
@@ -252,7 +256,8 @@ fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
         simulate(program, "3", &out);
         assert!(fs::read(path(out.as_ref(), "manifest.json")).unwrap() == first);
     }
-    simulate(&copied, "5", &out);
+    let said = stochc_with("resume --quiet --runs 5", &[&out]);
+    assert_eq!(said.status, 0, "{}", said.err);
     simulate("tests/fixtures/tower.sa", "5", &at_once);
     assert!(tables(&out) == tables(&at_once));
 }
@@ -261,49 +266,39 @@ fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
 fn a_folder_goes_on_without_its_program() {
     let folder = tempfile::tempdir().unwrap();
     let [out, at_once, other] = ["out", "at_once", "other"].map(|name| path(folder.path(), name));
-    let sweep = ["--sweep", "free=50,60", "--seed", "7"];
+    let sweep = ["--vary", "free=50,60", "--seed", "7"];
+    let line = TOWER.replace("simulate", "sweep");
     let said = stochc_with(
-        TOWER,
+        &line,
         &[&["--runs", "2", "--out", &out], &sweep[..]].concat(),
     );
     assert_eq!(said.status, 0, "{}", said.err);
     let said = stochc_with(
-        TOWER,
+        &line,
         &[&["--runs", "6", "--out", &at_once], &sweep[..]].concat(),
     );
     assert_eq!(said.status, 0, "{}", said.err);
-    let said = stochc_with("simulate --resume --quiet --runs 6 --out", &[&out]);
+    let said = stochc_with("resume --quiet --runs 6", &[&out]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     assert!(tables(&out) == tables(&at_once));
     // As many as it has, and no fewer.
-    assert_eq!(
-        stochc_with("simulate --resume --quiet --out", &[&out]).status,
-        0
-    );
+    assert_eq!(stochc_with("resume --quiet", &[&out]).status, 0);
     assert!(tables(&out) == tables(&at_once));
-    assert_eq!(
-        stochc_with("simulate --resume --quiet --runs 3 --out", &[&out]).status,
-        2
-    );
+    assert_eq!(stochc_with("resume --quiet --runs 3", &[&out]).status, 2);
     // All the rest is as the folder says.
-    for option in [
-        "--seed 3",
-        "--model rate",
-        "--max-ticks 9",
-        "--sweep free=9",
-    ] {
-        let line = format!("simulate --resume {option} --out");
+    for option in ["--seed 3", "--model rate", "--max-ticks 9", "--vary free=9"] {
+        let line = format!("resume {option}");
         let said = stochc_with(&line, &[&out]);
         assert_eq!(said.status, 2, "{option}: {}", said.err);
     }
-    let said = stochc_with("simulate --resume --out", &[&other]);
+    let said = stochc_with("resume", &[&other]);
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("name the programs"), "{}", said.err);
+    assert!(said.err.contains("nothing to resume"), "{}", said.err);
     // So are the runs of a manifest, of which there may be another number.
     let manifest = path(at_once.as_ref(), "manifest.json");
-    let line = "simulate --quiet --runs 2 --manifest";
+    let line = "repeat --quiet --runs 2";
     let said = stochc_with(line, &[&manifest, "--out", &other]);
     assert_eq!(said.status, 0, "{}", said.err);
-    let rows = stochc_with("show --format json", &[&other]).json();
+    let rows = stochc_with("show --json", &[&other]).json();
     assert_eq!(rows["programs"][0]["runs"], 2, "{rows}");
 }

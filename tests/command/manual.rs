@@ -14,6 +14,18 @@ fn subcommands() -> Vec<String> {
     names.collect()
 }
 
+/// The names of all pages of the manual, those of nested subcommands included.
+fn pages() -> Vec<String> {
+    let mut left = vec![("stochc".to_owned(), Cli::command())];
+    let mut names = Vec::new();
+    while let Some((name, command)) = left.pop() {
+        let nested = command.get_subcommands();
+        left.extend(nested.map(|it| (format!("{name}-{}", it.get_name()), it.clone())));
+        names.push(name);
+    }
+    names
+}
+
 /// Runs a program with a text as its input; what it says, or nothing if it is not there.
 fn tool(command: &str, input: &str) -> Option<(bool, String)> {
     let mut words = command.split(' ');
@@ -94,8 +106,7 @@ fn the_manual_has_a_page_for_every_subcommand() {
         (said.status, said.out.as_str(), said.err.as_str()),
         (0, "", "")
     );
-    let mut names = vec!["stochc".to_owned()];
-    names.extend(subcommands().iter().map(|name| format!("stochc-{name}")));
+    let names = self::pages();
     assert_eq!(std::fs::read_dir(&pages).unwrap().count(), names.len());
     for name in names {
         let page = std::fs::read_to_string(pages.join(format!("{name}.1"))).unwrap();

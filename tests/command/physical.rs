@@ -25,8 +25,8 @@ fn a_physical_run_depends_on_nothing_but_its_inputs() {
     let last: serde_json::Value = serde_json::from_str(journal.lines().last().unwrap()).unwrap();
     assert_eq!(last["record"]["run"], 2, "one thread keeps the order");
     // The same run, alone.
-    let alone = "simulate tests/fixtures/dense.sa --seed 5 --run 2";
-    let said = stochc_with(alone, &["--format", "json"]);
+    let alone = "trace tests/fixtures/dense.sa --seed 5 --run 2";
+    let said = stochc_with(alone, &["--json"]);
     assert!(
         contains(&said.json()["runs"][0], &last["record"]),
         "{}",

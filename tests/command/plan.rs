@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::plan_voxels::vox;
 use crate::stochc::{path, stochc, stochc_with};
 
-const FIVE: &str = "plan examples/five_tower.sa --quiet --budget 20";
+const FIVE: &str = "plan examples/five_tower.sa --quiet --tries 20";
 
 #[test]
 fn a_program_is_planned_and_passes_every_check() {
@@ -37,7 +37,7 @@ fn a_program_is_planned_and_passes_every_check() {
 
 #[test]
 fn a_plan_is_a_document_as_well() {
-    let document = stochc(&format!("{FIVE} --format json --minimize p90")).json();
+    let document = stochc(&format!("{FIVE} --json --minimize p90")).json();
     assert_eq!(document["plan"]["captures"].as_array().unwrap().len(), 10);
     assert!(
         document["program"]
@@ -54,7 +54,7 @@ fn the_estimate_is_that_of_the_program() {
     let planned = |name: &str, more: &[&str]| -> (f64, f64) {
         let out = path(folder.path(), name);
         let document = stochc_with(
-            &format!("{FIVE} --format json"),
+            &format!("{FIVE} --json"),
             &[more, &["--out", &out]].concat(),
         )
         .json();
@@ -145,12 +145,12 @@ fn shapes_plates_and_scenes_are_chosen() {
     );
     assert!(said.out.contains("seed plate 1 x 1"), "{}", said.out);
     let said = stochc_with(
-        "plan --quiet --shape two --seed-plate",
+        "plan --quiet --shape two --plate",
         &["3 x 3 at (0, 0)", &target],
     );
     assert!(said.out.contains("seed plate 3 x 3"), "{}", said.out);
     let (status, told) = wrong(
-        "plan --quiet --shape two --seed-plate",
+        "plan --quiet --shape two --plate",
         &["3 x 3 at (1, 0)", &target],
     );
     assert_eq!(
@@ -159,7 +159,7 @@ fn shapes_plates_and_scenes_are_chosen() {
         "{told}"
     );
     let said = stochc_with(
-        "plan --quiet --shape two --seed-plate",
+        "plan --quiet --shape two --plate",
         &["3 x 3 at (2, 1)", "--offset", "2, 1", &target],
     );
     assert_eq!(said.status, 0, "{}", said.err);
@@ -179,9 +179,9 @@ fn shapes_plates_and_scenes_are_chosen() {
         "{told}"
     );
     for line in [
-        "--budget 0",
+        "--tries 0",
         "--budget soon",
-        "--seed-plate 3",
+        "--plate 3",
         "--offset 3",
         "--complete --offset 1,1",
         "--run 1 --offset 1,1",
@@ -405,7 +405,7 @@ fn a_run_that_was_stopped_is_finished() {
         "simulate examples/five_tower.sa --model rate --runs 2 --max-ticks 2000 --quiet --out";
     assert_eq!(stochc_with(simulate, &[&results]).status, 3);
     let rest = path(folder.path(), "rest.sa");
-    let said = stochc_with("plan --run 1 --budget 10 --quiet --out", &[&rest, &results]);
+    let said = stochc_with("plan --run 1 --tries 10 --quiet --out", &[&rest, &results]);
     assert_eq!(said.status, 0, "{}", said.err);
     let checked = stochc_with("check --deny warnings", &[&rest]);
     assert_eq!(checked.status, 0, "{}", checked.err);
@@ -444,7 +444,7 @@ fn a_run_that_was_stopped_is_finished() {
 fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
     let planned = |scene: &str| {
         let line =
-            format!("plan examples/five_tower.sa --budget 10 --quiet --explain --scene {scene}");
+            format!("plan examples/five_tower.sa --tries 10 --quiet --explain --scene {scene}");
         let said = stochc_with(&line, &[]);
         assert_eq!(said.status, 0, "{}", said.err);
         (said.out + &said.err)
@@ -477,7 +477,7 @@ fn a_warning_is_no_reason_for_no_program() {
         let out = path(folder.path(), &format!("{name}_planned.sa"));
         fs::write(&file, format!("{scene}\nshape goal {{ {shape} }}\n")).unwrap();
         let said = stochc_with(
-            "plan --scene own --budget 5 --quiet",
+            "plan --scene own --tries 5 --quiet",
             &[&file, "--out", &out],
         );
         assert_eq!(said.status, 0, "{name}: {}", said.err);
@@ -510,7 +510,7 @@ assembly x {
 ";
     fs::write(&part, text).unwrap();
     let said = stochc_with(
-        "plan --complete --quiet --budget 5",
+        "plan --complete --quiet --tries 5",
         &[&part, "--out", &whole],
     );
     assert_eq!(said.status, 0, "{}", said.err);
@@ -524,7 +524,7 @@ assembly x {
     }
     let all = path(folder.path(), "all.sa");
     let said = stochc_with(
-        "plan --complete --quiet --budget 5",
+        "plan --complete --quiet --tries 5",
         &[&whole, "--out", &all],
     );
     assert_eq!(said.status, 0, "{}", said.err);
@@ -564,7 +564,7 @@ fn a_forged_record_is_left_out() {
         line["record"]["bonds"][index][key] = value.clone();
         let forged = stochc::files::checksum::sealed(line.to_string());
         fs::write(&journal, format!("{header}\n{forged}\n")).unwrap();
-        for command in ["plan --run 0 --budget 5", "show", "replay --run 0"] {
+        for command in ["plan --run 0 --tries 5", "show", "replay --run 0"] {
             let said = stochc_with(command, &[&results]);
             let told = "says what cannot be";
             assert!(
@@ -575,7 +575,7 @@ fn a_forged_record_is_left_out() {
         }
     }
     fs::write(&journal, &honest).unwrap();
-    let said = stochc_with("plan --run 0 --budget 5", &[&results]);
+    let said = stochc_with("plan --run 0 --tries 5", &[&results]);
     assert_eq!(said.status, 0, "{}", said.err);
 }
 
@@ -586,9 +586,7 @@ fn a_race_with_physics_chooses_the_fastest_plan() {
     let (target, out) = ("pair.txt", "pair.sa");
     let [target, out] = [target, out].map(|name| path(folder.path(), name));
     fs::write(&target, "#.#\n\n###\n").unwrap();
-    let race = [
-        "--race", "8", "--budget", "5", "--format", "json", "--quiet",
-    ];
+    let race = ["--race", "8", "--tries", "5", "--json", "--quiet"];
     let document = stochc_with(&format!("plan {target} --out {out}"), &race).json();
     let plan = &document["plan"];
     let entrants = plan["race"].as_array().unwrap();

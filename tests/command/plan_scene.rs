@@ -4,7 +4,7 @@ use std::fs;
 use crate::plan::wrong;
 use crate::stochc::{path, stochc_with};
 
-const PLAN: &str = "plan --quiet --budget 1";
+const PLAN: &str = "plan --quiet --tries 1";
 
 #[test]
 fn a_scene_may_come_from_another_file() {
@@ -128,13 +128,13 @@ fn what_scaffolds_gain_is_reported() {
             .find(|line| line.starts_with("scaffolds: "));
         line.map(str::to_owned).unwrap_or(said.err)
     };
-    let told = explained(&["--budget", "1"]);
+    let told = explained(&["--tries", "1"]);
     assert!(told.contains("not tried, the plate has no room"), "{told}");
-    let told = explained(&["--budget", "1", "--seed-plate", "4 x 4"]);
+    let told = explained(&["--tries", "1", "--plate", "4 x 4"]);
     assert!(
         told.contains("not tried, the search makes too few tries"),
         "{told}"
     );
-    let told = explained(&["--budget", "200", "--seed-plate", "4 x 4"]);
+    let told = explained(&["--tries", "200", "--plate", "4 x 4"]);
     assert!(told.contains("a gain of "), "{told}");
 }

@@ -30,7 +30,7 @@ fn file(folder: &Path, name: &str, bytes: &[u8]) -> String {
 }
 
 fn planned(file: &str, more: &[&str]) -> Value {
-    let line = "plan --quiet --budget 1 --format json";
+    let line = "plan --quiet --tries 1 --json";
     stochc_with(line, &[&[file], more].concat()).json()
 }
 
@@ -78,7 +78,7 @@ fn a_large_model_gets_a_scene_with_enough_blocks() {
         .collect();
     let solid = file(folder.path(), "solid.vox", &vox(&[&solid]));
     let out = path(folder.path(), "solid.sa");
-    let said = stochc_with("plan --quiet --budget 1", &[&solid, "--out", &out]);
+    let said = stochc_with("plan --quiet --tries 1", &[&solid, "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
     let note = "note: planned in `hemisphere_602`: `hemisphere` with 602 free blocks instead of 300 \
                 and room for them at the same density, radius 6.307 m\n";
@@ -107,12 +107,12 @@ fn a_high_model_gets_a_scene_with_enough_room() {
     let folder = tempfile::tempdir().unwrap();
     let tower = file(folder.path(), "tower.txt", "#\n\n".repeat(40).as_bytes());
     let out = path(folder.path(), "tower.sa");
-    let said = stochc_with("plan --quiet --budget 1", &[&tower, "--out", &out]);
+    let said = stochc_with("plan --quiet --tries 1", &[&tower, "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.err.contains("at the same density"), "{}", said.err);
     assert_eq!(stochc_with("check", &[&out]).status, 0);
     // With few blocks in a large enclosure, the density is lower.
-    let said = stochc_with("plan --quiet --budget 1 --free 50", &[&tower]);
+    let said = stochc_with("plan --quiet --tries 1 --free 50", &[&tower]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.err.contains("times its density"), "{}", said.err);
 }
@@ -124,7 +124,7 @@ fn loose_parts_are_all_reported_dropped_or_held() {
     let corners = ".#.".repeat(10) + ".";
     let drawn = format!("{none}\n{feet}\n\n{corners}\n{none}\n");
     let drawn = file(folder.path(), "corners.txt", drawn.as_bytes());
-    let said = stochc_with("plan --quiet --format json", &[&drawn]);
+    let said = stochc_with("plan --quiet --json", &[&drawn]);
     assert_eq!(said.status, 1, "{}", said.err);
     let document: Value = serde_json::from_str(&said.out).unwrap();
     let error = &document["error"];
@@ -144,7 +144,7 @@ fn loose_parts_are_all_reported_dropped_or_held() {
     );
     assert_eq!(captures(&planned(&drawn, &["--drop-loose"])), 31);
     assert_eq!(captures(&planned(&drawn, &["--supports"])), 51);
-    let said = stochc_with("plan --quiet --budget 1 --drop-loose", &[&drawn]);
+    let said = stochc_with("plan --quiet --tries 1 --drop-loose", &[&drawn]);
     assert_eq!(said.err, "note: left out 10 loose parts with 10 cells\n");
     assert!(said.out.contains("yields corners"), "{}", said.out);
 }

@@ -16,7 +16,7 @@ fn checked(text: &str, option: &str) -> (Vec<String>, Vec<Value>) {
     let said = stochc_reading(&format!("check {option} -"), text);
     assert_eq!(said.status, 0, "{}", said.err);
     let lines = said.out.lines().filter(|line| line.contains("roved"));
-    let document = stochc_reading(&format!("check {option} --format json -"), text).json();
+    let document = stochc_reading(&format!("check {option} --json -"), text).json();
     let programs = document["programs"].as_array().unwrap();
     let proved = programs.iter().map(|program| program["proved"].clone());
     (lines.map(str::to_owned).collect(), proved.collect())
@@ -36,7 +36,7 @@ fn what_is_proved_is_reported() {
                 blocked or used twice, builds `pair`.";
     assert_eq!(lines, [line]);
     assert_eq!(proved[0]["shapes"], json!(["pair"]));
-    let document = stochc("check --format json tests/fixtures/tower.sa").json();
+    let document = stochc("check --json tests/fixtures/tower.sa").json();
     let program = json!({
         "file": "tests/fixtures/tower.sa",
         "name": "tower",
@@ -72,11 +72,11 @@ fn a_timeout_is_an_exception() {
 
 #[test]
 fn nothing_is_proved_about_wrong_programs_and_aggregates() {
-    let document = stochc("check --format json tests/fixtures/wrong.sa").json();
+    let document = stochc("check --json tests/fixtures/wrong.sa").json();
     assert_eq!(document["programs"][0]["proved"], Value::Null);
-    let denied = "check --deny warnings --format json tests/fixtures/careless.sa";
+    let denied = "check --deny warnings --json tests/fixtures/careless.sa";
     assert_eq!(stochc(denied).json()["programs"][0]["proved"], Value::Null);
-    let document = stochc("check --format json tests/fixtures/aggregate.sa").json();
+    let document = stochc("check --json tests/fixtures/aggregate.sa").json();
     assert_eq!(document["programs"][0]["kind"], "aggregate");
     assert_eq!(document["programs"][0]["proved"], Value::Null);
 }

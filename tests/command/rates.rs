@@ -42,7 +42,7 @@ fn rates_are_measured_kept_and_used() {
     assert_eq!(again.status, 2, "{}", again.err);
     assert_eq!(kept, fs::read(here("one.rates")).unwrap());
 
-    let simulate = "simulate --model rate --runs 20 --quiet --format json";
+    let simulate = "simulate --model rate --runs 20 --quiet --json";
     let ensemble = stochc_with(
         simulate,
         &[
@@ -55,16 +55,10 @@ fn rates_are_measured_kept_and_used() {
     );
     assert_eq!(ensemble.status, 0, "{}", ensemble.err);
     // The manifest holds the rates.
-    let repeated = stochc_with(
-        "simulate --quiet --format json --manifest",
-        &[&here("runs/manifest.json")],
-    );
+    let repeated = stochc_with("repeat --quiet --json", &[&here("runs/manifest.json")]);
     assert_eq!((repeated.status, repeated.out), (0, ensemble.out));
     // So does the folder, whoever goes on with it.
-    let resumed = stochc_with(
-        "simulate --model rate --runs 30 --quiet --resume",
-        &[&here("small.sa"), "--out", &here("runs")],
-    );
+    let resumed = stochc_with("resume --runs 30 --quiet", &[&here("runs")]);
     assert_eq!((resumed.status, resumed.err.as_str()), (0, ""));
     // Rates of another scene are of no use, and say so. Of that one there is a first guess, so that nothing is measured.
     let line = "scene other from hemisphere { free 200 uniform }
@@ -100,7 +94,7 @@ fn rates_are_measured_kept_and_used() {
 
 #[test]
 fn the_line_takes_by_rates_what_it_takes_with_physics() {
-    let said = stochc("simulate --model rate --runs 400 --quiet --format json examples/line.sa");
+    let said = stochc("simulate --model rate --runs 400 --quiet --json examples/line.sa");
     assert_eq!(said.status, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
     let mean = value["programs"][0]["time"]["mean"].as_f64().unwrap();
@@ -116,9 +110,8 @@ fn the_line_takes_by_rates_what_it_takes_with_physics() {
 
 #[test]
 fn estimates_say_when_and_why() {
-    let said = stochc(
-        "estimate --format json --quiet examples/line.sa examples/five_tower_reconfigured.sa",
-    );
+    let said =
+        stochc("estimate --json --quiet examples/line.sa examples/five_tower_reconfigured.sa");
     assert_eq!(said.status, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
     for estimate in value["estimates"].as_array().unwrap() {
@@ -165,7 +158,7 @@ fn estimates_say_when_and_why() {
     }
     let (status, told) = crate::plan::wrong("estimate --max-ticks 10 examples/line.sa", &[]);
     assert_eq!((status, told.contains("--runs")), (2, true), "{told}");
-    let text = stochc("estimate --captures 2 --quiet examples/line.sa");
+    let text = stochc("estimate --captures=2 --quiet examples/line.sa");
     assert!(
         text.out.contains("waited for") && text.out.contains("docs/validation/rates.md"),
         "{}",
@@ -194,9 +187,9 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
         &[&compiled],
     );
     assert_eq!(said.status, 0, "{}", said.err);
-    let (drawn, _) = mean(&stochc("estimate --format json --quiet examples/line.sa"));
+    let (drawn, _) = mean(&stochc("estimate --json --quiet examples/line.sa"));
     let (run, of_runs) = mean(&stochc(
-        "estimate --runs 400 --format json --quiet examples/line.sa",
+        "estimate --runs 400 --json --quiet examples/line.sa",
     ));
     assert_eq!(of_runs["completed"], 400);
     assert_eq!(of_runs["method"]["is_compiled"], false);
@@ -206,7 +199,7 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
         "{drawn} {run}"
     );
     // A compiled file has no plan to add waits up along.
-    let (_, of_compiled) = mean(&stochc_with("estimate --format json --quiet", &[&compiled]));
+    let (_, of_compiled) = mean(&stochc_with("estimate --json --quiet", &[&compiled]));
     assert_eq!(of_compiled["method"]["kind"], "runs");
     assert_eq!(of_compiled["method"]["is_compiled"], true);
     let text = stochc_with("estimate --quiet", &[&compiled]);
@@ -222,13 +215,13 @@ fn what_comes_to_a_timeout_is_slower_than_all_others() {
         phase first timeout 800 ticks { M.up -> A } phase second { A.up -> B } }";
     fs::write(&file, text).unwrap();
     let estimated = |more: &str| {
-        let command = format!("estimate --quiet --format json {more}");
+        let command = format!("estimate --quiet --json {more}");
         let said = stochc_with(command.trim(), &[&file]);
         assert_eq!(said.status, 0, "{}", said.err);
         said.json()["estimates"][0].clone()
     };
     let [graph, runs] = ["", "--runs 1000"].map(estimated);
-    let command = "simulate --quiet --model rate --runs 1000 --format json";
+    let command = "simulate --quiet --model rate --runs 1000 --json";
     let simulated = stochc_with(command, &[&file]).json();
     let simulated = simulated["programs"][0]["time"]["median"].as_f64().unwrap();
     for it in [&graph, &runs] {
@@ -262,7 +255,7 @@ fn scenes_that_nobody_has_measured_are_guessed_and_say_so() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "small.sa");
     fs::write(&file, SMALL).unwrap();
-    let said = stochc_with("estimate --quiet --format json", &[&file]);
+    let said = stochc_with("estimate --quiet --json", &[&file]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     let value: Value = serde_json::from_str(&said.out).unwrap();
     assert_eq!(value["estimates"][0]["method"]["is_first_guess"], true);
@@ -337,7 +330,7 @@ fn nothing_is_recorded_of_blocks_that_have_no_places() {
 /// Of the same few runs both commands tell the same mean and the same interval.
 #[test]
 fn an_estimate_by_runs_is_as_sure_as_an_ensemble() {
-    let line = "--runs 5 --seed 3 --quiet --format json";
+    let line = "--runs 5 --seed 3 --quiet --json";
     let runs = stochc(&format!("simulate examples/line.sa --model rate {line}")).json();
     let estimate = stochc(&format!("estimate examples/line.sa {line}")).json();
     let (time, total) = (

@@ -26,11 +26,14 @@ fn wrong_command_lines_are_told_of() {
         "simulate --threads 100000 tests/fixtures/tower.sa",
         "simulate --seed -1 tests/fixtures/tower.sa",
         "plan --budget -5 tests/fixtures/tower.sa",
-        "shard tests/fixtures -1",
+        "shard run tests/fixtures -1",
         "simulate --model magic tests/fixtures/tower.sa",
         "simulate --resume tests/fixtures/tower.sa",
-        "simulate --run 1 --runs 2 tests/fixtures/tower.sa",
-        "simulate --run 1 --out nowhere tests/fixtures/tower.sa",
+        "sweep tests/fixtures/tower.sa",
+        "shard",
+        "shard new tests/fixtures/tower.sa --out nowhere",
+        "trace --run 1 --runs 2 tests/fixtures/tower.sa",
+        "trace --run 1 --out nowhere tests/fixtures/tower.sa",
     ] {
         let said = stochc(line);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
@@ -55,26 +58,24 @@ fn an_option_without_effect_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     for line in [
-        "simulate FILE --resume --run 3",
         "simulate FILE --checkpoints 3s",
-        "simulate FILE --checkpoints 3s --run 3",
-        "simulate FILE --checkpoints 3s --out OUT --shards 3",
-        "simulate FILE --mixed-builds --out OUT --shards 3",
-        "simulate FILE --mixed-builds --run 3",
-        "simulate FILE --bonds --out OUT --shards 3",
-        "simulate FILE --format json --out OUT --shards 3",
-        "simulate FILE --format text --out OUT --shards 3",
-        "simulate FILE --record 1 --run 1",
-        "simulate FILE --record-every 5 --run 1",
-        "simulate FILE --record-every 5 --out OUT --shards 2",
-        "simulate FILE --figures 89mm --run 1 --sweep free=4,5",
-        "simulate FILE --budget 3s --model rigid",
+        "trace FILE --checkpoints 3s --run 3",
+        "shard new FILE --checkpoints 3s --out OUT --shards 3",
+        "simulate FILE --mixed-builds --out OUT",
+        "shard new FILE --captures --out OUT --shards 3",
+        "shard new FILE --json --out OUT --shards 3",
+        "simulate FILE --record 1",
+        "trace FILE --record 1 --run 1",
+        "simulate FILE --record-every 5 --out OUT",
+        "sweep FILE --figure-width 89mm --vary free=4,5",
+        "simulate FILE --figure-width 89mm --out OUT",
+        "simulate FILE --time 3s --model rigid",
         "simulate FILE --model shuffle --substeps 4",
         "simulate FILE --model shuffle --solver-iterations 4",
         "simulate FILE --model shuffle --precision double",
-        "simulate FILE --model shuffle --reduce spheres",
-        "simulate FILE --model rate --reduce spheres",
-        "simulate FILE --model rapier --reduce spheres",
+        "simulate FILE --model shuffle --without corners",
+        "simulate FILE --model rate --without corners",
+        "simulate FILE --model rapier --without corners",
         "simulate FILE --model rapier --precision double",
         "simulate FILE --rates none.rates",
         "simulate FILE --model shuffle --rates none.rates",
@@ -160,7 +161,7 @@ fn the_other_model_has_what_rapier_lacks() {
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains("Mean time to completion"), "{}", said.out);
     let fixture = "tests/fixtures/dense.sa --runs 1 --quiet";
-    for option in ["--precision double", "--reduce spheres"] {
+    for option in ["--precision double", "--without corners"] {
         let said = stochc(&format!("simulate --model rapier {option} {fixture}"));
         assert_eq!(said.status, 2, "{}", said.err);
         let (name, _) = option.split_once(' ').unwrap();
@@ -216,15 +217,11 @@ fn other_results_are_never_overwritten() {
             "`solver-iterations`",
         ),
     ] {
-        for resume in [&[][..], &["--resume"]] {
-            let arguments = [&["--out", out], more, resume].concat();
-            let said = stochc_with(line, &arguments);
-            assert_eq!((said.status, said.out.as_str()), (2, ""), "{more:?}");
-            assert!(said.err.contains(reason), "{}", said.err);
-        }
+        let said = stochc_with(line, &[&["--out", out], more].concat());
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{more:?}");
+        assert!(said.err.contains(reason), "{}", said.err);
     }
-    let fewer = TOWER.replace("--runs 3", "--runs 2");
-    let said = stochc_with(&fewer, &["--out", &out, "--resume"]);
+    let said = stochc_with("resume --runs 2", &[&out]);
     assert_eq!(said.status, 2, "no run is thrown away");
     assert!(before == tables(&out));
 }
@@ -269,8 +266,8 @@ fn a_run_to_record_that_is_not_to_be_made_is_refused() {
 #[test]
 fn none_of_something_is_no_number_to_show_or_to_try() {
     for line in [
-        "check --cost 0 tests/fixtures/tower.sa",
-        "check --exhaustive=0 tests/fixtures/tower.sa",
+        "check --cost=0 tests/fixtures/tower.sa",
+        "verify --states 0 tests/fixtures/tower.sa",
     ] {
         let said = stochc(line);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");

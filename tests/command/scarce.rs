@@ -51,10 +51,11 @@ fn without_memory_a_command_says_so_and_ends() {
     fs::write(&large, LARGE).unwrap();
     let line = "simulate examples/five_tower.sa --model shuffle --runs 300 --quiet --out";
     assert_eq!(stochc_with(line, &[&out]).status, 0);
-    let line = "simulate examples/five_tower.sa --model shuffle --runs 20 --shards 2 --quiet --out";
+    let line =
+        "shard new examples/five_tower.sa --model shuffle --runs 20 --shards 2 --quiet --out";
     assert_eq!(stochc_with(line, &[&cut]).status, 0);
     for piece in ["0", "1"] {
-        assert_eq!(stochc_with("shard --quiet", &[&cut, piece]).status, 0);
+        assert_eq!(stochc_with("shard run --quiet", &[&cut, piece]).status, 0);
     }
     let mut refused = 0;
     // In less than it takes up itself, no command can begin.
@@ -77,8 +78,8 @@ fn without_memory_a_command_says_so_and_ends() {
             ],
             &["show", &out],
             &["report", &out],
-            &["plan", "examples/planned/chair.sa", "--budget", "3"],
-            &["merge", &cut],
+            &["plan", "examples/planned/chair.sa", "--tries", "3"],
+            &["shard", "merge", &cut],
         ] {
             let said = with_memory(kilobytes, arguments);
             // Of a folder that is not cut any more `merge` says that.
@@ -99,7 +100,7 @@ fn without_memory_no_recording_is_called_damaged() {
     assert_eq!(stochc_with(line, &[&out]).status, 0);
     let mut short = 0;
     for kilobytes in (10_000..).step_by(500) {
-        let said = with_memory(kilobytes, &["verify", &out]);
+        let said = with_memory(kilobytes, &["fsck", &out]);
         let all = [said.out.as_str(), &said.err].concat();
         assert!(!all.contains("damaged"), "{kilobytes}: {all}");
         short += usize::from(all.contains("out of memory"));

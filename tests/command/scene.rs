@@ -11,7 +11,7 @@ use crate::stochc::{path, stochc, stochc_with};
 
 #[test]
 fn the_default_scene_is_listed_with_what_it_leaves_unresolved() {
-    let said = stochc("check --scene tests/fixtures/tower.sa");
+    let said = stochc("check --physics tests/fixtures/tower.sa");
     assert_eq!(
         (said.status, said.err.as_str()),
         (0, ""),
@@ -22,15 +22,14 @@ fn the_default_scene_is_listed_with_what_it_leaves_unresolved() {
 
 #[test]
 fn a_scene_of_the_program_is_listed() {
-    let said = stochc("check --scene tests/fixtures/soft.sa");
+    let said = stochc("check --physics tests/fixtures/soft.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     insta::assert_snapshot!(said.out);
 }
 
 #[test]
 fn scenes_come_as_json_beside_the_findings() {
-    let said =
-        stochc("check --scene --format json tests/fixtures/careless.sa tests/fixtures/soft.sa");
+    let said = stochc("check --physics --json tests/fixtures/careless.sa tests/fixtures/soft.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     let document = said.json();
     assert_eq!(document["diagnostics"][0]["code"], "unused-seed");
@@ -73,7 +72,7 @@ fn scenes_come_as_json_beside_the_findings() {
     let steps = serde_json::json!({ "taken": "2/8", "needed": 3, "resolved": true });
     assert_eq!(hemisphere["steps"], steps);
     assert_eq!(hemisphere["speed"]["from"], "collisions");
-    let said = stochc("check --format json tests/fixtures/careless.sa").json();
+    let said = stochc("check --json tests/fixtures/careless.sa").json();
     assert_eq!(said["diagnostics"], document["diagnostics"]);
     assert!(said.get("scenes").is_none(), "{said:#}");
 }
@@ -96,7 +95,7 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
         assembly("c", "in hemisphere"),
     ];
     std::fs::write(&file, text.concat()).unwrap();
-    let said = stochc_with("check --scene", &[&file]);
+    let said = stochc_with("check --physics", &[&file]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     let heads: Vec<_> = (said.out.lines())
         .filter_map(|line| line.strip_prefix(&file)?.strip_prefix(": scene "))
@@ -108,10 +107,10 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
         "{calm}"
     );
 
-    let said = stochc("check --scene tests/fixtures/wrong.sa");
+    let said = stochc("check --physics tests/fixtures/wrong.sa");
     assert_eq!((said.status, said.out.as_str()), (1, ""));
     // Findings alone go to the standard output of a machine.
-    let said = stochc("check --scene --format short tests/fixtures/tower.sa");
+    let said = stochc("check --physics --format short tests/fixtures/tower.sa");
     assert_eq!((said.status, said.out.as_str()), (0, ""));
     assert!(said.err.contains("scene hemisphere, of tower"));
 }
@@ -139,7 +138,8 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
     assert_eq!(allowed.status, 3);
     assert!(!allowed.err.contains("coarse-step"), "{}", allowed.err);
     // A sweep has many scenes, and one warning in addition to that of the text.
-    let swept = stochc_with(line, &["1", "--sweep", "free=5..9/3"]).err;
+    let line = line.replace("simulate", "sweep");
+    let swept = stochc_with(&line, &["1", "--vary", "free=5..9/3"]).err;
     assert_eq!(swept.matches("F τ² / (m d) is 6").count(), 1, "{swept}");
     assert!(
         swept.contains("dense [free=5] and 2 other programs: "),
@@ -153,7 +153,7 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
 /// Drag belongs into it: the steps of `microns.sa` are as short as its blocks' motion in them needs.
 #[test]
 fn a_scene_in_which_drag_rules_is_resolved() {
-    let said = stochc("check --scene --format json examples/microns.sa").json();
+    let said = stochc("check --physics --json examples/microns.sa").json();
     let scene = &said["scenes"][0];
     assert_eq!(scene["warnings"], serde_json::json!([]));
     let groups = scene["groups"].as_array().unwrap();
@@ -180,7 +180,7 @@ fn a_tank_whose_blocks_sink_is_told_of() {
                 { density 1 g/cm^3  viscosity 1 mPa s } }\nassembly a in tank { seed plate 1 x 1 { M at (0, 0) } \
                 phase p { M.up -> A.up -> B } }\n";
     std::fs::write(&file, text).unwrap();
-    let said = stochc_with("check --scene", &[&file]);
+    let said = stochc_with("check --physics", &[&file]);
     assert!(said.out.contains("warning[buoyant-blocks]"), "{}", said.out);
     assert!(
         said.out.contains("fluid { density 1000 kg/m^3"),
@@ -225,7 +225,7 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
         ("3 N/m", "100 kg/m^3", contact, f64::NAN, ""),
     ] {
         std::fs::write(&file, tank(wall, density, contact)).unwrap();
-        let said = stochc_with("check --scene --format json", &[&file]);
+        let said = stochc_with("check --physics --json", &[&file]);
         assert_eq!(said.status, 0, "{}", said.err);
         let scene = &said.json()["scenes"][0];
         let groups = scene["groups"].as_array().unwrap();
@@ -289,7 +289,7 @@ fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
     let program = "scene still from hemisphere { agitation kicks { speed 0 .. 0 m/s } }\n\
         assembly a in still { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }\n";
     std::fs::write(&text, program).unwrap();
-    let found = stochc_with("check --format json", &[&text]);
+    let found = stochc_with("check --json", &[&text]);
     assert_eq!(
         (found.status, &found.json()["diagnostics"][0]["code"]),
         (0, &"no-agitation".into())
@@ -317,7 +317,7 @@ fn warnings_of_the_points_of_a_sweep_are_left_out_if_quiet() {
         assembly a in still { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }\n";
     std::fs::write(&file, program).unwrap();
     for (quiet, is_warned) in [("", true), ("--quiet", false)] {
-        let line = format!("simulate {quiet} --runs 1 --max-ticks 1 --sweep agitation.speed=0");
+        let line = format!("sweep {quiet} --runs 1 --max-ticks 1 --vary agitation.speed=0");
         let said = stochc_with(&line, &[&file]);
         assert_eq!(said.err.contains("no-agitation"), is_warned, "{}", said.err);
     }
@@ -331,7 +331,7 @@ fn rows_outside_of_their_limit_are_marked() {
     let program = "scene slow from hemisphere { drag { rate 650 Hz } }\n\
         assembly a in slow { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }\n";
     std::fs::write(&file, program).unwrap();
-    let said = stochc_with("check --scene", &[&file]);
+    let said = stochc_with("check --physics", &[&file]);
     let marked: Vec<&str> = said
         .out
         .lines()
@@ -350,7 +350,7 @@ fn rows_outside_of_their_limit_are_marked() {
         "{}",
         said.out
     );
-    let json = stochc_with("check --scene --format json", &[&file]).json();
+    let json = stochc_with("check --physics --json", &[&file]).json();
     let groups = json["scenes"][0]["groups"].as_array().unwrap();
     let exceeded = groups.iter().filter(|it| it["exceeded"] == true);
     assert_eq!(exceeded.count(), 1);

@@ -1,14 +1,14 @@
-//! An ensemble in pieces, as a user makes it: `simulate --shards`, `shard`, `status`, `merge`.
+//! An ensemble in pieces, as a user makes it: `shard new`, `shard run`, `shard status`, `shard merge`.
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 use serde_json::json;
 
-use crate::stochc::{path, stochc_with};
+use crate::stochc::{path, shard_new, stochc_with};
 
 const TOWER: &str = "simulate --model shuffle tests/fixtures/tower.sa --runs 10 --seed 3";
-const SWEEP: &str = "simulate --model shuffle examples/line.sa examples/five_tower.sa --runs 4 --sweep free=50,60 --max-ticks 12";
+const SWEEP: &str = "sweep --model shuffle examples/line.sa examples/five_tower.sa --runs 4 --vary free=50,60 --max-ticks 12";
 
 /// Every file below a folder, but for the lock.
 fn files(folder: &str) -> BTreeMap<String, Vec<u8>> {
@@ -34,33 +34,33 @@ fn pieces_put_together_are_the_folder_of_one_machine() {
             ["plain", "pieces"].map(|it| path(folder.path(), &format!("{it}{number}")));
         stochc_with(command, &["--quiet", "--threads", "1", "--out", &plain]);
         // Where pieces are made, there is no text of a program.
-        let said = stochc_with(command, &["--shards", "3", "--out", &pieces]);
+        let said = stochc_with(&shard_new(command), &["--shards", "3", "--out", &pieces]);
         assert_eq!(said.status, 0, "{}", said.err);
         assert!(
-            said.out.contains("is cut into 3 pieces, of"),
+            said.out.contains("is split into 3 shards, "),
             "{}",
             said.out
         );
-        let again = stochc_with(command, &["--shards", "3", "--out", &pieces]);
+        let again = stochc_with(&shard_new(command), &["--shards", "3", "--out", &pieces]);
         assert_eq!(again.status, 0);
-        assert!(again.out.contains("into 3 pieces already"), "{}", again.out);
+        assert!(again.out.contains("into 3 shards already"), "{}", again.out);
         for piece in ["2", "0", "0", "1"] {
-            let said = stochc_with("shard", &[&pieces, piece]);
+            let said = stochc_with("shard run", &[&pieces, piece]);
             assert_eq!(said.status, 0, "{}", said.err);
             assert!(
-                said.out.starts_with(&format!("piece {piece} of")),
+                said.out.starts_with(&format!("shard {piece} of")),
                 "{}",
                 said.out
             );
         }
-        let said = stochc_with("merge", &[&pieces]);
+        let said = stochc_with("shard merge", &[&pieces]);
         assert_eq!(said.status, 0, "{}", said.err);
         assert!(files(&pieces) == files(&plain), "{command}");
-        for what in ["show", "verify", "report --quiet"] {
+        for what in ["show", "fsck", "report --quiet"] {
             let [one, other] = [&plain, &pieces].map(|it| stochc_with(what, &[it]));
             assert_eq!((one.status, &one.out), (other.status, &other.out), "{what}");
         }
-        let said = stochc_with(command, &["--quiet", "--resume", "--out", &pieces]);
+        let said = stochc_with("resume --quiet", &[&pieces]);
         assert!(said.err.contains("is finished already"), "{}", said.err);
     }
 }
@@ -69,30 +69,32 @@ fn pieces_put_together_are_the_folder_of_one_machine() {
 fn a_shell_loop_makes_what_is_missing() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    stochc_with(TOWER, &["--quiet", "--shards", "5", "--out", &out]);
-    stochc_with("shard --quiet", &[&out, "3"]);
-    let said = stochc_with("status --missing", &[&out]);
+    stochc_with(
+        &shard_new(TOWER),
+        &["--quiet", "--shards", "5", "--out", &out],
+    );
+    stochc_with("shard run --quiet", &[&out, "3"]);
+    let said = stochc_with("shard status --missing", &[&out]);
     assert_eq!((said.status, said.out.as_str()), (0, "0\n1\n2\n4\n"));
-    let said = stochc_with("status", &[&out]);
+    let said = stochc_with("shard status", &[&out]);
     assert!(
-        said.out.starts_with(
-            "1 of 5 pieces are there, of 10 runs in all\nnothing is there of: 0-2, 4\n"
-        ),
+        said.out
+            .starts_with("1 of 5 shards are complete; 10 runs in all\nmissing: 0-2, 4\n"),
         "{}",
         said.out
     );
-    let said = stochc_with("status --format json", &[&out]);
+    let said = stochc_with("shard status --json", &[&out]);
     let status = said.json();
     assert_eq!(status["missing"], json!([0, 1, 2, 4]));
     assert_eq!(status["pieces"][3], json!({ "state": "whole" }));
-    let said = stochc_with("status --missing --format json", &[&out]);
+    let said = stochc_with("shard status --missing --json", &[&out]);
     assert_eq!(said.json()["missing"], json!([0, 1, 2, 4]));
     for piece in ["0", "1", "2", "4"] {
-        assert_eq!(stochc_with("shard --quiet", &[&out, piece]).status, 0);
+        assert_eq!(stochc_with("shard run --quiet", &[&out, piece]).status, 0);
     }
-    let said = stochc_with("status --missing", &[&out]);
+    let said = stochc_with("shard status --missing", &[&out]);
     assert_eq!((said.status, said.out.as_str()), (0, ""));
-    assert_eq!(stochc_with("merge --quiet", &[&out]).out, "");
+    assert_eq!(stochc_with("shard merge --quiet", &[&out]).out, "");
 }
 
 /// What is refused has a reason, a way out, its own status, and changes nothing.
@@ -110,61 +112,64 @@ fn what_cannot_be_is_refused() {
     };
     for shards in ["0", "11", "1000000000"] {
         refused(
-            TOWER,
+            &shard_new(TOWER),
             &["--shards", shards, "--out", &out],
             2,
-            "pieces of 10 runs",
+            "cannot split 10 runs into",
         );
     }
-    refused(TOWER, &["--shards", "2"], 2, "--out");
-    refused("shard", &[&out, "0"], 2, "holds no results");
-    stochc_with(TOWER, &["--quiet", "--shards", "4", "--out", &out]);
-    refused(
-        TOWER,
-        &["--shards", "5", "--out", &out],
-        2,
-        "is cut into 4 pieces of 10 runs",
+    refused(&shard_new(TOWER), &["--shards", "2"], 2, "--out");
+    refused("shard run", &[&out, "0"], 2, "holds no results");
+    stochc_with(
+        &shard_new(TOWER),
+        &["--quiet", "--shards", "4", "--out", &out],
     );
     refused(
-        TOWER,
+        &shard_new(TOWER),
+        &["--shards", "5", "--out", &out],
+        2,
+        "is split into 4 shards of 10 runs",
+    );
+    refused(
+        &shard_new(TOWER),
         &["--seed", "4", "--shards", "4", "--out", &out],
         2,
         "cannot be used multiple times",
     );
-    refused(TOWER, &["--out", &out], 2, "stochc merge");
-    refused(TOWER, &["--resume", "--out", &out], 2, "stochc merge");
+    refused(TOWER, &["--out", &out], 2, "stochc shard merge");
+    refused("resume", &[&out], 2, "stochc shard merge");
     for line in ["show", "report", "replay --run 0"] {
-        refused(line, &[&out], 2, "stochc status");
+        refused(line, &[&out], 2, "stochc shard status");
     }
     refused(
-        "shard",
+        "shard run",
         &[&out, "4"],
         2,
-        "there is no piece 4: they are 0 to 3",
+        "there is no shard 4; shards are 0 to 3",
     );
-    refused("shard", &[&out, "-1"], 2, "-1");
-    stochc_with("shard --quiet", &[&out, "1"]);
+    refused("shard run", &[&out, "-1"], 2, "-1");
+    stochc_with("shard run --quiet", &[&out, "1"]);
     refused(
-        "merge",
+        "shard merge",
         &[&out],
         3,
-        "3 of 4 pieces are missing or damaged (0, 2 and 3)",
+        "3 of 4 shards are missing or corrupted (0, 2 and 3)",
     );
     for piece in ["0", "2", "3"] {
-        stochc_with("shard --quiet", &[&out, piece]);
+        stochc_with("shard run --quiet", &[&out, piece]);
     }
-    stochc_with("merge --quiet", &[&out]);
-    for line in ["merge", "status"] {
-        refused(line, &[&out], 2, "is not cut into pieces: 10 of 10 runs");
+    stochc_with("shard merge --quiet", &[&out]);
+    for line in ["shard merge", "shard status"] {
+        refused(line, &[&out], 2, "has no shards: it holds 10 of 10 runs");
     }
     refused(
-        "shard",
+        "shard run",
         &[&out, "0"],
         2,
-        "is not cut into pieces: 10 of 10 runs",
+        "has no shards: it holds 10 of 10 runs",
     );
     refused(
-        TOWER,
+        &shard_new(TOWER),
         &["--shards", "4", "--out", &out],
         2,
         "holds 10 runs of this ensemble already",
@@ -192,36 +197,39 @@ fn damaged_pieces_are_made_again_by_what_is_proposed() {
     let folder = tempfile::tempdir().unwrap();
     let [plain, out] = ["plain", "out"].map(|name| path(folder.path(), name));
     stochc_with(TOWER, &["--quiet", "--threads", "1", "--out", &plain]);
-    stochc_with(TOWER, &["--quiet", "--shards", "4", "--out", &out]);
+    stochc_with(
+        &shard_new(TOWER),
+        &["--quiet", "--shards", "4", "--out", &out],
+    );
     for piece in ["0", "1", "2", "3"] {
-        stochc_with("shard --quiet", &[&out, piece]);
+        stochc_with("shard run --quiet", &[&out, piece]);
     }
     for piece in ["1", "3"] {
         damage(&out, piece);
     }
-    let said = stochc_with("merge", &[&out]);
+    let said = stochc_with("shard merge", &[&out]);
     assert_eq!(said.status, 3, "{}", said.err);
     assert!(
-        said.err.contains("for i in 1 3; do stochc shard "),
+        said.err.contains("for i in 1 3; do stochc shard run "),
         "{}",
         said.err
     );
     for piece in ["1", "3"] {
-        stochc_with("shard --quiet", &[&out, piece]);
+        stochc_with("shard run --quiet", &[&out, piece]);
         damage(&out, piece);
     }
-    let said = stochc_with("verify --repair", &[&out]);
+    let said = stochc_with("fsck --repair", &[&out]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(
-        said.out.contains("repaired: `stochc status "),
+        said.out.contains("repaired: `stochc shard status "),
         "{}",
         said.out
     );
-    assert_eq!(stochc_with("status --missing", &[&out]).out, "1\n3\n");
+    assert_eq!(stochc_with("shard status --missing", &[&out]).out, "1\n3\n");
     for piece in ["1", "3"] {
-        stochc_with("shard --quiet", &[&out, piece]);
+        stochc_with("shard run --quiet", &[&out, piece]);
     }
-    assert_eq!(stochc_with("merge --quiet", &[&out]).status, 0);
+    assert_eq!(stochc_with("shard merge --quiet", &[&out]).status, 0);
     let mut merged = files(&out);
     merged.retain(|name, _| !name.starts_with("damaged/"));
     assert!(merged == files(&plain));
@@ -231,28 +239,34 @@ fn damaged_pieces_are_made_again_by_what_is_proposed() {
 fn pieces_are_kept_whose_cut_is_lost() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    stochc_with(TOWER, &["--quiet", "--shards", "4", "--out", &out]);
+    stochc_with(
+        &shard_new(TOWER),
+        &["--quiet", "--shards", "4", "--out", &out],
+    );
     for piece in ["0", "1", "2", "3"] {
-        stochc_with("shard --quiet", &[&out, piece]);
+        stochc_with("shard run --quiet", &[&out, piece]);
     }
     let cut = format!("{out}/shards.json");
     let text = fs::read_to_string(&cut).unwrap();
     fs::write(&cut, &text[..text.len() - 5]).unwrap();
     let before = files(&out);
-    let said = stochc_with("verify --repair", &[&out]);
+    let said = stochc_with("fsck --repair", &[&out]);
     assert_eq!(said.status, 2, "{}", said.out);
     assert!(said.err.contains("move it away"), "{}", said.err);
     assert!(files(&out) == before);
     fs::remove_file(&cut).unwrap();
-    let said = stochc_with("status", &[&out]);
+    let said = stochc_with("shard status", &[&out]);
     assert_eq!(said.status, 2, "{}", said.out);
     assert!(
-        said.err.contains("writes it anew and keeps the pieces"),
+        said.err.contains("writes it again and keeps the shards"),
         "{}",
         said.err
     );
-    let said = stochc_with(TOWER, &["--quiet", "--shards", "4", "--out", &out]);
+    let said = stochc_with(
+        &shard_new(TOWER),
+        &["--quiet", "--shards", "4", "--out", &out],
+    );
     assert_eq!(said.status, 0, "{}", said.err);
-    assert_eq!(stochc_with("status --missing", &[&out]).out, "");
-    assert_eq!(stochc_with("merge --quiet", &[&out]).status, 0);
+    assert_eq!(stochc_with("shard status --missing", &[&out]).out, "");
+    assert_eq!(stochc_with("shard merge --quiet", &[&out]).status, 0);
 }

@@ -10,9 +10,9 @@ fn a_folder_tells_what_was_told_when_it_was_filled() {
         "simulate --quiet --model shuffle --runs 4 tests/fixtures/tower.sa tests/fixtures/late.sa";
     for form in [
         &[][..],
-        &["--bonds"],
-        &["--format", "json"],
-        &["--format", "json", "--bonds"],
+        &["--captures"],
+        &["--json"],
+        &["--json", "--captures"],
     ] {
         let told = stochc_with(simulate, &[&["--out", &out], form].concat());
         let again = stochc_with("show", &[&[out.as_str()], form].concat());
@@ -41,7 +41,7 @@ fn the_first_reason_of_runs_that_fail_is_told() {
     );
     assert!(said.err.contains("block "), "{}", said.err);
     assert!(
-        said.err.contains("`stochc simulate ... --run 0`"),
+        said.err.contains("`stochc trace ... --run 0`"),
         "{}",
         said.err
     );
@@ -75,7 +75,7 @@ fn a_timeout_of_one_of_several_phases_makes_no_program_faster() {
         file
     };
     let files = [file("limited", "timeout 900 ticks"), file("patient", "")];
-    let command = "simulate --quiet --model rate --runs 200 --format json";
+    let command = "simulate --quiet --model rate --runs 200 --json";
     let said = stochc_with(command, &[&files[0], &files[1]]);
     assert_eq!(said.status, 3, "{}", said.err);
     let found: serde_json::Value = serde_json::from_str(&said.out).unwrap();
@@ -103,7 +103,7 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
                 assembly always { seed plate 1 x 1 { M at (0, 0) } phase a { M.up -> A.up -> B.up -> C } }\n";
     let file = path(folder.path(), "both.sa");
     fs::write(&file, text).unwrap();
-    let command = "simulate --quiet --model rate --runs 200 --format json";
+    let command = "simulate --quiet --model rate --runs 200 --json";
     let said = stochc_with(command, &[&file]);
     let found: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     assert_eq!(
@@ -120,7 +120,7 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
     let slow = path(folder.path(), "limited.sa");
     fs::write(&slow, limited).unwrap();
     let out = path(folder.path(), "out");
-    let sweep = "simulate --quiet --model shuffle --runs 3 --sweep";
+    let sweep = "sweep --quiet --model shuffle --runs 3 --vary";
     stochc_with(sweep, &["tick=10,40 ms", &slow, "--out", &out]);
     let json = fs::read_to_string(path(folder.path(), "out/sweep.json")).unwrap();
     let found: serde_json::Value = serde_json::from_str(&json).unwrap();
@@ -137,7 +137,7 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
     let simulate =
         "simulate --quiet --model rate --runs 6 examples/line.sa tests/fixtures/tower.sa --out";
     assert_eq!(stochc_with(simulate, &[&out]).status, 0);
-    let found = stochc_with("show --format json", &[&out]).json();
+    let found = stochc_with("show --json", &[&out]).json();
     let program = &found["programs"][0];
     let [mean, tick] = [&program["time"]["mean"], &program["tick"]].map(|it| it.as_f64().unwrap());
     let cell = |unit: &str, name: &str| {
@@ -181,7 +181,7 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
         ),
         (&["--label", "line"], "NAME=TEXT"),
         (&["--unit", "s"], "`--unit s` is for"),
-        (&["--format", "csv", "--bonds"], "`--bonds` is for"),
+        (&["--format", "csv", "--captures"], "`--captures` is for"),
     ] {
         let said = stochc_with("show", &[&[out.as_str()], more].concat());
         assert_eq!((said.status, said.out.as_str()), (2, ""));
@@ -193,7 +193,8 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
 fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let sweep = "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa --sweep free=200,400 --out";
+    let sweep =
+        "sweep --quiet --model shuffle --runs 3 tests/fixtures/tower.sa --vary free=200,400 --out";
     assert_eq!(stochc_with(sweep, &[&out]).status, 0);
     let csv = stochc_with("show --format csv --label tower=Tower", &[&out]).out;
     assert!(
@@ -230,7 +231,7 @@ fn a_difference_that_is_not_significant_is_told_with_the_runs_that_it_needs() {
         words.contains(": not significant. A difference of 5 % would need "),
         "{words}"
     );
-    let found = stochc_with(simulate, &[&file, "--format", "json"]).json();
+    let found = stochc_with(simulate, &[&file, "--json"]).json();
     let difference = &found["pairs"][0]["difference"];
     assert_eq!(difference["longer"], "not_significant");
     let needed = difference["runs_for_5_percent"].as_u64().unwrap();
@@ -271,7 +272,7 @@ fn a_replay_without_a_number_shows_the_median_run() {
     let out = path(folder.path(), "out");
     let simulate = "simulate --quiet --substeps 1 --runs 5 tests/fixtures/dense.sa --out";
     assert_eq!(stochc_with(simulate, &[&out]).status, 0);
-    let runs = stochc_with("show --format json", &[&out]).json();
+    let runs = stochc_with("show --json", &[&out]).json();
     let median = runs["programs"][0]["time"]["median"].as_f64().unwrap();
     let said = stochc_with("replay", &[&out]);
     assert_eq!(said.status, 0, "{}", said.err);
@@ -282,7 +283,7 @@ fn a_replay_without_a_number_shows_the_median_run() {
         "{}",
         said.out
     );
-    let single = "simulate --substeps 1 --format json tests/fixtures/dense.sa --run";
+    let single = "trace --substeps 1 --json tests/fixtures/dense.sa --run";
     let ticks = stochc_with(single, &[run]).json()["runs"][0]["ticks"]
         .as_f64()
         .unwrap();
@@ -337,7 +338,7 @@ fn one_folder_has_one_test_and_one_wording() {
         assert_eq!(told.status == 3, name == "censored", "{}", told.err);
         let results = stochc_with("show", &[&out]);
         assert_eq!(results.out, told.out);
-        let json = stochc_with("show --format json", &[&out]).json();
+        let json = stochc_with("show --json", &[&out]).json();
         let pair = &json["pairs"][0]["difference"];
         assert_eq!(pair["test"]["kind"], "paired");
         assert_eq!(pair["horizon"].is_null(), name == "all", "{pair}");

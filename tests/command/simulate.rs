@@ -35,8 +35,8 @@ fn a_dry_run_forecasts_the_cpu_time() {
         assert!(said.out.contains(" of CPU time"), "{}", said.out);
         said.out
     };
-    let simulate = "simulate --dry-run --quiet --substeps 1 examples/line.sa --out";
-    let told = seconds(simulate, &[&out, "--runs", "40", "--sweep", "free=200,300"]);
+    let sweep = "sweep --dry-run --quiet --substeps 1 examples/line.sa --out";
+    let told = seconds(sweep, &[&out, "--runs", "40", "--vary", "free=200,300"]);
     assert!(told.starts_with("80 runs, "), "{told}");
     assert!(!std::path::Path::new(&out).exists());
     let trade =
@@ -47,10 +47,10 @@ fn a_dry_run_forecasts_the_cpu_time() {
 
 #[test]
 fn figures_come_as_json_too() {
-    let figures = stochc_with(TOWER, &["--runs", "4", "--format", "json"]).json();
+    let figures = stochc_with(TOWER, &["--runs", "4", "--json"]).json();
     assert_eq!(figures["programs"][0]["completed"], 4);
     assert_eq!(figures["programs"][0]["time"]["mean"], 3.0);
-    let both = stochc_with(TOWER, &["--runs", "4", "--format", "json", "--bonds"]).json();
+    let both = stochc_with(TOWER, &["--runs", "4", "--json", "--captures"]).json();
     assert_eq!(both["programs"], figures["programs"]);
     let captures = &both["captures"][0];
     assert_eq!(captures["program"], "tower");
@@ -59,7 +59,7 @@ fn figures_come_as_json_too() {
 
 #[test]
 fn captures_are_told_on_request() {
-    let said = stochc_with(TOWER, &["--runs", "4", "--bonds"]);
+    let said = stochc_with(TOWER, &["--runs", "4", "--captures"]);
     let (_, captures) = said.out.split_once("tower, capture by capture\n").unwrap();
     for edge in ["foot: M.up -> A", "top: A.up -> B", "top: B.up -> C"] {
         assert!(captures.contains(edge), "{captures}");
@@ -90,7 +90,7 @@ fn a_timeout_is_told_and_a_status() {
 
 #[test]
 fn a_run_that_is_stopped_tells_by_what_and_what_it_waited_for() {
-    const LATE: &str = "simulate --model shuffle --run 0 tests/fixtures/late.sa";
+    const LATE: &str = "trace --model shuffle --run 0 tests/fixtures/late.sa";
     for (limit, end) in [
         ("9", "timed out in phase grow after 2 ticks (40.0 ms)"),
         (
@@ -112,7 +112,7 @@ fn a_run_that_is_stopped_tells_by_what_and_what_it_waited_for() {
 /// Who reads the record of a run needs no other file to know who did what.
 #[test]
 fn a_run_in_json_has_names_beside_indices() {
-    let said = stochc("simulate --model shuffle --run 0 --format json tests/fixtures/late.sa");
+    let said = stochc("trace --model shuffle --run 0 --json tests/fixtures/late.sa");
     let record = &said.json()["runs"][0];
     assert_eq!(record["program"], "late");
     assert_eq!(record["phase_names"], serde_json::json!(["grow"]));
@@ -133,7 +133,7 @@ fn a_run_in_json_has_names_beside_indices() {
         ],
         ["grow", "T[2]", "T[3]"]
     );
-    let said = stochc("simulate --model shuffle --run 0 --format json tests/fixtures/attached.sa");
+    let said = stochc("trace --model shuffle --run 0 --json tests/fixtures/attached.sa");
     for record in said.json()["runs"].as_array().unwrap() {
         assert_eq!(record["bonds"][0]["phase_name"], "seed");
         let release = &record["releases"][0];
@@ -198,7 +198,8 @@ fn one_run_is_that_of_the_ensemble() {
     assert_eq!(records.len(), 4);
     for record in records {
         let run = record["run"].to_string();
-        let said = stochc_with(TOWER, &["--seed", "7", "--format", "json", "--run", &run]);
+        let trace = TOWER.replace("simulate", "trace");
+        let said = stochc_with(&trace, &["--seed", "7", "--json", "--run", &run]);
         assert!(
             contains(&said.json()["runs"][0], &record),
             "run {run}: {}",
@@ -209,7 +210,7 @@ fn one_run_is_that_of_the_ensemble() {
 
 #[test]
 fn a_run_is_told_capture_by_capture() {
-    let said = stochc("simulate --model shuffle --run 1 tests/fixtures/tower.sa");
+    let said = stochc("trace --model shuffle --run 1 tests/fixtures/tower.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     let told = without_blocks(&said.out);
     insta::assert_snapshot!(told);
@@ -229,10 +230,9 @@ fn without_blocks(text: &str) -> String {
 fn runs_are_made_until_means_are_known() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let line =
-        "simulate examples/line.sa examples/open_platform.sa --model rate --quiet --format json";
-    let until = |share: &str, more: &[&str]| {
-        let said = stochc_with(line, &[&["--until", share, "--out", &out], more].concat());
+    let line = "simulate examples/line.sa examples/open_platform.sa --model rate --quiet --json";
+    let until = |share: &str| {
+        let said = stochc_with(line, &["--until", share, "--out", &out]);
         assert_eq!(said.status, 0, "{}", said.err);
         (said.json(), said.err)
     };
@@ -244,7 +244,7 @@ fn runs_are_made_until_means_are_known() {
         };
         programs.iter().map(half).collect()
     };
-    let (said, err) = until("3%", &[]);
+    let (said, err) = until("3%");
     let runs = said["programs"][0]["runs"].as_u64().unwrap();
     assert!(relative(&said).iter().all(|&half| half <= 0.03), "{said}");
     assert!((60..400).contains(&runs) && err.is_empty(), "{runs}: {err}");
@@ -253,11 +253,11 @@ fn runs_are_made_until_means_are_known() {
     let asked = stochc_with(line, &["--runs", &runs.to_string(), "--out", &at_once]).json();
     assert_eq!(asked, said);
     // Once more it is there already, and further it goes only if that is said.
-    assert_eq!(until("3%", &[]).0, said);
+    assert_eq!(until("3%").0, said);
     let unsaid = stochc_with(line, &["--until", "2%", "--out", &out]);
     assert_eq!(unsaid.status, 2, "{}", unsaid.err);
     // Further, and no further than is allowed.
-    let (further, _) = until("2%", &["--resume"]);
+    let further = stochc_with("resume --quiet --json --until 2%", &[&out]).json();
     assert!(further["programs"][0]["runs"].as_u64().unwrap() > runs);
     let other = path(folder.path(), "other");
     let few = stochc_with(line, &["--until", "2%", "--runs", "40", "--out", &other]);

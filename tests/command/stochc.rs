@@ -70,6 +70,12 @@ impl Said {
     }
 }
 
+/// The command that splits an ensemble into shards instead of simulating it.
+pub fn shard_new(line: &str) -> String {
+    let (_, options) = line.split_once(' ').unwrap();
+    format!("shard new {options}")
+}
+
 /// A file below a folder, as an argument.
 pub fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().unwrap().to_owned()

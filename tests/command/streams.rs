@@ -87,7 +87,7 @@ fn a_terminal_gets_a_picture_and_the_next_command() {
     let simulate = "simulate --model shuffle --runs 3 tests/fixtures/tower.sa";
     let watched = on_a_terminal(simulate).unwrap();
     assert!(watched.contains("not complete yet") && !watched.contains("stochc report"));
-    for quiet in ["--quiet", "--format json"] {
+    for quiet in ["--quiet", "--json"] {
         let watched = on_a_terminal(&format!("{simulate} {quiet}")).unwrap();
         assert!(!watched.contains("not complete yet"), "{watched}");
     }
@@ -113,7 +113,7 @@ fn a_reader_that_leaves_is_no_trouble() {
         &["explain"],
         &["explain", "cycle"],
         &["simulate", "--model", "shuffle", "--runs", "3", &file],
-        &["simulate", "--model", "shuffle", "--run", "3", &file],
+        &["trace", "--model", "shuffle", "--run", "3", &file],
         &["--help"],
     ] {
         let mut command = command(arguments.iter().copied());
@@ -157,7 +157,7 @@ fn a_reader_that_leaves_costs_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let [out, trade] = ["out", "trade"].map(|name| path(folder.path(), name));
     let unsuccessful = [
-        "simulate",
+        "sweep",
         "--model",
         "shuffle",
         "--runs",
@@ -168,7 +168,7 @@ fn a_reader_that_leaves_costs_no_file() {
     ];
     let sweep = [
         "tests/fixtures/tower.sa",
-        "--sweep",
+        "--vary",
         "free=50,100",
         "--out",
         &out,

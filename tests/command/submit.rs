@@ -5,13 +5,15 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::stochc::{Said, command, path, said, stochc_with};
+use crate::stochc::{Said, command, path, said, shard_new, stochc_with};
 
 const TOWER: &str = "simulate --model shuffle tests/fixtures/tower.sa --runs 10 --seed 3 --quiet";
 
 /// Runs `submit` without Slurm's commands.
 fn submit(arguments: &[&str]) -> Said {
-    let arguments = std::iter::once("submit").chain(arguments.iter().copied());
+    let arguments = ["shard", "submit"]
+        .into_iter()
+        .chain(arguments.iter().copied());
     said(command(arguments).env("PATH", ""))
 }
 
@@ -36,7 +38,7 @@ impl FakeSlurm {
     fn new(sbatch: &str, squeue: &str) -> FakeSlurm {
         let folder = tempfile::tempdir().unwrap();
         let out = path(folder.path(), "out");
-        stochc_with(TOWER, &["--shards", "4", "--out", &out]);
+        stochc_with(&shard_new(TOWER), &["--shards", "4", "--out", &out]);
         let fake = FakeSlurm { folder, out };
         fs::create_dir(fake.folder.path().join("bin")).unwrap();
         fs::write(fake.folder.path().join("jobs"), "").unwrap();
@@ -63,7 +65,7 @@ echo \"$* ${SBATCH_ARRAY_INX-}\" >>calls";
     }
 
     fn command(&self, options: &str) -> std::process::Command {
-        let mut command = command(["submit", &self.out]);
+        let mut command = command(["shard", "submit", &self.out]);
         command.args(options.split_whitespace());
         let bin = self.folder.path().join("bin");
         command.env("PATH", format!("{}:/usr/bin:/bin", bin.display()));
@@ -77,7 +79,7 @@ echo \"$* ${SBATCH_ARRAY_INX-}\" >>calls";
     /// Runs shards here.
     fn run_shards(&self) {
         for shard in ["0", "1", "2", "3"] {
-            stochc_with("shard --quiet", &[&self.out, shard]);
+            stochc_with("shard run --quiet", &[&self.out, shard]);
         }
     }
 
@@ -98,10 +100,10 @@ echo \"$* ${SBATCH_ARRAY_INX-}\" >>calls";
 fn without_slurm_there_is_a_way_out() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    stochc_with(TOWER, &["--shards", "4", "--out", &out]);
+    stochc_with(&shard_new(TOWER), &["--shards", "4", "--out", &out]);
     let said = submit(&[&out]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
-    for what in ["`squeue` is not installed", "stochc status"] {
+    for what in ["`squeue` is not installed", "stochc shard status"] {
         assert!(said.err.contains(what), "{what}: {}", said.err);
     }
     assert!(!Path::new(&out).join("slurm").exists());
@@ -113,7 +115,7 @@ fn without_a_configuration_there_is_a_way_out() {
     let slurm = FakeSlurm::new(ACCEPTS, fatal);
     let said = slurm.submit("");
     assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
-    for what in ["establish a configuration", "stochc status"] {
+    for what in ["establish a configuration", "stochc shard status"] {
         assert!(said.err.contains(what), "{what}: {}", said.err);
     }
     assert!(!said.err.contains("--partition"), "{}", said.err);
@@ -290,8 +292,8 @@ fn tasks_are_limited_as_asked_and_by_the_site() {
 fn a_dry_run_shows_scripts_and_commands() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "it's out");
-    stochc_with(TOWER, &["--shards", "4", "--out", &out]);
-    stochc_with("shard --quiet", &[&out, "2"]);
+    stochc_with(&shard_new(TOWER), &["--shards", "4", "--out", &out]);
+    stochc_with("shard run --quiet", &[&out, "2"]);
     let more = [
         "--partition",
         "long",
@@ -315,7 +317,8 @@ fn a_dry_run_shows_scripts_and_commands() {
     assert!(!Path::new(&out).join("slurm").exists());
     // More shards than Slurm's default number of tasks.
     let many = path(folder.path(), "many");
-    let line = "simulate --model shuffle tests/fixtures/tower.sa --runs 4000 --shards 4000 --quiet";
+    let line =
+        "shard new --model shuffle tests/fixtures/tower.sa --runs 4000 --shards 4000 --quiet";
     stochc_with(line, &["--out", &many]);
     let shown = submit(&[&many, "--dry-run"]).out;
     assert!(shown.contains("per_task=4\n"), "{shown}");
@@ -328,7 +331,7 @@ fn the_scripts_are_plain_shell() {
     let folder = tempfile::tempdir().unwrap();
     let [plain, out] = ["plain", "$(out) it's"].map(|name| path(folder.path(), name));
     stochc_with(TOWER, &["--threads", "1", "--out", &plain]);
-    stochc_with(TOWER, &["--shards", "5", "--out", &out]);
+    stochc_with(&shard_new(TOWER), &["--shards", "5", "--out", &out]);
     let shown = submit(&[&out, "--dry-run", "--per-task", "2"]).out;
     let mut scripts = shown.split("#!/bin/sh\n").skip(1);
     let [shards, merge] = [scripts.next().unwrap(), scripts.next().unwrap()].map(|script| {
@@ -375,8 +378,8 @@ fn the_scripts_are_plain_shell() {
     assert!(log("12_1.log").is_err());
     assert_eq!(run(merge, "").status, 0);
     assert_eq!(
-        stochc_with("verify", &[&out]).out,
-        stochc_with("verify", &[&plain]).out
+        stochc_with("fsck", &[&out]).out,
+        stochc_with("fsck", &[&plain]).out
     );
     assert!(!Path::new(&out).join("slurm").exists());
     let again = submit(&[&out]);
@@ -395,7 +398,7 @@ fn what_cannot_be_submitted_is_refused() {
     };
     refused(&[&out], "cannot use");
     refused(&[folder.path().to_str().unwrap()], "holds no results");
-    stochc_with(TOWER, &["--shards", "4", "--out", &out]);
+    stochc_with(&shard_new(TOWER), &["--shards", "4", "--out", &out]);
     for option in [
         "--wait",
         "-W",
@@ -441,9 +444,12 @@ fn a_name_that_is_no_text_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let [out, odd] =
         [&b"out"[..], b"\xff"].map(|it| folder.path().join(std::ffi::OsStr::from_bytes(it)));
-    stochc_with(TOWER, &["--shards", "2", "--out", out.to_str().unwrap()]);
+    stochc_with(
+        &shard_new(TOWER),
+        &["--shards", "2", "--out", out.to_str().unwrap()],
+    );
     fs::rename(&out, &odd).unwrap();
-    let said = said(command(["submit", "--dry-run"]).arg(&odd));
+    let said = said(command(["shard", "submit", "--dry-run"]).arg(&odd));
     assert_eq!(said.status, 2);
     assert!(said.err.contains("is not UTF-8"), "{}", said.err);
 }

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::stochc::{Said, path, stochc, stochc_with, tables};
+use crate::stochc::{Said, path, stochc_with, tables};
 
-const TOWER: &str = "simulate --model shuffle --quiet --runs 3 tests/fixtures/tower.sa";
+const TOWER: &str = "sweep --model shuffle --quiet --runs 3 tests/fixtures/tower.sa";
 
 fn text(folder: &str, name: &str) -> String {
     fs::read_to_string(Path::new(folder).join(name)).unwrap()
@@ -20,7 +20,7 @@ fn json(folder: &str, name: &str) -> Value {
 fn a_number_is_swept_in_one_folder() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let sweep = ["--sweep", "free=50..150/3", "--out", &out];
+    let sweep = ["--vary", "free=50..150/3", "--out", &out];
     let said = stochc_with(TOWER, &sweep);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     insta::assert_snapshot!(said.out);
@@ -64,10 +64,7 @@ fn a_number_is_swept_in_one_folder() {
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = text(&out, "report.html");
     assert!(page.contains("What was varied"), "{page}");
-    assert!(
-        page.contains("--sweep free=50,100,150 --out"),
-        "the command"
-    );
+    assert!(page.contains("--vary free=50,100,150 --out"), "the command");
     assert!(text(&out, "report-figures/sweep-1.svg").contains("over free"));
 }
 
@@ -80,7 +77,7 @@ fn what_is_attached_by_hand_is_no_capture() {
         "assembly hand { seed plate 1 x 1 { A at (0, 0)  A.up -> B }\nphase one { B.up -> C } }";
     fs::write(&file, text).unwrap();
     let out = path(folder.path(), "out");
-    let line = "simulate --model shuffle --quiet --runs 5 --sweep free=50,80";
+    let line = "sweep --model shuffle --quiet --runs 5 --vary free=50,80";
     let said = stochc_with(line, &[&file, "--out", &out]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     for point in json(&out, "sweep.json")["points"].as_array().unwrap() {
@@ -93,7 +90,7 @@ fn what_is_attached_by_hand_is_no_capture() {
 fn two_numbers_meet_each_other() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let axes = ["--sweep", "bond.pull=2..12 N/3", "--sweep", "free=50,80"];
+    let axes = ["--vary", "bond.pull=2..12 N/3", "--vary", "free=50,80"];
     let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
     assert_eq!(said.status, 0, "{}", said.err);
     for point in [
@@ -119,7 +116,7 @@ fn two_numbers_meet_each_other() {
     assert_eq!(scene["free"]["count"], 50);
     // Many values of the second make a map.
     let out = path(folder.path(), "map");
-    let axes = ["--sweep", "bond.pull=2..12 N/3", "--sweep", "free=50..57/8"];
+    let axes = ["--vary", "bond.pull=2..12 N/3", "--vary", "free=50..57/8"];
     let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
     assert_eq!(said.status, 0, "{}", said.err);
     assert_eq!(
@@ -143,11 +140,11 @@ fn a_third_number_makes_more_figures() {
     let figures = |name: &str, ticks: &str| {
         let out = path(folder.path(), name);
         let axes = [
-            "--sweep",
+            "--vary",
             "free=50,60",
-            "--sweep",
+            "--vary",
             "bond.pull=2,4 N",
-            "--sweep",
+            "--vary",
             ticks,
         ];
         let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
@@ -178,8 +175,8 @@ fn a_third_number_makes_more_figures() {
 /// Two programs are compared at the same values, and a program with itself never.
 #[test]
 fn programs_are_compared_at_the_same_point() {
-    let more = ["tests/fixtures/importing.sa", "--sweep", "free=50,80"];
-    let said = stochc_with(TOWER, &[&more[..], &["--format", "json"]].concat());
+    let more = ["tests/fixtures/importing.sa", "--vary", "free=50,80"];
+    let said = stochc_with(TOWER, &[&more[..], &["--json"]].concat());
     let figures = said.json();
     let pairs = figures["pairs"].as_array().unwrap().iter();
     let pairs: Vec<_> = pairs
@@ -203,7 +200,7 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
     fs::write(&program, source.replace("2 ticks", "40 ms")).unwrap();
     let out = path(folder.path(), "out");
     let said = stochc_with(
-        "simulate --model shuffle --quiet --runs 3 --sweep",
+        "sweep --model shuffle --quiet --runs 3 --vary",
         &["tick=10,20 ms", &program, "--out", &out],
     );
     // Four ticks are enough for the three captures, two are not.
@@ -226,7 +223,7 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
     let never = |said: &Said| said.out.replace("\n  ", " ").contains("never complete");
     assert!(never(&said), "{}", said.out);
     // The limit of ticks says nothing of what would come.
-    let cut = stochc_with(TOWER, &["--sweep", "free=50,80", "--max-ticks", "1"]);
+    let cut = stochc_with(TOWER, &["--vary", "free=50,80", "--max-ticks", "1"]);
     assert!(
         cut.out.contains("0 of 3") && cut.out.contains("≥: "),
         "{}",
@@ -253,9 +250,9 @@ fn a_swept_folder_is_made_again_and_goes_on() {
     let [whole, torn, again] = ["whole", "torn", "again"].map(|name| path(folder.path(), name));
     // Ratios of three make numbers with many digits.
     let sweep = [
-        "--sweep",
+        "--vary",
         "agitation=0.1..0.3 m/s/4 log",
-        "--sweep",
+        "--vary",
         "free=50,60",
     ];
     let with = |more: &[&str]| stochc_with(TOWER, &[&sweep[..], more].concat());
@@ -263,7 +260,7 @@ fn a_swept_folder_is_made_again_and_goes_on() {
     assert_eq!(said.status, 0, "{}", said.err);
     // From its manifest alone.
     let manifest = path(whole.as_ref(), "manifest.json");
-    let rerun = stochc_with("simulate --quiet --manifest", &[&manifest, "--out", &again]);
+    let rerun = stochc_with("repeat --quiet", &[&manifest, "--out", &again]);
     assert_eq!((rerun.status, rerun.err.as_str()), (0, ""));
     assert_eq!(rerun.out, said.out);
     assert!(tables(&whole) == tables(&again));
@@ -287,19 +284,14 @@ fn a_swept_folder_is_made_again_and_goes_on() {
     );
     let refused = with(&["--out", &torn]);
     assert_eq!(refused.status, 2);
-    assert!(refused.err.contains("`--resume`"), "{}", refused.err);
-    let resumed = with(&["--out", &torn, "--resume"]);
+    assert!(refused.err.contains("stochc resume "), "{}", refused.err);
+    let resumed = stochc_with("resume --quiet", &[&torn]);
     assert_eq!((resumed.status, resumed.out), (0, said.out));
     assert!(tables(&whole) == tables(&torn));
     assert_eq!(text(&whole, "sweep.csv"), text(&torn, "sweep.csv"));
     // Other values are another ensemble.
-    let other = [
-        "--sweep",
-        "agitation=0.1..0.3 m/s/4",
-        "--sweep",
-        "free=50,60",
-    ];
-    let said = stochc_with(TOWER, &[&other[..], &["--out", &torn, "--resume"]].concat());
+    let other = ["--vary", "agitation=0.1..0.3 m/s/4", "--vary", "free=50,60"];
+    let said = stochc_with(TOWER, &[&other[..], &["--out", &torn]].concat());
     assert_eq!(said.status, 2);
     assert!(said.err.contains("the list of programs is"), "{}", said.err);
 }
@@ -308,8 +300,8 @@ fn a_swept_folder_is_made_again_and_goes_on() {
 fn a_point_can_be_watched() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let simulate = "simulate --quiet --runs 2 tests/fixtures/dense.sa";
-    let said = stochc_with(simulate, &["--sweep", "free=10,12", "--out", &out]);
+    let simulate = "sweep --quiet --runs 2 tests/fixtures/dense.sa";
+    let said = stochc_with(simulate, &["--vary", "free=10,12", "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
     let replay = ["--run", "1", "--program", "dense [free=10]"];
     let said = stochc_with("replay", &[&[&*out], &replay[..]].concat());
@@ -359,9 +351,9 @@ fn what_a_scene_does_not_have_is_told() {
             "`bond.anchor.tilt` must be more than 0 and at most 90 deg, and is 91 deg",
         ),
     ] {
-        let said = stochc_with(TOWER, &["--sweep", sweep]);
+        let said = stochc_with(TOWER, &["--vary", sweep]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{sweep}");
-        let reason = format!("error: --sweep: {reason}");
+        let reason = format!("error: --vary: {reason}");
         assert!(said.err.contains(&reason), "{sweep}: {}", said.err);
     }
     for sweep in [
@@ -371,17 +363,19 @@ fn what_a_scene_does_not_have_is_told() {
         "free=1..2/1000000",
         "bond.pull=3 newton",
     ] {
-        let said = stochc_with(TOWER, &["--sweep", sweep]);
+        let said = stochc_with(TOWER, &["--vary", sweep]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{sweep}");
-        assert!(said.err.contains("for '--sweep"), "{sweep}: {}", said.err);
+        assert!(said.err.contains("for '--vary"), "{sweep}: {}", said.err);
     }
-    let said = stochc("simulate --sweep free=5 --manifest nothing.json");
-    assert_eq!(said.status, 2, "the manifest says the scene");
+    let said = stochc_with(TOWER, &["--substeps", "4", "--vary", "substeps=1,2"]);
+    assert_eq!(said.status, 2);
+    let reason = "`--substeps` and `--vary substeps=...` exclude each other";
+    assert!(said.err.contains(reason), "{}", said.err);
 }
 
 #[test]
 fn a_sweep_that_would_never_end_is_refused() {
-    let axes = ["--sweep", "free=100..199/100", "--sweep", "tick=1..5 ms/5"];
+    let axes = ["--vary", "free=100..199/100", "--vary", "tick=1..5 ms/5"];
     let said = stochc_with(TOWER, &axes);
     assert_eq!(said.status, 2);
     assert!(
@@ -390,7 +384,7 @@ fn a_sweep_that_would_never_end_is_refused() {
         said.err
     );
     let many = TOWER.replace("--runs 3", "--runs 5000000");
-    let said = stochc_with(&many, &["--sweep", "free=50,60,70"]);
+    let said = stochc_with(&many, &["--vary", "free=50,60,70"]);
     assert_eq!(said.status, 2);
     assert!(
         said.err.contains("more than 10000000; lower `--runs`"),
@@ -403,7 +397,7 @@ fn a_sweep_that_would_never_end_is_refused() {
 fn a_point_at_which_the_program_is_wrong_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let said = stochc_with(TOWER, &["--sweep", "free=1,2,3", "--out", &out]);
+    let said = stochc_with(TOWER, &["--vary", "free=1,2,3", "--out", &out]);
     assert_eq!((said.status, said.out.as_str()), (1, ""));
     assert!(
         said.err

@@ -31,7 +31,7 @@ fn every_physical_example_runs_in_both_models() {
 #[test]
 fn units_that_find_each_other_do_so_alike_at_any_number_of_threads() {
     let run = |threads| {
-        let arguments = ["--threads", threads, "--format", "json"];
+        let arguments = ["--threads", threads, "--json"];
         let said = stochc_with(
             "simulate examples/experiment_2.sa --runs 3 --quiet --max-ticks 1500",
             &arguments,

@@ -51,7 +51,7 @@ fn every_setting_is_measured_and_kept() {
     assert!(said.err.starts_with(note), "{}", said.err);
     assert!(!said.out.contains(" rate "), "{}", said.out);
     // The folder is that of a sweep.
-    for command in ["show", "report", "verify"] {
+    for command in ["show", "report", "fsck"] {
         let other = stochc_with(command, &[&out]);
         assert_eq!(other.status, 0, "{command}: {}", other.err);
     }
@@ -98,7 +98,7 @@ fn every_setting_is_measured_and_kept() {
 
     // A run of it is a run of `simulate`.
     let alone = stochc(
-        "simulate tests/fixtures/dense.sa --model rigid --substeps 1 --runs 3 --quiet --format json",
+        "simulate tests/fixtures/dense.sa --model rigid --substeps 1 --runs 3 --quiet --json",
     );
     let mean = &candidate(&trade, "rigid 1")["programs"][0]["mean"];
     assert_eq!(&alone.json()["programs"][0]["time"]["mean"], mean);
@@ -117,7 +117,7 @@ fn every_setting_is_measured_and_kept() {
 fn the_picture_has_a_mark_for_every_setting() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let trade = stochc_with(DENSE, &["--format", "json", "--out", &out]).json();
+    let trade = stochc_with(DENSE, &["--json", "--out", &out]).json();
     let text = fs::read_to_string(path(out.as_ref(), "trade.svg")).unwrap();
     let picture = roxmltree::Document::parse(&text).unwrap();
     let marks = picture.descendants().filter(|node| {
@@ -157,13 +157,13 @@ fn the_picture_has_a_mark_for_every_setting() {
 #[test]
 fn it_depends_on_nothing_but_its_inputs() {
     let of = |threads: &str| {
-        let mut trade = stochc_with(DENSE, &["--format", "json", "--threads", threads]).json();
+        let mut trade = stochc_with(DENSE, &["--json", "--threads", threads]).json();
         without_costs(&mut trade);
         trade
     };
     let one = of("1");
     assert_eq!(one, of("3"));
-    let mut other = stochc_with(DENSE, &["--format", "json", "--seed", "2"]).json();
+    let mut other = stochc_with(DENSE, &["--json", "--seed", "2"]).json();
     without_costs(&mut other);
     assert_ne!(one["candidates"], other["candidates"], "the seed does");
 }
@@ -199,7 +199,7 @@ fn censored_runs_are_told_of() {
 fn more_runs_make_none_again() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let line = "trade tests/fixtures/dense.sa --finest 2 --quiet --format json --runs";
+    let line = "trade tests/fixtures/dense.sa --finest 2 --quiet --json --runs";
     assert_eq!(stochc_with(line, &["2", "--out", &out]).status, 0);
     let mut more = stochc_with(line, &["4", "--out", &out, "--resume"]).json();
     let journal = fs::read_to_string(path(out.as_ref(), "journal.jsonl")).unwrap();
@@ -216,7 +216,7 @@ fn more_runs_make_none_again() {
 fn a_budget_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "trade");
-    let line = "trade tests/fixtures/dense.sa --finest 8 --quiet --format json --budget";
+    let line = "trade tests/fixtures/dense.sa --finest 8 --quiet --json --time";
     let said = stochc_with(line, &["2s", "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
     let trade = said.json();
@@ -250,12 +250,12 @@ fn a_sweep_over_settings_is_a_trade() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let line =
-        "simulate tests/fixtures/dense.sa --runs 3 --quiet --sweep substeps=1,2 --sweep free=10,12";
-    let said = stochc_with(line, &["--sweep", "reduce=none,spheres", "--out", &out]);
+        "sweep tests/fixtures/dense.sa --runs 3 --quiet --vary substeps=1,2 --vary free=10,12";
+    let said = stochc_with(line, &["--vary", "without=none,corners", "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(
         said.out
-            .contains("dense [free=10, substeps=1, reduce=none]"),
+            .contains("dense [free=10, substeps=1, without=none]"),
         "{}",
         said.out
     );
@@ -264,7 +264,12 @@ fn a_sweep_over_settings_is_a_trade() {
     let names: Vec<&Value> = candidates(&trade).iter().map(|it| &it["name"]).collect();
     assert_eq!(
         names,
-        ["rigid 1", "rigid 1 spheres", "rigid 2", "rigid 2 spheres"]
+        [
+            "rigid 1",
+            "rigid 1 no-corners",
+            "rigid 2",
+            "rigid 2 no-corners"
+        ]
     );
     let programs: Vec<&Value> = (trade["programs"].as_array().unwrap().iter())
         .map(|it| &it["name"])
@@ -272,24 +277,24 @@ fn a_sweep_over_settings_is_a_trade() {
     assert_eq!(programs, ["dense [free=10]", "dense [free=12]"]);
     assert_eq!(trade["reference"]["candidate"], 2);
     // A point is an ensemble with these options, run for run.
-    let alone = "simulate tests/fixtures/dense.sa --runs 3 --quiet --format json --substeps 1 --sweep free=12";
+    let alone = "sweep tests/fixtures/dense.sa --runs 3 --quiet --json --substeps 1 --vary free=12";
     let mean = &candidate(&trade, "rigid 1")["programs"][1]["mean"];
     assert_eq!(&stochc(alone).json()["programs"][0]["time"]["mean"], mean);
     let csv = fs::read_to_string(path(out.as_ref(), "sweep.csv")).unwrap();
     assert!(
-        csv.starts_with("program,free,substeps,reduce,runs,"),
+        csv.starts_with("program,free,substeps,without,runs,"),
         "{csv}"
     );
     for (line, reason) in [
-        ("--sweep model=rigid,rapid", "`model=rapid`: give one of"),
+        ("--vary model=rigid,rapid", "`model=rapid`: give one of"),
         (
-            "--sweep model=rigid,rapier --sweep precision=double",
+            "--vary model=rigid,rapier --vary precision=double",
             "does not use all",
         ),
-        ("--sweep substeps=1,1", "is given twice"),
+        ("--vary substeps=1,1", "is given twice"),
     ] {
         let said = stochc(&format!(
-            "simulate tests/fixtures/dense.sa --runs 1 --quiet {line}"
+            "sweep tests/fixtures/dense.sa --runs 1 --quiet {line}"
         ));
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
         assert!(said.err.contains(reason), "{}", said.err);
@@ -300,12 +305,12 @@ fn a_sweep_over_settings_is_a_trade() {
 fn wrong_command_lines_are_told_of() {
     for line in [
         "trade",
-        "trade tests/fixtures/dense.sa --budget 10",
-        "trade tests/fixtures/dense.sa --budget 0s",
-        "trade tests/fixtures/dense.sa --budget -1s",
+        "trade tests/fixtures/dense.sa --tries 10",
+        "trade tests/fixtures/dense.sa --time 0s",
+        "trade tests/fixtures/dense.sa --time -1s",
         "trade tests/fixtures/dense.sa --runs 1",
         "trade tests/fixtures/dense.sa --until 5%",
-        "trade tests/fixtures/dense.sa --dry-run --budget 1m",
+        "trade tests/fixtures/dense.sa --dry-run --time 1m",
     ] {
         let said = stochc(line);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
@@ -323,10 +328,9 @@ fn wrong_command_lines_are_told_of() {
 
 #[test]
 fn a_reduced_model_is_told_of() {
-    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 2 --seed 2 --reduce no-friction --allow coarse-step";
+    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 2 --seed 2 --without friction --allow coarse-step";
     let said = stochc(line);
     assert_eq!(said.status, 0);
-    let note =
-        "note: `no-friction` is a reduced model: it leaves out something that the scene has\n";
+    let note = "note: runs without friction, which the scene has\n";
     assert!(said.err.starts_with(note), "{}", said.err);
 }

@@ -79,11 +79,7 @@ fn the_results_are_the_same_and_the_last_report_is_that_of_the_folder() {
 fn it_needs_a_folder_with_room_for_its_report() {
     for (more, told) in [
         ("--watch", "--out <DIR>"),
-        ("--watch --run 0", "cannot be used with"),
-        (
-            "--watch --shards 2 --out /nowhere/at/all",
-            "cannot be used with",
-        ),
+        ("--watch --until 3% --out nowhere", "cannot be used with"),
     ] {
         let said = stochc(&format!("simulate tests/fixtures/tower.sa {more}"));
         assert_eq!(said.status, 2, "{more}");
@@ -95,11 +91,7 @@ fn it_needs_a_folder_with_room_for_its_report() {
     assert_eq!(stochc_with(line, &[&out]).status, 0);
     let page = Path::new(&out).join("report.html");
     fs::write(&page, "<p>mine</p>").unwrap();
-    let more = ["--resume", "--watch", "--runs", "5"];
-    let said = stochc_with(
-        &line.replace("--runs 3 ", ""),
-        &[&[out.as_str()], &more[..]].concat(),
-    );
+    let said = stochc_with("resume --watch --runs 5", &[&out]);
     assert_eq!(said.status, 2, "{}", said.err);
     assert!(
         said.err.contains("is not a report of stochc"),

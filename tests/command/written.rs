@@ -108,7 +108,7 @@ fn an_ensemble_goes_on_through_no_link() {
         let _ = fs::remove_file(&place);
         fs::write(&document, &content).unwrap();
         symlink(&document, &place).unwrap();
-        let said = stochc_with(simulate, &[&out, "--runs", "2", "--resume"]);
+        let said = stochc_with("resume --quiet --runs 2 --record all", &[&out]);
         assert_eq!(said.status, 2, "{name}: {}", said.err);
         assert!(said.err.contains("but a link"), "{name}: {}", said.err);
         assert!(fs::read(&document).unwrap() == content, "{name}");
@@ -121,7 +121,7 @@ fn an_ensemble_goes_on_through_no_link() {
     assert_eq!(stochc_with(simulate, &[&out, "--runs", "1"]).status, 0);
     fs::remove_dir_all(path(out.as_ref(), "recordings")).unwrap();
     symlink(&elsewhere, path(out.as_ref(), "recordings")).unwrap();
-    let said = stochc_with(simulate, &[&out, "--runs", "2", "--resume"]);
+    let said = stochc_with("resume --quiet --runs 2 --record all", &[&out]);
     assert_eq!(said.status, 2, "{}", said.err);
     assert_eq!(fs::read_dir(&elsewhere).unwrap().count(), 0);
 }

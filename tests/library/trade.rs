@@ -17,8 +17,8 @@ const SETTINGS: [(&str, [u64; 2], f64); 7] = [
     ("substeps=2", [1000, 2001], 2.0),
     ("substeps=4", [1001, 2000], 4.0),
     ("substeps=8", [1000, 2000], 8.0),
-    ("substeps=1 reduce=no-rotation", [2000, 1000], 0.5),
-    ("substeps=1 reduce=spheres", [3000, 3001], 0.8),
+    ("substeps=1 without=rotation", [2000, 1000], 0.5),
+    ("substeps=1 without=corners", [3000, 3001], 0.8),
     ("model=rate", [1100, 2200], 0.001),
 ];
 
@@ -137,7 +137,7 @@ fn wrong_conclusions_are_told_with_and_without_colour() {
         "{advice}"
     );
     assert!(
-        advice.contains("Do not compare programs with `--model rigid --substeps 1 --reduce no-rot")
+        advice.contains("Do not compare programs with `--model rigid --substeps 1 --without rot")
     );
 }
 

@@ -58,7 +58,7 @@ fn tables(bond: BondKind, trigger: Trigger, when: Vec<Condition>, then: Action) 
     tables
 }
 
-/// The shown duty in `--format json`, and its lines in the text.
+/// The shown duty in `--json`, and its lines in the text.
 fn shown(tables: &Tables) -> (Value, Vec<String>) {
     let json = serde_json::to_value(table_json(tables)).expect("JSON");
     let text = table_text(tables).to_string();
@@ -130,7 +130,7 @@ fn action_rows() -> Vec<(Value, String)> {
     all.into_iter().map(row).collect()
 }
 
-/// What a row of the page begins with: the word in an executable, in `--format json`, and in the text.
+/// What a row of the page begins with: the word in an executable, in `--json`, and in the text.
 fn row(word: &impl Serialize, json: &Value, text: &str) -> String {
     // As the file has it: its fields in their order.
     let file = serde_json::to_string(word).expect("JSON");

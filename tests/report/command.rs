@@ -406,9 +406,9 @@ fn figures_are_in_seconds_with_labels_of_programs() {
 fn a_sweep_of_several_programs_is_told_to_have_them() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let simulate = "simulate --quiet --model shuffle --runs 2 --sweep free=20,30 --sweep drag=1,2Hz \
+    let sweep = "sweep --quiet --model shuffle --runs 2 --vary free=20,30 --vary drag=1,2Hz \
                     tests/fixtures/tower.sa tests/fixtures/importing.sa --out";
-    let said = stochc_with(simulate, &[&out]);
+    let said = stochc_with(sweep, &[&out]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();

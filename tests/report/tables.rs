@@ -162,7 +162,7 @@ fn a_report_says_what_the_tables_say() {
     chains_fill(&chains, &runs, &bonds);
 }
 
-/// Where runs are stopped, `show --bonds`, the report and the table of bonds have the same waits, none of
+/// Where runs are stopped, `show --captures`, the report and the table of bonds have the same waits, none of
 /// which is left out.
 #[test]
 fn stopped_runs_have_the_same_waits_in_every_table() {
@@ -173,7 +173,7 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
     let simulate = "simulate --quiet --model shuffle --runs 12 --max-ticks 12";
     assert_eq!(stochc_with(simulate, &[&file, "--out", &out]).status, 3);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
-    let said = stochc_with("show --bonds --format json", &[&out]);
+    let said = stochc_with("show --captures --json", &[&out]);
     let said = said.json();
     assert_eq!(said["captures"][0]["program"], name);
     let captures = said["captures"][0]["captures"].as_array().unwrap();

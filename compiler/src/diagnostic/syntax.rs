@@ -119,7 +119,7 @@ impl Diagnostic {
             .help("fix the errors above first"),
             K::Json => Diagnostic::new(Code::Syntax, "the file is JSON, and no program")
                 .label(location, "begins here")
-                .help("what `stochc` has written is read by the option that it is for: rates by `--rates`, a manifest by `--manifest`"),
+                .help("what `stochc` has written is read by the option that it is for: rates by `--rates`, a manifest by `stochc repeat`"),
             K::FileTooLarge => Diagnostic::new(Code::FileTooLarge, "a file of 4 GiB or more")
                 .help("split it into several files and `import` them"),
         }

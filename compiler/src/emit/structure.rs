@@ -49,7 +49,7 @@ fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) ->
         if cells > MAX_CELLS as u128 {
             writeln!(
                 out,
-                "// {} x {} x {} cells are more than a shape may have; `--format json` lists the blocks",
+                "// {} x {} x {} cells are more than a shape may have; `--json` lists the blocks",
                 edges[0], edges[1], edges[2]
             )?;
             continue;

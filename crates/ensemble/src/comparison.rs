@@ -1,4 +1,4 @@
-//! The figures that compare programs: what `--format json` says, and tables draw.
+//! The figures that compare programs: what `--json` says, and tables draw.
 use serde::Serialize;
 use stochc_ir::record::{Limit, Outcome};
 use stochc_ir::table::PhaseId;

@@ -37,7 +37,7 @@ pub enum FolderError {
     /// The manifest is not what was written.
     #[error(
         "`manifest.json` in `{path}` is damaged, or has been changed by hand: its checksum differs; \
-         `stochc verify {}` says what is sound, and with `--repair` saves that",
+         `stochc fsck {}` lists the corrupted files, and with `--repair` repairs the folder",
         shell_file(&.path.to_string_lossy())
     )]
     Damaged {
@@ -56,7 +56,7 @@ pub enum FolderError {
         differences: Vec<String>,
     },
     /// The same ensemble, not finished, and nobody asked to resume.
-    #[error("`{path}` holds {done} of the {total} runs of this ensemble; add `--resume` to go on")]
+    #[error("`{path}` holds {done} of the {total} runs of this ensemble; resume it: stochc resume {}", shell_file(&.path.to_string_lossy()))]
     Unfinished {
         /// The folder.
         path: PathBuf,
@@ -88,8 +88,8 @@ pub enum FolderError {
     },
     /// Its runs are in pieces.
     #[error(
-        "`{path}` is cut into pieces that are not put together; `stochc status {folder}` says what is there, and \
-         `stochc merge {folder}` makes the results of all of them",
+        "`{path}` has shards that are not merged; `stochc shard status {folder}` lists them, and \
+         `stochc shard merge {folder}` merges them",
         folder = shell_file(&.path.to_string_lossy())
     )]
     Cut {

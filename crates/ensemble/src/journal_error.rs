@@ -7,7 +7,7 @@ pub enum JournalError {
     /// Its first line names another ensemble, or is no such line.
     #[error(
         "`journal.jsonl` does not belong to `manifest.json` beside it; \
-         move both to where they came from, or choose another folder; if one is damaged, `stochc verify --repair` may help"
+         move both to where they came from, or choose another folder; if one is damaged, `stochc fsck --repair` may help"
     )]
     Foreign,
     /// Somebody has written to it while it was read.

@@ -434,7 +434,7 @@ impl<I: Integrator> Arena for Stepper<I> {
             stale: true,
             blind: true,
             cells: CellCentres::new(plate),
-            turns: settings.reduction != Some(Reduction::NoRotation),
+            turns: settings.reduction != Some(Reduction::Rotation),
         })
     }
 

@@ -194,7 +194,7 @@ fn elastic_collisions_keep_energy<K: Kind>() {
 /// Balls touch at one point, so that nothing is left but rounding.
 fn elastic_balls_keep_energy_to_the_last_digits<K: Kind>(ticks: u64) {
     let settings = Settings {
-        reduction: Some(Reduction::Spheres),
+        reduction: Some(Reduction::Corners),
         ..K::settings()
     };
     let drift = watch_with::<K>(contact(1.0, 0.0), &gas(BLOCKS, 7), &settings, ticks);

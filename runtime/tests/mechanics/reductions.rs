@@ -62,7 +62,7 @@ fn without_rotation_nothing_turns_whatever_pushes_it<K: Kind>() {
         pass(&mut world, 300);
         states(&world)
     };
-    let fixed = end_of(&reduced::<K>(Reduction::NoRotation));
+    let fixed = end_of(&reduced::<K>(Reduction::Rotation));
     for (end, start) in fixed.iter().zip(&blocks) {
         assert_eq!(end.spin, Vector3::zeros());
         assert!(end.orientation.angle_to(&start.orientation) < 8.0 * K::ROUNDING.max(1e-9));
@@ -81,7 +81,7 @@ fn without_rotation_two_magnets_turn_no_block<K: Kind>() {
     });
     let scene = reject(0.01, 0.0);
     let mut world: K::World =
-        crate::scenes::world(&scene, &reduced::<K>(Reduction::NoRotation), &blocks);
+        crate::scenes::world(&scene, &reduced::<K>(Reduction::Rotation), &blocks);
     pass(&mut world, 10);
     for (before, after) in blocks.iter().zip(states(&world)) {
         assert!(after.velocity.norm() > 1e-5 && after.spin == Vector3::zeros());
@@ -104,7 +104,7 @@ fn without_rotation_a_corner_yields_no_more_than_a_face<K: Kind>() {
             ..BodyState::at_rest(at(0.0, 0.0, 0.5 * rows.sum() - 1e-4))
         };
         let mut world: K::World =
-            crate::scenes::world(&scene, &reduced::<K>(Reduction::NoRotation), &[block]);
+            crate::scenes::world(&scene, &reduced::<K>(Reduction::Rotation), &[block]);
         pass(&mut world, 1);
         let off = (world.state(0).velocity - at(0.03, -0.02, 0.05)).amax();
         assert!(off < 0.1 * 16.0 * K::ROUNDING, "{off:e}");
@@ -124,7 +124,7 @@ fn spheres_touch_at_one_side_whatever_their_orientation<K: Kind>() {
         };
         let start = [block(1.0), block(-1.0)];
         let mut world: K::World =
-            crate::scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);
+            crate::scenes::world(&scene, &reduced::<K>(Reduction::Corners), &start);
         let mut least = 2.0f64;
         for _ in 0..60 {
             pass(&mut world, 1);
@@ -160,7 +160,7 @@ fn spheres_that_collide_off_centre_push_along_their_centres<K: Kind>() {
         };
         let start = [block(1.0), block(-1.0)];
         let mut world: K::World =
-            crate::scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);
+            crate::scenes::world(&scene, &reduced::<K>(Reduction::Corners), &start);
         pass(&mut world, 1);
         let impulse = -(1.0 + e) * (start[0].velocity - start[1].velocity).dot(&way) / 2.0;
         for ((id, sign), start) in [(0, 1.0), (1, -1.0)].into_iter().zip(&start) {
@@ -187,7 +187,7 @@ fn without_friction_what_slides_keeps_its_speed<K: Kind>() {
         pass(&mut world, 1);
         world.state(0)
     };
-    let slippery = after(&reduced::<K>(Reduction::NoFriction));
+    let slippery = after(&reduced::<K>(Reduction::Friction));
     let off = slippery.velocity.xy() - block.velocity.xy();
     assert!(off.norm() < 0.1 * 8.0 * K::ROUNDING, "{off:?}");
     assert!((slippery.spin.z - block.spin.z).abs() < 0.1 * 8.0 * K::ROUNDING);
@@ -205,7 +205,7 @@ fn without_block_contact_free_blocks_pass_but_anchored_ones_and_the_ground_hold<
     scene.contact = contact(1.0, 0.0);
     scene.enclosure = hemisphere(50.0, 0.01);
     scene.bond = attract(0.0, 0.1);
-    let settings = reduced::<K>(Reduction::NoBlockContact);
+    let settings = reduced::<K>(Reduction::BlockContact);
     let flying = |x: f64, z: f64, vx: f64, vz: f64| BodyState {
         velocity: at(vx, 0.0, vz),
         ..BodyState::at_rest(at(x, 0.0, z))

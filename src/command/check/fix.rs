@@ -22,7 +22,7 @@ pub fn run(
         return Ok(None);
     };
     let shown = visible(file);
-    let alone = options.format == Format::Graphical;
+    let alone = options.format() == Format::Graphical;
     if file == STDIN_NAME && !options.dry_run {
         print(&String::from_utf8_lossy(&fixed.new))?;
         warn(&match fixed.changes {

@@ -1,6 +1,5 @@
 //! `stochc check`.
 mod cost;
-mod exhaustive;
 mod fix;
 mod scene;
 
@@ -18,6 +17,7 @@ use self::cost::{cost_json, costs, summed_up};
 use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
+use super::run_options::{JsonOption, count};
 use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
 use crate::diagnostics::{CheckDocument, FindingCounts, Format, SarifLog, show};
 use crate::exit::{Exit, Failure};
@@ -26,61 +26,57 @@ use crate::operations::rates::{UnusedRates, of_files};
 use crate::operations::summary::{status_line, warnings};
 use crate::reader::DiskReader;
 
-/// What `check` is given.
+/// Arguments of `check`.
 #[derive(Debug, Args)]
 pub struct CheckArguments {
     /// Programs to check, or folders with programs (`*.sa`) in them; `-` is the standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
     /// Output format of the findings; all but `graphical` write to standard output
-    #[arg(long, value_name = "FORM", default_value = "graphical")]
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "graphical",
+        conflicts_with = "json"
+    )]
     format: Format,
-    /// Print how deep and wide each phase is and, by the rates of the scene, how long it takes, and what decides that: the N
-    /// captures that are waited for longest [default: 10]
-    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10", value_parser = at_least_one)]
+    #[command(flatten)]
+    output: JsonOption,
+    /// Print the depth, width and expected duration of each phase, and the N captures that take most of the time [default: 10]
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = count)]
     cost: Option<usize>,
-    /// Rates of scenes for `--cost`, by `stochc calibrate --out`; those of the default scene come with the program, and others are guessed
+    /// Rates of scenes for `--cost`, written by `stochc calibrate`; others are estimated
     #[arg(long, value_name = "FILE.rates", requires = "cost")]
     rates: Vec<PathBuf>,
-    /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and
-    /// dimensionless numbers. Numbers outside of their limit are marked, and a verdict says whether
-    /// the default steps are short enough
+    /// List the physics of the scenes: each term with its equation and value, the terms left out, dimensionless numbers, and the
+    /// error of the time step
     #[arg(long)]
-    scene: bool,
-    /// Apply all safe fixes, and show them as a diff
+    physics: bool,
+    /// Apply all safe fixes and show them as a diff
     #[arg(long)]
     fix: bool,
-    /// Show what `--fix` would change without writing it
+    /// Show the changes of `--fix` without writing them
     #[arg(long, requires = "fix")]
     dry_run: bool,
     #[command(flatten)]
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
-    /// Also execute the event tables in every order of messages and captures, up to STATES states
-    /// [default: 1000000]; larger programs are executed in random orders
-    #[arg(
-        long,
-        value_name = "STATES",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "1000000",
-        value_parser = clap::value_parser!(u64).range(1..)
-    )]
-    exhaustive: Option<u64>,
 }
 
-/// A number of captures to show.
-fn at_least_one(text: &str) -> Result<usize, String> {
-    let number = text.parse().ok().filter(|&number: &usize| number > 0);
-    number.ok_or_else(|| {
-        "give a whole number from 1, or the file before it: `FILE --cost`".to_owned()
-    })
+impl CheckArguments {
+    fn format(&self) -> Format {
+        if self.output.json {
+            Format::Json
+        } else {
+            self.format
+        }
+    }
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.
 pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
-    let is_written = options.fix && !options.dry_run && options.format != Format::Graphical;
+    let is_written = options.fix && !options.dry_run && options.format() != Format::Graphical;
     if is_written && options.files.iter().any(|file| file == STDIN) {
         return Err(Failure::usage(
             "`--fix -` writes the program itself to the standard output, where `--format` puts the findings: \
@@ -91,7 +87,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     let mut unused = UnusedRates::new(&options.rates, &rates);
     let mut exit = Exit::Success;
     let mut document = CheckDocument::default();
-    document.scenes = options.scene.then(Vec::new);
+    document.scenes = options.physics.then(Vec::new);
     let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
     let mut tally = FindingCounts::default();
     let (files, unread) = readable(&options.files);
@@ -131,8 +127,8 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         } else {
             String::new()
         };
-        let shown = || show(&checked, options.format, has_colour(), message_width());
-        match options.format {
+        let shown = || show(&checked, options.format(), has_colour(), message_width());
+        match options.format() {
             // A machine reads the findings, a person the summary.
             Format::Short => print(&shown())?,
             Format::Json => document.add(file, &checked, |program| {
@@ -149,7 +145,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             }
         }
         exit = exit.or_worse(verdict(&checked));
-        let has_text = matches!(options.format, Format::Short | Format::Sarif);
+        let has_text = matches!(options.format(), Format::Short | Format::Sarif);
         if options.cost.is_some() && has_text && !checked.has_errors() {
             warn(&summary(&name, &checked, options.cost, &rates));
         }
@@ -158,26 +154,18 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             .iter()
             .filter_map(|program| program.scene.as_ref());
         unused.not_of(of_programs);
-        if options.scene && !checked.has_errors() {
+        if options.physics && !checked.has_errors() {
             for scene in scenes(file, &checked) {
-                match options.format {
+                match options.format() {
                     Format::Graphical => say(&scene.text())?,
                     Format::Short | Format::Sarif => warn(&scene.text()),
                     Format::Json => document.scenes.get_or_insert_default().push(scene.json()),
                 }
             }
         }
-        if let Some(states) = options.exhaustive.filter(|_| !checked.has_errors()) {
-            let (said, found) = exhaustive::explore(file, &checked, states);
-            match options.format {
-                Format::Graphical => say(&said)?,
-                Format::Short | Format::Json | Format::Sarif => warn(&said),
-            }
-            exit = exit.or_worse(found);
-        }
     }
     unused.notes().for_each(|note| warn(&note));
-    match options.format {
+    match options.format() {
         Format::Json => print(&document.text())?,
         Format::Sarif => print(&log.document())?,
         Format::Graphical => warn(&tally.line()),

@@ -1,4 +1,4 @@
-//! `stochc check --scene`: the physics that is in force.
+//! `stochc check --physics`: the physics of scenes.
 use std::fmt::Write as _;
 
 use serde_json::{Value as Json, json};

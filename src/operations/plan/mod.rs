@@ -351,7 +351,7 @@ fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
         (TargetError::Loose(parts), PlanScope::Whole)
             if parts.iter().any(LoosePart::rests_on_plate) =>
         {
-            " (`--seed-plate`, `--offset`); `--supports` adds such cells, `--drop-loose` leaves the parts out"
+            " (`--plate`, `--offset`); `--supports` adds such cells, `--drop-loose` leaves the parts out"
         }
         (TargetError::Loose(_), PlanScope::Whole) => {
             "; `--supports` adds such cells, `--drop-loose` leaves the parts out"

@@ -69,7 +69,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
         let tables = entry.tables();
         if (tables.seeds()).any(|(role, _)| tables.name(role) == *unknown) {
             return Err(Failure::usage(format!(
-                "`{unknown}` is a block of the plate: only captured ones can be dead; leave it out of the program's plate, and plan its shape with `--seed-plate`, where a block of the plate has failed"
+                "`{unknown}` is a block of the plate: only captured ones can be dead; leave it out of the program's plate, and plan its shape with `--plate`, where a block of the plate has failed"
             )));
         }
         let known: Vec<String> = structure.names().map(|name| format!("`{name}`")).collect();

@@ -1,4 +1,4 @@
-//! `--seed-plate`.
+//! `--plate`.
 use stochc_ir::table::Plate;
 
 use super::pair::pair;

@@ -101,7 +101,7 @@ fn paths_and_the_number_of_runs_are_no_part_of_the_identity() {
 fn going_on_has_to_be_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(3), 1);
-    assert_snapshot!(error(folder.path(), &manifest(5), false), @"`DIR` holds 6 of the 10 runs of this ensemble; add `--resume` to go on");
+    assert_snapshot!(error(folder.path(), &manifest(5), false), @"`DIR` holds 6 of the 10 runs of this ensemble; resume it: stochc resume DIR");
     assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` is an ensemble of 3 runs of each program, more than the 2 asked for; ask for 3, or choose another folder");
 }
 
@@ -123,7 +123,7 @@ fn a_journal_of_another_ensemble_is_refused() {
     complete(other.path(), &changed, 1);
     let journal = |of: &tempfile::TempDir| of.path().join("journal.jsonl");
     fs::copy(journal(&other), journal(&folder)).unwrap();
-    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to `manifest.json` beside it; move both to where they came from, or choose another folder; if one is damaged, `stochc verify --repair` may help");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to `manifest.json` beside it; move both to where they came from, or choose another folder; if one is damaged, `stochc fsck --repair` may help");
 }
 
 #[test]

@@ -71,7 +71,7 @@ impl Prior {
         }
         if number.is_whole() && self.to - self.from < MIN_SPAN {
             return Err(format!(
-                "`{}` is a whole number, and a fit needs a range of five of them at least; `simulate --sweep` tries a few",
+                "`{}` is a whole number, and a fit needs a range of five of them at least; `stochc sweep` tries a few",
                 self.of
             ));
         }

@@ -1,4 +1,4 @@
-//! Settings that a sweep has chosen: `--sweep substeps=1,2,4`.
+//! Settings that a sweep has chosen: `--vary substeps=1,2,4`.
 use serde::{Deserialize, Serialize};
 use stochc_runtime::{Model, Precision, Reduction, Settings, Substeps};
 
@@ -8,10 +8,10 @@ const NAMES: [&str; 5] = [
     "substeps",
     "solver-iterations",
     "precision",
-    "reduce",
+    "without",
 ];
 
-/// Value of `reduce` that leaves nothing out.
+/// Value of `without` that leaves nothing out.
 const NOTHING: &str = "none";
 
 /// Most solver iterations of a step.
@@ -113,8 +113,8 @@ impl ChosenSetting {
                 })?);
             }
             "precision" => settings.precision = self.named(&Precision::ALL, Precision::name)?,
-            "reduce" if self.value == NOTHING => settings.reduction = None,
-            "reduce" => settings.reduction = Some(self.named(&Reduction::ALL, Reduction::name)?),
+            "without" if self.value == NOTHING => settings.reduction = None,
+            "without" => settings.reduction = Some(self.named(&Reduction::ALL, Reduction::name)?),
             other => return Err(format!("a sweep has no setting `{other}`")),
         }
         Ok(())
@@ -141,7 +141,7 @@ mod tests {
             ("substeps", "2/8"),
             ("solver-iterations", "30"),
             ("precision", "double"),
-            ("reduce", "spheres"),
+            ("without", "corners"),
         ];
         let chosen = written.map(|(of, value)| ChosenSetting::new(of, value).unwrap());
         let mut settings = Settings::new(Model::Rapier, 1);
@@ -151,12 +151,12 @@ mod tests {
         let expected = Settings {
             solver_iterations: Some(30),
             precision: Precision::Double,
-            reduction: Some(Reduction::Spheres),
+            reduction: Some(Reduction::Corners),
             ..Settings::default()
         };
         assert_eq!(settings, expected);
         assert_eq!(ChosenSetting::all_of(&settings), chosen);
-        let nothing = ChosenSetting::new("reduce", "none").unwrap();
+        let nothing = ChosenSetting::new("without", "none").unwrap();
         nothing.apply(&mut settings).unwrap();
         assert_eq!(settings.reduction, None);
     }
@@ -168,7 +168,7 @@ mod tests {
             ("substeps", "3/8", "say from 1 to"),
             ("solver-iterations", "0", "a number from 1 to 1000"),
             ("precision", "half", "`single`, `double`"),
-            ("reduce", "gravity", "`no-rotation`"),
+            ("without", "gravity", "`rotation`"),
             ("threads", "2", "no setting `threads`"),
         ] {
             let told = ChosenSetting::new(of, value).unwrap_err();

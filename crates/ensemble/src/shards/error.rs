@@ -12,7 +12,7 @@ use crate::{EnsembleError, FolderError, JournalError};
 pub enum ShardError {
     /// A number of pieces that cannot be.
     #[error(
-        "{asked} pieces of {runs} runs; a piece has one run at least, and {MAX_SHARDS} pieces are the most that are possible"
+        "cannot split {runs} runs into {asked} shards; a shard has at least one run, and {MAX_SHARDS} shards are the limit"
     )]
     Uncuttable {
         /// How many were asked for.
@@ -22,7 +22,8 @@ pub enum ShardError {
     },
     /// It holds runs already, in one piece.
     #[error(
-        "`{path}` holds {done} runs of this ensemble already; go on with `--resume` and without `--shards`, or choose another folder"
+        "`{path}` holds {done} runs of this ensemble already; resume it with `stochc resume {}`, or choose another folder",
+        shell_file(&.path.to_string_lossy())
     )]
     HoldsRuns {
         /// The folder.
@@ -32,7 +33,7 @@ pub enum ShardError {
     },
     /// It is cut in another way.
     #[error(
-        "`{path}` is cut into {there} pieces of {runs} runs of each program; ask for the same, or choose another folder"
+        "`{path}` is split into {there} shards of {runs} runs of each program; ask for the same, or choose another folder"
     )]
     OtherCut {
         /// The folder.
@@ -44,9 +45,9 @@ pub enum ShardError {
     },
     /// There are no pieces.
     #[error(
-        "`{path}` is not cut into pieces: {done} of {total} runs are in one piece, which `stochc show {}` shows{}",
+        "`{path}` has no shards: it holds {done} of {total} runs, which `stochc show {}` prints{}",
         shell_file(&.path.to_string_lossy()),
-        if .done < .total { "; `simulate --shards` cuts a new folder" } else { "" }
+        if .done < .total { "; `stochc shard new` splits a new folder" } else { "" }
     )]
     NotCut {
         /// The folder.
@@ -58,8 +59,8 @@ pub enum ShardError {
     },
     /// `shards.json` cannot be used.
     #[error(
-        "cannot use `shards.json` in `{path}`: {reason}; if `stochc verify {} --repair` does not save it, `stochc simulate` \
-         with the programs and options of before, its `--shards` too, writes it anew and keeps the pieces",
+        "cannot use `shards.json` in `{path}`: {reason}; if `stochc fsck {} --repair` does not repair it, `stochc shard new` \
+         with the same programs and options writes it again and keeps the shards",
         shell_file(&.path.to_string_lossy())
     )]
     Unreadable {
@@ -69,7 +70,7 @@ pub enum ShardError {
         reason: String,
     },
     /// There is no such piece.
-    #[error("there is no piece {number}: they are 0 to {last}")]
+    #[error("there is no shard {number}; shards are 0 to {last}")]
     NoSuchPiece {
         /// The number that was asked for.
         number: u64,
@@ -78,7 +79,7 @@ pub enum ShardError {
     },
     /// Files in the place of pieces are of something else.
     #[error(
-        "`{path}`: {}; move what does not belong there elsewhere, and make these pieces: {}",
+        "`{path}`: {}; move these files elsewhere, and run these shards: {}",
         list_reasons(.pieces),
         commands(.path, .pieces.iter().map(|(number, _)| *number))
     )]
@@ -90,7 +91,7 @@ pub enum ShardError {
     },
     /// Some pieces are not there, or damaged.
     #[error(
-        "`{path}`: {} of {of} pieces are missing or damaged ({}); make them: {}",
+        "`{path}`: {} of {of} shards are missing or corrupted ({}); run them: {}",
         .pieces.len(),
         list_numbers(.pieces),
         commands(.path, .pieces.iter().copied())
@@ -123,7 +124,7 @@ const TOLD: usize = 10;
 fn list_reasons(pieces: &[(u64, String)]) -> String {
     let each = pieces.iter().take(TOLD);
     let each: Vec<String> = each
-        .map(|(number, what)| format!("piece {number} {what}"))
+        .map(|(number, what)| format!("shard {number} {what}"))
         .collect();
     match pieces.len().saturating_sub(TOLD) {
         0 => each.join("; "),
@@ -147,14 +148,14 @@ fn commands(path: &Path, pieces: impl ExactSizeIterator<Item = u64>) -> String {
         .map(|number| number.to_string())
         .collect();
     match count {
-        1 => format!("`stochc shard {folder} {}`", numbers[0]),
+        1 => format!("`stochc shard run {folder} {}`", numbers[0]),
         ..=NAMED => format!(
-            "`for i in {}; do stochc shard {folder} $i; done`",
+            "`for i in {}; do stochc shard run {folder} $i; done`",
             numbers.join(" ")
         ),
         // What is damaged behind its first line is named once it is moved aside.
         _ => format!(
-            "`stochc verify {folder} --repair; for i in $(stochc status {folder} --missing); do stochc shard {folder} $i; done`"
+            "`stochc fsck {folder} --repair; for i in $(stochc shard status {folder} --missing); do stochc shard run {folder} $i; done`"
         ),
     }
 }

@@ -22,7 +22,7 @@ end=$((shard + per_task))
 [ "$end" -le "$shards" ] || end=$shards
 status=0
 while [ "$shard" -lt "$end" ] && [ "$status" != 130 ]; do
-    "$stochc" shard "$folder" "$shard" --quiet --threads "${{SLURM_CPUS_ON_NODE:-1}}" || {{
+    "$stochc" shard run "$folder" "$shard" --quiet --threads "${{SLURM_CPUS_ON_NODE:-1}}" || {{
         status=$?
         echo "shard $shard ended with status $status"
     }}
@@ -36,13 +36,13 @@ exit "$status"
 
 /// Returns the script of the merge job.
 ///
-/// It writes a log only if it fails, because `stochc merge` removes the folder of logs.
+/// It writes a log only if it fails, because `stochc shard merge` removes the folder of logs.
 pub fn merge_script(stochc: &str, folder: &str) -> String {
     let names = names(stochc, folder);
     format!(
         r#"#!/bin/sh
 # Merges the shards.
-{names}output=$("$stochc" merge "$folder" --quiet 2>&1) || {{
+{names}output=$("$stochc" shard merge "$folder" --quiet 2>&1) || {{
     status=$?
     printf '%s\n' "$output" >"$folder/{SLURM}/merge_$SLURM_JOB_ID.log"
     exit "$status"

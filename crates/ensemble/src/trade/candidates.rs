@@ -70,7 +70,7 @@ pub(super) fn refines(settings: &Settings) -> bool {
 
 /// Returns settings in few letters: `rigid 2`, `rapier 1 iterations 8`, `rigid 1 no-friction`.
 pub(super) fn short(settings: &Settings) -> String {
-    written(settings, ["", " ", " iterations ", " ", " "])
+    written(settings, ["", " ", " iterations ", " ", " no-"])
 }
 
 /// Returns settings as options of `simulate`.
@@ -80,7 +80,7 @@ pub(super) fn flags(settings: &Settings) -> String {
         " --substeps ",
         " --solver-iterations ",
         " --precision ",
-        " --reduce ",
+        " --without ",
     ];
     written(settings, options)
 }
@@ -134,14 +134,14 @@ mod tests {
         let all = Settings {
             solver_iterations: Some(30),
             precision: Precision::Double,
-            reduction: Some(Reduction::Spheres),
+            reduction: Some(Reduction::Corners),
             ..rigid(1)
         };
         assert_eq!(
             written(&all),
             (
-                "rigid 1 iterations 30 double spheres".into(),
-                "--model rigid --substeps 1 --solver-iterations 30 --precision double --reduce spheres"
+                "rigid 1 iterations 30 double no-corners".into(),
+                "--model rigid --substeps 1 --solver-iterations 30 --precision double --without corners"
                     .into()
             )
         );

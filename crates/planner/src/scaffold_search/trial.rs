@@ -69,7 +69,7 @@ impl NoScaffolds {
             NoScaffolds::NotWanted => "this kind of plan has none".to_owned(),
             NoScaffolds::BlocksStand => "blocks stand already".to_owned(),
             NoScaffolds::NoPlace => {
-                "the plate has no room for them, a larger plate has (`--seed-plate`)".to_owned()
+                "the plate has no room for them, a larger plate has (`--plate`)".to_owned()
             }
             NoScaffolds::TooLarge => format!("the target has more than {MAX_CELLS} cells"),
             NoScaffolds::NoSpareBlocks => "the target takes all free blocks (`--free`)".to_owned(),

@@ -1,4 +1,4 @@
-//! Numbers of scenes that were varied: by `simulate --sweep`, or from one folder to the next.
+//! Numbers of scenes that were varied: by `stochc sweep`, or from one folder to the next.
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value as Json, json};

@@ -1,4 +1,4 @@
-//! Compares the speed that `stochc check --scene` expects with the speed of the blocks.
+//! Compares the speed that `stochc check --physics` expects with the speed of the blocks.
 //!
 //! The scene `hemisphere_2005`, with one thing changed in each row, and no face magnetized. Speeds in sides a tick.
 use stochc_compiler::scene::built_in;

@@ -3,7 +3,7 @@
 //! Blocks of number density n and mean speed v enter the reach of a magnetized face n v A / 4 times
 //! a tick, where A is the surface of the places from which a block's nearest face just comes into
 //! reach, averaged over orientations, less what the structure bars. The prediction is to be held
-//! against the entry rates that `stochc simulate --bonds` shows.
+//! against the entry rates that `stochc simulate --captures` shows.
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

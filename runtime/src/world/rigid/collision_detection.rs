@@ -130,24 +130,24 @@ impl<R: Lane> Contacts<R> {
     ) -> Contacts<R> {
         let without = |reduction| settings.reduction == Some(reduction);
         let law = Law {
-            friction: if without(Reduction::NoFriction) {
+            friction: if without(Reduction::Friction) {
                 R::zero()
             } else {
                 R::of(contact.friction)
             },
             ..Law::new(contact)
         };
-        let turns = !without(Reduction::NoRotation);
+        let turns = !without(Reduction::Rotation);
         let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         Contacts {
             shape: CollisionShape::new(
                 floor,
                 plate,
-                without(Reduction::Spheres),
+                without(Reduction::Corners),
                 law.restitution().is_none(),
             ),
             solver: Solver::new(law, count, rounds, turns),
-            mutual: !without(Reduction::NoBlockContact),
+            mutual: !without(Reduction::BlockContact),
             low: Vec::new(),
             close: Vec::new(),
         }

@@ -147,7 +147,7 @@ rounding takes is kept and added in the next step, so that nothing is lost. Rapi
     page.push_str(
         "
 How far the same cubes turn, six sides from the plate. Of orientations nothing is kept that is rounded off: where a block turns by less than 3e-7 in a step, on average,
-single precision begins to hold it, and Rapier at ten times as much. `check --scene` and `simulate` warn of such scenes; `--precision double` turns them.
+single precision begins to hold it, and Rapier at ten times as much. `check --physics` and `simulate` warn of such scenes; `--precision double` turns them.
 
 | tick, turn in it | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|

@@ -122,11 +122,6 @@ pub(super) fn mean(time: &Time) -> String {
     }
 }
 
-/// A file inside a folder, as a path to type.
-pub(super) fn inside(folder: &str, file: &str) -> String {
-    format!("{}/{file}", folder.trim_end_matches('/'))
-}
-
 /// Text of several lines, whose breaks and tabs are kept.
 pub(super) fn lines(text: &str) -> String {
     let lines: Vec<String> = text

@@ -1,9 +1,8 @@
 //! Where blocks are, over the runs that were recorded.
-use stochc_ensemble::MANIFEST;
 use stochc_files::shell;
 
 use super::Parts;
-use super::common::{inside, show};
+use super::common::show;
 use crate::analysis::maps::{AGES, Maps, Slice};
 use crate::ensemble_report::html::{Html, code, name};
 use crate::figures::{MapColumn, maps as picture};
@@ -28,9 +27,8 @@ pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut V
         warn(format!("{rest} more recordings are left out."));
     }
     if maps.runs == 0 {
-        let path = &parts.inputs[subject.folder].path;
-        let manifest = shell::file(&inside(path, MANIFEST));
-        let line = format!("stochc simulate --manifest {manifest} --record all --out AGAIN");
+        let folder = shell::file(&parts.inputs[subject.folder].path);
+        let line = format!("stochc repeat {folder} --record all --out AGAIN");
         out.note(&format!(
             "There is no map, because no run of it has a recording here that can be read: {} makes the same \
              runs with one each.",

@@ -1,12 +1,12 @@
 //! What was run, how to run it again, and how to read the page.
 use stochc_ensemble::text::number;
-use stochc_ensemble::{ChosenSetting, EnsembleProgram, MANIFEST};
+use stochc_ensemble::{ChosenSetting, EnsembleProgram};
 use stochc_files::shell;
 use stochc_ir::scene::describe;
 use stochc_runtime::{Precision, Settings};
 
 use super::Parts;
-use super::common::{inside, lines, link};
+use super::common::{lines, link};
 use crate::ensemble_report::data;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
 use crate::svg::Drawing;
@@ -41,8 +41,8 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         out.table("The ensemble", &["", "value"], &rows);
         out.paragraph("The same runs again, bit for bit:");
         out.raw(&command(&format!(
-            "stochc simulate --manifest {} --out AGAIN",
-            shell::file(&inside(&input.path, MANIFEST))
+            "stochc repeat {} --out AGAIN",
+            shell::file(&input.path)
         )));
         if let Some(line) = simulate(manifest) {
             out.paragraph("From its files, as they were then:");
@@ -110,14 +110,18 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
         further.push(("precision", settings.precision.name().to_owned()));
     }
     if let Some(reduction) = settings.reduction {
-        further.push(("reduce", reduction.name().to_owned()));
+        further.push(("without", reduction.name().to_owned()));
     }
     further
 }
 
 /// Returns the command line that makes an ensemble. `None` if its settings are not all combinations of some values.
 pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> Option<String> {
-    let mut words = vec!["stochc simulate".to_owned()];
+    let axes = manifest.axes();
+    let chosen = setting_axes(manifest)?;
+    let is_sweep = !(axes.is_empty() && chosen.is_empty());
+    let command = if is_sweep { "sweep" } else { "simulate" };
+    let mut words = vec![format!("stochc {command}")];
     let mut files: Vec<&str> = Vec::new();
     for program in &manifest.programs {
         let path = program
@@ -133,19 +137,20 @@ pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> Option<String> {
         words.push(format!("--{name} {}", shell::visible(value)));
     };
     let settings = &manifest.settings;
-    option("model", settings.model.name());
-    if let Some(steps) = steps(settings) {
-        option("substeps", &steps);
-    }
-    for (name, value) in further(settings) {
-        option(name, &value);
+    let mut given = vec![("model", settings.model.name().to_owned())];
+    given.extend(steps(settings).map(|steps| ("substeps", steps)));
+    given.extend(further(settings));
+    for (name, value) in given {
+        if !chosen.iter().any(|(varied, _)| *varied == name) {
+            option(name, &value);
+        }
     }
     option("runs", &manifest.runs.to_string());
     option("seed", &manifest.seed.to_string());
     if let Some(limit) = settings.max_ticks {
         option("max-ticks", &limit.to_string());
     }
-    for (number, axis) in manifest.axes().iter().enumerate() {
+    for (number, axis) in axes.iter().enumerate() {
         let mut values: Vec<String> = Vec::new();
         for varied in manifest
             .programs
@@ -158,15 +163,16 @@ pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> Option<String> {
             }
         }
         let text = format!("{}={} {}", axis.of, values.join(","), axis.unit);
-        words.push(format!("--sweep {}", shell::visible(text.trim_end())));
+        words.push(format!("--vary {}", shell::visible(text.trim_end())));
     }
-    words.extend(setting_axes(manifest)?);
+    let vary = |(of, values): (&str, Vec<&str>)| format!("--vary {of}={}", values.join(","));
+    words.extend(chosen.into_iter().map(vary));
     words.push("--out AGAIN".into());
     Some(words.join(" "))
 }
 
-/// Returns an option for each setting that a sweep varies. `None` if the sweep is not all combinations of their values.
-fn setting_axes(manifest: &stochc_ensemble::Manifest) -> Option<Vec<String>> {
+/// Returns the settings that a sweep varies, with their values. `None` if the sweep is not all combinations of them.
+fn setting_axes(manifest: &stochc_ensemble::Manifest) -> Option<Vec<(&str, Vec<&str>)>> {
     let mut points: Vec<&[ChosenSetting]> = Vec::new();
     for program in &manifest.programs {
         if !points.contains(&&program.chosen[..]) {
@@ -183,8 +189,7 @@ fn setting_axes(manifest: &stochc_ensemble::Manifest) -> Option<Vec<String>> {
     }
     let count: usize = axes.iter().map(|(_, values)| values.len()).product();
     let is_whole = points.len() == count && points.iter().all(|it| it.len() == axes.len());
-    let option = |(of, values): &(&str, Vec<&str>)| format!("--sweep {of}={}", values.join(","));
-    is_whole.then(|| axes.iter().map(option).collect())
+    is_whole.then_some(axes)
 }
 
 pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {

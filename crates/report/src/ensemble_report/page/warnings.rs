@@ -1,9 +1,7 @@
 //! What a reader has to know before believing anything.
-use stochc_ensemble::MANIFEST;
 use stochc_files::shell;
 use stochc_runtime::Model;
 
-use super::common::inside;
 use crate::analysis::reported_program::Input;
 use crate::ensemble_report::html::{code, name};
 use crate::tables::{KNOWN_BIAS, lower_bounds};
@@ -23,12 +21,8 @@ pub(super) fn warnings(input: &Input, is_running: bool) -> Vec<String> {
     } else if done < total {
         found.push(format!(
             "{path} is <strong>not finished</strong>: {done} of {total} runs are there. Those under way \
-             longest are missing, so that times are too short. To go on: {}",
-            code(&format!(
-                "stochc simulate --manifest {} --out {} --resume",
-                shell::file(&inside(&input.path, MANIFEST)),
-                shell::file(&input.path)
-            ))
+             longest are missing, so that times are too short. To resume: {}",
+            code(&format!("stochc resume {}", shell::file(&input.path)))
         ));
     }
     if manifest.uses(Model::Shuffle) {
@@ -44,8 +38,8 @@ pub(super) fn warnings(input: &Input, is_running: bool) -> Vec<String> {
     found.extend(bounds.map(|bound| format!("{path}: {}", name(&bound))));
     if let Some(reduction) = manifest.settings.reduction {
         found.push(format!(
-            "{path} was made with the reduced model {}: it leaves out something that the scene has.",
-            code(reduction.name())
+            "{path} was made without {}, which the scene has.",
+            reduction.name()
         ));
     }
     let version = env!("CARGO_PKG_VERSION");

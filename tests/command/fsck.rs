@@ -1,10 +1,10 @@
-//! `stochc verify`, as a user meets it.
+//! `stochc fsck`, as a user meets it.
 use std::fs;
 use std::path::Path;
 
 use crate::stochc::{path, stochc_with, tables};
 
-const SIMULATE: &str = "simulate --quiet tests/fixtures/dense.sa --substeps 1 --runs 3 --record all --sweep free=12,14 --out";
+const SIMULATE: &str = "sweep --quiet tests/fixtures/dense.sa --substeps 1 --runs 3 --record all --vary free=12,14 --out";
 
 fn flip(folder: &str, name: &str, at: usize) {
     let file = path(folder.as_ref(), name);
@@ -20,7 +20,7 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     let out = path(folder.path(), "out");
     assert_eq!(stochc_with(SIMULATE, &[&out]).status, 0);
     let whole = tables(&out);
-    let said = stochc_with("verify", &[&out]);
+    let said = stochc_with("fsck", &[&out]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     for name in [
         "manifest.json",
@@ -50,7 +50,7 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     for name in names {
         flip(&out, name, 700);
     }
-    let said = stochc_with("verify", &[&out]);
+    let said = stochc_with("fsck", &[&out]);
     assert_eq!(said.status, 2);
     for name in names {
         assert!(
@@ -63,8 +63,8 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     assert!(!Path::new(&out).join("damaged").exists());
     let told = stochc_with("show", &[&out]);
     assert_eq!(told.status, 2);
-    assert!(told.err.contains("`stochc verify"), "{}", told.err);
-    let said = stochc_with("verify --repair", &[&out]);
+    assert!(told.err.contains("`stochc fsck"), "{}", told.err);
+    let said = stochc_with("fsck --repair", &[&out]);
     assert_eq!(said.status, 0, "{}{}", said.out, said.err);
     assert!(said.out.contains("5 of 6 runs are kept"), "{}", said.out);
     // Beside what was damaged, all that had been made of the line that the journal has lost.
@@ -74,8 +74,8 @@ fn damage_is_told_and_what_is_sound_is_saved() {
         let aside = path(out.as_ref(), &format!("damaged/{name}"));
         assert!(Path::new(&aside).exists(), "{name}");
     }
-    assert_eq!(stochc_with("verify", &[&out]).status, 0);
-    let said = stochc_with(SIMULATE, &[&out, "--resume"]);
+    assert_eq!(stochc_with("fsck", &[&out]).status, 0);
+    let said = stochc_with("resume --quiet --record all", &[&out]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(tables(&out) == whole);
     let page = path(folder.path(), "page.html");
@@ -90,7 +90,7 @@ fn a_damaged_manifest_is_not_repaired() {
     let out = path(folder.path(), "out");
     assert_eq!(stochc_with(SIMULATE, &[&out]).status, 0);
     flip(&out, "manifest.json", 700);
-    let said = stochc_with("verify --repair", &[&out]);
+    let said = stochc_with("fsck --repair", &[&out]);
     assert_eq!(said.status, 2);
     assert!(
         said.err.contains("is damaged beyond repair"),
@@ -102,7 +102,7 @@ fn a_damaged_manifest_is_not_repaired() {
 
 #[test]
 fn what_is_no_folder_of_results_is_told_of() {
-    let said = stochc_with("verify", &["tests/fixtures"]);
+    let said = stochc_with("fsck", &["tests/fixtures"]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
     assert!(said.err.contains("holds no results"), "{}", said.err);
 }

@@ -1,4 +1,4 @@
-//! `stochc submit`.
+//! `stochc shard submit`.
 mod arguments;
 mod jobs;
 mod slurm;
@@ -15,8 +15,8 @@ use stochc_ir::visible_lines;
 
 pub use arguments::SubmitArguments;
 
-use super::merge::is_whole;
-use super::terminal::{print, warn};
+use super::super::terminal::{is_quiet, print, warn};
+use super::merge::merged;
 use crate::exit::{Exit, Failure};
 use crate::operations::sweep::files_for_screens;
 use jobs::Jobs;
@@ -34,7 +34,7 @@ pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
     let path = path.map_err(|error| Failure::usage(format!("cannot use `{shown}`: {error}")))?;
     let ensemble = match SlurmEnsemble::open(&path).map_err(Failure::usage)? {
         Opened::Sharded(ensemble) => ensemble,
-        Opened::Merged(runs) => return options.print(&is_whole(&options.folder, runs)),
+        Opened::Merged(runs) => return options.print(&merged(&options.folder, runs)),
     };
     let jobs = Jobs::new(options, &ensemble)?;
     if options.dry_run {
@@ -54,7 +54,7 @@ pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
     let Some(_lock) = ensemble.lock().map_err(Failure::usage)? else {
         let folder = visible(&shown);
         return Err(Failure::usage(format!(
-            "another `stochc submit` is working on `{folder}`; run it again later"
+            "another `stochc shard submit` is working on `{folder}`; run it again later"
         )));
     };
     submission.run()
@@ -63,7 +63,7 @@ pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
 impl SubmitArguments {
     /// Prints, unless `--quiet` is given.
     fn print(&self, text: &str) -> Result<Exit, Failure> {
-        if !self.quiet {
+        if !is_quiet() {
             print(text)?;
         }
         Ok(Exit::Success)
@@ -107,7 +107,7 @@ impl Submission<'_> {
             Some(FoundShards::Merged(runs)) => {
                 // Locking may have made the folder again.
                 self.ensemble.clear().map_err(Failure::usage)?;
-                self.options.print(&is_whole(&self.options.folder, runs))
+                self.options.print(&merged(&self.options.folder, runs))
             }
             Some(FoundShards::AllBut(missing)) if missing.is_empty() => self.merge(&state.queue),
             Some(FoundShards::AllBut(missing)) => self.submit_shards(&state.queue, &missing),
@@ -120,7 +120,7 @@ impl Submission<'_> {
         if state.is_settled() || !self.ensemble.was_submitted() {
             return Ok(state);
         }
-        if !self.options.quiet {
+        if !is_quiet() {
             let grace = words(self.options.grace);
             warn(&format!(
                 "waiting up to {grace} (`--grace`) for jobs and files that are not visible yet\n"
@@ -142,7 +142,7 @@ impl Submission<'_> {
     /// Merges the shards here. Submits those that turn out to be damaged.
     fn merge(&self, queue: &Queue) -> Result<Exit, Failure> {
         match merge(&self.ensemble.path, files_for_screens) {
-            Ok(runs) => self.options.print(&is_whole(&self.options.folder, runs)),
+            Ok(runs) => self.options.print(&merged(&self.options.folder, runs)),
             Err(ShardError::Missing { pieces, .. }) => self.submit_shards(queue, &pieces),
             Err(error) => Err(Failure::usage(error)),
         }
@@ -229,9 +229,9 @@ impl Submission<'_> {
         let mut text = format!(
             "{what}\n\
              To see the queue: squeue --jobs={}\n\
-             To see the shards: stochc status {folder}\n\
+             To see the shards: stochc shard status {folder}\n\
              To cancel: scancel {}\n\
-             After the jobs, to submit shards that are still missing: stochc submit {folder}\n",
+             After the jobs, to submit shards that are still missing: stochc shard submit {folder}\n",
             jobs.join(","),
             jobs.join(" "),
         );
@@ -245,8 +245,8 @@ impl Submission<'_> {
     fn unanswered(&self, error: &SlurmError) -> Failure {
         let folder = &self.folder;
         several_lines(&format!(
-            "{error}\nRun `stochc submit {folder}` where Slurm's commands work; jobs that were submitted are not affected.\n\
-             `stochc status {folder}` shows how to run the shards without Slurm."
+            "{error}\nRun `stochc shard submit {folder}` where Slurm's commands work; jobs that were submitted are not affected.\n\
+             `stochc shard status {folder}` shows how to run the shards without Slurm."
         ))
     }
 
@@ -261,7 +261,7 @@ impl Submission<'_> {
             let grace = words(self.options.grace);
             return several_lines(&format!(
                 "{answer}\nSlurm may have accepted {what}, but did not list it within {grace} (`--grace`).\n\
-                 `stochc submit {folder}` looks for it again."
+                 `stochc shard submit {folder}` looks for it again."
             ));
         }
         let is_limit = refusal.error.as_ref().is_some_and(SlurmError::is_limit);

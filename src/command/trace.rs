@@ -1,51 +1,71 @@
-//! One run alone, told event by event.
+//! `stochc trace`: one run, event by event.
 use std::fmt::Write as _;
-use std::sync::atomic::AtomicBool;
 
+use clap::Args;
 use serde_json::json;
 use stochc_ensemble::text::{Tick, seconds, visible};
-use stochc_ensemble::{EnsembleProgram, Manifest, record_json, until};
+use stochc_ensemble::{EnsembleProgram, record_json, until};
 use stochc_ir::counted;
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::super::show::ResultsFormat;
-use super::super::terminal::print;
-use super::SimulateArguments;
+use super::ensemble::{ProgramOptions, input, judge};
+use super::host::Terminal;
+use super::interrupt::stop_on_interrupt;
+use super::run_options::JsonOption;
+use super::terminal::print;
 use crate::exit::{Exit, Failure};
 use crate::operations::json::document;
 
-/// Does one run of each program.
-pub fn run(
-    options: &SimulateArguments,
-    manifest: &Manifest,
-    number: u64,
-    stop: &AtomicBool,
-) -> Result<Exit, Failure> {
+/// Arguments of `trace`.
+#[derive(Debug, Args)]
+pub struct TraceArguments {
+    #[command(flatten)]
+    programs: ProgramOptions,
+    /// Number of the run, from 0
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    run: u64,
+    #[command(flatten)]
+    output: JsonOption,
+}
+
+/// Simulates one run of each program and prints its events.
+pub fn run(options: &TraceArguments) -> Result<Exit, Failure> {
+    let host = Terminal::default();
+    let stop = stop_on_interrupt()?;
+    let manifest = input::from_programs(&options.programs, &[], 1, None, &host)?;
+    judge(&manifest, true, &options.programs.levels.levels, &host)?;
     let mut watch = until(stop);
-    let mut exit = Exit::Success;
     let mut records = Vec::new();
     for program in &manifest.programs {
-        let record = program.run(
-            &manifest.settings_of(program),
-            (manifest.seed, number),
-            &mut watch,
-        );
-        let Ok(record) = record else {
+        let settings = manifest.settings_of(program);
+        let seeded = (manifest.seed, options.run);
+        let Ok(record) = program.run(&settings, seeded, &mut watch) else {
             return Ok(Exit::Interrupted);
         };
-        if record.outcome != Outcome::Completed {
-            exit = Exit::UnsuccessfulRun;
-        }
-        match options.format {
-            ResultsFormat::Text => print(&narrative(&record, program))?,
-            ResultsFormat::Json => records.push(record_json(&record, program)),
-        }
+        records.push((record, program));
     }
-    if options.format == ResultsFormat::Json {
+    show_runs(&records, options.output.json)
+}
+
+/// Prints the events of runs. Fails if a run did not complete.
+pub fn show_runs(
+    records: &[(RunRecord, &EnsembleProgram)],
+    is_json: bool,
+) -> Result<Exit, Failure> {
+    if is_json {
+        let records = records.iter();
+        let records: Vec<_> = records
+            .map(|(it, program)| record_json(it, program))
+            .collect();
         print(&document(json!({ "runs": records })))?;
+    } else {
+        for (record, program) in records {
+            print(&narrative(record, program))?;
+        }
     }
-    Ok(exit)
+    let mut outcomes = records.iter().map(|(record, _)| &record.outcome);
+    Ok(Exit::of_runs(outcomes.all(|it| *it == Outcome::Completed)))
 }
 
 /// A run in lines: a phase, what happened in it, its end.

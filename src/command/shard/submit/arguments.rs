@@ -1,4 +1,4 @@
-//! Arguments of `stochc submit`.
+//! Arguments of `stochc shard submit`.
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use crate::operations::time;
 /// Arguments of `submit`.
 #[derive(Debug, Args)]
 pub struct SubmitArguments {
-    /// Folder of `simulate --shards`, which all nodes see under the same name
+    /// Folder of `stochc shard new`, which all nodes see under the same path
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// Partition of the jobs [default: that of the site]
@@ -33,9 +33,6 @@ pub struct SubmitArguments {
     /// Print the scripts and the `sbatch` commands, and submit nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Print only errors
-    #[arg(long, short)]
-    pub quiet: bool,
 }
 
 /// Rejects an option that `submit` sets itself, or that hides the job.

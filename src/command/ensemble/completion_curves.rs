@@ -1,25 +1,21 @@
-//! What `simulate` ends with where somebody watches: a small picture, and where there is more.
+//! The completion curves under the results of an ensemble, on a terminal.
+use std::path::Path;
+
 use stochc_ensemble::statistics::{KaplanMeier, TimeSample};
 use stochc_ensemble::text::{Tick, visible};
 use stochc_ensemble::{EnsembleProgram, JournalError, Manifest, Records, completion_time};
 use stochc_files::shell::file as shell_file;
 use stochc_report::text::{Strip, strips};
 
-use super::super::show::ResultsFormat;
-use super::super::terminal::{output_is_watched, output_width, print};
-use super::SimulateArguments;
+use super::super::terminal::{is_quiet, output_is_watched, output_width, print};
 use crate::exit::Failure;
 
 /// Programs that fit on a screen.
 const SHOWN: usize = 4;
 
 /// Draws curves of the runs, and names the command that tells more; on a terminal only.
-pub fn close(
-    options: &SimulateArguments,
-    manifest: &Manifest,
-    finished: &Records,
-) -> Result<(), Failure> {
-    if options.work.quiet || options.format != ResultsFormat::Text || !output_is_watched() {
+pub fn close(out: Option<&Path>, manifest: &Manifest, finished: &Records) -> Result<(), Failure> {
+    if is_quiet() || !output_is_watched() {
         return Ok(());
     }
     let curves = curves(manifest, finished).map_err(Failure::usage)?;
@@ -28,7 +24,7 @@ pub fn close(
     if !text.is_empty() {
         text.insert(0, '\n');
     }
-    if let Some(out) = &options.out {
+    if let Some(out) = out {
         let folder = shell_file(&visible(&out.to_string_lossy()));
         text += &format!("\nFor a report: stochc report {folder}\n");
     }

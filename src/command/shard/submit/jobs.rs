@@ -38,7 +38,7 @@ impl<'a> Jobs<'a> {
         let per_task = limits.per_task(self.ensemble.shards, self.options.per_task);
         per_task.ok_or_else(|| {
             Failure::usage(
-                "this site allows no job arrays (MaxArraySize is 0); submit `stochc shard` yourself, shard by shard",
+                "this site allows no job arrays (MaxArraySize is 0); submit `stochc shard run` yourself, shard by shard",
             )
         })
     }

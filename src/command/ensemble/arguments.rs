@@ -1,0 +1,160 @@
+//! Options that several commands share which simulate ensembles.
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use stochc_ensemble::recording::{EVERY, Selection};
+use stochc_ensemble::text::share;
+use stochc_ensemble::{Interval, MAX_RUNS};
+use stochc_runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
+
+use super::super::imports::ImportOptions;
+use super::super::levels::LevelOptions;
+use super::super::run_options::{ResultsOptions, SeedOption, ThreadsOption};
+use crate::exit::Failure;
+
+/// Runs of each program by default.
+pub const RUNS: u64 = 50;
+
+/// Most runs of each program with `--until` by default.
+pub const MAX_UNTIL: u64 = 10_000;
+
+/// Ticks after which a run is stopped by default.
+pub const MAX_TICKS: u64 = 1_000_000;
+
+/// Programs, and how each of their runs is computed.
+#[derive(Debug, Args)]
+pub struct ProgramOptions {
+    /// Programs to simulate, or folders with programs (`*.sa`) in them
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<String>,
+    #[command(flatten)]
+    pub chance: SeedOption,
+    #[command(flatten)]
+    pub model: ModelOptions,
+    #[command(flatten)]
+    pub levels: LevelOptions,
+    #[command(flatten)]
+    pub imports: ImportOptions,
+}
+
+/// How each run is computed.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Model")]
+pub struct ModelOptions {
+    /// Physical model [default: rigid]
+    #[arg(long, value_parser = one_of(&Model::ALL, Model::name, Model::meaning))]
+    model: Option<Model>,
+    /// Rates of scenes for `--model rate`, written by `stochc calibrate`; others are measured first
+    #[arg(long, value_name = "FILE.rates")]
+    pub rates: Vec<PathBuf>,
+    /// Time steps per tick; `1/8`: one, and eight for blocks near open faces [default: 2/8]
+    #[arg(long, value_name = "STEPS")]
+    substeps: Option<Substeps>,
+    /// Iterations of the contact solver per step [default: 4 for `rapier`, at most 10 for `rigid`]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    solver_iterations: Option<u32>,
+    /// Floating-point precision; `double` needs `--model rigid` [default: single]
+    #[arg(long, value_parser = one_of(&Precision::ALL, Precision::name, Precision::meaning))]
+    precision: Option<Precision>,
+    /// Leave out a part of the physics, to see what it contributes; needs `--model rigid`
+    #[arg(long, value_name = "PART", value_parser = one_of(&Reduction::ALL, Reduction::name, Reduction::meaning))]
+    without: Option<Reduction>,
+    /// Stop a run after this many ticks; its time is then censored
+    #[arg(long, value_name = "TICKS", default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
+    max_ticks: u64,
+}
+
+impl ModelOptions {
+    /// Returns the settings, without rates.
+    pub fn settings(&self) -> Settings {
+        let usual = Settings::default();
+        Settings {
+            model: self.model.unwrap_or(usual.model),
+            solver_iterations: self.solver_iterations,
+            precision: self.precision.unwrap_or(usual.precision),
+            reduction: self.without,
+            max_ticks: Some(self.max_ticks),
+            ..usual.with_steps(self.substeps.unwrap_or(Substeps::DEFAULT))
+        }
+    }
+
+    /// Returns whether the option that this axis of a sweep is named after is given as well.
+    pub fn gives(&self, axis: &str) -> bool {
+        match axis {
+            "model" => self.model.is_some(),
+            "substeps" => self.substeps.is_some(),
+            "solver-iterations" => self.solver_iterations.is_some(),
+            "precision" => self.precision.is_some(),
+            "without" => self.without.is_some(),
+            _ => false,
+        }
+    }
+
+    /// Refuses options that the model does not use.
+    pub fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
+        let model = settings.model;
+        // The default may be given as well.
+        let steps = self.substeps.map(|_| Setting::Steps);
+        let rates = (!self.rates.is_empty()).then_some(Setting::Rates);
+        let given = steps.into_iter().chain(settings.chosen()).chain(rates);
+        let has_no = |option| Err(format!("no `--{option}`; `--model rigid` has it"));
+        let used = match model.unused(given) {
+            None => Ok(()),
+            Some(Setting::Steps) => has_no("substeps"),
+            Some(Setting::SolverIterations) => has_no("solver-iterations"),
+            Some(Setting::Precision) => has_no("precision"),
+            Some(Setting::Reduction) => has_no("without"),
+            Some(Setting::Rates) => {
+                Err("no use for `--rates`; they are for `--model rate`".to_owned())
+            }
+        };
+        used.map_err(|what| Failure::usage(format!("the model `{}` has {what}", model.name())))
+    }
+}
+
+/// How the runs of an ensemble are made, and what is printed of them. The command has an argument `out`.
+#[derive(Debug, Args)]
+pub struct MakingOptions {
+    /// Runs of each program; the limit of `--until` [default: 50; 10000 with `--until`; those of the folder that is resumed or repeated]
+    #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
+    pub runs: Option<u64>,
+    /// Make runs until half of the 95 % interval of every mean is at most PERCENT of it, such as 3%
+    #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["record", "watch"])]
+    pub until: Option<f64>,
+    #[command(flatten)]
+    pub work: ThreadsOption,
+    /// Interval of checkpoints: a time (90s, 5m, 2h), ticks of each run (20000ticks) or `never`; `rapier` runs have none
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out")]
+    pub checkpoints: Interval,
+    /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
+    #[arg(long, value_name = "RUNS", requires = "out")]
+    pub record: Option<Selection>,
+    /// Record positions once per this many ticks
+    #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub record_every: u32,
+    /// Rewrite `report.html` in the folder every few seconds; open it in a browser
+    #[arg(long, requires = "out")]
+    pub watch: bool,
+    /// Print the expected CPU time, and make no runs
+    #[arg(long, conflicts_with_all = ["watch", "captures"])]
+    pub dry_run: bool,
+    #[command(flatten)]
+    pub shown: ResultsOptions,
+}
+
+/// Parses a value of a setting by its name.
+fn one_of<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+    meaning: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let values = all.iter();
+    let values = values.map(|&value| PossibleValue::new(name(value)).help(meaning(value)));
+    PossibleValuesParser::new(values).map(move |word| {
+        let mut named = all.iter().copied();
+        named
+            .find(|&value| name(value) == word)
+            .expect("it is one of them")
+    })
+}

@@ -1,0 +1,78 @@
+//! `stochc fsck`.
+use std::path::PathBuf;
+
+use clap::Args;
+use stochc_ensemble::text::visible;
+use stochc_ensemble::verify::{DAMAGED, FileIntegrity, Integrity, repair, verify};
+use stochc_ensemble::{Folder, FolderError};
+use stochc_files::shell::file as shell_file;
+
+use super::terminal::{print, warn};
+use crate::exit::{Exit, Failure};
+use crate::operations::sweep::files_for_screens;
+
+/// Arguments of `fsck`.
+#[derive(Debug, Args)]
+pub struct FsckArguments {
+    /// Results folder
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Move corrupted files into `DIR/damaged`, and rewrite the journal and the tables from the rest
+    #[arg(long)]
+    repair: bool,
+}
+
+/// Says of every file of a folder whether it is as it was written.
+pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
+    let path = &options.folder;
+    let health = verify(path).map_err(Failure::usage)?;
+    let is_damaged = |files: &[FileIntegrity]| files.iter().any(|file| file.health.is_damaged());
+    print(&table(&health))?;
+    if !is_damaged(&health) {
+        return Ok(Exit::Success);
+    }
+    if !options.repair {
+        warn("something is damaged; `--repair` saves what is sound, and deletes nothing\n");
+        return Ok(Exit::Usage);
+    }
+    repair(path, files_for_screens).map_err(Failure::usage)?;
+    let kept = match Folder::read(path) {
+        Err(FolderError::Cut { .. }) => {
+            let folder = shell_file(&visible(&path.to_string_lossy()));
+            format!("`stochc shard status {folder}` lists the shards that are missing")
+        }
+        contents => {
+            let contents = contents.map_err(Failure::usage)?;
+            let (kept, all) = (contents.finished.len(), contents.manifest.total());
+            format!("{kept} of {all} runs are kept")
+        }
+    };
+    let folder = visible(&path.join(DAMAGED).to_string_lossy());
+    print(&format!(
+        "repaired: {kept}, and what was damaged is in `{folder}`\n"
+    ))?;
+    if is_damaged(&verify(path).map_err(Failure::usage)?) {
+        Err(Failure::usage("something is damaged still; check it again"))
+    } else {
+        Ok(Exit::Success)
+    }
+}
+
+/// A line for each file, and for all that is wrong with it.
+fn table(files: &[FileIntegrity]) -> String {
+    let mut text = String::new();
+    for FileIntegrity { name, health } in files {
+        let name = visible(name);
+        match health {
+            Integrity::Sound => text += &format!("{name}: sound\n"),
+            Integrity::Unprotected => {
+                text += &format!("{name}: has no checksum, and can be read\n")
+            }
+            Integrity::Damaged(reasons) => {
+                let lines = reasons.iter();
+                text.extend(lines.map(|reason| format!("{name}: damaged: {reason}\n")));
+            }
+        }
+    }
+    text
+}

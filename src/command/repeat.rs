@@ -1,0 +1,43 @@
+//! `stochc repeat`.
+use std::path::PathBuf;
+
+use clap::Args;
+use stochc_ensemble::Resume;
+
+use super::ensemble::{self, Ensemble, MakingOptions, input};
+use super::figures::FigureOptions;
+use super::host::Terminal;
+use super::levels::LevelOptions;
+use crate::exit::{Exit, Failure};
+
+/// Arguments of `repeat`.
+#[derive(Debug, Args)]
+pub struct RepeatArguments {
+    /// Results folder, or its `manifest.json`
+    #[arg(value_name = "DIR|MANIFEST")]
+    from: PathBuf,
+    /// Folder for the new results; it must be new or empty
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    making: MakingOptions,
+    #[command(flatten)]
+    figures: FigureOptions,
+    #[command(flatten)]
+    levels: LevelOptions,
+}
+
+/// Makes the runs of a results folder again.
+pub fn run(options: &RepeatArguments) -> Result<Exit, Failure> {
+    let host = Terminal::default();
+    let runs = options.making.more_runs();
+    let ensemble = Ensemble {
+        manifest: input::from_manifest(&options.from, runs, &host)?,
+        out: options.out.as_deref(),
+        resume: Resume::No,
+        is_checked: false,
+        levels: &options.levels.levels,
+        figures: options.figures.figures(),
+    };
+    ensemble::run(ensemble, &options.making, &host)
+}

@@ -1,0 +1,46 @@
+//! `stochc resume`.
+use std::path::PathBuf;
+
+use clap::Args;
+use stochc_ensemble::Resume;
+
+use super::ensemble::{self, Ensemble, MakingOptions, input};
+use super::figures::FigureOptions;
+use super::host::Terminal;
+use super::levels::LevelOptions;
+use crate::exit::{Exit, Failure};
+
+/// Arguments of `resume`.
+#[derive(Debug, Args)]
+pub struct ResumeArguments {
+    /// Results folder
+    #[arg(value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    making: MakingOptions,
+    /// Resume runs of another build of stochc, if one of them is reproduced exactly
+    #[arg(long)]
+    mixed_builds: bool,
+    #[command(flatten)]
+    figures: FigureOptions,
+    #[command(flatten)]
+    levels: LevelOptions,
+}
+
+/// Makes the runs that a results folder lacks.
+pub fn run(options: &ResumeArguments) -> Result<Exit, Failure> {
+    let host = Terminal::default();
+    let ensemble = Ensemble {
+        manifest: input::from_folder(&options.out, options.making.more_runs())?,
+        out: Some(&options.out),
+        resume: if options.mixed_builds {
+            Resume::MixedBuilds
+        } else {
+            Resume::SameBuild
+        },
+        is_checked: false,
+        levels: &options.levels.levels,
+        figures: options.figures.figures(),
+    };
+    ensemble::run(ensemble, &options.making, &host)
+}

@@ -1,0 +1,57 @@
+//! `stochc shard run`.
+use std::path::PathBuf;
+
+use clap::Args;
+use stochc_ensemble::Interval;
+use stochc_ensemble::text::visible;
+
+use super::super::host::Terminal;
+use super::super::interrupt::stop_on_interrupt;
+use super::super::run_options::ThreadsOption;
+use super::super::terminal::{is_quiet, print};
+use crate::exit::{Exit, Failure};
+use crate::operations::shard::shard;
+
+/// Arguments of `shard run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// Folder of `stochc shard new`
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Number of the shard, from 0
+    #[arg(value_name = "I")]
+    shard: u64,
+    #[command(flatten)]
+    work: ThreadsOption,
+    /// Interval of checkpoints: a time (90s, 5m, 2h), ticks of each run (20000ticks) or `never`; `rapier` runs have none
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
+    checkpoints: Interval,
+}
+
+/// Makes the runs that a shard lacks.
+pub fn run(options: &RunArguments) -> Result<Exit, Failure> {
+    stop_on_interrupt()?;
+    let host = Terminal::default();
+    let made = shard(
+        &options.folder,
+        options.shard,
+        options.work.threads,
+        options.checkpoints,
+        &host,
+    )?;
+    let Some(runs) = made else {
+        return Err(Failure {
+            exit: Exit::Interrupted,
+            message: "interrupted; finished runs are kept, and the same command continues\n"
+                .to_owned(),
+        });
+    };
+    let shown = visible(&options.folder.to_string_lossy());
+    if !is_quiet() {
+        let number = options.shard;
+        print(&format!(
+            "shard {number} of `{shown}` is complete: {runs} runs\n"
+        ))?;
+    }
+    Ok(Exit::Success)
+}

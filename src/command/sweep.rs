@@ -1,0 +1,46 @@
+//! `stochc sweep`.
+use std::path::PathBuf;
+
+use clap::Args;
+use stochc_ensemble::Resume;
+use stochc_ensemble::sweep::Axis;
+
+use super::ensemble::{self, Ensemble, MakingOptions, ProgramOptions, input};
+use super::figures::FigureOptions;
+use super::host::Terminal;
+use crate::exit::{Exit, Failure};
+
+/// Arguments of `sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArguments {
+    #[command(flatten)]
+    programs: ProgramOptions,
+    /// Scene parameter or setting, and its values: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `substeps=1,2,4`;
+    /// with several, every combination is simulated
+    #[arg(long, value_name = "NAME=VALUES", required = true, value_parser = Axis::parse)]
+    vary: Vec<Axis>,
+    /// Folder for the results; it must be new or empty
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    making: MakingOptions,
+    #[command(flatten)]
+    figures: FigureOptions,
+}
+
+/// Simulates programs at every point of a sweep.
+pub fn run(options: &SweepArguments) -> Result<Exit, Failure> {
+    let (programs, making) = (&options.programs, &options.making);
+    let host = Terminal::default();
+    let (runs, threads) = (making.new_runs(), making.work.threads);
+    let manifest = input::from_programs(programs, &options.vary, runs, threads, &host)?;
+    let ensemble = Ensemble {
+        manifest,
+        out: options.out.as_deref(),
+        resume: Resume::No,
+        is_checked: true,
+        levels: &programs.levels.levels,
+        figures: options.figures.figures(),
+    };
+    ensemble::run(ensemble, making, &host)
+}
