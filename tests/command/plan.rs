@@ -180,7 +180,7 @@ fn shapes_plates_and_scenes_are_chosen() {
     );
     for line in [
         "--tries 0",
-        "--budget soon",
+        "--time soon",
         "--plate 3",
         "--offset 3",
         "--complete --offset 1,1",

@@ -25,7 +25,7 @@ fn wrong_command_lines_are_told_of() {
         "simulate --threads 0 tests/fixtures/tower.sa",
         "simulate --threads 100000 tests/fixtures/tower.sa",
         "simulate --seed -1 tests/fixtures/tower.sa",
-        "plan --budget -5 tests/fixtures/tower.sa",
+        "plan --tries -5 tests/fixtures/tower.sa",
         "shard run tests/fixtures -1",
         "simulate --model magic tests/fixtures/tower.sa",
         "simulate --resume tests/fixtures/tower.sa",

@@ -186,7 +186,7 @@ fn the_command_writes_figures_for_print() {
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     assert!(!is_there("survival.pdf") && is_there("survival.svg"));
     for wrong in ["89", "20mm", "wide"] {
-        let said = stochc_with("report --figures", &[wrong, &out]);
+        let said = stochc_with("report --figure-width", &[wrong, &out]);
         assert_eq!(said.status, 2, "{wrong}");
         assert!(said.err.contains("give "), "{}", said.err);
     }

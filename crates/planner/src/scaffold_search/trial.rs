@@ -74,7 +74,7 @@ impl NoScaffolds {
             NoScaffolds::TooLarge => format!("the target has more than {MAX_CELLS} cells"),
             NoScaffolds::NoSpareBlocks => "the target takes all free blocks (`--free`)".to_owned(),
             NoScaffolds::AttractsAlways => "every face attracts all the time".to_owned(),
-            NoScaffolds::FewTries => "the search makes too few tries (`--budget`)".to_owned(),
+            NoScaffolds::FewTries => "the search makes too few tries (`--tries`)".to_owned(),
             NoScaffolds::NoneFound => "no place was found for any".to_owned(),
         }
     }
