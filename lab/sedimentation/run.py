@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How high gravity lets blocks float, against what `stochc check --scene` expects (docs/concepts/physical-model.md).
+"""How high gravity lets blocks float, against what `stochc check --physics` expects (docs/concepts/physical-model.md).
 
 python3 lab/sedimentation/run.py [STOCHC]    needs nothing but Python; some minutes
 """
