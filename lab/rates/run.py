@@ -108,7 +108,7 @@ def compare(rows):
         if abs(a.mean - b.mean) > 1.96 * math.hypot(a.sd / math.sqrt(a.n), b.sd / math.sqrt(b.n)):
             apart += 1
             right += (a.mean < b.mean) == (x.mean < y.mean)
-    print(f"- pairs of programs that differ significantly: {apart}, of which {right} are in order")
+    print(f"- pairs of programs that differ significantly: {apart}; in order: {right}")
 
 
 def main():

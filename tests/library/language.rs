@@ -6,6 +6,7 @@ use stochc::ir::scene::scalars;
 use stochc::ir::scene::schema::CLAUSES;
 
 const REFERENCE: &str = include_str!("../../docs/reference/language.md");
+const SCENES: &str = include_str!("../../docs/reference/scene-parameters.md");
 const MODEL: &str = include_str!("../../docs/concepts/physical-model.md");
 const README: &str = include_str!("../../README.md");
 
@@ -30,8 +31,8 @@ fn the_reference_shows_the_built_in_scenes_as_they_are() {
     for (name, text) in BUILT_IN {
         let scene = text.find("scene ").map(|at| text[at..].trim_end());
         assert!(
-            scene.is_some_and(|scene| REFERENCE.contains(scene)),
-            "docs/reference/language.md shows another scene `{name}`"
+            scene.is_some_and(|scene| SCENES.contains(scene)),
+            "docs/reference/scene-parameters.md shows another scene `{name}`"
         );
     }
 }
@@ -44,21 +45,21 @@ fn the_table_of_scenes_is_that_of_the_schema() {
     for clause in &CLAUSES {
         clause.rows(0, &mut table);
     }
-    crate::pages::assert_table("docs/reference/language.md", &table);
+    crate::pages::assert_table("docs/reference/scene-parameters.md", &table);
 }
 
 /// Likewise.
 #[test]
 fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
-    let mut table = "| name | short | values | what it is |\n|---|---|---|---|\n".to_owned();
+    let mut table = "| name | short | values |\n|---|---|---|\n".to_owned();
     for number in scalars::all() {
         let (name, short) = number.names.split_first().expect("each has a name");
         let short: Vec<_> = short.iter().map(|short| format!("`{short}`")).collect();
         let short = short.join(", ");
         let range = number.range.rule();
-        table += &format!("| `{name}` | {short} | {range} | {} |\n", number.meaning);
+        table += &format!("| `{name}` | {short} | {range} |\n");
     }
-    crate::pages::assert_table("docs/guides/sweep.md", &table);
+    crate::pages::assert_table("docs/reference/scene-parameters.md", &table);
 }
 
 /// A clause of the schema that no row of the model has would be physics without an equation.

@@ -49,7 +49,7 @@ fn all_orders_of_the_five_towers_are_tried() {
     assert!(reduced.states < 30, "{}", reduced.states);
 }
 
-/// What docs/concepts/protocol.md shows.
+/// The table of docs/validation/proofs-executed.md.
 #[test]
 fn states_and_transitions_with_and_without_the_reduction() {
     let mut programs = Vec::new();
@@ -81,10 +81,10 @@ fn states_and_transitions_with_and_without_the_reduction() {
             tables.assembly, reduced.states, reduced.transitions
         ));
     }
-    let text = include_str!("../../../../docs/concepts/protocol.md");
+    let text = include_str!("../../../../docs/validation/proofs-executed.md");
     assert!(
         text.contains(&table),
-        "docs/concepts/protocol.md should hold\n{table}"
+        "docs/validation/proofs-executed.md should hold\n{table}"
     );
 }
 
