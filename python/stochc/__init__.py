@@ -1,7 +1,7 @@
 """Compiler, verifier and simulator for stochastic modular robots.
 
-The functions do what the commands of `stochc` of the same names do: the same checks, the same runs to the bit, the same
-files byte for byte. `docs/guides/python.md` tells how to begin.
+The functions correspond to the commands of `stochc` with the same names. They make the same checks, the same runs bit
+for bit, and the same files byte for byte. `docs/guides/python.md` is an introduction.
 
 >>> import stochc
 >>> ensemble = stochc.simulate(stochc.EXAMPLE, runs=3, model="shuffle")
@@ -47,7 +47,7 @@ assembly pair {
     phase grow { M.up -> A }
 }
 """
-"""A small program, to try things out."""
+"""A small example program."""
 
 __all__ = [
     "EXAMPLE",

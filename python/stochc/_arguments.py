@@ -1,4 +1,4 @@
-"""Arguments, looked at before anything is done with them."""
+"""Validation of arguments."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TypeAlias
 from ._errors import UsageError
 
 Path: TypeAlias = str | os.PathLike[str]
-"""A file or a folder."""
+"""Path of a file or a folder."""
 
 MOST_RUNS = 10_000_000
 MOST_TICKS = 2**64 - 1
@@ -18,7 +18,7 @@ MOST_SEED = 2**64 - 1
 
 
 def whole(name: str, value: object, least: int, most: int) -> int:
-    """A whole number within bounds."""
+    """Returns an integer within bounds."""
     if isinstance(value, bool):
         raise TypeError(f"{name}: give a whole number, not {told(value)}")
     try:
@@ -31,7 +31,7 @@ def whole(name: str, value: object, least: int, most: int) -> int:
 
 
 def told(value: object) -> str:
-    """A value as a message tells of it, whatever it is."""
+    """Returns a value for a message, for any type."""
     try:
         text = repr(value)
     except Exception:
@@ -40,59 +40,59 @@ def told(value: object) -> str:
 
 
 def maybe(name: str, value: object, least: int, most: int) -> int | None:
-    """The same, or nothing."""
+    """Returns an integer within bounds, or `None`."""
     return None if value is None else whole(name, value, least, most)
 
 
 def threads(value: object) -> int | None:
-    """Runs at the same time."""
+    """Returns the number of threads."""
     return maybe("threads", value, 1, 1024)
 
 
 def yes(name: str, value: object) -> bool:
-    """Yes or no."""
+    """Returns a bool."""
     if not isinstance(value, bool):
         raise TypeError(f"{name}: give True or False, not {told(value)}")
     return value
 
 
 def word(name: str, value: object) -> str:
-    """A text."""
+    """Returns a string."""
     if not isinstance(value, str):
         raise TypeError(f"{name}: give a text, not {told(value)}")
     try:
         value.encode()
     except UnicodeEncodeError:
-        raise UsageError(f"{name}: {told(value)} is no Unicode") from None
+        raise UsageError(f"{name}: {told(value)} is not valid Unicode") from None
     return value
 
 
 def path(name: str, value: object) -> str:
-    """A path as a text."""
+    """Returns a path as a string."""
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"{name}: give a path, not {told(value)}")
     text = word(name, os.fspath(value))  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
     if not text:
-        raise UsageError(f"{name}: an empty path leads nowhere")
+        raise UsageError(f"{name}: the path is empty")
     if "\0" in text:
-        raise UsageError(f"{name}: no path holds a NUL, as {told(text)} does")
+        raise UsageError(f"{name}: {told(text)} contains a NUL character")
     return text
 
 
 def maybe_path(name: str, value: object) -> str | None:
-    """The same, or nothing."""
+    """Returns a path as a string, or `None`."""
     return None if value is None else path(name, value)
 
 
 def paths(name: str, values: Path | Iterable[Path]) -> list[str]:
-    """One or more paths."""
+    """Returns one or more paths as a list."""
     if isinstance(values, (str, os.PathLike)):
         return [path(name, values)]
     return [path(name, value) for value in _listed(name, values)]
 
 
 def words(name: str, values: str | Iterable[str]) -> list[str]:
-    """One or more texts."""
+    """Returns one or more strings as a list."""
     if isinstance(values, str):
         return [word(name, values)]
     return [word(name, value) for value in _listed(name, values)]
@@ -107,20 +107,20 @@ def _listed(name: str, values: object) -> list[object]:
 def levels(
     allow: str | Iterable[str], warn: str | Iterable[str], deny: str | Iterable[str]
 ) -> list[tuple[str, str]]:
-    """What becomes of warnings; `deny` has the last word, and then `warn`."""
+    """Returns the levels of warnings. `deny` overrides `warn`, which overrides `allow`."""
     said = [("allow", allow), ("warn", warn), ("deny", deny)]
     return [(code, level) for level, codes in said for code in words(level, codes)]
 
 
 def substeps(value: int | str) -> str:
-    """Steps a tick: `4`, or `"1/8"`."""
+    """Returns the steps per tick: `4`, or `"1/8"`."""
     if isinstance(value, str):
         return word("substeps", value)
     return str(whole("substeps", value, 1, 2**32 - 1))
 
 
 def selection(value: None | int | str | Iterable[int]) -> str | None:
-    """Runs: `17`, `"0..4"`, `"all"`, or several numbers."""
+    """Returns a selection of runs: `17`, `"0..4"`, `"all"`, or several numbers."""
     if value is None:
         return None
     if isinstance(value, str):
@@ -134,12 +134,12 @@ def selection(value: None | int | str | Iterable[int]) -> str | None:
 
 
 def axes(values: Mapping[str, str | float | Sequence[float]]) -> list[str]:
-    """What a sweep varies, as the command line says it: `free=50..600/6`."""
+    """Returns the axes of a sweep in the syntax of the command line: `free=50..600/6`."""
     if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"vary: give a dictionary of names and values, not {told(values)}")
     for name in values:
         if "=" in word("vary", name):
-            raise UsageError(f"vary: no number is called {told(name)}")
+            raise UsageError(f"vary: there is no parameter {told(name)}")
     return [f"{name}={_values(name, said)}" for name, said in values.items()]
 
 
@@ -157,5 +157,5 @@ def _values(name: str, said: object) -> str:
             raise TypeError(f"vary: {name}: give numbers, not {told(value)}") from None
         texts.append(str(int(number)) if number.is_integer() and abs(number) < 1e15 else repr(number))
     if not texts:
-        raise UsageError(f"vary: {name}: give one value at least")
+        raise UsageError(f"vary: {name}: give at least one value")
     return ",".join(texts)

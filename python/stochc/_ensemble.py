@@ -1,4 +1,4 @@
-"""Ensembles: many runs of programs, kept in a folder or in memory, and what they tell."""
+"""Ensembles: many runs of programs, stored in a folder or in memory, and their results."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ._requests import Asked, Kept
 from ._table import Table
 
 Programs: TypeAlias = Source | Program | Iterable[Source | Program]
-"""Programs, or texts or files of them, one or several."""
+"""One or several programs, sources or files."""
 
 Axes: TypeAlias = Mapping[str, str | float | Sequence[float]]
-"""Numbers of the scene and their values: `{"free": [50, 100], "bond.pull": "2..12 N/5 log"}`."""
+"""Scene parameters and their values: `{"free": [50, 100], "bond.pull": "2..12 N/5 log"}`."""
 
 
 def _listed(
@@ -31,9 +31,9 @@ def _listed(
     elif isinstance(programs, Iterable):  # pyright: ignore[reportUnnecessaryIsInstance]
         each = list(programs)
     else:
-        raise TypeError(f"programs: give programs, texts or paths, not {told(programs)}")
+        raise TypeError(f"programs: give programs, sources or paths, not {told(programs)}")
     if not each:
-        raise UsageError("programs: give one at least")
+        raise UsageError("programs: give at least one")
     found: list[_native.Program] = []
     for it in each:
         if isinstance(it, Program):
@@ -91,18 +91,18 @@ class Run:
 
     ensemble: Ensemble
     program: str | None
-    """The name of its program; `None`: the only one."""
+    """Name of its program. `None` if there is only one."""
     number: int
-    """From 0."""
+    """Number from 0."""
 
     def __init__(self, ensemble: Ensemble, number: int, program: str | None) -> None:
         self.ensemble, self.number, self.program = ensemble, number, program
 
     @property
     def record(self) -> dict[str, Any]:
-        """All that is known of it, as `stochc show DIR --run N --json` tells it; times are ticks.
+        """Its record, in the form of `stochc show DIR --run N --json`. Times are in ticks.
 
-        A run that is not there is made.
+        A missing run is made.
         """
         native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
         record: dict[str, Any] = json.loads(native.record(self.program, self.number))
@@ -110,29 +110,29 @@ class Run:
 
     @property
     def ticks(self) -> int:
-        """Its length [ticks]."""
+        """Its duration [ticks]."""
         ticks: int = self.record["ticks"]
         return ticks
 
     def replay(self) -> Replay:
-        """The page that shows it tick by tick; a recording is read from the folder, or the run is made again."""
+        """Returns its replay page. Uses the recording in the folder, or repeats the run."""
         native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
         return Replay(native.replay(self.program, self.number), str(self))
 
     def save_replay(self, path: Path) -> None:
-        """Writes the page that shows it."""
+        """Writes its replay page."""
         native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
         native.write_replay(self.program, self.number, _arguments.path("path", path))
 
     def export(
         self, path: Path, format: Literal["parquet", "gltf"] = "parquet", every: int | None = None
     ) -> None:
-        """Makes it again and writes the place of every block.
+        """Repeats the run and writes the positions of all blocks.
 
         Args:
             path: the file to write.
             format: a table (`parquet`), or an animation for 3D programs (`gltf`, a `.glb` file).
-            every: ticks between the places; 1 for a table and 8 for an animation, if not said.
+            every: ticks between two records. Default: 1 for a table, 8 for an animation.
         """
         if format not in ("parquet", "gltf"):
             raise UsageError(f"format: give 'parquet' or 'gltf', not {told(format)}")
@@ -154,12 +154,12 @@ class Run:
 
 
 class Replay:
-    """A page that shows a run, and asks nothing of any network."""
+    """Replay page of a run. It makes no network requests."""
 
     __slots__ = ("html", "title")
 
     html: str
-    """The page."""
+    """HTML of the page."""
     title: str
 
     def __init__(self, html: str, title: str) -> None:
@@ -169,7 +169,7 @@ class Replay:
         return f"<stochc.Replay of {self.title}: {len(self.html)} characters>"
 
     def frame(self, height: int = 640) -> str:
-        """It as an element for another page, so many pixels high."""
+        """Returns an element for another page, with this height [pixels]."""
         pixels = whole("height", height, 1, 100_000)
         return _html.page(self.html, f"replay of {self.title}", pixels)
 
@@ -178,7 +178,7 @@ class Replay:
 
 
 class Ensemble:
-    """Runs of one or more programs, and what they tell; it prints as `stochc show` does.
+    """Runs of one or more programs, with their results. Prints like `stochc show`.
 
     >>> import stochc
     >>> ensemble = stochc.simulate(stochc.EXAMPLE, runs=5, model="shuffle")
@@ -195,92 +195,92 @@ class Ensemble:
 
     @property
     def folder(self) -> str | None:
-        """The folder that it is kept in; `None`: in memory alone."""
+        """Its folder. `None` if it is in memory."""
         folder = self._native.folder
         return None if folder is None else str(folder)
 
     @property
     def programs(self) -> tuple[Program, ...]:
-        """Its programs, in their order."""
+        """Its programs in order."""
         return tuple(Program(it) for it in self._native.programs)
 
     @property
     def seed(self) -> int:
-        """The seed of every draw."""
+        """Seed of the random numbers."""
         return self._native.seed
 
     @property
     def model(self) -> str:
-        """The physical model."""
+        """Physical model."""
         return self._native.model
 
     @property
     def identity(self) -> str:
-        """SHA-256 of all that decides what a run does."""
+        """SHA-256 of everything that determines a run."""
         return self._native.identity
 
     @property
     def complete(self) -> bool:
-        """Whether every run that was asked for is there."""
+        """Whether all requested runs are finished."""
         finished, total = self._native.counts()
         return finished == total
 
     def __len__(self) -> int:
-        """How many runs are there, of all programs."""
+        """Number of finished runs of all programs."""
         return self._native.counts()[0]
 
     @property
     def runs(self) -> Table:
-        """A row for each run: outcome and times [ticks]; `runs.parquet` of a folder."""
+        """A row for each run: outcome and times [ticks]. The same as `runs.parquet`."""
         return Table(self._native.table("runs"))
 
     @property
     def phases(self) -> Table:
-        """A row for each phase that a run has reached, with its times [ticks]."""
+        """A row for each phase reached by a run, with its times [ticks]."""
         return Table(self._native.table("phases"))
 
     @property
     def bonds(self) -> Table:
-        """A row for each capture, or face that waited for one when its run ended; times [ticks], cells [sides]."""
+        """A row for each capture, and each face still open at the end of a run: times [ticks], cells [block lengths]."""
         return Table(self._native.table("bonds"))
 
     @property
     def releases(self) -> Table:
-        """A row for each block that was released [ticks]."""
+        """A row for each release, with times [ticks]."""
         return Table(self._native.table("releases"))
 
     @property
     def unplanned(self) -> Table:
-        """A row for each block that docked where nobody expected it [ticks]."""
+        """A row for each unplanned capture, with times [ticks]."""
         return Table(self._native.table("unplanned"))
 
     @property
     def summary(self) -> Table:
-        """A row for each program, or point of a sweep: how its runs ended, and their times to completion [ticks]."""
+        """A row for each program or point of a sweep: outcomes and completion times [ticks]."""
         return Table(self._native.summary())
 
     @property
     def survival(self) -> Table:
-        """The share of runs that are incomplete at each time [ticks] at which one completed, by Kaplan and Meier."""
+        """The Kaplan-Meier estimate of the fraction of incomplete runs at each completion time [ticks]."""
         return Table(self._native.survival())
 
     def results(self, *, captures: bool = False) -> Any:
-        """All figures and comparisons, as `stochc show --format json` has them; of every capture, if asked for."""
+        """Returns all results and comparisons, in the form of `stochc show --format json`. `captures` includes every capture."""
         return json.loads(self._native.results(_arguments.yes("captures", captures), None))
 
     def text(self, *, captures: bool = False, width: int = 100) -> str:
-        """What `stochc show` prints, in so many columns."""
+        """Returns the output of `stochc show` for this line width [columns]."""
         columns = whole("width", width, 40, 10_000)
         return self._native.results(_arguments.yes("captures", captures), columns)
 
     def pictures(self) -> dict[str, str]:
-        """Its figures (SVG) by their titles: the completion curves, or those of a sweep."""
+        """Returns its figures (SVG) by title: the completion curves, or those of a sweep."""
         return {title: svg for _, title, svg in self._native.pictures()}
 
     def run(self, number: int | None = None, program: str | None = None) -> Run:
-        """A run by its number, from 0; without a number, the run with the median time to completion.
+        """Returns a run by its number from 0. Without a number, returns the run with the median completion time.
 
-        The program has to be named if there are several.
+        If there are several programs, `program` is required.
         """
         names = [it.name for it in self._native.programs]
         if number is not None:
@@ -289,7 +289,7 @@ class Ensemble:
             listed = ", ".join(f"`{name}`" for name in names[:10])
             raise UsageError(f"program: name one of {listed}{', ...' if len(names) > 10 else ''}")
         if program is not None and _arguments.word("program", program) not in names:
-            raise UsageError(f"program: there is no `{program}`, but {', '.join(names[:10])}")
+            raise UsageError(f"program: there is no `{program}`; choose from {', '.join(names[:10])}")
         if number is None:
             number = self._native.median_run(program)
         return Run(self, number, program)
@@ -297,7 +297,7 @@ class Ensemble:
     def __reduce__(self) -> tuple[Any, tuple[str]]:
         folder = self.folder
         if folder is None:
-            raise TypeError("an ensemble in memory is not pickled: make it with `out=`, or pass its tables on")
+            raise TypeError("an ensemble in memory cannot be pickled: use `out=`, or pass its tables")
         return (open, (folder,))
 
     def __repr__(self) -> str:
@@ -347,35 +347,35 @@ def simulate(
     allow_import: Source | Iterable[Source] = (),
     progress: Progress = None,
 ) -> Ensemble:
-    """Simulates programs many times: the same runs, to the bit, as `stochc simulate` with the same options.
+    """Simulates programs many times. The runs equal those of `stochc simulate` with the same options, bit for bit.
 
-    The interpreter's lock is released; Ctrl-C stops within a tick, and what is finished stays in `out`.
+    The interpreter's lock is released. Ctrl-C stops within a tick; finished runs remain in `out`.
 
     Args:
-        programs: programs, texts or files; several are compared.
-        runs: of each program.
-        seed: of the random numbers.
-        model: `rigid`: rigid bodies; `rapier`: the same by a general engine; `rate`: no motion, waits drawn by measured
-            rates; `shuffle`: no physics, to try out event tables.
+        programs: programs, sources or files. Several are compared.
+        runs: number of runs of each program.
+        seed: seed of the random numbers.
+        model: `rigid`: rigid bodies. `rapier`: the same by a general engine. `rate`: no motion, waiting times drawn from
+            calibrated rates. `shuffle`: no physics, for testing event tables.
         vary: scene parameters or settings and their values; every combination is simulated.
-        rates: files of rates, for `rate`; scenes that none is about are measured first.
-        substeps: steps of the model in each tick; `"2/8"`: two, and eight for blocks near magnetized faces.
-        solver_iterations: of the contact solver in each step.
-        precision: of the physics; `double` needs `rigid`.
-        without: a part of the physics to leave out, with `rigid`.
-        max_ticks: stop a run after so many ticks; its time is then censored.
-        threads: runs at the same time; as many as there are cores, if not said.
-        out: a new or empty folder for the results; if not said, they stay in memory.
-        resume: continue what `out` holds of the same ensemble.
-        mixed_builds: continue it although another build of stochc has made its runs.
+        rates: files of rates for `rate`. Scenes without rates are calibrated first.
+        substeps: steps of the model per tick. `"2/8"`: two, and eight for blocks near magnetized faces.
+        solver_iterations: iterations of the contact solver per step.
+        precision: floating-point precision. `double` requires `rigid`.
+        without: physical term to leave out, with `rigid`.
+        max_ticks: tick limit of a run. Its time is then right-censored.
+        threads: number of simultaneous runs. Default: the number of cores.
+        out: new or empty results folder. Default: results stay in memory.
+        resume: continue the same ensemble in `out`.
+        mixed_builds: continue even if another build of stochc has made some runs.
         record: runs whose trajectories are recorded in `out`: `17`, `"0..4"`, `[0, 5]` or `"all"`.
-        record_every: ticks between the places of a recording.
+        record_every: ticks between two frames of a recording.
         allow, warn, deny, allow_import: as in `check`.
-        progress: whether and how to show progress; if not said, in a terminal and in Jupyter.
+        progress: whether and how to show progress. Default: in a terminal and in Jupyter.
 
     Raises:
-        ProgramError: a program is wrong, or cannot be simulated.
-        UsageError: an argument is wrong or of no use to the model, or a folder cannot be used.
+        ProgramError: a program has errors, or cannot be simulated.
+        UsageError: an argument is invalid or not used by the model, or a folder cannot be used.
 
     >>> import stochc
     >>> print(stochc.simulate(stochc.EXAMPLE, runs=2, model="shuffle", progress=False).complete)
@@ -414,7 +414,7 @@ def simulate(
 
 
 def sweep(programs: Programs, vary: Axes, **options: Any) -> Ensemble:
-    """Simulates programs at every combination of some numbers of their scene; the options are those of `simulate`.
+    """Simulates programs at every combination of scene parameters. The options are those of `simulate`.
 
     >>> import stochc
     >>> ensemble = stochc.sweep(stochc.EXAMPLE, {"free": [50, 100]}, runs=2, model="shuffle")
@@ -425,12 +425,12 @@ def sweep(programs: Programs, vary: Axes, **options: Any) -> Ensemble:
 
 
 def open(folder: Path) -> Ensemble:
-    """Reads a folder of results, finished or not, and changes nothing in it."""
+    """Reads a results folder, finished or not, without changing it."""
     return Ensemble(_native.open(_arguments.path("folder", folder)))
 
 
 def replay(run: Run | Ensemble | Path, number: int | None = None, program: str | None = None) -> Replay:
-    """The page that shows a run of an ensemble or a folder; without a number, the median run."""
+    """Returns the replay of a run of an ensemble or folder. Without a number, of the median run."""
     if isinstance(run, Run):
         return run.replay()
     ensemble = run if isinstance(run, Ensemble) else open(run)
@@ -438,9 +438,9 @@ def replay(run: Run | Ensemble | Path, number: int | None = None, program: str |
 
 
 def prepare(programs: Programs, out: Path, shards: int, **options: Any) -> int:
-    """Only prepares `out`, cut into so many pieces, which `shard` makes and `merge` puts together.
+    """Prepares an ensemble in `out` with this number of shards, for `shard` and `merge`.
 
-    The options are those of `simulate` that say what is simulated. Returns the number of runs in all.
+    The options are those of `simulate` that determine the runs. Returns the total number of runs.
     """
     from inspect import signature
 
@@ -457,14 +457,14 @@ def prepare(programs: Programs, out: Path, shards: int, **options: Any) -> int:
 def shard(
     folder: Path, number: int, *, threads: int | None = None, progress: Progress = None
 ) -> int:
-    """Makes a piece of an ensemble that `prepare` has cut, or what is missing of it, and returns how many runs it has.
+    """Runs a shard of an ensemble, or its missing runs. Returns its number of runs.
 
-    Any process may make any piece, in any order, and again: a piece appears whole or not at all.
+    Any process may run any shard, in any order and repeatedly. Shards are written atomically.
 
     Args:
-        folder: that of `prepare`, or of `stochc shard new`.
-        number: of the piece, from 0.
-        threads: runs at the same time; as many as there are cores, if not said.
+        folder: folder of `prepare`, or of `stochc shard new`.
+        number: number of the shard, from 0.
+        threads: number of simultaneous runs. Default: the number of cores.
         progress: as in `simulate`.
     """
     place, piece = _arguments.path("folder", folder), whole("number", number, 0, MOST_RUNS)
@@ -474,16 +474,16 @@ def shard(
 
 
 def status(folder: Path) -> dict[str, Any]:
-    """Which pieces are there, as `stochc shard status --json` says it: `missing` has the numbers of the others."""
+    """Returns the state of the shards, in the form of `stochc shard status --json`. `missing` lists the missing ones."""
     status: dict[str, Any] = json.loads(_native.status(_arguments.path("folder", folder)))
     return status
 
 
 def merge(folder: Path) -> Ensemble:
-    """Puts the pieces of an ensemble together: the same files, byte for byte, as without pieces by one thread.
+    """Merges the shards of an ensemble. The files equal those without shards, byte for byte.
 
     Raises:
-        RunError: pieces are missing; the text names them.
+        RunError: shards are missing. The message lists them.
     """
     return Ensemble(_native.merge(_arguments.path("folder", folder)))
 
@@ -495,18 +495,18 @@ def report(
     figures: str | None = None,
     figure_format: str | Iterable[str] = "svg",
 ) -> str:
-    """Writes the HTML report on one or more folders of results, and returns its path.
+    """Writes the HTML report on one or more results folders. Returns its path.
 
-    It is `report.html` in a single folder, and in the current one for several, if `out` does not say another.
+    The default is `report.html`, in a single folder, or in the current one for several folders.
 
     Args:
-        folders: folders of results, or ensembles that were made with `out=`.
-        out: the page to write.
-        figures: width of the figures beside the page in print, with 7 pt type, such as `89mm`; without it they are for a screen.
-        figure_format: form of their files, `svg` or `pdf`, or several.
+        folders: results folders, or ensembles made with `out=`.
+        out: path of the page.
+        figures: width of figures for print with 7 pt type, such as `89mm`. Default: figures for a screen.
+        figure_format: file format of the figures, `svg` or `pdf`, or several.
 
     Raises:
-        UsageError: a folder cannot be read, a width or a form is none, or something else stands where the page is to be.
+        UsageError: a folder cannot be read, an argument is invalid, or the page would overwrite another file.
     """
     each: list[Path | Ensemble]
     if isinstance(folders, (str, os.PathLike, Ensemble)):
@@ -514,17 +514,17 @@ def report(
     elif isinstance(folders, Iterable):  # pyright: ignore[reportUnnecessaryIsInstance]
         each = list(folders)
     else:
-        raise TypeError(f"folders: give folders of results, not {told(folders)}")
+        raise TypeError(f"folders: give results folders, not {told(folders)}")
     places: list[str] = []
     for it in each:
         place = it.folder if isinstance(it, Ensemble) else it
         if place is None:
-            raise UsageError("a report is on a folder: make the ensemble with `out=`")
+            raise UsageError("a report requires a folder: make the ensemble with `out=`")
         places.append(_arguments.path("folders", place))
     if not places:
-        raise UsageError("folders: give one at least")
+        raise UsageError("folders: give at least one")
     width = None if figures is None else _arguments.word("figures", figures)
     formats = list(dict.fromkeys(_arguments.words("figure_format", figure_format)))
     if not formats:
-        raise UsageError("figure_format: give one at least")
+        raise UsageError("figure_format: give at least one")
     return str(_native.report(places, _arguments.maybe_path("out", out), width, formats))

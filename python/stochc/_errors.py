@@ -1,4 +1,4 @@
-"""What goes wrong, as exceptions that print as the command's messages do."""
+"""Exceptions with the messages of the command."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 class StochcError(Exception):
-    """Something could not be done; the text says why, and the way out.
+    """Failure, with its reason and a remedy.
 
-    `text` is what the `stochc` command prints.
+    `text` is the message of the `stochc` command.
     """
 
     def __init__(self, text: str = "") -> None:
@@ -25,14 +25,14 @@ class StochcError(Exception):
 
 
 class ProgramError(StochcError):
-    """A program is wrong, or cannot be run; `findings` say where, if they are known."""
+    """A program has errors, or cannot be run. `findings` are the diagnostics, if available."""
 
     def __init__(self, text: str = "", findings: tuple[Finding, ...] = ()) -> None:
         super().__init__(text)
         self.findings = findings
 
     def __str__(self) -> str:
-        # Drawings begin on a line of their own.
+        # Rendered diagnostics begin on a separate line.
         return f"\n{self.text}" if self.findings else self.text
 
     def __reduce__(self) -> tuple[type[ProgramError], tuple[str, tuple[Finding, ...]]]:
@@ -40,15 +40,15 @@ class ProgramError(StochcError):
 
 
 class UsageError(StochcError, ValueError):
-    """An argument is wrong, or a file or folder cannot be read or written."""
+    """An argument is invalid, or a file or folder cannot be read or written."""
 
 
 class RunError(StochcError):
-    """Runs or pieces are missing or did not come to an end."""
+    """Runs or shards are missing or did not complete."""
 
 
 class Interrupted(StochcError):
-    """The work was stopped before its end."""
+    """The work was interrupted."""
 
 
 class InternalError(StochcError, RuntimeError):
@@ -56,11 +56,11 @@ class InternalError(StochcError, RuntimeError):
 
 
 class StochcWarning(UserWarning):
-    """Something about an ensemble or a folder that is no reason to stop."""
+    """Warning about an ensemble or a folder."""
 
 
 class FindingWarning(StochcWarning):
-    """A program is right, and something in it is doubtful."""
+    """A program is valid, but has warnings."""
 
 
 _KINDS: dict[str, type[StochcError]] = {
@@ -75,7 +75,7 @@ _OPTIONS = ("max-ticks", "out", "record", "runs", "substeps", "threads", "vary")
 
 
 def _in_python(text: str) -> str:
-    """A message of the command, with options as Python writes them."""
+    """Returns a message of the command with options in Python syntax."""
 
     def written(found: re.Match[str]) -> str:
         name = found[1]
@@ -88,7 +88,7 @@ def _in_python(text: str) -> str:
 
 
 def made(kind: str, text: str, findings: str) -> StochcError:
-    """The exception for a failure of the native part."""
+    """Returns the exception for a failure of the native part."""
     text = _in_python(text.removeprefix("error: ").rstrip())
     if kind == "program":
         from ._findings import finding
@@ -97,13 +97,13 @@ def made(kind: str, text: str, findings: str) -> StochcError:
         return ProgramError(text, tuple(finding(it) for it in found))
     if kind == "defect":
         return InternalError(
-            f"a defect of stochc: {text}; please report it with what you have called"
+            f"a defect of stochc: {text}; please report it with your call"
         )
     return _KINDS[kind](text)
 
 
 def warn(kind: str, text: str) -> None:
-    """Warns of what the native part has told, in the name of the first caller outside of this package."""
+    """Issues a warning of the native part at the first caller outside of this package."""
     category = FindingWarning if kind == "findings" else StochcWarning
     text = text.removeprefix("warning: ")
     level = 1

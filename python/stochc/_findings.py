@@ -1,4 +1,4 @@
-"""What is wrong or doubtful in a program."""
+"""Diagnostics of a program."""
 
 from __future__ import annotations
 
@@ -8,55 +8,55 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Position:
-    """A place in a text."""
+    """Position in a source."""
 
     offset: int
-    """In bytes of UTF-8, from 0."""
+    """Offset in bytes of UTF-8, from 0."""
     line: int
-    """From 1."""
+    """Line from 1."""
     column: int
-    """In characters, from 1."""
+    """Column in characters, from 1."""
 
 
 @dataclass(frozen=True)
 class Span:
-    """A piece of a file, and its part in a finding."""
+    """Range of a file, as part of a diagnostic or edit."""
 
     file: str
     start: Position
     end: Position
-    """Behind the last character."""
+    """Position after the last character."""
     text: str
-    """What is there; of an edit, what takes its place."""
+    """Label of the range; for an edit, the new text."""
 
 
 @dataclass(frozen=True)
 class Fix:
-    """A change of the text that mends a finding."""
+    """Edits that fix a diagnostic."""
 
     title: str
     safe: bool
-    """Whether the program surely means the same afterwards, or was right in one way only."""
+    """Whether the meaning certainly stays the same, or only one fix is possible."""
     edits: tuple[Span, ...]
-    """Each text takes the place of its span; they do not overlap."""
+    """Edits, which do not overlap. Each text replaces its range."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something wrong or doubtful."""
+    """Diagnostic: an error or a warning."""
 
     code: str
-    """Its kind, which `stochc.explain` takes."""
+    """Code, for `stochc.explain`."""
     severity: str
     """`"error"` or `"warning"`."""
     title: str
-    """In one line."""
+    """Title in one line."""
     count: int
-    """How many times one statement has been found wrong in this way, as in a loop."""
+    """Number of occurrences of the same diagnostic at one statement, for example in a loop."""
     help: str | None
-    """What to do."""
+    """Help."""
     spans: tuple[Span, ...]
-    """The places it speaks of, the one to look at first at the front."""
+    """Labelled ranges, the primary one first."""
     fix: Fix | None
 
     def __str__(self) -> str:
@@ -69,7 +69,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Proof:
-    """Properties of a program in every order of its captures and releases."""
+    """Proved properties of a program in every order of its captures and releases."""
 
     completes: bool
     """Whether every order completes, if no timeout ends the run."""
@@ -78,11 +78,11 @@ class Proof:
     no_cell_used_twice: bool
     """Whether no two blocks share a cell."""
     shapes: list[str]
-    """The shapes that phases claim and build, in program order."""
+    """Shapes that phases claim and build, in program order."""
     has_timeout: bool
     """Whether a phase has a timeout."""
     unproved: list[str]
-    """The reasons why one of the above has not been proved."""
+    """Reasons why one of the above has not been proved."""
 
 
 def _span(value: dict[str, Any]) -> Span:
@@ -91,7 +91,7 @@ def _span(value: dict[str, Any]) -> Span:
 
 
 def finding(value: dict[str, Any]) -> Finding:
-    """A finding from its JSON."""
+    """Returns a diagnostic from its JSON."""
     fix = value["fix"]
     return Finding(
         code=value["code"],

@@ -1,4 +1,4 @@
-"""What notebooks show; it takes the colours of the notebook, light or dark."""
+"""HTML for notebooks, in the notebook's light or dark colours."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from html import escape
 
 
 def picture(svg: str, title: str) -> str:
-    """A picture whose styles stay its own."""
+    """Returns an image with isolated styles."""
     data = base64.b64encode(svg.encode()).decode()
     return f'<img alt="{escape(title)}" style="max-width:100%" src="data:image/svg+xml;base64,{data}"/>'
 
 
 def text(lines: str) -> str:
-    """A text as it is written."""
+    """Returns preformatted text."""
     return f"<pre>{escape(lines)}</pre>"
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]], titles: Sequence[str] = ()) -> str:
-    """A table; numbers stand on the right."""
+    """Returns a table with right-aligned numbers."""
     hints = list(titles) + [""] * (len(header) - len(titles))
     head = "".join(
         f'<th scope="col" title="{escape(hint)}">{escape(name)}</th>'
@@ -37,7 +37,7 @@ def _cell(value: object) -> str:
 
 
 def page(html: str, title: str, height: int = 640) -> str:
-    """A whole page within another, which asks nothing of any network."""
+    """Returns an embedded page without network requests."""
     return (
         f'<iframe title="{escape(title)}" srcdoc="{escape(html)}" sandbox="allow-scripts" '
         f'style="width:100%;height:{height}px;border:0"></iframe>'

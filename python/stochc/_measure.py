@@ -18,12 +18,12 @@ from ._requests import Estimated, Planned, Traded
 
 @dataclass(frozen=True)
 class Estimates:
-    """When programs will be complete, and what decides it."""
+    """Estimated completion times of programs, and their critical captures."""
 
     programs: tuple[dict[str, Any], ...]
-    """One for each, as `stochc estimate --format json` has it; times are ticks, shares 0 to 1."""
+    """One estimate each, in the form of `stochc estimate --json`. Times in ticks, fractions from 0 to 1."""
     text: str
-    """As `stochc estimate` prints it."""
+    """Output of `stochc estimate`."""
 
     def __str__(self) -> str:
         return self.text.rstrip()
@@ -39,24 +39,24 @@ class Estimates:
 
 @dataclass(frozen=True)
 class Plan:
-    """A program that builds a shape."""
+    """Planned program that builds a shape."""
 
     text: str
-    """The program."""
+    """Source of the program."""
     plan: dict[str, Any]
-    """Its order, as `stochc plan --format json` has it."""
+    """Order of captures, in the form of `stochc plan --json`."""
     explanation: str
-    """The same in words."""
+    """Explanation in words."""
     assembly: str
-    """The name of the assembly that builds the shape."""
+    """Name of the assembly that builds the shape."""
     sources: dict[str, str]
-    """The texts of the program's files by their paths, its own first, as they were read."""
+    """Sources of the program by path, its own first."""
 
     def compile(self) -> Program:
-        """The program, ready to run; of several in the text, the one that builds the shape.
+        """Compiles the program that builds the shape.
 
         Raises:
-            ProgramError: it claims more that is not built yet.
+            ProgramError: it claims other shapes that are not built yet.
         """
         found = _native.load_texts(list(self.sources.items()))
         return chosen([Program(it) for it in found], self.assembly)
@@ -73,14 +73,14 @@ class Plan:
 
 @dataclass(frozen=True)
 class Trade:
-    """What accuracy costs."""
+    """Speed and accuracy of settings."""
 
     data: dict[str, Any]
-    """All of it, as `trade.json` has it."""
+    """All results, in the form of `trade.json`."""
     text: str
-    """As `stochc trade` prints it."""
+    """Output of `stochc trade`."""
     svg: str
-    """The picture."""
+    """Figure."""
 
     def __str__(self) -> str:
         return self.text.rstrip()
@@ -100,17 +100,17 @@ def estimate(
     allow_import: Source | Iterable[Source] = (),
     progress: Progress = None,
 ) -> Estimates:
-    """Estimates when programs will be complete, and what decides it, by rates: in milliseconds.
+    """Estimates the completion times of programs with the rate model, and the captures that decide them.
 
-    Waits are added up along the graphs of programs; `runs` has them run by rates instead.
+    Waiting times are summed along the dependency graph. With `runs`, programs are run with the rate model instead.
 
     Args:
-        programs: programs, texts or files.
-        rates: files of rates; scenes that none is about are measured first.
-        runs: of each program; `None`: waits are added up along its graph, without runs.
-        max_ticks: stop a run after so many ticks.
-        seed: of the runs.
-        threads: runs at the same time.
+        programs: programs, sources or files.
+        rates: files of rates. Scenes without rates are calibrated first.
+        runs: number of runs of each program. Default: sums along its graph, without runs.
+        max_ticks: tick limit of a run.
+        seed: seed of the runs.
+        threads: number of simultaneous runs.
         allow_import: as in `check`.
         progress: as in `simulate`.
 
@@ -158,30 +158,30 @@ def plan(
     allow_import: Source | Iterable[Source] = (),
     progress: Progress = None,
 ) -> Plan:
-    """Plans how to build a shape: a program that does, fast and without jams.
+    """Plans a program that builds a shape fast and without jams.
 
     Args:
-        target: a program with a shape (`.sa`), a scene of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `run` a results folder.
-        complete: plan what is missing where a phase of the program claims a shape that it does not build.
-        run: plan the rest of this run of the folder: what stands at its end is attached by hand, and what the shape has not is let go.
-        program: name of the program of the run; needed if the folder holds several.
-        dead: names of blocks that neither capture nor pass messages on any more at the end of the run.
-        shape: which shape of the program.
+        target: program with a shape (`.sa`), MagicaVoxel scene (`.vox`), or layers drawn as text (`.txt`). With `run`, a results folder.
+        complete: complete the program: plan the phases that claim a shape but do not build it.
+        run: plan the rest of this run of the folder. Its final structure becomes pre-attached; blocks outside the shape are released.
+        program: name of the program of the run. Required if the folder has several.
+        dead: names of failed blocks, which no longer capture or forward messages.
+        shape: name of the shape.
         model: build only this model of a `.vox` file, counted from 0.
-        plate: the plate to build on, such as `"3 x 3 at (1, 1)"`.
-        offset: moves the shape by so many cells to the east and to the north, such as `"2, 1"`.
-        scene: the name of the scene to build in, also one of a file: `"lab.sa:tank"`.
-        free: the number of free blocks: the program gets a scene with so many, at the same density.
-        name: the name of the assembly.
-        drop_loose: whether parts are left out that are attached to no block of the plate that may capture.
-        supports: whether the fewest cells that hold such parts are added.
-        time: search for a better plan during this time [s].
-        tries: search for a better plan with this number of tries.
-        minimize: the mean time to completion, or that in which nine runs of ten are complete.
-        seed: of the random numbers.
-        keep_scaffolds: whether masts that far parts were grown from stay, instead of being taken down again.
-        race: the number of runs with physics of the plan and of each plan that needs no thought. The fastest is returned, jams included.
-        rates: files of rates of scenes, as `stochc calibrate` writes them.
+        plate: seed plate, such as `"3 x 3 at (1, 1)"`.
+        offset: shift of the shape to the east and to the north [cells], such as `"2, 1"`.
+        scene: name of the scene, possibly in a file: `"lab.sa:tank"`.
+        free: number of free blocks. The scene is scaled to keep their density.
+        name: name of the assembly.
+        drop_loose: whether to omit parts that are not attached to a capturing block of the plate.
+        supports: whether to add the smallest number of cells that support such parts.
+        time: duration of the search [s].
+        tries: number of tries of the search.
+        minimize: the mean completion time, or its 90th percentile.
+        seed: seed of the random numbers.
+        keep_scaffolds: whether scaffolds remain instead of being removed.
+        race: number of simulated runs of the plan and of each baseline plan. The fastest, including jams, is returned.
+        rates: files of rates by `stochc calibrate`.
         allow_import: as in `check`.
         progress: as in `simulate`.
     """
@@ -204,7 +204,7 @@ def plan(
     if run is not None:
         _alone("run", **of_whole)
     elif program is not None or dead:
-        raise UsageError("program, dead: they are of a run: give `run` as well")
+        raise UsageError("program, dead: these require `run`")
     if time is not None:
         _alone("time", tries=tries)
     asked: Planned = {
@@ -237,10 +237,10 @@ def plan(
 
 
 def _alone(name: str, /, **others: object) -> None:
-    """That some arguments are not given beside another one."""
+    """Checks that no argument excluded by another one is given."""
     given = [other for other, value in others.items() if value is not None]
     if given:
-        raise UsageError(f"{given[0]}: it makes no sense beside `{name}`")
+        raise UsageError(f"{given[0]}: cannot be combined with `{name}`")
 
 
 def _maybe_word(name: str, value: object) -> str | None:
@@ -262,18 +262,18 @@ def trade(
     allow_import: Source | Iterable[Source] = (),
     progress: Progress = None,
 ) -> Trade:
-    """Measures what accuracy costs: compares many settings with a converged reference.
+    """Compares the speed and accuracy of many settings with a converged reference.
 
     Args:
-        programs: programs, texts or files.
-        runs: of each program at each setting; 30 if not given, at most 10000 with `time` or `until`.
+        programs: programs, sources or files.
+        runs: number of runs of each program at each setting. Default: 30, or at most 10000 with `time` or `until`.
         time: start no run after this time [s].
-        until: make runs until half of the 95 % interval of every mean is at most this part of it; needs `out`.
-        seed: of the random numbers, the same at every setting.
-        max_ticks: limit of ticks of a run.
-        finest: most substeps of the reference.
-        threads: runs at the same time.
-        out: a new or empty folder for the results, `trade.json` and `trade.svg`.
+        until: relative precision of every mean (half-width of the 95 % confidence interval). Requires `out`.
+        seed: seed of the random numbers, equal for all settings.
+        max_ticks: tick limit of a run.
+        finest: largest number of substeps of the reference.
+        threads: number of simultaneous runs.
+        out: new or empty folder for the results, `trade.json` and `trade.svg`.
         resume: continue the trade in `out`.
         allow_import: as in `check`.
         progress: as in `simulate`.
@@ -302,7 +302,7 @@ def trade(
 
 
 def _within(name: str, value: object, what: str, most: float) -> float | None:
-    """A number above 0 and at most `most`, if it is given."""
+    """Returns a number above 0 and at most `most`, or `None`."""
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value, (int, float)):

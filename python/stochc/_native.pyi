@@ -1,4 +1,4 @@
-"""What is done in Rust; arguments have been looked at before."""
+"""Native part in Rust. Its arguments must be valid."""
 
 from collections.abc import Callable
 from pathlib import Path

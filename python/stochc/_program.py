@@ -1,4 +1,4 @@
-"""Programs: what is wrong with them, and what they compile to."""
+"""Programs: diagnostics and compilation."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ._errors import ProgramError, UsageError
 from ._findings import Finding, Proof, finding
 
 Source: TypeAlias = str | os.PathLike[str]
-"""The text of a program, or the path of its file: a text is what has a `{` or more than one line."""
+"""Source of a program, or the path of its file. A string with a `{` or several lines is a source."""
 
 _TEXT = "text.sa"
-"""What findings call a text."""
+"""File name of a source in diagnostics."""
 
 
 def _source(source: Source) -> tuple[str, str | None]:
-    """A path, or a text and its name."""
+    """Returns a path, or a source and its name."""
     if isinstance(source, str):
         text = _arguments.word("source", source)
         if "{" in text or "\n" in text.strip("\n"):
@@ -28,7 +28,7 @@ def _source(source: Source) -> tuple[str, str | None]:
 
 
 class Checked:
-    """What is known of a program that was checked; it prints as `stochc check` does.
+    """Result of checking a program. Prints like `stochc check`.
 
     >>> import stochc
     >>> checked = stochc.check("assembly pair { }")
@@ -41,13 +41,13 @@ class Checked:
     __slots__ = ("_drawn", "findings", "ok", "programs", "proofs")
 
     findings: tuple[Finding, ...]
-    """What is wrong or doubtful, in the order of the text."""
+    """Diagnostics in source order."""
     ok: bool
-    """Whether there is no error."""
+    """Whether there are no errors."""
     programs: tuple[Program, ...]
-    """Its assemblies and aggregates, if there is no error."""
+    """Its assemblies and aggregates, if there are no errors."""
     proofs: dict[str, Proof]
-    """The proof of each assembly, by its name, if there is no error."""
+    """Proof of each assembly by name, if there are no errors."""
 
     def __init__(self, found: tuple[str, str, bool, list[_native.Program]]) -> None:
         text, self._drawn, is_wrong, programs = found
@@ -60,12 +60,12 @@ class Checked:
 
     @property
     def errors(self) -> tuple[Finding, ...]:
-        """The findings that are errors."""
+        """Diagnostics that are errors."""
         return tuple(it for it in self.findings if it.severity == "error")
 
     @property
     def warnings(self) -> tuple[Finding, ...]:
-        """The findings that are none."""
+        """Diagnostics that are warnings."""
         return tuple(it for it in self.findings if it.severity != "error")
 
     def raise_if_wrong(self) -> None:
@@ -82,7 +82,7 @@ class Checked:
 
 
 class Program:
-    """A program that is ready to run: what `stochc.compile` gives.
+    """Compiled program, returned by `stochc.compile`.
 
     >>> import stochc
     >>> program = stochc.compile(stochc.EXAMPLE)
@@ -97,63 +97,63 @@ class Program:
 
     @property
     def name(self) -> str:
-        """What tables call it: its assembly or aggregate, and the values of a sweep."""
+        """Name in tables: its assembly or aggregate, and the values of a sweep."""
         return self._native.name
 
     @property
     def assembly(self) -> str:
-        """The name of its assembly or aggregate."""
+        """Name of its assembly or aggregate."""
         return self._native.assembly
 
     @property
     def phases(self) -> tuple[str, ...]:
-        """The names of its phases, in their order; blocks attached by hand are the first one."""
+        """Names of its phases in order. Pre-attached blocks form the first one."""
         return tuple(self._native.phases)
 
     @property
     def captures(self) -> int:
-        """Captures that it makes, or blocks of an aggregate: the paper's "total units involved"."""
+        """Number of captures, or of blocks of an aggregate: the paper's "total units involved"."""
         return self._native.captures
 
     @property
     def tick(self) -> float:
-        """The length of a tick of its scene [s]."""
+        """Length of a tick of its scene [s]."""
         return self._native.tick
 
     @property
     def scene(self) -> dict[str, Any]:
-        """Its scene as a manifest has it: all numbers in SI units."""
+        """Its scene in the form of a manifest, in SI units."""
         scene: dict[str, Any] = json.loads(self._native.scene_json())
         return scene
 
     @property
     def digest(self) -> str:
-        """SHA-256 of its text, all that it imports, and its scene."""
+        """SHA-256 of its source, all imports, and its scene."""
         return self._native.digest
 
     @property
     def sources(self) -> dict[str, str]:
-        """The texts of its files by their paths, its own first; empty: it was compiled elsewhere."""
+        """Its sources by path, its own first. Empty if it was read as a compiled program."""
         return dict(self._native.sources)
 
     def structure(self) -> str:
-        """The blocks that stand at the end of each phase, in words; empty: its text is not known."""
+        """Returns the structure at the end of each phase as text. Empty without its source."""
         return self._native.structure_text() or ""
 
     def svg(self) -> str | None:
-        """The same as a picture (SVG)."""
+        """Returns the structure as a drawing (SVG)."""
         return self._native.structure_svg()
 
     def graph(self) -> str:
-        """Its dependency graph: which event waits for which."""
+        """Returns its dependency graph as text."""
         return self._native.graph_text()
 
     def table(self) -> str:
-        """The event table of each block."""
+        """Returns the event tables of all blocks as text."""
         return self._native.table_text()
 
     def executable(self) -> bytes:
-        """It as a file of compiled programs, which `stochc` and `stochc.compile` take without its text."""
+        """Returns it as a file of compiled programs, which `stochc` and `stochc.compile` read."""
         return self._native.executable()
 
     def __eq__(self, other: object) -> bool:
@@ -181,7 +181,7 @@ class Program:
 
     def _repr_svg_(self) -> str | None:
         svg = self.svg()
-        # Its letters are dark: they stand on paper, in a dark notebook too.
+        # Its text is dark and needs a light background, in dark notebooks as well.
         return svg and svg.replace("<svg ", '<svg style="background:#fff" ', 1)
 
 
@@ -197,14 +197,14 @@ def check(
     deny: str | Iterable[str] = (),
     allow_import: Source | Iterable[Source] = (),
 ) -> Checked:
-    """Looks for everything that is wrong or doubtful in a program, and proves what can be proved of it.
+    """Checks a program and proves its properties.
 
     Args:
-        source: a text, or the path of a file.
-        allow: codes of warnings that are not told; `"warnings"` are all of them.
-        warn: codes of warnings that are told, as is the default.
-        deny: codes of warnings that are errors.
-        allow_import: folders from which the program may import besides its own.
+        source: source text, or the path of a file.
+        allow: codes of warnings to suppress; `"warnings"` for all of them.
+        warn: codes of warnings to report, the default.
+        deny: codes of warnings to report as errors.
+        allow_import: additional folders that the program may import from.
 
     >>> import stochc
     >>> stochc.check(stochc.EXAMPLE).ok
@@ -223,11 +223,11 @@ def compile_all(
     deny: str | Iterable[str] = (),
     allow_import: Source | Iterable[Source] = (),
 ) -> list[Program]:
-    """All programs of a text or a file; the arguments are those of `check`.
+    """Compiles all programs of a source or a file. The arguments are those of `check`.
 
     Raises:
         ProgramError: it has errors.
-        UsageError: it cannot be read, or has nothing to run.
+        UsageError: it cannot be read, or contains no program.
     """
     text, name = _source(source)
     levels = _arguments.levels(allow, warn, deny)
@@ -244,9 +244,9 @@ def compile(
     deny: str | Iterable[str] = (),
     allow_import: Source | Iterable[Source] = (),
 ) -> Program:
-    """The program of a text or a file; `assembly` says which one, if it has several.
+    """Compiles the program of a source or a file. `assembly` selects one of several.
 
-    The other arguments and what is raised are those of `compile_all`.
+    Other arguments and exceptions are those of `compile_all`.
 
     >>> import stochc
     >>> stochc.compile(stochc.EXAMPLE)
@@ -256,7 +256,7 @@ def compile(
 
 
 def chosen(found: list[Program], assembly: str | None) -> Program:
-    """The program of an assembly; without a name, the only one."""
+    """Returns the program of an assembly. Without a name, returns the only one."""
     wanted = found
     if assembly is not None:
         assembly = _arguments.word("assembly", assembly)
@@ -266,11 +266,11 @@ def chosen(found: list[Program], assembly: str | None) -> Program:
     names = ", ".join(f"`{it.assembly}`" for it in found)
     if assembly is None:
         raise UsageError(f"assembly: name one of {names}, or use compile_all")
-    raise UsageError(f"assembly: there is no `{assembly}`, but {names}")
+    raise UsageError(f"assembly: there is no `{assembly}`; choose from {names}")
 
 
 def explain(code: str) -> str:
-    """The page that explains a kind of finding, by its code.
+    """Returns the page of a diagnostic by its code.
 
     >>> import stochc
     >>> stochc.explain("cycle").splitlines()[0]

@@ -1,4 +1,4 @@
-"""How far work is: a bar in a terminal and in Jupyter."""
+"""Progress bars for terminals and Jupyter."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from typing import Any, TypeAlias
 from ._arguments import told
 
 Show: TypeAlias = Callable[[float, str], object]
-"""Is told the share that is done, 0 to 1, and a line on it, in the thread that has called."""
+"""Function that receives the completed fraction, 0 to 1, and a line of text, in the calling thread."""
 
 Progress: TypeAlias = bool | None | Show
-"""Whether and how to show progress; `None`: in a terminal and in Jupyter."""
+"""Whether and how to show progress. `None` shows it in a terminal and in Jupyter."""
 
 
 @contextmanager
 def shown(progress: Progress) -> Generator[Show | None, None, None]:
-    """What is told of progress while work is done; `None`: nothing is."""
+    """Yields the function that shows progress, or `None` if progress is not shown."""
     if progress is not None and not isinstance(progress, bool):
         if not callable(progress):
             raise TypeError(f"progress: give True, False or a function, not {told(progress)}")
@@ -29,7 +29,7 @@ def shown(progress: Progress) -> Generator[Show | None, None, None]:
         return
     if progress is None:
         progress = _in_jupyter() or _is_terminal()
-    # Programs without a window or a terminal may have no stream for it.
+    # Programs without a terminal may have no stderr.
     if not progress or sys.stderr is None or sys.stderr.closed:
         yield None
         return
@@ -51,42 +51,42 @@ def _in_jupyter() -> bool:
 
 
 class _Line:
-    """One line that is written again and again."""
+    """Progress line that is overwritten."""
 
     def __init__(self) -> None:
         self._length = 0
 
     def show(self, share: float, text: str) -> None:
-        """Writes it anew."""
+        """Overwrites the line."""
         line = f"{share:4.0%} {text}"[:100]
         sys.stderr.write("\r" + line.ljust(self._length))
         sys.stderr.flush()
         self._length = len(line)
 
     def close(self) -> None:
-        """Ends it."""
+        """Ends the line."""
         if self._length:
             sys.stderr.write("\n")
 
 
 class _Widget:
-    """A bar of HTML in a notebook, which is drawn in its place."""
+    """HTML progress bar in a notebook, updated in place."""
 
     def __init__(self, show: Any, html: Any) -> None:
         self._html = html
         self._handle = show(html(""), display_id=True)
 
     def show(self, share: float, text: str) -> None:
-        """Draws it anew."""
+        """Redraws the bar."""
         bar = f'<progress max="1" value="{share:.3f}" style="vertical-align:middle"></progress>'
         self._handle.update(self._html(f"{bar} {escape(text)}"))
 
     def close(self) -> None:
-        """Leaves it as it is."""
+        """Leaves the bar in its last state."""
 
 
 def _widget() -> _Widget | None:
-    """A bar in a notebook, unless tqdm has one that is as good."""
+    """Returns a bar for a notebook, unless tqdm provides one."""
     if not _in_jupyter() or find_spec("tqdm") and find_spec("ipywidgets"):
         return None
     shown_by: Any = import_module("IPython.display")
@@ -94,29 +94,29 @@ def _widget() -> _Widget | None:
 
 
 class _Bar:
-    """A bar of tqdm."""
+    """Progress bar of tqdm."""
 
     def __init__(self, bar: Any) -> None:
         self._bar = bar
 
     def show(self, share: float, text: str) -> None:
-        """Draws it anew."""
+        """Redraws the bar."""
         self._bar.n = round(1000 * share)
         self._bar.set_description_str(text, refresh=False)
         self._bar.refresh()
 
     def close(self) -> None:
-        """Leaves it as it is."""
+        """Leaves the bar in its last state."""
         self._bar.close()
 
 
 def _tqdm() -> _Bar | None:
-    """A bar of tqdm, if that is installed."""
+    """Returns a progress bar of tqdm, if that is installed."""
     import warnings
 
     try:
         with warnings.catch_warnings():
-            # It asks for widgets where there are none.
+            # tqdm warns if there are no widgets.
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm  # type: ignore[import-untyped, unused-ignore]  # pyright: ignore
     except ImportError:

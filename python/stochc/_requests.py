@@ -1,4 +1,4 @@
-"""What the native part is asked for, when the arguments have been looked at."""
+"""Validated arguments of the native part."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 class Computed(TypedDict):
-    """How runs are computed, in words."""
+    """Settings of the computation."""
 
     model: str
     substeps: str
@@ -21,7 +21,7 @@ class Computed(TypedDict):
 
 
 class Asked(TypedDict):
-    """What an ensemble depends on."""
+    """Arguments that determine an ensemble."""
 
     programs: list[_native.Program]
     runs: int
@@ -33,7 +33,7 @@ class Asked(TypedDict):
 
 
 class Kept(TypedDict):
-    """What of it is kept, and where."""
+    """Storage of an ensemble."""
 
     out: str | None
     resume: bool
@@ -43,7 +43,7 @@ class Kept(TypedDict):
 
 
 class Estimated(TypedDict):
-    """How programs are estimated."""
+    """Arguments of an estimate."""
 
     programs: list[_native.Program]
     rates: list[str]
@@ -54,7 +54,7 @@ class Estimated(TypedDict):
 
 
 class Planned(TypedDict):
-    """What is to be planned."""
+    """Arguments of a plan."""
 
     target: str
     completes: bool
@@ -81,7 +81,7 @@ class Planned(TypedDict):
 
 
 class Traded(TypedDict):
-    """What is to be traded."""
+    """Arguments of a trade."""
 
     programs: list[_native.Program]
     runs: int | None

@@ -1,4 +1,4 @@
-"""Tables, which Polars, pandas, DuckDB and PyArrow take without a copy."""
+"""Tables that Polars, pandas, DuckDB and PyArrow read without a copy."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Column:
-    """What a column is."""
+    """Description of a column."""
 
     name: str
     type: str
     """`int32`, `int64`, `uint64`, `float64`, `bool`, `text`, or `list of` one of these."""
     unit: str
-    """Of its values; empty: they have none."""
+    """Unit of its values. Empty if they have none."""
     meaning: str
     null: str | None
-    """When a value is null; `None`: never."""
+    """Condition of null values. `None` if there are none."""
 
 
 class Table:
     """Rows and columns in Arrow's memory.
 
-    Whatever takes the Arrow PyCapsule interface takes it as it is: `polars.DataFrame(table)`, `pyarrow.table(table)`,
+    It supports the Arrow PyCapsule interface: `polars.DataFrame(table)`, `pyarrow.table(table)`,
     `pandas.DataFrame.from_arrow(table)`, and the name of its variable in a query of DuckDB. The unit and the meaning of each
     column are metadata of its field.
 
@@ -56,32 +56,32 @@ class Table:
 
     @property
     def name(self) -> str:
-        """What it is called; `NAME.parquet` in a folder of results."""
+        """Name of the table: `NAME.parquet` in a results folder."""
         return self._name
 
     @property
     def row(self) -> str:
-        """What a row is."""
+        """Meaning of a row."""
         return self._row
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """Its columns, in their order."""
+        """Its columns in order."""
         return self._columns
 
     def column(self, name: str) -> Column:
-        """The column of a name."""
+        """Returns the column with a name."""
         for column in self._columns:
             if column.name == name:
                 return column
         names = ", ".join(column.name for column in self._columns)
-        raise KeyError(f"{self._name} has no column {name!r}, but {names}")
+        raise KeyError(f"{self._name} has no column {name!r}; its columns are {names}")
 
     def __len__(self) -> int:
         return len(self._native)
 
     def rows(self, first: int = 0, most: int = 1_000_000) -> list[dict[str, Any]]:
-        """Rows as dictionaries, from number `first` on; for a few, or without any other library."""
+        """Returns rows as dictionaries, from number `first` on. For small tables without another library."""
         first = whole("first", first, 0, 2**62)
         most = whole("most", most, 0, 2**62)
         names = [column.name for column in self._columns]
@@ -94,18 +94,18 @@ class Table:
             yield from self.rows(first, size)
 
     def __arrow_c_schema__(self) -> object:
-        """The schema, for the Arrow PyCapsule interface."""
+        """Returns the schema, for the Arrow PyCapsule interface."""
         return self._native.__arrow_c_schema__()
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
-        """The rows, for the Arrow PyCapsule interface; another schema than its own is not heeded."""
+        """Returns the rows, for the Arrow PyCapsule interface. Ignores `requested_schema`."""
         return self._native.__arrow_c_stream__(requested_schema)
 
     def __repr__(self) -> str:
         return f"<stochc.Table {self._name}: {len(self)} rows, {len(self._columns)} columns>"
 
     def __reduce__(self) -> str:
-        raise TypeError("a table is not pickled: pickle the ensemble, or pyarrow.table(table)")
+        raise TypeError("a table cannot be pickled: pickle the ensemble, or pyarrow.table(table)")
 
     def _repr_html_(self) -> str:
         shown = 10

@@ -180,7 +180,7 @@ fn a_stray_that_sticks_stands_in_the_way_or_stays() {
     for violation in violations {
         let what = match violation.property {
             Property::NoHang => "which is occupied",
-            _ => "with a block without a name",
+            _ => "with a block without a role",
         };
         assert!(violation.what.contains(what), "{violation}");
     }
