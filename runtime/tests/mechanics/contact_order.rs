@@ -3,7 +3,7 @@
 //! A collision begins anywhere within a step, so that each case is many collisions that begin at other moments. Of one
 //! that begins late in a step the damper is felt for less of it, by chance: such errors go down with the step and have
 //! no side. What would shift the results of a simulation is their mean, which goes down with the square of the step.
-//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test mechanics contact_order` writes the table of docs/concepts/physical-model.md.
+//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test mechanics contact_order` writes the table of docs/validation/physics.md.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use crate::scenes::{
 use nalgebra::UnitQuaternion;
 use stochc_runtime::world::BodyState;
 
-const PAGE: &str = "../docs/concepts/physical-model.md";
+const PAGE: &str = "../docs/validation/physics.md";
 /// Around the table.
 const BEGIN: &str = "<!-- collisions -->\n";
 const END: &str = "<!-- end of collisions -->\n";

@@ -386,7 +386,7 @@ fn all_columns_are_documented() {
             "\n### `{}.parquet`\n\nA row for {}.\n\n",
             table.name, table.row
         );
-        text += "| column | type | unit | what it says | null when |\n|---|---|---|---|---|\n";
+        text += "| column | type | unit | meaning | null when |\n|---|---|---|---|---|\n";
         for column in &table.columns {
             let null = column.null.as_deref().unwrap_or("");
             let (name, kind, unit) = (&column.name, column.kind, &column.unit);

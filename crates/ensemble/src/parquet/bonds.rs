@@ -134,7 +134,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         ColumnDefinition::new(
             "censored",
             "",
-            "whether the run ended during the wait: it would have been longer, nobody knows by how much",
+            "whether the run ended during the wait: it would have been longer, by an unknown amount",
             truth(|row: &R<'a>| row.of.docked().is_none()),
         ),
         ColumnDefinition::new(

@@ -27,7 +27,7 @@ pub(super) fn table<'a>(
         ColumnDefinition::new(
             "parent",
             "",
-            "role of the block that let it go",
+            "role of the block that released it",
             text(|row: &R<'a>| row.run.program.role(row.of.parent)),
         ),
         ColumnDefinition::new(

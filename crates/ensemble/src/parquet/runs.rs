@@ -42,7 +42,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         ColumnDefinition::new(
             "failed_phase",
             "",
-            "name of the phase in which it was stopped or failed",
+            "name of the phase that was stopped or failed",
             text(|row: &R<'a>| {
                 let phase = unfinished(row.run.record)?;
                 Some(row.run.program.phase(phase))

@@ -27,13 +27,13 @@ pub(super) fn table<'a>(
         ColumnDefinition::new(
             "parent",
             "",
-            "role of the block on which it docked",
+            "role of the block that it docked on",
             text(|row: &R<'a>| row.run.program.role(row.of.parent)),
         ),
         ColumnDefinition::new(
             "face",
             "",
-            "on which of its faces, in the structure's frame",
+            "face of that block, in the structure's frame",
             text(|row: &R<'a>| row.of.face.word()),
         ),
         ColumnDefinition::new(
@@ -45,7 +45,7 @@ pub(super) fn table<'a>(
     ]);
     TableDefinition {
         name: "unplanned",
-        row: "a block that docked where none was expected, and was rejected at once (`bond reject`)",
+        row: "a block that docked on a face that expected none, and was rejected at once (`bond reject`)",
         columns,
     }
 }

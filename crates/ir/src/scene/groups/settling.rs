@@ -1,7 +1,7 @@
 //! Sedimentation against stirring: the height distribution of free blocks under gravity.
 //!
 //! Blocks that sink at speed w with diffusivity D reach a density profile exp(-z / h) with h = D /
-//! w. This balances the fluxes, w n = -D dn/dz. docs/concepts/physical-model.md derives it and compares it with
+//! w. This balances the fluxes, w n = -D dn/dz. docs/concepts/time-steps.md derives it and compares it with
 //! simulated profiles.
 use std::f64::consts::PI;
 
