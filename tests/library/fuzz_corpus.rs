@@ -111,7 +111,7 @@ fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     bytes
 }
 
-/// `STOCHC_CHANGES` says how many of each kind; docs/reference/limits.md tells of a longer run.
+/// `STOCHC_CHANGES` says how many of each kind; docs/validation/stability.md reports a longer run.
 #[test]
 fn changed_files_are_read_or_refused() {
     let changes = std::env::var("STOCHC_CHANGES");

@@ -83,7 +83,7 @@ impl MotionLimits {
             format!("its speed is {speed} block lengths per tick")
         } else if !sound(speed, self.speed) {
             format!(
-                "its speed is {speed:.2} sides per tick, too fast to detect collisions; use more \
+                "its speed is {speed:.2} block lengths per tick, too fast to detect collisions; use more \
                  substeps"
             )
         } else if !sound(spin, self.spin) {

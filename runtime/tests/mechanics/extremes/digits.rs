@@ -123,9 +123,10 @@ pub fn tables(page: &mut String) -> Vec<String> {
     let mut off = Vec::new();
     page.push_str(
         "
-The next rows are 400 cubes of 10 um in water at 293 K that collide with nobody, so many sides from the plate, for 2000 ticks: how far they
-diffuse, over what Einstein's relation says, within 4 %. A place 600 sides away has steps of 6e-5 sides in single precision, which a block moves by in some ten ticks of 1 us; what
-rounding takes is kept and added in the next step, so that nothing is lost. Rapier does not do so.
+## Digits
+
+400 cubes of 10 um in water at 293 K that collide with nothing, at a distance in block lengths from the plate, for 2,000 ticks. The table has their
+diffusion over that of Einstein's relation, ± 4 %. In `rigid`, rounding errors of positions are kept and added in the next step.
 
 | tick, distance | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|
@@ -146,8 +147,8 @@ rounding takes is kept and added in the next step, so that nothing is lost. Rapi
     }
     page.push_str(
         "
-How far the same cubes turn, six sides from the plate. Of orientations nothing is kept that is rounded off: where a block turns by less than 3e-7 in a step, on average,
-single precision begins to hold it, and Rapier at ten times as much. `check --physics` and `simulate` warn of such scenes; `--precision double` turns them.
+Rotation of the same cubes, six block lengths from the plate. Rounding errors of orientations are not kept: below 3e-7 per step single precision begins to
+stop rotation, and Rapier at ten times as much. `check --physics` and `simulate` warn of such scenes; `--precision double` rotates them.
 
 | tick, turn in it | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|

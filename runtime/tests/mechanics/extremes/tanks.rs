@@ -11,8 +11,10 @@ use stochc_runtime::world::{Arena, World};
 use super::{Fate, fate, middle};
 
 const HEAD: &str = "
-The next rows are the built-in tanks with six blocks, one thing changed, four steps a tick and 600 ticks: `magnet_tank` without a plate,
-and, where it says so, `suction_tank` with the middle of a plate of 3 x 3 open, or cubes of 10 um in water.
+## Tanks
+
+The built-in tanks with six blocks, one change, four steps per tick and 600 ticks: `magnet_tank` without a plate, `suction_tank` with the centre of a
+plate of 3 x 3 open, or cubes of 10 um in water.
 
 | changed | `rigid` | `rapier` |
 |---|---|---|
