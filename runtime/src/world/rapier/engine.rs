@@ -1,4 +1,4 @@
-//! Sets the engine up: blocks, ground, and how contacts are solved.
+//! Setup of the engine: blocks, ground and contact settings.
 use nalgebra::Vector3;
 use rapier3d::dynamics::{
     IntegrationParameters, MassProperties, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
@@ -16,16 +16,16 @@ use crate::world::real::cast;
 use crate::world::unit_cube::INVERSE_INERTIA;
 use crate::world::{BodyState, SceneError};
 
-/// Thickness of the ground \[side\]: so much that nothing is ever pushed out below it.
+/// Thickness of the ground \[block lengths\], large enough that nothing is pushed out below it.
 const GROUND: f32 = 20.0;
 
 /// Returns the engine's contact settings in block units.
 ///
-/// The engine's defaults are meant for metres and seconds. They are read here at the scale of the paper's
-/// scene, with a block length of 0.2 m and a tick of 0.02 s. So every scene, at any scale, has the contacts
-/// with which `hemisphere_2005` was calibrated. The allowed overlap and the prediction distance shrink with
-/// the step. The recycling distance does not: contacts that moved by less than 0.25 block lengths are reused
-/// at every step size.
+/// They are the engine's defaults, meant for metres and seconds, at the scale of the paper's scene:
+/// a block of 0.2 m and a tick of 0.02 s. Every scene thus has the contacts of `hemisphere_2005`,
+/// which is calibrated with them. The allowed overlap and the prediction distance shrink with the
+/// step. The recycling distance does not: contacts that moved by less than 0.25 block lengths are
+/// reused at every step size.
 fn contact_settings(settings: &Settings) -> IntegrationParameters {
     let softness = |natural_frequency| SpringCoefficients {
         natural_frequency,
@@ -41,7 +41,7 @@ fn contact_settings(settings: &Settings) -> IntegrationParameters {
         normalized_max_corrective_velocity: 0.3,
         normalized_prediction_distance: 0.1 / substeps,
         normalized_contact_recycle_distance: 0.25,
-        // Too fast is a fault, not something to hide.
+        // Excessive speed must be reported as a fault, not clamped.
         normalized_max_linear_velocity: f32::MAX,
         num_solver_iterations: settings.iterations() as usize,
         max_ccd_substeps: 0,
@@ -49,7 +49,7 @@ fn contact_settings(settings: &Settings) -> IntegrationParameters {
     }
 }
 
-/// An engine with ground and blocks, and the handles of the blocks by their numbers.
+/// Returns an engine with ground and blocks, and the handles of the blocks by number.
 pub(super) fn engine(
     parameters: &WorldParameters,
     plate: &Plate,
@@ -75,7 +75,7 @@ pub(super) fn engine(
             .linvel(vec3(cast(state.velocity)))
             .angvel(vec3(cast(state.spin)))
             .can_sleep(false)
-            // A cube's inertia is the same about all axes.
+            // The inertia of a cube is isotropic.
             .gyroscopic_forces_enabled(false)
             .allow_fast_rotation(true);
         match contact {
@@ -94,7 +94,7 @@ pub(super) fn engine(
     Ok((engine, handles))
 }
 
-/// How the engine's bodies touch.
+/// Contact properties of the engine's bodies.
 #[derive(Clone, Copy, Debug)]
 struct Surface {
     restitution: f32,
@@ -102,7 +102,8 @@ struct Surface {
 }
 
 /// # Errors
-/// The engine's contacts give way as its solver makes them, not by a stated law.
+///
+/// If contacts have a compliant law. The engine's contact compliance comes from its solver.
 fn surface(contact: &ContactParameters) -> Result<Surface, SceneError> {
     match contact.law {
         ContactLaw::Rigid { restitution } => Ok(Surface {
@@ -125,15 +126,17 @@ impl Surface {
     }
 }
 
-/// How far from the plate a block surely has ground below it \[side\].
+/// Returns the distance from the plate within which every block has ground below it \[block
+/// lengths\].
 pub(super) fn ground_reach(radius: f64) -> f64 {
     2.0 * radius + 9.0
 }
 
-/// Half the size of the ground, whose upper side is z = 0 and level with the plate.
+/// Returns half the size of the ground, whose upper side is level with the plate at z = 0.
 ///
-/// A slab, because an endless plane would meet every block in every step. It reaches as far as
-/// the shell lets blocks go. Without an enclosure there is no floor, only the plate.
+/// The ground is a slab, because an infinite plane would be tested against every block in every
+/// step. It extends as far as the shell lets blocks move. Without an enclosure there is only the
+/// plate.
 fn ground(shell: Option<Shell>, plate: &Plate) -> Vector3<f32> {
     match shell {
         Some(Shell { radius, height, .. }) => {
