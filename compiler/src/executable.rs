@@ -1,4 +1,5 @@
 //! What is left of a program when its text is forgotten.
+use stochc_estimate::{Cost, ProgramParts, Rates};
 use stochc_ir::Executable;
 use stochc_ir::graph::{self, Edge, EventGraph};
 
@@ -31,6 +32,21 @@ impl Program {
         let (events, edges) = (events.collect(), edges.collect());
         let chains = order.map_or(vec![Vec::new(); plan.phases.len()], |it| it.chains.clone());
         EventGraph::new(events, edges, chains)
+    }
+
+    /// Returns what the estimate reads. `None` unless everything is right.
+    pub(crate) fn parts<'a>(&'a self, graph: &'a EventGraph) -> Option<ProgramParts<'a>> {
+        Some(ProgramParts {
+            tables: self.tables.as_ref()?,
+            graph,
+            scene: self.scene.as_ref()?,
+            jam_risks: &self.jam_risks,
+        })
+    }
+
+    /// Estimates the times of the program. Returns `None` if the program has errors.
+    pub fn estimate(&self, rates: Option<&Rates>) -> Option<Cost> {
+        stochc_estimate::estimate(self.parts(&self.event_graph())?, rates)
     }
 
     /// The program as a value that needs no compiler; `None` unless everything is right.

@@ -20,7 +20,6 @@
 mod block_demand;
 mod capacity;
 mod checked;
-pub mod cost;
 mod declared_scenes;
 mod declared_shapes;
 pub mod diagnostic;

@@ -6,7 +6,7 @@ use stochc_ir::JamRisk;
 use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::warnings::Stepping;
 use stochc_ir::scene::{BondKind, Scene};
-use stochc_rates::Rates;
+use stochc_estimate::Rates;
 
 use crate::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};

@@ -1,8 +1,7 @@
 //! Whether a phase is given the time that it takes.
-use stochc_rates::Rates;
+use stochc_estimate::{Rates, estimate, estimate_without_timeouts};
 
 use crate::Program;
-use crate::cost::{estimate, estimate_without_timeouts};
 use crate::diagnostic::{Code, Diagnostic, report};
 
 /// The largest number of events for which times are estimated at every check.
@@ -18,15 +17,21 @@ pub fn check(program: &Program, diagnostics: &mut Vec<Diagnostic>) {
     if !has_timeout || program.plan.events.len() > MAX_ESTIMATED {
         return;
     }
-    let rates = program.scene.as_ref().and_then(Rates::built_in);
-    let Some(cost) = rates.and_then(|rates| estimate(program, Some(rates))) else {
+    let graph = program.event_graph();
+    let (Some(parts), Some(rates)) = (
+        program.parts(&graph),
+        program.scene.as_ref().and_then(Rates::built_in),
+    ) else {
+        return;
+    };
+    let Some(cost) = estimate(parts, Some(rates)) else {
         return;
     };
     let is_short = |timed_out: f64| timed_out > MAX_TIMED_OUT;
     if !cost.phases.iter().any(|phase| is_short(phase.timed_out)) {
         return;
     }
-    let unlimited = estimate_without_timeouts(program, rates);
+    let unlimited = estimate_without_timeouts(parts, rates);
     for (number, (phase, cost)) in phases.iter().zip(&cost.phases).enumerate() {
         if !is_short(cost.timed_out) {
             continue;

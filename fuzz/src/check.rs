@@ -1,9 +1,8 @@
 //! Checks arbitrary bytes. The check must end with valid diagnostics. A program without errors must
 //! have tables, and cost estimates must not fail for any.
-use stochc_compiler::cost::estimate;
 use stochc_compiler::diagnostic::Renderer;
 use stochc_compiler::{Limits, check};
-use stochc_rates::Rates;
+use stochc_estimate::Rates;
 
 /// Small limits, for short executions.
 const LIMITS: Limits = Limits {
@@ -35,7 +34,7 @@ pub fn read(bytes: &[u8]) {
     for program in &checked.programs {
         if program.plan.events.len() <= 40 {
             let rates = program.scene.as_ref().and_then(Rates::built_in);
-            let _ = estimate(program, rates);
+            let _ = program.estimate(rates);
         }
         if !checked.has_errors() {
             assert!(program.tables.is_some());

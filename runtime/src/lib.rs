@@ -35,7 +35,7 @@ mod watch;
 pub mod world;
 
 pub use stochc_ir::scene::Substeps;
-pub use stochc_rates as rates;
+pub use stochc_estimate as rates;
 
 pub use run::{drive, observe, run};
 pub use run_error::RunError;

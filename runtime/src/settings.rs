@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use stochc_ir::scene::warnings::Stepping;
 use stochc_ir::scene::{Scene, Substeps};
 use stochc_ir::sha256;
-use stochc_rates::Rates;
+use stochc_estimate::Rates;
 
 /// Settings of a run that are neither in the program nor in the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

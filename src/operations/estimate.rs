@@ -2,15 +2,12 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use stochc_compiler::cost::estimate;
-use stochc_compiler::{LintLevels, Program as Planned, Symbols};
 use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_report::estimate::{CompletionEstimate, Method, PhaseEstimate, Share};
-use stochc_runtime::rates::Rates;
+use stochc_runtime::rates::{Rates, estimate};
 use stochc_runtime::{Model, Settings};
 
 use super::in_memory::all_runs;
-use super::kept_text::KeptText;
 use super::rates::{at_hand, of_files_for, of_scenes, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
@@ -70,16 +67,11 @@ pub fn estimates(
     estimated.collect()
 }
 
-/// The plan of a program, with the words of that; `None`: it is compiled already, and its text not at hand.
-pub fn planned(program: &EnsembleProgram) -> Option<(Planned, Symbols)> {
-    KeptText::new(program, &LintLevels::default()).into_program()
-}
-
 /// From the waits of its captures, added up along its graph.
 fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstimate> {
-    let (planned, symbols) = planned(program)?;
-    let cost = estimate(&planned, Some(rates))?;
-    let phases = planned.plan.phases.iter().zip(&cost.phases);
+    let cost = estimate(program.parts(), Some(rates))?;
+    let (tables, graph) = (program.tables(), &program.compiled.graph);
+    let phases = tables.phases.iter().zip(&cost.phases);
     let phases = phases.filter(|(phase, _)| !phase.planted);
     let shares = cost.captures.iter().filter(|capture| capture.share > 0.0);
     Some(CompletionEstimate {
@@ -87,7 +79,6 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
         method: Method::Graph {
             interaction: cost.interaction,
             error: cost.interaction.error(),
-            is_exact: cost.is_exact,
             is_first_guess: rates.is_guess(),
         },
         lower_bound: cost.lower_bound,
@@ -102,8 +93,8 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
             .collect(),
         shares: shares
             .map(|capture| Share {
-                event: planned.plan.describe(capture.event, &symbols),
-                phase: planned.plan.phase_name(capture.event).to_owned(),
+                event: graph.describe(capture.event, tables),
+                phase: (tables.phases[graph.event(capture.event).phase.0 as usize].name).clone(),
                 share: capture.share,
             })
             .collect(),
@@ -126,7 +117,6 @@ fn of_runs(
         max_ticks: Some(how.max_ticks),
         ..Settings::new(Model::Rate, 1)
     };
-    let is_compiled = programs[0].sources.is_empty();
     let lower_bound = Rates::known(&settings.rates, &programs[0].scene)
         .map(|rates| programs[0].lower_bound(rates))
         .unwrap_or_default();
@@ -139,7 +129,6 @@ fn of_runs(
     Ok(CompletionEstimate::of_runs(
         &manifest.programs[0],
         &records,
-        is_compiled,
         lower_bound,
     ))
 }

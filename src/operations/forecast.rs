@@ -1,10 +1,8 @@
 //! The CPU time that runs will take, before they are made.
-use stochc_compiler::cost::estimate;
 use stochc_ensemble::text::words;
 use stochc_ensemble::{CpuForecast, EnsembleProgram, Manifest, forecast_cpu_time};
-use stochc_runtime::rates::Rates;
+use stochc_runtime::rates::{Rates, estimate};
 
-use super::estimate::planned;
 use super::in_memory::stopped;
 use super::runs::{threads as default_threads, try_out_all};
 use crate::exit::Failure;
@@ -23,8 +21,7 @@ pub fn cpu_time(manifest: &Manifest, host: &dyn Host) -> Result<CpuForecast, Fai
 /// The mean time to completion by the rate model \[ticks\].
 fn expected_ticks(program: &EnsembleProgram) -> Option<f64> {
     let rates = Rates::known_or_guessed(&[], &program.scene)?;
-    let (planned, _) = planned(program)?;
-    estimate(&planned, Some(&rates))?.total?.mean
+    estimate(program.parts(), Some(&rates))?.total?.mean
 }
 
 /// A forecast as a line of text: `576 runs, about 30 s of CPU time (15 s on 2 threads)`.

@@ -1,5 +1,5 @@
 //! The texts that are kept with a program, compiled again for what is about the text.
-use stochc_compiler::{Checked, LintLevels, Program, Symbols};
+use stochc_compiler::{Checked, LintLevels, Program};
 use stochc_ensemble::{EnsembleProgram, Varied};
 
 use super::programs::recompile;
@@ -42,10 +42,9 @@ impl<'a> KeptText<'a> {
         program.filter(|it| it.tables.as_ref() == Some(self.kept.tables()))
     }
 
-    /// The program, with its words.
-    pub fn into_program(self) -> Option<(Program, Symbols)> {
+    /// Returns the program.
+    pub fn into_program(self) -> Option<Program> {
         let mut programs = self.checked.programs.into_iter();
-        let program = programs.find(|it| it.plan.name == self.kept.assembly())?;
-        Some((program, self.checked.symbols))
+        programs.find(|it| it.plan.name == self.kept.assembly())
     }
 }

@@ -2,7 +2,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use stochc_compiler::LintLevels;
+use stochc_compiler::{LintLevels, Program};
 use stochc_ensemble::sweep::{Axis, MAX_POINTS, Sweep, points as combine};
 use stochc_ensemble::trade::Trade;
 use stochc_ensemble::{Compiled, EnsembleProgram, FurtherFiles, MAX_RUNS, Manifest, Records};
@@ -139,7 +139,7 @@ pub(crate) fn at_point(
         scene,
         graph,
         jam_risks,
-    }) = program.and_then(|(program, _)| program.into_executable())
+    }) = program.and_then(Program::into_executable)
     else {
         return Err(Failure::usage(format!("`{}` does not compile", entry.name)));
     };

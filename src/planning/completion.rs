@@ -2,7 +2,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use stochc_compiler::cost;
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::placed_blocks::placed_blocks;
 use stochc_compiler::plan::EventKind;
@@ -17,7 +16,7 @@ use stochc_ir::table::RoleId;
 use stochc_planner::{
     ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation, plan,
 };
-use stochc_rates::Rates;
+use stochc_estimate::Rates;
 
 use super::{Planned, Unplanned, estimate};
 use crate::check_texts;
@@ -222,7 +221,7 @@ impl Completion {
         };
         let mut programs = checked.programs.iter();
         let program = programs.find(|it| it.plan.name == self.assembly);
-        let cost = program.and_then(|program| cost::estimate(program, law.rates()));
+        let cost = program.and_then(|program| program.estimate(law.rates()));
         let times = cost.and_then(|cost| cost.phases.get(self.phase)?.times);
         plan.estimate = estimate(times, &law, plan.estimate);
         Ok(Planned {

@@ -8,7 +8,6 @@ mod scenes;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::OnceLock;
 
-use stochc_compiler::cost;
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{EventId, PlanSeed, ProgramPlan};
 use stochc_compiler::scene::{DEFAULT, is_built_in};
@@ -22,7 +21,7 @@ use stochc_planner::{
     Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, ScaffoldTrial,
     Target, TargetError, baseline_plans, declaration, draft, plan, program,
 };
-use stochc_rates::{Rates, Times};
+use stochc_estimate::{Rates, Times};
 
 use crate::check_text;
 pub(crate) use completion::untrue_claims;
@@ -565,7 +564,7 @@ impl Goal {
 /// looked for.
 fn price(plan: &mut BuildPlan, checked: &Checked, law: &RateLaw<'_>) {
     let program = checked.programs.first();
-    let cost = program.and_then(|program| cost::estimate(program, law.rates()));
+    let cost = program.and_then(|program| program.estimate(law.rates()));
     let total = cost.as_ref().and_then(|cost| cost.total);
     let lower_bound = cost.as_ref().map(|cost| cost.lower_bound);
     plan.estimate = PlanEstimate {

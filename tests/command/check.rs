@@ -133,7 +133,7 @@ fn times_need_the_rates_of_the_scene() {
     );
     assert!(!said.out.contains("mean ticks"), "{}", said.out);
     // Those of another scene say nothing either; of this one, as if they had been measured in it, they do.
-    let shipped = fs::read_to_string("crates/rates/src/data/hemisphere.rates").unwrap();
+    let shipped = fs::read_to_string("crates/estimate/src/data/hemisphere.rates").unwrap();
     let mut rates: serde_json::Value = serde_json::from_str(&shipped).unwrap();
     let file = path(folder.path(), "x.rates");
     for (scene, are_known) in [("hemisphere", false), ("hemisphere_2005", true)] {
@@ -671,7 +671,7 @@ fn too_many_orders_are_told_of_and_some_are_tried() {
 fn json_is_told_as_such() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "hemisphere.sa");
-    fs::copy("crates/rates/src/data/hemisphere.rates", &file).unwrap();
+    fs::copy("crates/estimate/src/data/hemisphere.rates", &file).unwrap();
     let said = stochc_with("check", &[&file]);
     assert_eq!(said.status, 1);
     assert!(

@@ -73,7 +73,7 @@ fn the_estimate_is_that_of_the_program() {
     let (built_in, cost) = planned("built_in.sa", &[]);
     assert!((built_in - cost).abs() <= 0.5, "{built_in} {cost}");
     // Rates of the same scene by which blocks come half as often.
-    let rates = fs::read_to_string("crates/rates/src/data/hemisphere.rates").unwrap();
+    let rates = fs::read_to_string("crates/estimate/src/data/hemisphere.rates").unwrap();
     let mut rates: serde_json::Value = serde_json::from_str(&rates).unwrap();
     let rate = rates["parameters"][0].as_f64().unwrap();
     rates["parameters"][0] = (rate - 0.5_f64.recip().ln()).into();

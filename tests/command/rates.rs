@@ -2,7 +2,7 @@
 use std::fs;
 
 use serde_json::Value;
-use stochc_rates::Interaction;
+use stochc_estimate::Interaction;
 
 use crate::stochc::{Said, path, stochc, stochc_with};
 
@@ -148,14 +148,6 @@ fn estimates_say_when_and_why() {
     for (number, interaction) in [(0, Interaction::Apart), (1, Interaction::Releases)] {
         assert_eq!(method(number)["error"], interaction.error());
     }
-    // A sum has no chance in it where every capture waits for one other at most.
-    for (number, is_exact) in [(0, true), (1, false)] {
-        assert_eq!(method(number)["is_exact"], is_exact);
-        let half_width = value["estimates"][number]["total"]["half_width"]
-            .as_f64()
-            .unwrap();
-        assert_eq!(half_width == 0.0, is_exact);
-    }
     let (status, told) = crate::plan::wrong("estimate --max-ticks 10 examples/line.sa", &[]);
     assert_eq!((status, told.contains("--runs")), (2, true), "{told}");
     let text = stochc("estimate --captures=2 --quiet examples/line.sa");
@@ -166,7 +158,7 @@ fn estimates_say_when_and_why() {
     );
     assert!(
         text.out
-            .contains("Added up along the graph, without chance"),
+            .contains("Added up along the graph, "),
         "{}",
         text.out
     );
@@ -192,18 +184,14 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
         "estimate --runs 400 --json --quiet examples/line.sa",
     ));
     assert_eq!(of_runs["completed"], 400);
-    assert_eq!(of_runs["method"]["is_compiled"], false);
     // The spread of a run is a fifth of its mean.
     assert!(
         (drawn / run - 1.0).abs() < 4.0 * 0.2 / 20.0,
         "{drawn} {run}"
     );
-    // A compiled file has no plan to add waits up along.
-    let (_, of_compiled) = mean(&stochc_with("estimate --json --quiet", &[&compiled]));
-    assert_eq!(of_compiled["method"]["kind"], "runs");
-    assert_eq!(of_compiled["method"]["is_compiled"], true);
-    let text = stochc_with("estimate --quiet", &[&compiled]);
-    assert!(text.out.contains("has no plan"), "{}", text.out);
+    // A compiled file has the graph of its program.
+    let of_compiled = mean(&stochc_with("estimate --json --quiet", &[&compiled]));
+    assert_eq!((of_compiled.0, &of_compiled.1["method"]["kind"]), (drawn, &"graph".into()));
 }
 
 /// A third of all runs come to the timeout of the first phase: by the graph, by runs, and as `simulate` counts them.

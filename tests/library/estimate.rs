@@ -1,8 +1,7 @@
 //! What `check --cost` says of times, against runs by rates: of both the law of waits is the same, and the program is read by
 //! different pieces.
-use stochc_compiler::cost;
 use stochc_ir::record::Outcome;
-use stochc_rates::{Interaction, Rates};
+use stochc_estimate::{Interaction, Rates};
 use stochc_runtime::{Model, Settings};
 
 const RUNS: u64 = 400;
@@ -14,7 +13,7 @@ fn agree(names: &[&str], interaction: Interaction) {
         assert!(!checked.has_errors(), "{name}");
         let program = &checked.programs[0];
         let rates = Rates::built_in(program.scene.as_ref().unwrap());
-        let cost = cost::estimate(program, rates).unwrap();
+        let cost = program.estimate(rates).unwrap();
         assert_eq!(cost.interaction, interaction, "{name}");
         let expected = cost.total.unwrap();
         let executable = stochc::compile(checked).unwrap().remove(0);
@@ -89,7 +88,7 @@ fn a_block_that_is_let_go_docks_once() {
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     let program = &checked.programs[0];
     let rates = Rates::built_in(program.scene.as_ref().unwrap());
-    let cost = cost::estimate(program, rates).unwrap();
+    let cost = program.estimate(rates).unwrap();
     let expected = cost.phases[1].times.unwrap().p10.unwrap();
     let executable = stochc::compile(checked).unwrap().remove(0);
     let settings = Settings::new(Model::Rate, 1);

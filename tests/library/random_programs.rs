@@ -7,7 +7,6 @@ use std::ops::ControlFlow;
 use crate::random::{Reuse, declare, declare_with};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
-use stochc::compiler::cost;
 use stochc::compiler::scene::built_in;
 use stochc::ir::Cell;
 use stochc::ir::record::Outcome;
@@ -122,7 +121,7 @@ proptest! {
         let mut go = |_, _| ControlFlow::Continue(());
         let run = drive(&tables, Some(&messages), &mut world, None, (seed, 0), &mut go).unwrap();
         prop_assert_eq!(&run.outcome, &Outcome::Completed);
-        let cost = cost::estimate(&program, Rates::built_in(program.scene.as_ref().unwrap()));
+        let cost = program.estimate(Rates::built_in(program.scene.as_ref().unwrap()));
         let cost = cost.expect("it has an order");
         let hops = |ticks: f64| (ticks / f64::from(HOP)).round();
         prop_assert!(!cost.draws.is_empty());

@@ -6,7 +6,7 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Face;
-use stochc_rates::{beside_gap, gap_entrances};
+use stochc_estimate::{beside_gap, gap_entrances};
 
 use super::descendants::{DescendantIndex, Descendants};
 use super::moving_cube::MovingCube;

@@ -101,7 +101,7 @@ pub struct SoundProgram<'a> {
     /// Checks the files again with a change; `None`: such a check is under way, and only the titles of
     /// findings matter.
     pub trial: Option<&'a Trial<'a>>,
-    /// Whether blocks are known to [pass gaps](stochc_rates::Rates::passes_gaps) in its scene.
+    /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in its scene.
     pub has_passable_gaps: bool,
     /// Its texts.
     pub sources: &'a Sources,

@@ -1,8 +1,7 @@
 //! What the compiler says of how long a program takes.
 use stochc_compiler::Program;
-use stochc_compiler::cost::{Cost, estimate};
 use stochc_compiler::diagnostic::Code;
-use stochc_rates::{Interaction, Rates};
+use stochc_estimate::{Cost, Interaction, Rates};
 
 use crate::checked;
 
@@ -11,7 +10,7 @@ fn program(text: &str) -> (Program, Cost, Vec<String>) {
     assert!(!checked.has_errors(), "{:#?}", checked.diagnostics);
     let program = checked.programs.remove(0);
     let rates = program.scene.as_ref().and_then(Rates::built_in);
-    let cost = estimate(&program, rates).unwrap();
+    let cost = program.estimate(rates).unwrap();
     let order = (cost.captures.iter())
         .map(|capture| program.plan.describe(capture.event, &checked.symbols))
         .collect();
@@ -86,38 +85,6 @@ fn the_wait_of_a_capture_includes_blocks_that_are_let_go_near_it() {
     );
 }
 
-/// Sums that are worked out, beside times that are drawn of the same waits: chains, trees, phases one after the other.
-#[test]
-fn times_without_chance_are_those_that_are_drawn() {
-    for text in [
-        include_str!("../../../examples/line.sa"),
-        include_str!("../../../examples/open_platform.sa"),
-        include_str!("../../../examples/closed_platform.sa"),
-        include_str!("../../../lab/rates/mast.sa"),
-        include_str!("../../../lab/rates/uneven.sa"),
-        include_str!("../../../lab/rates/twins.sa"),
-    ] {
-        let (_, cost, _) = program(text);
-        let times = cost.total.unwrap();
-        assert!(cost.is_exact, "{text}");
-        let count = cost.draws.len() as f64;
-        let drawn: Vec<f64> = cost.draws.iter().map(|draw| draw.ticks).collect();
-        let mean = drawn.iter().sum::<f64>() / count;
-        let variance = drawn.iter().map(|time| (time - mean).powi(2)).sum::<f64>() / count;
-        let error = (variance / count).sqrt();
-        assert!(
-            (mean - times.mean.unwrap()).abs() < 4.5 * error,
-            "{mean} ± {error}, {times:?}"
-        );
-        for (share, time) in [(0.1, times.p10), (0.5, times.median), (0.9, times.p90)] {
-            let time = time.unwrap();
-            let below = drawn.iter().filter(|drawn| **drawn < time).count() as f64 / count;
-            let error = (share * (1.0 - share) / count).sqrt();
-            assert!((below - share).abs() < 4.5 * error, "{share}: {below}");
-        }
-    }
-}
-
 #[test]
 fn of_captures_side_by_side_the_last_counts() {
     let alone = mean("assembly a { seed plate 21 x 1 { A at (0, 0) } phase p { A.up -> E } }");
@@ -150,7 +117,7 @@ fn without_a_block_for_each_capture_nothing_is_said_of_times() {
     let scene = program.scene.as_mut().unwrap();
     let rates = Rates::built_in(scene);
     scene.free.count = 5;
-    let cost = estimate(&program, rates).unwrap();
+    let cost = program.estimate(rates).unwrap();
     assert!(rates.is_some());
     assert_eq!((cost.total, cost.captures.len()), (None, 0));
     assert!(cost.phases.iter().all(|phase| phase.times.is_none()));
@@ -206,25 +173,6 @@ fn what_a_sum_leaves_out_is_known() {
     assert_eq!(interaction(serial), Interaction::Apart);
     let released = "assembly a { seed plate 9 x 1 { A at (1, 0) } phase p { A.up -> S } phase q { release S } }";
     assert_eq!(interaction(released), Interaction::Releases);
-}
-
-/// Chance decides how many blocks other chains have left when the last one needs them, so that such times are drawn.
-#[test]
-fn times_are_drawn_where_blocks_are_scarce() {
-    let towers = |height: u32| {
-        format!(
-            "assembly a {{ seed plate 7 x 7 {{ for i in 0..1 {{ for j in 0..1 {{ A[i, j] at (6 * i, 6 * j) }} }} }}
-             phase p {{ for i in 0..1 {{ for j in 0..1 {{ A[i, j].up ->> T[i, j, 1..{height}] }} }} }} }}"
-        )
-    };
-    // Three chains may have all of their blocks, 30 or 33 of 300, when one has none.
-    let [few, many] = [10, 11].map(|height| program(&towers(height)).1);
-    assert!(few.is_exact && !many.is_exact);
-    assert_eq!(many.interaction, Interaction::Apart);
-    let at_once = "assembly a {
-        seed plate 10 x 10 { for i in 0..3 { for j in 0..3 { A[i, j] at (3 * i, 3 * j) } } }
-        phase p { for i in 0..3 { for j in 0..3 { A[i, j].up -> S[i, j] } } } }";
-    assert!(!program(at_once).1.is_exact);
 }
 
 #[test]

@@ -8,7 +8,7 @@
 pub fn this_build() -> String {
     let sources = [
         stochc_ir::SOURCES,
-        stochc_rates::SOURCES,
+        stochc_estimate::SOURCES,
         stochc_control::SOURCES,
         stochc_runtime::SOURCES,
     ];

@@ -112,6 +112,23 @@ impl Dependency {
 }
 
 impl EventAction {
+    /// For a capture the block that captures; for a release the released block.
+    pub fn actor(self) -> RoleId {
+        match self {
+            EventAction::Capture { parent: actor, .. } | EventAction::Release { child: actor } => {
+                actor
+            }
+        }
+    }
+
+    /// The face that captures. `None` for a release.
+    pub fn face(self) -> Option<Face> {
+        match self {
+            EventAction::Capture { face, .. } => Some(face),
+            EventAction::Release { .. } => None,
+        }
+    }
+
     /// Returns the role that begins or ends.
     pub fn child(self) -> RoleId {
         let (EventAction::Capture { child, .. } | EventAction::Release { child }) = self;

@@ -1,7 +1,6 @@
 //! Hover texts in Markdown.
 use std::fmt::Write as _;
 
-use stochc_compiler::cost::{Cost, estimate};
 use stochc_compiler::names::{NameKind, Occurrence};
 use stochc_compiler::order::Order;
 use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
@@ -11,7 +10,7 @@ use stochc_grammar::tree::{Item, Tree};
 use stochc_ir::counted;
 use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
-use stochc_rates::{GUESS_ERROR, LowerBoundReasons, Rates};
+use stochc_estimate::{Cost, GUESS_ERROR, LowerBoundReasons, Rates};
 
 use super::analysis::Analysis;
 use super::scene;
@@ -153,7 +152,7 @@ fn times(program: &Program) -> Option<Cost> {
     let scene = program.scene.as_ref()?;
     let rates = Rates::known_or_guessed(&[], scene)?;
     let is_small = program.plan.events.len() <= MAX_ESTIMATED;
-    is_small.then(|| estimate(program, Some(&*rates))).flatten()
+    is_small.then(|| program.estimate(Some(&*rates))).flatten()
 }
 
 /// Returns the reasons why a time is a lower bound, in brackets. Empty if it is an estimate.

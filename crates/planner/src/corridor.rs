@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 use rustc_hash::FxHashMap;
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
-use stochc_rates::{beside_gap, gap_entrances};
+use stochc_estimate::{beside_gap, gap_entrances};
 
 use crate::disassembly::Disassembly;
 use crate::free_space::WayIn;

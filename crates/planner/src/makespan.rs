@@ -6,7 +6,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
-use stochc_rates::LowerBoundReasons;
+use stochc_estimate::LowerBoundReasons;
 
 use crate::precedence::Waiting;
 use crate::schedule::Schedule;

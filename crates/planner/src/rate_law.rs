@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use rustc_hash::FxHashMap;
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{
+use stochc_estimate::{
     Neighbourhood, Parameters, Rates, Rivals, Surroundings, Wait, around, offsets, rivals,
 };
 

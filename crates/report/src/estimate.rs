@@ -40,16 +40,11 @@ pub enum Method {
         interaction: Interaction,
         /// By how much means were off at most, beside runs by the same rates.
         error: f64,
-        /// Whether the sums were worked out and not drawn: there is no chance in the times.
-        is_exact: bool,
         /// Whether nobody has measured the rates of the scene.
         is_first_guess: bool,
     },
     /// Runs by rates that were measured.
-    Runs {
-        /// Whether there is no choice: the program is compiled already, and its text not at hand.
-        is_compiled: bool,
-    },
+    Runs,
 }
 
 /// What is expected of a phase.
@@ -74,12 +69,11 @@ pub struct Share {
 }
 
 impl CompletionEstimate {
-    /// From the records of a program's runs by rates; `is_compiled`: there was no choice.
+    /// From the records of a program's runs by rates.
     /// `lower_bound`: see [`EnsembleProgram::lower_bound`].
     pub fn of_runs(
         program: &EnsembleProgram,
         records: &[&RunRecord],
-        is_compiled: bool,
         lower_bound: LowerBoundReasons,
     ) -> CompletionEstimate {
         let seen = records.iter().filter_map(|record| completion_time(record));
@@ -101,7 +95,7 @@ impl CompletionEstimate {
         });
         CompletionEstimate {
             program: program.name.clone(),
-            method: Method::Runs { is_compiled },
+            method: Method::Runs,
             lower_bound,
             completed: completed as u64,
             incomplete: (seen.len() - completed) as u64,

@@ -8,7 +8,7 @@ use stochc_ir::record::{Origin, Outcome, RunRecord};
 use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
 use stochc_ir::table::Tables;
-use stochc_rates::{Coverage, FORMAT, HeadStart, Neighbourhood, Parameters, Rates};
+use stochc_estimate::{Coverage, FORMAT, HeadStart, Neighbourhood, Parameters, Rates};
 use stochc_runtime::world::rate::RateWorld;
 use stochc_runtime::world::{Fault, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};

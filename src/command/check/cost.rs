@@ -1,11 +1,10 @@
 //! What `check --cost` says of a program.
 use serde_json::{Value, json};
-use stochc_compiler::cost::{CaptureCost, Cost, PhaseCost, estimate};
 use stochc_compiler::{MAX_ESTIMATED, Program, Symbols};
 use stochc_ensemble::text::percent;
 use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out, lower_bound};
 use stochc_report::text::{TextColumn, TextTable, event_labels, paragraph};
-use stochc_runtime::rates::{Rates, Times};
+use stochc_runtime::rates::{CaptureCost, Cost, PhaseCost, Rates, Times};
 use stochc_runtime::world::rate::RateWorld;
 
 use super::super::terminal::output_width;
@@ -19,7 +18,7 @@ pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &
     let rates = (program.scene.as_ref()).and_then(|scene| Rates::known_or_guessed(rates, scene));
     let rates = rates.as_deref();
     let is_guess = rates.is_some_and(Rates::is_guess);
-    estimate(program, rates).map_or(String::new(), |cost| {
+    program.estimate(rates).map_or(String::new(), |cost| {
         table(program, symbols, (&cost, is_guess), most)
     })
 }
@@ -31,7 +30,7 @@ pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rat
     let cost = if program.plan.events.is_empty() {
         None
     } else {
-        estimate(program, rates)
+        program.estimate(rates)
     };
     let Some(cost) = cost else {
         return Value::Null;
@@ -65,7 +64,7 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let (true, Some(rates)) = (program.plan.events.len() <= MAX_ESTIMATED, rates) else {
         return String::new();
     };
-    let Some(cost) = estimate(program, Some(rates)) else {
+    let Some(cost) = program.estimate(Some(rates)) else {
         return String::new();
     };
     let never = stopped(&cost).map(percent);

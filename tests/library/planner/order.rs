@@ -178,8 +178,8 @@ fn waits_are_those_of_the_program() {
     let planned = tried(&named("five_towers"), 20).unwrap();
     let checked = stochc::check_text("planned.sa", &planned.text);
     let program = &checked.programs[0];
-    let rates = stochc_rates::Rates::built_in(program.scene.as_ref().unwrap());
-    let cost = stochc_compiler::cost::estimate(program, rates).unwrap();
+    let rates = stochc_estimate::Rates::built_in(program.scene.as_ref().unwrap());
+    let cost = program.estimate(rates).unwrap();
     assert_eq!(cost.captures.len(), planned.plan.captures.len());
     for known in &cost.captures {
         let cell = program.layout.cells[known.event.0 as usize].unwrap();

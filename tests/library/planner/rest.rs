@@ -9,10 +9,9 @@ use stochc::ir::record::{Outcome, RunRecord};
 use stochc::planner::{PlanSearch, TargetError};
 use stochc::planning::{Completion, ExistingStructure, Goal, NotCompleted, Planned, Unplanned};
 use stochc_compiler::Checked;
-use stochc_compiler::cost::estimate;
 use stochc_compiler::plan::EventId;
 use stochc_ir::Executable;
-use stochc_rates::Rates;
+use stochc_estimate::Rates;
 use stochc_runtime::{Model, Settings, run};
 
 use crate::planner::random::grown;
@@ -79,7 +78,7 @@ const JAM: f64 = 15_000.0;
 fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
     let program = &whole.programs[0];
     let rates = Rates::known_or_guessed(&[], program.scene.as_ref().unwrap());
-    let cost = estimate(program, rates.as_deref()).unwrap();
+    let cost = program.estimate(rates.as_deref()).unwrap();
     let mut phases = program.plan.phases.iter().zip(&cost.phases);
     let times = match phase {
         Some(name) => {

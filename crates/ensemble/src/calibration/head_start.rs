@@ -1,7 +1,7 @@
 //! What blocks do that are let go near an open face.
 use std::collections::BTreeMap;
 
-use stochc_rates::{HeadStart, relative};
+use stochc_estimate::{HeadStart, relative};
 
 use super::observation::{History, LATELY, NEAR, WaitingFace};
 

@@ -1,6 +1,6 @@
 //! The parameters of the greatest likelihood.
 use nalgebra::{SMatrix, SVector};
-use stochc_rates::{Parameters, Surroundings, Wait};
+use stochc_estimate::{Parameters, Surroundings, Wait};
 
 use super::observation::WaitInterval;
 

@@ -1,6 +1,6 @@
 //! From runs with physics to the rates of a scene.
 //!
-//! Programs that grow are simulated ([`PROGRAMS`]), and every wait in them is an observation of the law of [`stochc_rates`] in surroundings that
+//! Programs that grow are simulated ([`PROGRAMS`]), and every wait in them is an observation of the law of [`stochc_estimate`] in surroundings that
 //! change while it lasts. The parameters are those of the greatest likelihood, held near what is usual by a weak prior.
 mod gas;
 mod head_start;
@@ -9,7 +9,7 @@ mod observation;
 
 use stochc_ir::record::RunRecord;
 use stochc_ir::scene::Scene;
-use stochc_rates::{Coverage, FORMAT, Parameters, Rates};
+use stochc_estimate::{Coverage, FORMAT, Parameters, Rates};
 use stochc_runtime::Settings;
 
 pub use gas::profile;

@@ -11,7 +11,7 @@ use stochc_ir::graph::EventGraph;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{Phase, PhaseId, Role, RoleId, Tables};
 use stochc_ir::{Executable, JamRisk, sha256};
-use stochc_rates::{LowerBoundReasons, Rates};
+use stochc_estimate::{LowerBoundReasons, ProgramParts, Rates};
 use stochc_runtime::{Model, Settings};
 
 pub use chosen::ChosenSetting;
@@ -393,6 +393,16 @@ impl EnsembleProgram {
             varied: Vec::new(),
             chosen: Vec::new(),
             sources,
+        }
+    }
+
+    /// Returns what the estimate reads.
+    pub fn parts(&self) -> ProgramParts<'_> {
+        ProgramParts {
+            tables: &self.compiled.tables,
+            graph: &self.compiled.graph,
+            scene: &self.scene,
+            jam_risks: &self.compiled.jam_risks,
         }
     }
 

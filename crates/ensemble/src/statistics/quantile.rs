@@ -1,11 +1,11 @@
 //! Quantiles of a sample.
 
 /// The value below which a share `q` of the sample lies, 0 to 1; `None`: there are no values. Between two values it goes in a
-/// straight line, as [`stochc_rates::quantile`] says.
+/// straight line, as [`stochc_estimate::quantile`] says.
 pub fn quantile(values: &[f64], q: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    stochc_rates::quantile(&sorted, q)
+    stochc_estimate::quantile(&sorted, q)
 }
 
 #[cfg(test)]

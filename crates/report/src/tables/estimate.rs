@@ -47,25 +47,11 @@ fn origin(estimate: &CompletionEstimate) -> String {
     let all = estimate.completed + estimate.incomplete;
     let mut text = match (estimate.method, all) {
         (Method::Graph { .. }, 0) => return "No block is left for one of the captures.".to_owned(),
-        (
-            Method::Graph {
-                interaction,
-                is_exact,
-                ..
-            },
-            _,
-        ) => {
-            let how = if is_exact {
-                "without chance".to_owned()
-            } else {
-                format!("{all} times")
-            };
-            format!("Added up along the graph, {how}: {}", left_out(interaction))
-        }
-        (Method::Runs { is_compiled: true }, _) => format!(
-            "From {all} runs by rates: the file is compiled, and has no plan to add waits up along."
+        (Method::Graph { interaction, .. }, _) => format!(
+            "Added up along the graph, {all} times: {}",
+            left_out(interaction)
         ),
-        (Method::Runs { is_compiled: false }, _) => format!("From {all} runs by rates."),
+        (Method::Runs, _) => format!("From {all} runs by rates."),
     };
     if estimate.incomplete > 0 {
         text += &format!(

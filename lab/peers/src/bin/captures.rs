@@ -8,7 +8,7 @@ use rustix::time::{ClockId, clock_gettime};
 use stochc_compiler::{Limits, check};
 use stochc_ir::{Cell, Face};
 use stochc_control::{BlockFace, Body, Docking, Orientation};
-use stochc_rates::Rates;
+use stochc_estimate::Rates;
 use stochc_runtime::world::World;
 use stochc_runtime::world::rate::RateWorld;
 

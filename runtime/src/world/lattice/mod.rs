@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 use stochc_control::{BlockFace, Body, Docking, Orientation};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{Neighbourhood, SIGHT};
+use stochc_estimate::{Neighbourhood, SIGHT};
 
 use super::grid::ChunkedGrid;
 use super::ranked::RankedSet;

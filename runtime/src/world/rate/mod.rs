@@ -1,6 +1,6 @@
 //! The rate model: capture times follow from the surroundings of each face, and nothing moves.
 //!
-//! Each open face has a hazard by the rate model of [`stochc_rates`]. The faces compete by the
+//! Each open face has a hazard by the rate model of [`stochc_estimate`]. The faces compete by the
 //! next-reaction method, with hazards that change with the age of a face. Ticks without captures
 //! are skipped.
 //!
@@ -16,7 +16,7 @@ use stochc_control::{BlockFace, Docking};
 use stochc_ir::scene::{Bond, Scene};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{HeadStarts, Rates};
+use stochc_estimate::{HeadStarts, Rates};
 
 use super::lattice::{Changes, FaceChange, LatticeStructure, bit, occupied_cells, site};
 use super::{Fault, SceneError, World};

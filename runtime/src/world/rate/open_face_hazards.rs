@@ -3,7 +3,7 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, Face};
-use stochc_rates::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells, rivalry};
+use stochc_estimate::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells, rivalry};
 
 use crate::world::grid::ChunkedGrid;
 use crate::world::lattice::faces;

@@ -3,7 +3,7 @@ use std::hash::{Hash, Hasher};
 
 use rustc_hash::FxHashMap;
 use stochc_ir::Face;
-use stochc_rates::{Neighbourhood, Rates, Wait, feature_cells};
+use stochc_estimate::{Neighbourhood, Rates, Wait, feature_cells};
 
 use super::open_face_hazards::OpenFace;
 

@@ -4,14 +4,13 @@ use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Draw};
-use stochc_rates::Times;
 
 use super::drawn_times::{DrawnTimes, NOBODY, exponential};
 use super::scarcity::ScarceBlocks;
-use super::steps::Step;
+use super::events::{Events, Step};
 use super::timed_phase::TimedPhase;
 use super::waits::{CaptureWait, within};
-use crate::Program;
+use crate::Times;
 
 /// Waits that are drawn of a program, about.
 const DRAWN: usize = 200_000;
@@ -57,7 +56,7 @@ pub struct Sampled {
 
 /// Goes through the steps of a program many times.
 pub fn sample(
-    program: &Program,
+    events: &Events<'_>,
     steps: &[Vec<Step>],
     timeouts: &[f64],
     waits: &[Option<CaptureWait>],
@@ -66,7 +65,7 @@ pub fn sample(
     let count = waits.iter().flatten().count().max(1);
     let times = (DRAWN / count).clamp(MIN, MAX);
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let neighbours = neighbours(program, waits);
+    let neighbours = neighbours(events, waits);
     let mut scarce = scarce.map(Vec::into_iter);
     let timed = steps.iter().map(|steps| {
         let scarce = scarce.as_mut().and_then(Iterator::next);
@@ -74,8 +73,8 @@ pub fn sample(
     });
     let timed: Vec<Option<TimedPhase<'_>>> = timed.collect();
     let mut drawn = DrawnTimes::new(waits.len());
-    let mut durations = vec![Vec::with_capacity(times); program.plan.phases.len()];
-    let mut stopped = vec![0; program.plan.phases.len()];
+    let mut durations = vec![Vec::with_capacity(times); steps.len()];
+    let mut stopped = vec![0; steps.len()];
     let mut draws = Vec::with_capacity(times);
     let mut decided = vec![0.0; waits.len()];
     let mut waited = vec![(0.0, 0_u32); waits.len()];
@@ -173,13 +172,14 @@ fn draw_in_order(
 }
 
 /// Pairs of captures of one phase whose cells are beside each other, across edges and corners as well.
-fn neighbours(program: &Program, waits: &[Option<CaptureWait>]) -> Vec<(usize, usize)> {
+fn neighbours(events: &Events<'_>, waits: &[Option<CaptureWait>]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
-    for phase in &program.plan.phases {
-        let captures = phase.events.clone().map(|event| event as usize);
+    let graph = events.parts.graph;
+    for phase in events.phases() {
+        let captures = graph.events_of(phase).map(|event| event.0 as usize);
         let captures = captures.filter(|&event| waits[event].is_some());
         let mut before: FxHashMap<Cell, SmallVec<[usize; 1]>> = FxHashMap::default();
-        for (event, cell) in captures.filter_map(|it| Some((it, program.layout.cells[it]?))) {
+        for (event, cell) in captures.filter_map(|it| Some((it, graph.events[it].cell?))) {
             let near = within(cell, 1).filter_map(|near| before.get(&near));
             pairs.extend(near.flatten().map(|&other| (other, event)));
             before.entry(cell).or_default().push(event);

@@ -3,25 +3,22 @@
 //! How deep and how wide its phases are follows from its graph alone. Times need the rates of a scene: each capture waits by
 //! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph, with the time that messages
 //! take. That is less than a run by rates knows: cells beside an open face fill while it waits.
-mod convolution;
 mod drawn_times;
+mod events;
 mod message_times;
 mod occupancy;
-mod phase_events;
 mod sampling;
 mod scarcity;
-mod schedule;
-mod steps;
 mod timed_phase;
 mod waits;
 
 use rustc_hash::FxHashMap;
 use stochc_ir::Draw;
-use stochc_rates::{Interaction, LowerBoundReasons, Rates, Times, Wait};
+use stochc_ir::graph::EventId;
 
-use crate::Program;
-use crate::plan::{EventId, EventKind};
-use convolution::bits;
+use crate::{Interaction, LowerBoundReasons, Rates, Times, Wait};
+use events::Events;
+pub use events::ProgramParts;
 use waits::CaptureWait;
 
 /// What is known of a program without running it.
@@ -34,8 +31,6 @@ pub struct Cost {
     pub total: Option<Times>,
     /// Whether there were rates.
     pub has_rates: bool,
-    /// Whether the times were worked out and not drawn, so that there is no chance in them: the halves of their intervals are 0.
-    pub is_exact: bool,
     /// Times of the whole that were drawn, in the order of drawing. None without times.
     pub draws: Vec<Draw>,
     /// What times leave out.
@@ -77,52 +72,42 @@ pub struct CaptureCost {
     pub share: f64,
 }
 
-/// Looks at a program; `None` if it has no order.
-pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
-    estimate_within(program, rates, &steps::timeouts(program))
+/// Estimates the times of a program. Returns `None` if its graph has a cycle.
+pub fn estimate(program: ProgramParts<'_>, rates: Option<&Rates>) -> Option<Cost> {
+    let events = Events::new(program)?;
+    let timeouts = events.timeouts();
+    Some(estimate_within(&events, rates, &timeouts))
 }
 
-/// Looks at a program as if its phases had no timeouts.
-pub(crate) fn estimate_without_timeouts(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
-    estimate_within(
-        program,
-        rates,
-        &vec![f64::INFINITY; program.plan.phases.len()],
-    )
+/// Estimates the times of a program as if its phases had no timeouts.
+pub fn estimate_without_timeouts(program: ProgramParts<'_>, rates: &Rates) -> Option<Cost> {
+    let events = Events::new(program)?;
+    let timeouts = vec![f64::INFINITY; program.tables.phases.len()];
+    Some(estimate_within(&events, Some(rates), &timeouts))
 }
 
-fn estimate_within(program: &Program, rates: Option<&Rates>, timeouts: &[f64]) -> Option<Cost> {
-    let order = program.order.as_ref()?;
-    let plan = &program.plan;
-    let levels = schedule::levels(program, order);
+fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, timeouts: &[f64]) -> Cost {
     let mut cost = Cost {
-        phases: (plan.phases.iter())
-            .map(|phase| schedule::shape(program, phase, &levels))
-            .collect(),
+        phases: events.shapes(),
         total: None,
         has_rates: rates.is_some(),
-        is_exact: false,
         draws: Vec::new(),
         interaction: Interaction::Apart,
         lower_bound: LowerBoundReasons::default(),
         captures: Vec::new(),
     };
     let Some(rates) = rates else {
-        return Some(cost);
+        return cost;
     };
-    let largest = program.layout.sizes.iter().copied().max().unwrap_or(0);
-    cost.lower_bound = LowerBoundReasons::new(&program.jam_risks, rates, largest);
-    let waits = waits::waits(program, &levels, rates);
+    let ProgramParts { graph, jam_risks, .. } = events.parts;
+    cost.lower_bound = LowerBoundReasons::new(jam_risks, rates, graph.largest_structure());
+    let waits = waits::waits(events, rates);
     if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {
-        return Some(cost);
+        return cost;
     }
-    let steps = steps::steps(program, order);
-    let scarce = scarcity::scarce_blocks(program, &steps, &waits, rates);
-    let exact = match scarce {
-        None => convolution::exact_times(&steps, timeouts, &waits),
-        Some(_) => None,
-    };
-    let sampled = sampling::sample(program, &steps, timeouts, &waits, scarce);
+    let steps = events.steps();
+    let scarce = scarcity::scarce_blocks(events, &steps, &waits, rates);
+    let sampled = sampling::sample(events, &steps, timeouts, &waits, scarce);
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
     let never = sampled.draws.len() - complete.len();
@@ -132,20 +117,20 @@ fn estimate_within(program: &Program, rates: Option<&Rates>, timeouts: &[f64]) -
         phase.times = sampled.times;
         phase.timed_out = sampled.timed_out;
     }
-    if let Some((phases, total)) = exact {
-        cost.total = Some(total);
-        for (phase, times) in cost.phases.iter_mut().zip(phases) {
-            phase.times = Some(times);
-        }
-        cost.is_exact = true;
-    }
-    cost.interaction = interaction(program, sampled.has_race);
+    let has_releases = graph.events.iter().any(|event| !event.action.is_capture());
+    cost.interaction = if sampled.has_race {
+        Interaction::Racing
+    } else if has_releases {
+        Interaction::Releases
+    } else {
+        Interaction::Apart
+    };
     let captures = waits.iter().zip(sampled.shares).zip(sampled.waits);
     // Many captures have the same surroundings.
     let mut means: FxHashMap<[u64; 2], f64> = FxHashMap::default();
     let mut mean = |wait: &Wait| {
-        let mean = means.entry(bits(*wait));
-        *mean.or_insert_with(|| wait.mean())
+        let key = [wait.rate.to_bits(), wait.docking.to_bits()];
+        *means.entry(key).or_insert_with(|| wait.mean())
     };
     cost.captures = (0..)
         .map(EventId)
@@ -160,14 +145,5 @@ fn estimate_within(program: &Program, rates: Option<&Rates>, timeouts: &[f64]) -
         })
         .collect();
     (cost.captures).sort_by(|a, b| b.share.total_cmp(&a.share));
-    Some(cost)
-}
-
-fn interaction(program: &Program, has_race: bool) -> Interaction {
-    let is_release = |event: &crate::plan::PlanEvent| event.kind == EventKind::Release;
-    match has_race {
-        true => Interaction::Racing,
-        false if program.plan.events.iter().any(is_release) => Interaction::Releases,
-        false => Interaction::Apart,
-    }
+    cost
 }

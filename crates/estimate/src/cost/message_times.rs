@@ -1,25 +1,15 @@
 //! How long the messages take that the order of a program needs: news between blocks, requests to be let go, reports to the plate.
-//! They go along the bonds, hop by hop, and who sends which is what [lowering](crate::lower) writes into the tables.
-use petgraph::Direction::Outgoing;
-use petgraph::graph::NodeIndex;
+//! They go along the bonds, hop by hop. The event tables say who sends which.
 use rand_chacha::ChaCha8Rng;
-use rustc_hash::FxHashMap;
+use stochc_ir::graph::{Dependency, Edge, EventId};
 use stochc_ir::scene::Messages;
-use stochc_ir::table::RoleId;
+use stochc_ir::table::PhaseId;
 
 use super::drawn_times::exponential;
-use crate::Program;
-use crate::graph::{LocatedDependency, anchored_by};
-use crate::plan::{EventId, EventKind, PlanPhase};
+use super::events::{Block, Events, NamedBlock};
 
 /// Of news for the top of a tower that is captured meanwhile, blocks that it may have to wait for: those below stand for long.
 const MAX_HANDED: usize = 64;
-
-/// A block: the capture that anchored it; `None`: the plate.
-type Block = Option<EventId>;
-
-/// A block by one of its names: the plate has one for each seed, and tells itself what one of them sees and another one waits for.
-type NamedBlock = (RoleId, Block);
 
 /// The messages of an event.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,12 +89,12 @@ struct MessagePath {
 
 /// The blocks of a program and the bonds between them.
 pub struct MessageTimes<'a> {
-    program: &'a Program,
+    events: &'a Events<'a>,
     hop: HopTime,
     /// Of each capture: the block that captures; of each release: the one that lets go.
     parents: Vec<NamedBlock>,
-    /// Of each event: the block that it is up to.
-    actors: Vec<NamedBlock>,
+    /// For each event: whether another one of its branch follows, and reports.
+    is_followed: Vec<bool>,
     /// Of each capture: hops from its block to the plate.
     depths: Vec<u32>,
     /// Of each capture: a block far below its own, so that two blocks find the one they both hang on in the logarithm of their
@@ -114,18 +104,27 @@ pub struct MessageTimes<'a> {
 
 impl<'a> MessageTimes<'a> {
     /// `None`: messages take no time in the scene.
-    pub fn new(program: &'a Program) -> Option<MessageTimes<'a>> {
-        let messages = program.scene.as_ref()?.messages.as_ref()?;
-        let hop = HopTime::new(messages);
+    pub fn new(events: &'a Events<'a>) -> Option<MessageTimes<'a>> {
+        let hop = HopTime::new(events.parts.scene.messages.as_ref()?);
         if hop.whole <= 0.0 && hop.loss <= 0.0 {
             return None;
         }
-        let count = program.plan.events.len();
+        let graph = events.parts.graph;
+        let count = graph.events.len();
+        let mut is_followed = vec![false; count];
+        for edge in graph.edges() {
+            let goes_on = if events.is_capture(edge.first) {
+                Dependency::Anchored
+            } else {
+                Dependency::Emptied
+            };
+            is_followed[edge.first.0 as usize] |= edge.why == goes_on;
+        }
         let mut times = MessageTimes {
-            program,
+            events,
             hop,
-            parents: vec![(RoleId(0), None); count],
-            actors: vec![(RoleId(0), None); count],
+            parents: events.actors.clone(),
+            is_followed,
             depths: vec![0; count],
             jumps: vec![None; count],
         };
@@ -133,31 +132,13 @@ impl<'a> MessageTimes<'a> {
         Some(times)
     }
 
-    /// Finds out who hangs on whom, phase by phase.
+    /// Finds the parent and the depth of every block.
     fn look_through(&mut self) {
-        let Program {
-            plan,
-            layout,
-            graph,
-            ..
-        } = self.program;
-        let mut held: FxHashMap<RoleId, EventId> = FxHashMap::default();
-        for phase in &plan.phases {
-            for id in plan.events_of(phase) {
-                let actor = plan.actor(id);
-                let block = anchored_by(graph, id).or_else(|| held.get(&actor).copied());
-                self.actors[id.0 as usize] = (actor, block);
-                self.parents[id.0 as usize] = (actor, block);
-            }
-            for id in plan.events_of(phase) {
-                if plan.event(id).kind == EventKind::Release {
-                    if let Some(on) = layout.parents[id.0 as usize] {
-                        self.parents[id.0 as usize] = self.parents[on.capture.0 as usize];
-                    }
-                } else {
-                    self.measure(id);
-                    held.insert(plan.event(id).role, id);
-                }
+        for id in (0..self.parents.len() as u32).map(EventId) {
+            if self.events.is_capture(id) {
+                self.measure(id);
+            } else if let Some(capture) = self.events.actors[id.0 as usize].1 {
+                self.parents[id.0 as usize] = self.events.actors[capture.0 as usize];
             }
         }
     }
@@ -224,12 +205,12 @@ impl<'a> MessageTimes<'a> {
     }
 
     /// The way from a block to another one, which hears of it in a phase.
-    fn path(&self, from: Block, to: Block, phase: &PlanPhase) -> MessagePath {
+    fn path(&self, from: Block, to: Block, phase: PhaseId) -> MessagePath {
         let common = self.common(from, to);
         let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);
         let on_the_way = std::iter::successors(to, |&id| self.parent(id));
         let mut handed_to: Vec<u32> = on_the_way
-            .take_while(|&id| Some(id) != common && phase.events.contains(&id.0))
+            .take_while(|&id| Some(id) != common && self.events.parts.graph.event(id).phase == phase)
             .take(MAX_HANDED)
             .map(|id| id.0)
             .collect();
@@ -241,18 +222,10 @@ impl<'a> MessageTimes<'a> {
     }
 
     /// Those of an event, which waits for others for such reasons.
-    pub fn of_event(
-        &self,
-        id: EventId,
-        phase: usize,
-        before: impl Iterator<Item = (EventId, LocatedDependency)>,
-    ) -> StepMessages {
-        let phase = &self.program.plan.phases[phase];
-        let is_release = self.program.plan.event(id).kind == EventKind::Release;
+    pub fn of_event(&self, id: EventId, needed: &[&Edge]) -> StepMessages {
+        let is_release = !self.events.is_capture(id);
         StepMessages {
-            news: before
-                .map(|(first, why)| self.news(first, id, why, phase))
-                .collect(),
+            news: needed.iter().map(|edge| self.news(edge)).collect(),
             request: u32::from(is_release),
             report: self.report(id, is_release),
             hop: self.hop,
@@ -260,38 +233,28 @@ impl<'a> MessageTimes<'a> {
     }
 
     /// From who sees an event to who waits for it.
-    fn news(
-        &self,
-        first: EventId,
-        id: EventId,
-        why: LocatedDependency,
-        phase: &PlanPhase,
-    ) -> MessagePath {
-        let actor = self.actors[id.0 as usize];
+    fn news(&self, edge: &Edge) -> MessagePath {
+        let first = edge.first;
+        let actor = self.events.actors[edge.then.0 as usize];
         let witness = self.parents[first.0 as usize];
+        let is_told = matches!(edge.why, Dependency::After | Dependency::Freed);
         // A block sees what happens at its faces, and knows of its own anchoring.
-        if !why.is_told() || actor == witness || actor.1 == Some(first) {
+        if !is_told || actor == witness || actor.1 == Some(first) {
             return MessagePath::default();
         }
-        match self.program.plan.event(first).kind {
-            EventKind::Capture { .. } => self.path(Some(first), actor.1, phase),
-            EventKind::Release => self.path(witness.1, actor.1, phase),
-        }
+        let from = if self.events.is_capture(first) {
+            Some(first)
+        } else {
+            witness.1
+        };
+        self.path(from, actor.1, self.events.parts.graph.event(first).phase)
     }
 
     /// Hops of the report that an event was the last of its branch; 0: others come behind it, and report.
     fn report(&self, id: EventId, is_release: bool) -> u32 {
-        let goes_on = if is_release {
-            LocatedDependency::Emptied
-        } else {
-            LocatedDependency::Anchored
-        };
-        let graph = &self.program.graph;
-        let mut behind = graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing);
-        if behind.any(|edge| *edge.weight() == goes_on) {
-            return 0;
-        }
-        if is_release {
+        if self.is_followed[id.0 as usize] {
+            0
+        } else if is_release {
             self.depth(self.parent(id))
         } else {
             self.depth(Some(id))

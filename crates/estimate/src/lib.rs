@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use stochc_ir::{Cell, Face};
-//! use stochc_rates::{Neighbourhood, Parameters, around};
+//! use stochc_estimate::{Neighbourhood, Parameters, around};
 //!
 //! let wait = |is_full: &dyn Fn(Cell) -> bool| {
 //!     let cell = Cell::new(0, 0, 9);
@@ -18,6 +18,7 @@
 //! assert!(wait(&beside_a_wall) < wait(&tower));
 //! ```
 mod accessibility;
+mod cost;
 mod docking_time;
 mod first_guess;
 mod gap;
@@ -34,6 +35,7 @@ mod times;
 mod wait;
 
 pub use accessibility::{offsets, sees};
+pub use cost::{CaptureCost, Cost, PhaseCost, ProgramParts, estimate, estimate_without_timeouts};
 pub use docking_time::STAGES;
 pub use first_guess::GUESS_ERROR;
 pub use gap::{beside_gap, gap_entrances};

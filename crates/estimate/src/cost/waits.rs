@@ -1,15 +1,14 @@
 //! How long each capture waits, by the rates of a scene.
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
+use stochc_ir::graph::EventId;
 use stochc_ir::{Cell, Face, offsets_within};
-use stochc_rates::{
+
+use super::events::{Events, PhaseEvent, bound};
+use super::occupancy::Occupancy;
+use crate::{
     HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait, feature_cells,
 };
-
-use super::occupancy::Occupancy;
-use super::phase_events::{PhaseEvent, bound, phase_events};
-use crate::Program;
-use crate::plan::EventId;
 
 /// The part of the free blocks that may be missing at the end of a turn, and half of it be taken for all.
 const FEW: f64 = 0.03;
@@ -32,30 +31,29 @@ pub struct CaptureWait {
 }
 
 /// For every capture what it waits for. Releases, and what is attached by hand, have `None`.
-pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<CaptureWait>> {
-    let plan = &program.plan;
-    let count = program.scene.as_ref().map_or(1, |scene| scene.free.count);
-    let mut waits = vec![None; plan.events.len()];
+pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
+    let count = all.parts.scene.free.count;
+    let mut waits = vec![None; all.parts.graph.events.len()];
     let mut occupancy = Occupancy::default();
     // Blocks that are not free when a phase begins.
     let mut before = 0;
     let mut cold = true;
     let mut released = [Released::default(), Released::default()];
     let of_releases = rates.head_starts();
-    for phase in &plan.phases {
-        let events = phase_events(program, phase, levels);
+    for phase in all.phases() {
+        let events = all.of_phase(phase);
         occupancy.begin(&events);
         released.swap(0, 1);
         released[1] = releases(&events);
         let bound = bound(before, &events);
-        let captures = || events.iter().filter_map(|event| Some((event, event.way?)));
+        let captures = || events.iter().filter_map(|event| Some((event, event.face?)));
         let open: FxHashMap<(u32, Cell), Face> = captures()
             .map(|(event, way)| ((event.level, event.cell), way))
             .collect();
         let depth = captures().map(|(event, _)| event.level).max().unwrap_or(0);
         let beside = captures().count() as f64 - f64::from(depth);
         let is_scarce = beside > MANY * (f64::from(count) - before as f64);
-        for (event, way) in captures().filter(|_| !phase.planted) {
+        for (event, way) in captures().filter(|_| !all.is_planted(phase)) {
             let &PhaseEvent { cell, level, .. } = event;
             // Half of those that have their turn at the same time are gone as well.
             let mates = bound[level as usize + 1] - bound[level as usize] - 1;
@@ -87,7 +85,7 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
         }
         occupancy.end(&events);
         before = bound.last().copied().unwrap_or(before);
-        cold &= phase.planted || phase.events.is_empty();
+        cold &= all.is_planted(phase) || events.is_empty();
     }
     waits
 }

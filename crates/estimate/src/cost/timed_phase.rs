@@ -7,12 +7,12 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
-use stochc_rates::{ReleaseNearby, Wait};
 
 use super::drawn_times::{DrawnTimes, exponential};
 use super::scarcity::ScarceBlocks;
-use super::steps::Step;
+use super::events::Step;
 use super::waits::CaptureWait;
+use crate::{ReleaseNearby, Wait};
 
 /// The steps of a phase, as they follow each other in time.
 pub struct TimedPhase<'a> {

@@ -2,7 +2,7 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::steps::Step;
+use super::events::Step;
 
 /// Nobody is before this event in its phase.
 pub const NOBODY: u32 = u32::MAX;

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
 use stochc_ir::Cell;
 
-use super::phase_events::PhaseEvent;
+use super::events::PhaseEvent;
 
 /// When a cell is full, in levels of the phase.
 #[derive(Clone, Copy, Debug)]

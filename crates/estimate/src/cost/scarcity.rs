@@ -1,13 +1,11 @@
 //! Free blocks, where many chains take them at the same time.
 //!
 //! How many are left for a face depends on how all chains fare, which only a drawing in the order of time knows ([`super::timed_phase`]).
-use stochc_rates::{Parameters, Rates, Wait};
+use stochc_ir::graph::EventId;
 
-use super::phase_events::taken_by;
-use super::steps::Step;
+use super::events::{Events, Step, taken};
 use super::waits::CaptureWait;
-use crate::Program;
-use crate::plan::EventId;
+use crate::{Parameters, Rates, Wait};
 
 /// What a phase takes of the free blocks, in a program in which they are scarce.
 pub struct ScarceBlocks<'a> {
@@ -24,18 +22,16 @@ pub struct ScarceBlocks<'a> {
 
 /// Of each phase of a program; `None`: there are enough blocks.
 pub fn scarce_blocks<'a>(
-    program: &Program,
+    events: &Events<'_>,
     steps: &[Vec<Step>],
     waits: &[Option<CaptureWait>],
     rates: &'a Rates,
 ) -> Option<Vec<ScarceBlocks<'a>>> {
-    let is_scarce = waits.iter().flatten().any(|wait| wait.is_scarce);
-    let scene = program.scene.as_ref().filter(|_| is_scarce)?;
+    if !waits.iter().flatten().any(|wait| wait.is_scarce) {
+        return None;
+    }
     let parameters = &rates.parameters;
-    let taken = |step: &Step| match program.layout.cells[step.event as usize] {
-        Some(_) => taken_by(program.plan.event(EventId(step.event)).kind) as f64,
-        None => 0.0,
-    };
+    let taken = |step: &Step| taken(events.is_capture(EventId(step.event))) as f64;
     let full = |step: &Step| {
         let CaptureWait { wait, free, .. } = waits[step.event as usize].as_ref()?;
         Some(Wait {
@@ -47,7 +43,7 @@ pub fn scarce_blocks<'a>(
     let phases = steps.iter().map(|steps| {
         let blocks = ScarceBlocks {
             parameters,
-            count: f64::from(scene.free.count.max(1)),
+            count: f64::from(events.parts.scene.free.count.max(1)),
             before,
             taken: steps.iter().map(taken).collect(),
             waits: steps.iter().map(full).collect(),

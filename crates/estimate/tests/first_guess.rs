@@ -5,7 +5,7 @@
 use std::fs;
 
 use stochc_ir::{Cell, Face};
-use stochc_rates::{GUESS_ERROR, Neighbourhood, Rates};
+use stochc_estimate::{GUESS_ERROR, Neighbourhood, Rates};
 
 /// The numbers of the theory were chosen with these in sight.
 const SEEN: [&str; 7] = [

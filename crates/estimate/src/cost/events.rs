@@ -1,0 +1,246 @@
+//! The events of a program: in which order they can happen, and who is attached to whom.
+use rand_chacha::ChaCha8Rng;
+use rustc_hash::FxHashMap;
+use stochc_ir::graph::{Dependency, Edge, EventGraph, EventId};
+use stochc_ir::scene::Scene;
+use stochc_ir::table::{PhaseId, RoleId, Tables};
+use stochc_ir::{Cell, Face, JamRisk};
+
+use super::message_times::{MessageTimes, StepMessages};
+use super::PhaseCost;
+
+/// A program whose times are estimated: the parts of its executable.
+#[derive(Clone, Copy, Debug)]
+pub struct ProgramParts<'a> {
+    /// Its event tables.
+    pub tables: &'a Tables,
+    /// Its dependency graph.
+    pub graph: &'a EventGraph,
+    /// Its scene.
+    pub scene: &'a Scene,
+    /// Reasons why blocks may jam.
+    pub jam_risks: &'a [JamRisk],
+}
+
+/// The capture that anchored a block. `None` for the plate.
+pub type Block = Option<EventId>;
+
+/// A block by one of its names. The plate has a name for each seed.
+pub type NamedBlock = (RoleId, Block);
+
+/// The events of a program.
+pub struct Events<'a> {
+    pub parts: ProgramParts<'a>,
+    /// Every event, after all events that it waits for.
+    order: Vec<EventId>,
+    /// For every event, the captures of the longest chain of its phase that ends in it.
+    levels: Vec<u32>,
+    /// For every capture the block that captures; for every release the released block.
+    pub actors: Vec<NamedBlock>,
+}
+
+impl<'a> Events<'a> {
+    /// Sorts the events of a program. Returns `None` if its graph has a cycle.
+    pub fn new(parts: ProgramParts<'a>) -> Option<Events<'a>> {
+        let graph = parts.graph;
+        let count = graph.events.len();
+        let mut missing = vec![0_u32; count];
+        let mut followers = vec![Vec::new(); count];
+        for edge in graph.edges().iter().filter(|edge| !edge.unneeded) {
+            missing[edge.then.0 as usize] += 1;
+            followers[edge.first.0 as usize].push(edge.then);
+        }
+        let all = (0..count as u32).map(EventId);
+        let mut order: Vec<EventId> = all.filter(|id| missing[id.0 as usize] == 0).collect();
+        let mut levels = vec![0; count];
+        let mut next = 0;
+        while let Some(&id) = order.get(next) {
+            next += 1;
+            levels[id.0 as usize] += u32::from(graph.event(id).action.is_capture());
+            for follower in &followers[id.0 as usize] {
+                let at = follower.0 as usize;
+                levels[at] = levels[at].max(levels[id.0 as usize]);
+                missing[at] -= 1;
+                if missing[at] == 0 {
+                    order.push(*follower);
+                }
+            }
+        }
+        (order.len() == count).then(|| Events {
+            parts,
+            order,
+            levels,
+            actors: actors(parts),
+        })
+    }
+
+    /// The phases, by number.
+    pub fn phases(&self) -> impl ExactSizeIterator<Item = PhaseId> + use<> {
+        (0..self.parts.tables.phases.len()).map(|number| PhaseId(number as u32))
+    }
+
+    /// Whether the blocks of a phase are attached by hand.
+    pub fn is_planted(&self, phase: PhaseId) -> bool {
+        self.parts.tables.phases[phase.0 as usize].planted
+    }
+
+    /// Whether an event is a capture.
+    pub fn is_capture(&self, id: EventId) -> bool {
+        self.parts.graph.event(id).action.is_capture()
+    }
+
+    /// Ticks after which each phase has failed.
+    pub fn timeouts(&self) -> Vec<f64> {
+        let phases = self.parts.tables.phases.iter();
+        let ticks = phases.map(|phase| phase.timeout.map_or(f64::INFINITY, |ticks| ticks as f64));
+        ticks.collect()
+    }
+
+    /// Returns the depth and the width of each phase.
+    pub fn shapes(&self) -> Vec<PhaseCost> {
+        let shape = |phase| {
+            let mut counts = vec![0; 1];
+            if !self.is_planted(phase) {
+                for id in self.parts.graph.events_of(phase).filter(|id| self.is_capture(*id)) {
+                    let level = self.levels[id.0 as usize] as usize;
+                    counts.resize(counts.len().max(level + 1), 0);
+                    counts[level] += 1;
+                }
+            }
+            PhaseCost {
+                timed_out: 0.0,
+                depth: counts.len() as u32 - 1,
+                width: counts.iter().copied().max().unwrap_or(0),
+                times: None,
+            }
+        };
+        self.phases().map(shape).collect()
+    }
+
+    /// Returns the events of each phase, each after all events that it waits for.
+    pub fn steps(&self) -> Vec<Vec<Step>> {
+        let graph = self.parts.graph;
+        let messages = MessageTimes::new(self);
+        let mut steps: Vec<Vec<Step>> = self.phases().map(|_| Vec::new()).collect();
+        for &id in &self.order {
+            let phase = graph.event(id).phase;
+            let needed = graph.waits_for(id).iter().filter(|edge| !edge.unneeded);
+            let needed: Vec<&Edge> = needed.collect();
+            // Blocks that are attached by hand need no messages.
+            let messages = messages.as_ref().filter(|_| !self.is_planted(phase));
+            steps[phase.0 as usize].push(Step {
+                event: id.0,
+                messages: messages.map(|it| Box::new(it.of_event(id, &needed))),
+                before: needed.iter().map(|edge| edge.first.0).collect(),
+            });
+        }
+        steps
+    }
+
+    /// Returns the events of a phase in source order.
+    pub fn of_phase(&self, phase: PhaseId) -> Vec<PhaseEvent> {
+        let graph = self.parts.graph;
+        let level_in_phase = |capture: EventId| match graph.event(capture).phase == phase {
+            true => self.levels[capture.0 as usize],
+            false => 0,
+        };
+        let events = graph.events_of(phase).filter_map(|id| {
+            let event = graph.event(id);
+            let block = self.actors[id.0 as usize].1;
+            Some(PhaseEvent {
+                id,
+                cell: event.cell?,
+                level: self.levels[id.0 as usize],
+                face: event.action.face(),
+                releases_since: block
+                    .filter(|_| !event.action.is_capture())
+                    .map(level_in_phase),
+            })
+        });
+        events.collect()
+    }
+}
+
+fn actors(ProgramParts { tables, graph, .. }: ProgramParts<'_>) -> Vec<NamedBlock> {
+    let mut holders: FxHashMap<RoleId, EventId> = FxHashMap::default();
+    let mut actors = Vec::with_capacity(graph.events.len());
+    for phase in (0..tables.phases.len() as u32).map(PhaseId) {
+        for id in graph.events_of(phase) {
+            let actor = graph.event(id).action.actor();
+            let mut waits_for = graph.waits_for(id).iter();
+            let anchored_by = waits_for.find(|edge| edge.why == Dependency::Anchored);
+            let before = || holders.get(&actor).copied();
+            actors.push((actor, anchored_by.map(|edge| edge.first).or_else(before)));
+        }
+        let captures = graph.events_of(phase);
+        for id in captures.filter(|id| graph.event(*id).action.is_capture()) {
+            holders.insert(graph.event(id).action.child(), id);
+        }
+    }
+    actors
+}
+
+/// An event, and the events that it waits for.
+pub struct Step {
+    pub event: u32,
+    /// Events of its phase.
+    pub before: Vec<u32>,
+    /// `None` if messages take no time.
+    pub messages: Option<Box<StepMessages>>,
+}
+
+impl Step {
+    /// Draws how long its phase takes to hear that it was the last \[tick\].
+    pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
+        let messages = self.messages.as_ref();
+        messages.map_or(0.0, |it| it.report(rng))
+    }
+}
+
+/// An event whose cell is known.
+#[derive(Clone, Copy, Debug)]
+pub struct PhaseEvent {
+    pub id: EventId,
+    /// The cell that is filled or emptied.
+    pub cell: Cell,
+    /// Captures of the longest chain of the phase that ends here.
+    pub level: u32,
+    /// The face that captures. `None` for a release.
+    pub face: Option<Face>,
+    /// For a release: the level of the phase at which the block came, 0 if it was there before.
+    pub releases_since: Option<u32>,
+}
+
+impl PhaseEvent {
+    /// Whether it empties its cell.
+    pub fn is_release(&self) -> bool {
+        self.face.is_none()
+    }
+
+    /// By how many the event reduces the number of free blocks.
+    pub fn taken(&self) -> i64 {
+        taken(!self.is_release())
+    }
+}
+
+/// By how many a capture or a release reduces the number of free blocks.
+pub fn taken(is_capture: bool) -> i64 {
+    if is_capture { 1 } else { -1 }
+}
+
+/// Returns how many blocks are taken when the captures of each level begin, and at the end of the
+/// phase. `before` are taken when it begins.
+pub fn bound(before: i64, events: &[PhaseEvent]) -> Vec<i64> {
+    let levels = events.iter().map(|event| event.level).max();
+    let mut bound = vec![0; levels.map_or(1, |levels| levels as usize + 2)];
+    bound[0] = before;
+    for event in events {
+        bound[event.level as usize + 1] += event.taken();
+    }
+    let mut sum = 0;
+    for bound in &mut bound {
+        sum += *bound;
+        *bound = sum;
+    }
+    bound
+}
