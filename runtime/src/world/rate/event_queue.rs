@@ -1,11 +1,10 @@
 //! Queue of scheduled captures, the earliest first.
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeSet, BinaryHeap};
 
 use serde::{Deserialize, Serialize};
 
 use super::open_face_hazards::Slot;
-use super::tournament::{NONE, Tournament};
 
 /// Scheduled capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,12 +30,17 @@ pub(super) struct ScheduledHeadStart {
 /// order of insertion.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct EventQueue {
-    /// Keys by the slots of the faces.
-    captures: Tournament,
+    /// Keys by the slots of the faces. [`NONE`] for a face that captures nothing.
+    captures: Vec<u128>,
+    /// The same keys, sorted.
+    sorted: BTreeSet<u128>,
     /// Head starts. Obsolete ones are removed when they come first.
     head_starts: BinaryHeap<Reverse<(u128, ScheduledHeadStart)>>,
     noted: u32,
 }
+
+/// The key of a slot without a capture.
+const NONE: u128 = u128::MAX;
 
 /// Returns a sortable key from a time, an insertion number and a slot. The bits of non-negative
 /// times sort like the times.
@@ -55,39 +59,55 @@ fn slot(moment: u128) -> Slot {
 }
 
 impl EventQueue {
+    fn set(&mut self, slot: Slot, moment: u128) {
+        let slot = slot as usize;
+        if slot >= self.captures.len() {
+            self.captures.resize(slot + 1, NONE);
+        }
+        self.sorted.remove(&self.captures[slot]);
+        self.captures[slot] = moment;
+        if moment != NONE {
+            self.sorted.insert(moment);
+        }
+    }
+
+    fn get(&self, slot: Slot) -> u128 {
+        self.captures.get(slot as usize).copied().unwrap_or(NONE)
+    }
+
     /// Sets the capture time of the face in a slot.
     pub fn note(&mut self, slot: Slot, time: f64) {
         let moment = if time.is_finite() {
-            moment(time, self.order(), slot)
+            moment(time, self.next_number(), slot)
         } else {
             NONE
         };
-        self.captures.set(slot as usize, moment);
+        self.set(slot, moment);
     }
 
     /// Moves the capture of a slot to a later time, and keeps its order among equal times.
     pub fn put_off(&mut self, slot: Slot, time: f64) {
-        let order = (self.captures.get(slot as usize) >> 32) as u32;
+        let order = (self.get(slot) >> 32) as u32;
         let moment = moment(time, order, slot);
-        self.captures.set(slot as usize, moment);
+        self.set(slot, moment);
     }
 
     /// Removes the capture of the face in a slot.
     pub fn forget(&mut self, slot: Slot) {
-        if self.captures.get(slot as usize) != NONE {
-            self.captures.set(slot as usize, NONE);
+        if self.get(slot) != NONE {
+            self.set(slot, NONE);
         }
     }
 
     /// Adds a head start.
     pub fn note_head_start(&mut self, time: f64, start: ScheduledHeadStart) {
-        let moment = moment(time, self.order(), start.slot);
+        let moment = moment(time, self.next_number(), start.slot);
         self.head_starts.push(Reverse((moment, start)));
     }
 
     /// Returns the earliest event and its time.
     pub fn first(&self) -> Option<(f64, ScheduledCapture)> {
-        let first = self.captures.first();
+        let first = self.sorted.first().copied().unwrap_or(NONE);
         match self.head_starts.peek() {
             Some(&Reverse((moment, start))) if moment < first => {
                 Some((time(moment), ScheduledCapture::HeadStart(start)))
@@ -102,7 +122,8 @@ impl EventQueue {
     pub fn second(&self, slot: Slot) -> f64 {
         let start = self.head_starts.peek();
         let start = start.map_or(NONE, |Reverse((moment, _))| *moment);
-        match self.captures.second(slot as usize).min(start) {
+        let other = self.sorted.iter().find(|moment| self::slot(**moment) != slot);
+        match other.copied().unwrap_or(NONE).min(start) {
             NONE => f64::INFINITY,
             second => time(second),
         }
@@ -113,9 +134,9 @@ impl EventQueue {
         self.head_starts.pop();
     }
 
-    fn order(&mut self) -> u32 {
-        let order = self.noted;
-        self.noted = order.wrapping_add(1);
-        order
+    fn next_number(&mut self) -> u32 {
+        let number = self.noted;
+        self.noted = number.wrapping_add(1);
+        number
     }
 }

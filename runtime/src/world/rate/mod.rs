@@ -9,7 +9,6 @@
 //! M. A. Gibson and J. Bruck (2000).
 mod event_queue;
 mod open_face_hazards;
-mod tournament;
 mod waits;
 
 use stochc_control::{BlockFace, Docking};
