@@ -61,9 +61,9 @@ pub fn serve(
     // The thread ends with the stream or the process.
     let reader = std::thread::Builder::new();
     reader.spawn(move || {
-        let mut messages = wire::MessageStream::new(BufReader::new(input));
+        let mut input = BufReader::new(input);
         loop {
-            let incoming = messages.read();
+            let incoming = wire::read(&mut input);
             let is_end = matches!(incoming, Incoming::End);
             if sender.send(ServerEvent::Incoming(incoming)).is_err() || is_end {
                 break;
