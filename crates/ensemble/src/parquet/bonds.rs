@@ -3,8 +3,8 @@ use stochc_ir::Cell;
 use stochc_ir::record::{BondRecord, Origin, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::column::{ColumnDefinition, TableDefinition, integer, real, small, text, truth};
-use super::row::{RunContext, RunRow, key, phase};
+use super::column::TableDefinition;
+use super::row::{RunContext, RunRow, add_phase, keyed};
 use crate::manifest::SweepAxes;
 
 /// When what a row says of the captured block is null.
@@ -74,123 +74,108 @@ impl<'a> BondRow<'a> {
 }
 
 pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, BondRow<'a>>> {
-    type R<'a> = RunRow<'a, BondRow<'a>>;
-    let mut columns = key(axes);
-    columns.extend(phase(|bond: &BondRow<'a>| bond.phase()));
-    columns.extend([
-        ColumnDefinition::new(
-            "parent",
-            "",
-            "role of the block that magnetized a face",
-            text(|row: &R<'a>| row.run.program.role(row.of.parent())),
-        ),
-        ColumnDefinition::new(
-            "face",
-            "",
-            "which of its faces, in the structure's frame: `up`, `down`, `north`, `south`, `east` or `west`",
-            text(|row: &R<'a>| both!(row.of, face).word()),
-        ),
-        ColumnDefinition::new(
-            "child",
-            "",
-            "role that the captured block is given",
-            text(|row: &R<'a>| row.run.program.role(row.of.child())),
-        ),
-        ColumnDefinition::new("x", "sides", "cell of the child, to the east", small(|row: &R<'a>| row.of.cell().x)),
-        ColumnDefinition::new("y", "sides", "to the north", small(|row: &R<'a>| row.of.cell().y)),
-        ColumnDefinition::new("z", "sides", "up; the plate is at 0", small(|row: &R<'a>| row.of.cell().z)),
-        ColumnDefinition::new(
+    let mut table = keyed(
+        "bonds",
+        "a capture, or a face that waited for one when the run ended",
+        axes,
+    );
+    add_phase(&mut table, |of: &BondRow<'a>| of.phase());
+    table.text(
+        "parent",
+        "role of the block that magnetized a face",
+        |row| row.run.program.role(row.of.parent()),
+    );
+    table.text("face", "which of its faces, in the structure's frame: `up`, `down`, `north`, `south`, `east` or `west`", |row| both!(row.of, face).word());
+    table.text("child", "role that the captured block is given", |row| {
+        row.run.program.role(row.of.child())
+    });
+    table
+        .small("x", "cell of the child, to the east", |row| row.of.cell().x)
+        .unit("sides");
+    table
+        .small("y", "to the north", |row| row.of.cell().y)
+        .unit("sides");
+    table
+        .small("z", "up; the plate is at 0", |row| row.of.cell().z)
+        .unit("sides");
+    table
+        .integer(
             "magnetized",
-            "ticks",
             "when the face was magnetized, from the beginning of the run",
-            integer(|row: &R<'a>| both!(row.of, magnetized)),
-        ),
-        ColumnDefinition::new(
-            "docked",
-            "ticks",
-            "when the block docked",
-            integer(|row: &R<'a>| row.of.docked().map(|bond| bond.docked)),
+            |row| both!(row.of, magnetized),
         )
-        .null(CENSORED),
-        ColumnDefinition::new(
+        .unit("ticks");
+    table
+        .integer("docked", "when the block docked", |row| {
+            row.of.docked().map(|bond| bond.docked)
+        })
+        .unit("ticks")
+        .null(CENSORED);
+    table
+        .real(
             "docked_seconds",
-            "s",
             "`docked` in seconds of the scene",
-            real(|row: &R<'a>| row.of.docked().map(|bond| row.run.seconds(bond.docked))),
+            |row| row.of.docked().map(|bond| row.run.seconds(bond.docked)),
         )
-        .null(CENSORED),
-        ColumnDefinition::new(
+        .unit("s")
+        .null(CENSORED);
+    table
+        .integer(
             "wait",
-            "ticks",
             "from `magnetized` to `docked`; of a censored wait, to the end of the run",
-            integer(|row: &R<'a>| row.of.wait(row.run)),
-        ),
-        ColumnDefinition::new(
-            "wait_seconds",
-            "s",
-            "`wait` in seconds of the scene",
-            real(|row: &R<'a>| row.run.seconds(row.of.wait(row.run))),
-        ),
-        ColumnDefinition::new(
-            "censored",
-            "",
-            "whether the run ended during the wait: it would have been longer, by an unknown amount",
-            truth(|row: &R<'a>| row.of.docked().is_none()),
-        ),
-        ColumnDefinition::new(
-            "entries",
-            "",
-            "times that a free block came into the reach of the pull, re-entries included",
-            integer(|row: &R<'a>| u64::from(both!(row.of, entries))),
-        ),
-        ColumnDefinition::new(
+            |row| row.of.wait(row.run),
+        )
+        .unit("ticks");
+    table
+        .real("wait_seconds", "`wait` in seconds of the scene", |row| {
+            row.run.seconds(row.of.wait(row.run))
+        })
+        .unit("s");
+    table.truth(
+        "censored",
+        "whether the run ended during the wait: it would have been longer, by an unknown amount",
+        |row| row.of.docked().is_none(),
+    );
+    table.integer(
+        "entries",
+        "times that a free block came into the reach of the pull, re-entries included",
+        |row| u64::from(both!(row.of, entries)),
+    );
+    table
+        .integer(
             "docking",
-            "ticks",
             "from the captured block's last entry to its docking",
-            integer(|row: &R<'a>| row.of.docked().map(|bond| bond.docking)),
+            |row| row.of.docked().map(|bond| bond.docking),
         )
-        .null(CENSORED),
-        ColumnDefinition::new(
-            "body",
-            "",
-            "number of the captured block, from 0",
-            integer(|row: &R<'a>| row.of.docked().map(|bond| bond.body.into())),
-        )
-        .null(CENSORED),
-        ColumnDefinition::new(
-            "origin",
-            "",
-            "`free`: the captured block had never been captured; `released`: it had been part of the \
-             structure before",
-            text(|row: &R<'a>| {
+        .unit("ticks")
+        .null(CENSORED);
+    table
+        .integer("body", "number of the captured block, from 0", |row| {
+            row.of.docked().map(|bond| bond.body.into())
+        })
+        .null(CENSORED);
+    table.text("origin", "`free`: the captured block had never been captured; `released`: it had been part of the \
+             structure before", |row| {
                 Some(match row.of.docked()?.origin {
                     Origin::Free => "free",
                     Origin::Released { .. } => "released",
                 })
-            }),
-        )
-        .null(CENSORED),
-        ColumnDefinition::new(
+            }).null(CENSORED);
+    table
+        .text(
             "origin_role",
-            "",
             "role that the captured block had last",
-            text(|row: &R<'a>| {
+            |row| {
                 let (role, _) = row.of.released()?;
                 Some(row.run.program.role(role))
-            }),
+            },
         )
-        .null("it had none, or the wait is censored"),
-        ColumnDefinition::new(
-            "released_at",
-            "ticks",
-            "when it lost that role",
-            integer(|row: &R<'a>| row.of.released().map(|(_, tick)| tick)),
-        )
-        .null("it had none, or the wait is censored"),
-    ]);
-    TableDefinition {
-        name: "bonds",
-        row: "a capture, or a face that waited for one when the run ended",
-        columns,
-    }
+        .null("it had none, or the wait is censored");
+    table
+        .integer("released_at", "when it lost that role", |row| {
+            row.of.released().map(|(_, tick)| tick)
+        })
+        .unit("ticks")
+        .null("it had none, or the wait is censored");
+    table
 }

@@ -74,33 +74,69 @@ pub enum ColumnValues<'a> {
     TextLists(Vec<Vec<&'a str>>),
 }
 
-/// A constructor of [`ColumnGetter`] from a function that gives a value, or `None` for null.
-macro_rules! of {
-    ($($name:ident: $value:ty => $variant:ident;)*) => {
-        $(pub(super) fn $name<'a, R, V: Into<Option<$value>>>(
+/// Methods that add a column, from a function that gives a value, or `None` for null.
+macro_rules! column_methods {
+    ($($kind:ident: $value:ty => $variant:ident;)*) => {
+        $(pub fn $kind<V: Into<Option<$value>>>(
+            &mut self,
+            name: impl Into<Cow<'static, str>>,
+            meaning: impl Into<Cow<'static, str>>,
             get: impl Fn(&R) -> V + 'a,
-        ) -> ColumnGetter<'a, R> {
-            ColumnGetter::$variant(Box::new(move |row| get(row).into()))
+        ) -> &mut ColumnDefinition<'a, R> {
+            let values = ColumnGetter::$variant(Box::new(move |row| get(row).into()));
+            self.add(name.into(), meaning.into(), values)
         })*
     };
 }
 
-of! {
-    truth: bool => Bool;
-    small: i32 => Small;
-    unsigned: u64 => Unsigned;
-    real: f64 => Real;
-    text: &'a str => Text;
-    integers: &'a [u64] => Integers;
-    texts: Vec<&'a str> => Texts;
-}
+impl<'a, R> TableDefinition<'a, R> {
+    /// Begins a table.
+    pub fn new(name: &'static str, row: &'static str) -> TableDefinition<'a, R> {
+        TableDefinition {
+            name,
+            row,
+            columns: Vec::new(),
+        }
+    }
 
-/// As the others; counts and ticks, which are far below 2^63.
-pub(super) fn integer<'a, R, V: Into<Option<u64>>>(
-    get: impl Fn(&R) -> V + 'a,
-) -> ColumnGetter<'a, R> {
-    let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
-    ColumnGetter::Integer(Box::new(move |row| get(row).into().map(signed)))
+    column_methods! {
+        truth: bool => Bool;
+        small: i32 => Small;
+        unsigned: u64 => Unsigned;
+        real: f64 => Real;
+        text: &'a str => Text;
+        integers: &'a [u64] => Integers;
+        texts: Vec<&'a str> => Texts;
+    }
+
+    /// Adds a column of counts or ticks, which are far below 2^63.
+    pub fn integer<V: Into<Option<u64>>>(
+        &mut self,
+        name: impl Into<Cow<'static, str>>,
+        meaning: impl Into<Cow<'static, str>>,
+        get: impl Fn(&R) -> V + 'a,
+    ) -> &mut ColumnDefinition<'a, R> {
+        let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
+        let values = ColumnGetter::Integer(Box::new(move |row| get(row).into().map(signed)));
+        self.add(name.into(), meaning.into(), values)
+    }
+
+    fn add(
+        &mut self,
+        name: Cow<'static, str>,
+        meaning: Cow<'static, str>,
+        values: ColumnGetter<'a, R>,
+    ) -> &mut ColumnDefinition<'a, R> {
+        self.columns.push(ColumnDefinition {
+            name,
+            unit: "".into(),
+            meaning,
+            null: None,
+            values,
+        });
+        let last = self.columns.len() - 1;
+        &mut self.columns[last]
+    }
 }
 
 /// What a table is, for its documentation and its metadata.
@@ -198,28 +234,16 @@ impl<W: Write + Send> TableFile<W> {
 }
 
 impl<'a, R> ColumnDefinition<'a, R> {
-    /// A column that is never null.
-    pub fn new(
-        name: impl Into<Cow<'static, str>>,
-        unit: impl Into<Cow<'static, str>>,
-        meaning: impl Into<Cow<'static, str>>,
-        values: ColumnGetter<'a, R>,
-    ) -> ColumnDefinition<'a, R> {
-        ColumnDefinition {
-            name: name.into(),
-            unit: unit.into(),
-            meaning: meaning.into(),
-            null: None,
-            values,
-        }
+    /// Sets the unit of its values.
+    pub fn unit(&mut self, unit: impl Into<Cow<'static, str>>) -> &mut ColumnDefinition<'a, R> {
+        self.unit = unit.into();
+        self
     }
 
-    /// The same, null `when`.
-    pub fn null(self, when: &'static str) -> ColumnDefinition<'a, R> {
-        ColumnDefinition {
-            null: Some(when),
-            ..self
-        }
+    /// Makes values null `when` something holds.
+    pub fn null(&mut self, when: &'static str) -> &mut ColumnDefinition<'a, R> {
+        self.null = Some(when);
+        self
     }
 
     fn shape(&self) -> ColumnShape {

@@ -1,8 +1,8 @@
 //! `phases.parquet`.
 use stochc_ir::table::PhaseId;
 
-use super::column::{ColumnDefinition, TableDefinition, integer, real, text};
-use super::row::{RunContext, RunRow, key, outcome, phase};
+use super::column::TableDefinition;
+use super::row::{RunContext, RunRow, add_phase, keyed, outcome};
 use crate::manifest::SweepAxes;
 
 /// A phase that a run has reached.
@@ -48,49 +48,39 @@ pub(super) fn reached(run: RunContext) -> Vec<Reached> {
 }
 
 pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, Reached>> {
-    type R<'a> = RunRow<'a, Reached>;
-    let mut columns = key(axes);
-    columns.extend(phase(|reached: &Reached| reached.phase));
-    columns.extend([
-        ColumnDefinition::new(
-            "outcome",
-            "",
-            "`completed`, or that of the run, which ended in this phase: `timed_out`, `censored` \
+    let mut table = keyed("phases", "a phase that a run has reached", axes);
+    add_phase(&mut table, |of: &Reached| of.phase);
+    table.text(
+        "outcome",
+        "`completed`, or that of the run, which ended in this phase: `timed_out`, `censored` \
              or `failed` (it means nothing)",
-            text(|row: &R<'a>| match row.of.ended {
-                Some(_) => "completed",
-                None => outcome(&row.run.record.outcome),
-            }),
-        ),
-        ColumnDefinition::new(
+        |row| match row.of.ended {
+            Some(_) => "completed",
+            None => outcome(&row.run.record.outcome),
+        },
+    );
+    table
+        .integer(
             "began",
-            "ticks",
             "when it began, from the beginning of the run",
-            integer(|row: &R<'a>| row.of.began),
-        ),
-        ColumnDefinition::new(
-            "ended",
-            "ticks",
-            "when it was complete",
-            integer(|row: &R<'a>| row.of.ended),
+            |row| row.of.began,
         )
-        .null("the run ended before"),
-        ColumnDefinition::new(
-            "ticks",
+        .unit("ticks");
+    table
+        .integer("ended", "when it was complete", |row| row.of.ended)
+        .unit("ticks")
+        .null("the run ended before");
+    table
+        .integer(
             "ticks",
             "how long it took, or had taken when the run ended",
-            integer(|row: &R<'a>| row.of.ticks(row.run)),
-        ),
-        ColumnDefinition::new(
-            "seconds",
-            "s",
-            "the same in seconds of the scene",
-            real(|row: &R<'a>| row.run.seconds(row.of.ticks(row.run))),
-        ),
-    ]);
-    TableDefinition {
-        name: "phases",
-        row: "a phase that a run has reached",
-        columns,
-    }
+            |row| row.of.ticks(row.run),
+        )
+        .unit("ticks");
+    table
+        .real("seconds", "the same in seconds of the scene", |row| {
+            row.run.seconds(row.of.ticks(row.run))
+        })
+        .unit("s");
+    table
 }

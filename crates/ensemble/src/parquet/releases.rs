@@ -1,51 +1,33 @@
 //! `releases.parquet`.
 use stochc_ir::record::ReleaseRecord;
 
-use super::column::{ColumnDefinition, TableDefinition, integer, real, text};
-use super::row::{RunRow, key, phase};
+use super::column::TableDefinition;
+use super::row::{RunRow, add_phase, keyed};
 use crate::manifest::SweepAxes;
 
 pub(super) fn table<'a>(
     axes: &SweepAxes<'_>,
 ) -> TableDefinition<'a, RunRow<'a, &'a ReleaseRecord>> {
-    type R<'a> = RunRow<'a, &'a ReleaseRecord>;
-    let mut columns = key(axes);
-    columns.extend(phase(|release: &&ReleaseRecord| release.phase));
-    columns.extend([
-        ColumnDefinition::new(
-            "tick",
-            "ticks",
-            "when, from the beginning of the run",
-            integer(|row: &R<'a>| row.of.tick),
-        ),
-        ColumnDefinition::new(
-            "seconds",
-            "s",
-            "the same in seconds of the scene",
-            real(|row: &R<'a>| row.run.seconds(row.of.tick)),
-        ),
-        ColumnDefinition::new(
-            "parent",
-            "",
-            "role of the block that released it",
-            text(|row: &R<'a>| row.run.program.role(row.of.parent)),
-        ),
-        ColumnDefinition::new(
-            "child",
-            "",
-            "role that the released block had",
-            text(|row: &R<'a>| row.run.program.role(row.of.child)),
-        ),
-        ColumnDefinition::new(
-            "body",
-            "",
-            "number of the released block, from 0",
-            integer(|row: &R<'a>| u64::from(row.of.body)),
-        ),
-    ]);
-    TableDefinition {
-        name: "releases",
-        row: "a block that was released",
-        columns,
-    }
+    let mut table = keyed("releases", "a block that was released", axes);
+    add_phase(&mut table, |of: &&ReleaseRecord| of.phase);
+    table
+        .integer("tick", "when, from the beginning of the run", |row| {
+            row.of.tick
+        })
+        .unit("ticks");
+    table
+        .real("seconds", "the same in seconds of the scene", |row| {
+            row.run.seconds(row.of.tick)
+        })
+        .unit("s");
+    table.text("parent", "role of the block that released it", |row| {
+        row.run.program.role(row.of.parent)
+    });
+    table.text("child", "role that the released block had", |row| {
+        row.run.program.role(row.of.child)
+    });
+    table.integer("body", "number of the released block, from 0", |row| {
+        u64::from(row.of.body)
+    });
+    table
 }

@@ -2,7 +2,7 @@
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
-use super::column::{ColumnDefinition, integer, real, text, truth};
+use super::column::TableDefinition;
 use crate::manifest::SweepAxes;
 use crate::{EnsembleProgram, Finished, Manifest};
 
@@ -42,43 +42,39 @@ pub(super) fn rows<'a, T, I: IntoIterator<Item = T>>(
     rows.collect()
 }
 
-/// Which run it is, and the numbers of the scene in which the ensemble is swept.
-pub(super) fn key<'a, T: 'a>(axes: &SweepAxes<'_>) -> Vec<ColumnDefinition<'a, RunRow<'a, T>>> {
-    let mut columns = vec![
-        ColumnDefinition::new(
-            "program",
-            "",
-            "name of the program in the ensemble; of a sweep with its values",
-            text(|row: &RunRow<'a, T>| row.run.program.name.as_str()),
-        ),
-        ColumnDefinition::new(
-            "run",
-            "",
-            "number of the run, from 0; runs of one number have the same draws in all programs",
-            integer(|row: &RunRow<'a, T>| row.run.record.run),
-        ),
-    ];
-    columns.extend(axes.numbers.iter().map(|axis| {
+/// Begins a table with the columns of the run and of the axes of a sweep.
+pub(super) fn keyed<'a, T: 'a>(
+    name: &'static str,
+    row: &'static str,
+    axes: &SweepAxes<'_>,
+) -> TableDefinition<'a, RunRow<'a, T>> {
+    let mut table = TableDefinition::<RunRow<'a, T>>::new(name, row);
+    table.text(
+        "program",
+        "name of the program in the ensemble; of a sweep with its values",
+        |row| row.run.program.name.as_str(),
+    );
+    table.integer(
+        "run",
+        "number of the run, from 0; runs of one number have the same draws in all programs",
+        |row| row.run.record.run,
+    );
+    for axis in axes.numbers {
+        let meaning = format!("`{}` of the scene, which the sweep varies", axis.of);
         let here = axis.clone();
-        ColumnDefinition::new(
-            axis.column(),
-            axis.unit.clone(),
-            format!("`{}` of the scene, which the sweep varies", axis.of),
-            real(move |row: &RunRow<'a, T>| row.run.program.on_axis(&here)),
-        )
-        .null("the program is no point of the sweep")
-    }));
-    columns.extend(axes.settings.iter().map(|&of| {
+        let get = move |row: &RunRow<'a, T>| row.run.program.on_axis(&here);
+        let column = table.real(axis.column(), meaning, get);
+        column.unit(axis.unit.clone());
+        column.null("the program is no point of the sweep");
+    }
+    for &of in &axes.settings {
         let name = of.to_owned();
-        ColumnDefinition::new(
-            setting_column(of),
-            "",
-            format!("the setting `{of}`, which the sweep varies"),
-            text(move |row: &RunRow<'a, T>| row.run.program.chosen_value(&name)),
-        )
-        .null("the setting is that of the ensemble")
-    }));
-    columns
+        let meaning = format!("the setting `{of}`, which the sweep varies");
+        let get = move |row: &RunRow<'a, T>| row.run.program.chosen_value(&name);
+        let column = table.text(setting_column(of), meaning, get);
+        column.null("the setting is that of the ensemble");
+    }
+    table
 }
 
 /// Returns the name of the column of a setting, such as `setting_solver_iterations`.
@@ -86,30 +82,24 @@ pub(super) fn setting_column(of: &str) -> String {
     format!("setting_{}", of.replace('-', "_"))
 }
 
-/// In which phase it is.
-pub(super) fn phase<'a, T: 'a>(
+/// Adds the columns of the phase of a row.
+pub(super) fn add_phase<'a, T: 'a>(
+    table: &mut TableDefinition<'a, RunRow<'a, T>>,
     of: impl Fn(&T) -> PhaseId + Copy + 'a,
-) -> [ColumnDefinition<'a, RunRow<'a, T>>; 3] {
-    [
-        ColumnDefinition::new(
-            "phase",
-            "",
-            "name of the phase",
-            text(move |row: &RunRow<'a, T>| row.run.program.phase(of(&row.of))),
-        ),
-        ColumnDefinition::new(
-            "phase_number",
-            "",
-            "index of the phase in the program, from 0",
-            integer(move |row: &RunRow<'a, T>| u64::from(of(&row.of).0)),
-        ),
-        ColumnDefinition::new(
-            "by_hand",
-            "",
-            "whether the blocks of this phase are attached by hand before the first tick",
-            truth(move |row: &RunRow<'a, T>| row.run.program.is_planted(of(&row.of))),
-        ),
-    ]
+) {
+    table.text("phase", "name of the phase", move |row| {
+        row.run.program.phase(of(&row.of))
+    });
+    table.integer(
+        "phase_number",
+        "index of the phase in the program, from 0",
+        move |row| u64::from(of(&row.of).0),
+    );
+    table.truth(
+        "by_hand",
+        "whether the blocks of this phase are attached by hand before the first tick",
+        move |row| row.run.program.is_planted(of(&row.of)),
+    );
 }
 
 /// How a run ended, in a word.

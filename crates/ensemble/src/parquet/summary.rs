@@ -1,7 +1,5 @@
 //! Tables that sum runs up. They are defined like those of Parquet, and have no files there.
-use super::column::{
-    ColumnDefinition, ColumnValues, TableDefinition, TableShape, integer, real, text,
-};
+use super::column::{ColumnValues, TableDefinition, TableShape};
 use super::row::setting_column;
 use crate::sweep::{Sweep, SweepPoint};
 use crate::{Comparison, EnsembleProgram, Manifest, ProgramSummary, Time};
@@ -43,145 +41,102 @@ impl SummaryRow<'_> {
 
 /// Returns the figures of each program, with the numbers of the scene that a sweep has chosen for it.
 pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> FilledTable<'a> {
-    type R<'a> = SummaryRow<'a>;
     let unit = comparison.time_unit;
-    let mut columns = vec![ColumnDefinition::new(
+    let mut table = TableDefinition::<SummaryRow<'a>>::new("summary", "a program of the ensemble");
+    table.text(
         "program",
-        "",
         "name of the program in the ensemble; of a sweep with its values",
-        text(|row: &R<'a>| row.summary.name.as_str()),
-    )];
+        |row| row.summary.name.as_str(),
+    );
     let axes = manifest.swept();
-    columns.extend(axes.numbers.iter().map(|axis| {
-        ColumnDefinition::new(
-            axis.column(),
-            axis.unit.clone(),
-            "a number of the scene, which the sweep varies",
-            real(move |row: &R<'a>| row.program.on_axis(axis)),
-        )
-        .null("the program is no point of the sweep")
-    }));
-    columns.extend(axes.settings.into_iter().map(|of| {
-        ColumnDefinition::new(
-            setting_column(of),
-            "",
-            "a setting, which the sweep varies",
-            text(move |row: &R<'a>| row.program.chosen_value(of)),
-        )
-        .null("the setting is that of the ensemble")
-    }));
-    columns.extend([
-        ColumnDefinition::new(
-            "runs",
-            "",
-            "runs asked for",
-            integer(|row: &R<'a>| row.summary.runs),
-        ),
-        ColumnDefinition::new(
-            "finished",
-            "",
-            "runs finished",
-            integer(|row: &R<'a>| row.summary.finished),
-        ),
-        ColumnDefinition::new(
-            "completed",
-            "",
-            "runs that completed the structure",
-            integer(|row: &R<'a>| row.summary.completed),
-        ),
-        ColumnDefinition::new(
-            "timed_out",
-            "",
-            "runs that the timeout of a phase ended: they never complete",
-            integer(|row: &R<'a>| row.summary.timed_out),
-        ),
-        ColumnDefinition::new(
-            "censored",
-            "",
-            "runs that reached the limit of ticks: their times are longer",
-            integer(|row: &R<'a>| row.summary.censored),
-        ),
-        ColumnDefinition::new(
-            "failed",
-            "",
-            "runs whose physics broke down",
-            integer(|row: &R<'a>| row.summary.failed),
-        ),
-        ColumnDefinition::new(
-            "captures",
-            "",
-            "captures that the program makes",
-            integer(|row: &R<'a>| row.summary.captures),
-        ),
-        ColumnDefinition::new(
+    for axis in axes.numbers {
+        let meaning = "a number of the scene, which the sweep varies";
+        let column = table.real(axis.column(), meaning, move |row| row.program.on_axis(axis));
+        column.unit(axis.unit.clone());
+        column.null("the program is no point of the sweep");
+    }
+    for of in axes.settings {
+        let meaning = "a setting, which the sweep varies";
+        let get = move |row: &SummaryRow<'a>| row.program.chosen_value(of);
+        let column = table.text(setting_column(of), meaning, get);
+        column.null("the setting is that of the ensemble");
+    }
+    table.integer("runs", "runs asked for", |row| row.summary.runs);
+    table.integer("finished", "runs finished", |row| row.summary.finished);
+    table.integer("completed", "runs that completed the structure", |row| {
+        row.summary.completed
+    });
+    table.integer(
+        "timed_out",
+        "runs that the timeout of a phase ended: they never complete",
+        |row| row.summary.timed_out,
+    );
+    table.integer(
+        "censored",
+        "runs that reached the limit of ticks: their times are longer",
+        |row| row.summary.censored,
+    );
+    table.integer("failed", "runs whose physics broke down", |row| {
+        row.summary.failed
+    });
+    table.integer("captures", "captures that the program makes", |row| {
+        row.summary.captures
+    });
+    table
+        .real(
             "blocks_used",
-            "",
             "mean number of different blocks that a completed run captured",
-            real(|row: &R<'a>| row.summary.blocks_used),
+            |row| row.summary.blocks_used,
         )
-        .null("no run completed"),
-        ColumnDefinition::new(
-            "tick",
-            "s",
-            "length of a tick",
-            real(|row: &R<'a>| row.summary.tick),
-        ),
-        ColumnDefinition::new("unit", "", "unit of the times", text(move |_: &R<'a>| unit)),
-        ColumnDefinition::new(
+        .null("no run completed");
+    table
+        .real("tick", "length of a tick", |row| row.summary.tick)
+        .unit("s");
+    table.text("unit", "unit of the times", move |_| unit);
+    table
+        .real(
             "mean",
-            unit,
             "mean time to completion; of min(time, horizon) if runs are incomplete: a lower bound",
-            real(|row: &R<'a>| row.time(|it| Some(it.mean))),
+            |row| row.time(|it| Some(it.mean)),
         )
-        .null(UNKNOWN),
-        ColumnDefinition::new(
+        .unit(unit)
+        .null(UNKNOWN);
+    table
+        .real(
             "half_width",
-            unit,
             "half of the 95 % interval of the mean",
-            real(|row: &R<'a>| row.time(|it| it.half_width)),
+            |row| row.time(|it| it.half_width),
         )
-        .null(UNKNOWN),
-        ColumnDefinition::new(
+        .unit(unit)
+        .null(UNKNOWN);
+    table
+        .real(
             "horizon",
-            unit,
             "up to here the mean counts, if runs are incomplete",
-            real(|row: &R<'a>| row.time(|it| it.horizon)),
+            |row| row.time(|it| it.horizon),
         )
-        .null("all runs completed"),
-        ColumnDefinition::new(
-            "median",
-            unit,
-            "median time to completion",
-            real(|row: &R<'a>| row.time(|it| it.median)),
-        )
-        .null(UNKNOWN),
-        ColumnDefinition::new(
-            "sd",
-            unit,
-            "standard deviation",
-            real(|row: &R<'a>| row.time(|it| it.sd)),
-        )
-        .null(UNKNOWN),
-        ColumnDefinition::new(
-            "min",
-            unit,
-            "the shortest time that was completed",
-            real(|row: &R<'a>| row.time(|it| it.min)),
-        )
-        .null(UNKNOWN),
-        ColumnDefinition::new(
-            "max",
-            unit,
-            "the longest time",
-            real(|row: &R<'a>| row.time(|it| it.max)),
-        )
-        .null(UNKNOWN),
-    ]);
-    let table = TableDefinition {
-        name: "summary",
-        row: "a program of the ensemble",
-        columns,
-    };
+        .unit(unit)
+        .null("all runs completed");
+    table
+        .real("median", "median time to completion", |row| {
+            row.time(|it| it.median)
+        })
+        .unit(unit)
+        .null(UNKNOWN);
+    table
+        .real("sd", "standard deviation", |row| row.time(|it| it.sd))
+        .unit(unit)
+        .null(UNKNOWN);
+    table
+        .real("min", "the shortest time that was completed", |row| {
+            row.time(|it| it.min)
+        })
+        .unit(unit)
+        .null(UNKNOWN);
+    table
+        .real("max", "the longest time", |row| row.time(|it| it.max))
+        .unit(unit)
+        .null(UNKNOWN);
     let programs = manifest.programs.iter().zip(&comparison.programs);
     let rows: Vec<_> = programs
         .map(|(program, summary)| SummaryRow { program, summary })
@@ -191,113 +146,96 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
 
 /// Returns a row for each point of a sweep, with a column for each axis.
 pub fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
-    type R<'a> = &'a SweepPoint;
     fn time(point: &SweepPoint, of: impl Fn(&Time) -> Option<f64>) -> Option<f64> {
         point.time.as_ref().and_then(of)
     }
-    fn count<'a>(
-        name: &'static str,
-        meaning: &'static str,
-        of: fn(&SweepPoint) -> usize,
-    ) -> ColumnDefinition<'a, R<'a>> {
-        let get = move |row: &R<'a>| of(row) as u64;
-        ColumnDefinition::new(name, "", meaning, integer(get))
-    }
-    fn number<'a>(
-        name: &'static str,
-        unit: &'static str,
-        meaning: &'static str,
-        of: fn(&SweepPoint) -> Option<f64>,
-    ) -> ColumnDefinition<'a, R<'a>> {
-        let get = move |row: &R<'a>| of(row);
-        ColumnDefinition::new(name, unit, meaning, real(get)).null(UNKNOWN)
-    }
     let unit = sweep.unit;
-    let mut columns = vec![ColumnDefinition::new(
-        "program",
-        "",
-        "name of the program, without its values",
-        text(|row: &R<'a>| row.program.as_str()),
-    )];
-    columns.extend(sweep.axes.iter().enumerate().map(|(place, axis)| {
-        let value = move |row: &R<'a>| row.values.get(place).map(|value| value.value);
-        ColumnDefinition::new(
-            axis.label(),
-            axis.unit.clone(),
-            "a number of the scene",
-            real(value),
-        )
-        .null(UNKNOWN)
-    }));
-    columns.extend(sweep.settings.iter().map(|of| {
-        let value = move |row: &R<'a>| {
+    let mut table = TableDefinition::<&'a SweepPoint>::new("sweep", "a point of the sweep");
+    let program = "name of the program, without its values";
+    table.text("program", program, |row| row.program.as_str());
+    for (place, axis) in sweep.axes.iter().enumerate() {
+        let get = move |row: &&SweepPoint| row.values.get(place).map(|value| value.value);
+        let column = table.real(axis.label(), "a number of the scene", get);
+        column.unit(axis.unit.clone()).null(UNKNOWN);
+    }
+    for of in &sweep.settings {
+        let get = move |row: &&'a SweepPoint| {
             let mut chosen = row.chosen.iter();
             chosen.find(|it| it.of() == of).map(|it| it.value())
         };
-        ColumnDefinition::new(of.clone(), "", "a setting", text(value)).null(UNKNOWN)
-    }));
-    columns.extend([
-        ColumnDefinition::new(
-            "runs",
-            "",
-            "runs asked for",
-            integer(|row: &R<'a>| row.runs),
-        ),
-        count("completed", "runs that completed", |it| it.completed),
-        count("timed_out", "runs that a timeout ended", |it| it.timed_out),
-        count("censored", "runs that reached the limit of ticks", |it| {
-            it.censored
-        }),
-        count("failed", "runs whose physics broke down", |it| it.failed),
-        number(
+        table.text(of.clone(), "a setting", get).null(UNKNOWN);
+    }
+    table.integer("runs", "runs asked for", |row| row.runs);
+    table.integer("completed", "runs that completed", |row| {
+        row.completed as u64
+    });
+    table.integer("timed_out", "runs that a timeout ended", |row| {
+        row.timed_out as u64
+    });
+    table.integer("censored", "runs that reached the limit of ticks", |row| {
+        row.censored as u64
+    });
+    table.integer("failed", "runs whose physics broke down", |row| {
+        row.failed as u64
+    });
+    table
+        .real(
             "share",
-            "",
             "share of the finished runs that completed, 0 to 1",
-            |it| it.share,
-        ),
-        number("share_low", "", "lower end of its 95 % interval", |it| {
-            it.share_interval.map(|interval| interval.0)
-        }),
-        number("share_high", "", "upper end", |it| {
-            it.share_interval.map(|interval| interval.1)
-        }),
-        ColumnDefinition::new("unit", "", "unit of the times", text(move |_: &R<'a>| unit)),
-        number("mean", unit, "mean time to completion", |it| {
-            time(it, |it| Some(it.mean))
-        }),
-        number("half_width", unit, "half of its 95 % interval", |it| {
-            time(it, |it| it.half_width)
-        }),
-        number("horizon", unit, "up to here the mean counts", |it| {
-            time(it, |it| it.horizon)
-        }),
-        number("median", unit, "median time to completion", |it| {
-            time(it, |it| it.median)
-        }),
-        ColumnDefinition::new(
-            "captures",
-            "",
-            "captures made",
-            integer(|row: &R<'a>| row.captures),
-        ),
-        number(
+            |row| row.share,
+        )
+        .null(UNKNOWN);
+    table
+        .real("share_low", "lower end of its 95 % interval", |row| {
+            row.share_interval.map(|interval| interval.0)
+        })
+        .null(UNKNOWN);
+    table
+        .real("share_high", "upper end", |row| {
+            row.share_interval.map(|interval| interval.1)
+        })
+        .null(UNKNOWN);
+    table.text("unit", "unit of the times", move |_| unit);
+    table
+        .real("mean", "mean time to completion", |row| {
+            time(row, |it| Some(it.mean))
+        })
+        .unit(unit)
+        .null(UNKNOWN);
+    table
+        .real("half_width", "half of its 95 % interval", |row| {
+            time(row, |row| row.half_width)
+        })
+        .unit(unit)
+        .null(UNKNOWN);
+    table
+        .real("horizon", "up to here the mean counts", |row| {
+            time(row, |row| row.horizon)
+        })
+        .unit(unit)
+        .null(UNKNOWN);
+    table
+        .real("median", "median time to completion", |row| {
+            time(row, |row| row.median)
+        })
+        .unit(unit)
+        .null(UNKNOWN);
+    table.integer("captures", "captures made", |row| row.captures);
+    table
+        .real(
             "released",
-            "",
             "share of the captured blocks that had been released",
-            |it| it.released,
-        ),
-        number(
+            |row| row.released,
+        )
+        .null(UNKNOWN);
+    table
+        .real(
             "time_per_capture",
-            unit,
             "time of all runs over the captures",
-            |it| it.time_per_capture,
-        ),
-    ]);
-    let table = TableDefinition {
-        name: "sweep",
-        row: "a point of the sweep",
-        columns,
-    };
+            |row| row.time_per_capture,
+        )
+        .unit(unit)
+        .null(UNKNOWN);
     let rows: Vec<&SweepPoint> = sweep.points.iter().collect();
     table.filled(&rows)
 }
