@@ -92,7 +92,6 @@ fn every_candidate_is_held_against_the_finest() {
     // But the first has the wider interval.
     assert_eq!(close.bound, first.and_then(|bias| bias.bound()));
     assert_eq!(trade.candidates[0].cost_ratio, Some(1.0 / 8.0));
-    assert_eq!(trade.candidates[0].programs[0].distance.unwrap().d, 1.0);
     let reversed: Vec<bool> = trade
         .candidates
         .iter()

@@ -8,7 +8,6 @@
 mod difference;
 mod distribution;
 mod holm;
-mod kolmogorov;
 mod mean;
 mod quantile;
 mod ratio;
@@ -21,7 +20,6 @@ mod survival;
 pub(crate) use difference::correct;
 pub use difference::{Difference, Longer, SIGNIFICANT, Test, compare};
 use holm::holm;
-pub(crate) use kolmogorov::{Distance, distance};
 pub use mean::Mean;
 pub use quantile::quantile;
 pub use ratio::{Relative, relative};

@@ -8,7 +8,7 @@ use super::ranking::{Orders, Ranked, Verdict};
 use super::result::{CandidateResult, ProgramResult, Reference, Trade, TradedProgram};
 use super::sample::Sample;
 use crate::manifest::ChosenSetting;
-use crate::statistics::{Observation, Relative, Status, distance, relative};
+use crate::statistics::{Observation, Relative, Status, relative};
 use crate::{Comparison, ComparisonTally, Finished, JournalError, Manifest, Records, Time};
 
 /// A trade while runs are read, sorted by program and run.
@@ -219,7 +219,6 @@ fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
         half_width: time.as_ref().and_then(|time| time.half_width),
         horizon: time.as_ref().and_then(|time| time.horizon),
         bias: reference.and_then(|reference| relative(times, reference)),
-        distance: reference.and_then(|reference| distance(times, reference)),
         cost: sample.cost(),
         cost_of_tick: sample.cost_of_tick(),
     }

@@ -6,7 +6,7 @@ use stochc_runtime::Settings;
 use super::convergence::{Convergence, Doubling};
 use super::ranking::{Ranked, Verdict};
 use crate::Manifest;
-use crate::statistics::{Distance, Relative};
+use crate::statistics::Relative;
 
 /// Version of the layout of `trade.json`.
 const FORMAT: u32 = 1;
@@ -99,8 +99,6 @@ pub struct ProgramResult {
     pub horizon: Option<f64>,
     /// The mean over the reference's, less one.
     pub bias: Option<Relative>,
-    /// The whole distribution compared with the reference's.
-    pub distance: Option<Distance>,
     /// Median CPU time of a run \[s\].
     pub cost: Option<f64>,
     /// CPU time of a tick \[s\].

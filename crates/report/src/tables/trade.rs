@@ -5,7 +5,7 @@ use stochc_ensemble::trade::{
 };
 
 use super::comparison::ticks;
-use crate::text::{TextColumn, TextTable, paragraph, probability};
+use crate::text::{TextColumn, TextTable, paragraph};
 
 /// In place of a figure that does not exist.
 const NONE: &str = "-";
@@ -14,8 +14,8 @@ const NONE: &str = "-";
 pub(crate) const RESTRICTED: &str = "* ";
 
 /// The columns of figures.
-const HEADER: [&str; 9] = [
-    "CPU/run", "ratio", "n", "mean", "bias", "D", "p", "incompl.", "failed",
+const HEADER: [&str; 7] = [
+    "CPU/run", "ratio", "n", "mean", "bias", "incompl.", "failed",
 ];
 
 /// One line of a table.
@@ -84,7 +84,7 @@ fn line(trade: &Trade, number: usize, candidate: &CandidateResult, program: usiz
     }
 }
 
-fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) -> [String; 9] {
+fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) -> [String; 7] {
     let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
     let reference = trade.reference_candidate();
     let whole = reference.and_then(|candidate| candidate.programs[program].cost);
@@ -112,8 +112,6 @@ fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) ->
                 relative(bias)
             )
         })),
-        blank(cell.distance.map(|distance| format!("{:.2}", distance.d))),
-        blank(cell.distance.map(|distance| probability(distance.p))),
         (cell.timed_out + cell.censored).to_string(),
         cell.failed.to_string(),
     ]
@@ -190,8 +188,7 @@ fn notes(trade: &Trade) -> Vec<String> {
     let mut notes = vec![
         "Settings are model and substeps, and what differs from the defaults. CPU/run is the \
          median CPU time of a run, ratio the same over the reference's; means are in \
-         ticks, in brackets in seconds; n counts runs; bias is the mean over the reference's, less one; D is the \
-         largest difference of the two shares of completed runs, p its probability by chance alone; ±~is half \
+         ticks, in brackets in seconds; n counts runs; bias is the mean over the reference's, less one; ±~is half \
          of a 95~% interval. front: Pareto-optimal, no cheaper setting is known to be as close."
             .to_owned(),
     ];
@@ -223,7 +220,7 @@ fn notes(trade: &Trade) -> Vec<String> {
             "incompl.: runs that timed out or were censored by the limit of ticks ({limit}). Means \
              of such samples (≥) count min(time, the last time seen). Biases with * are no bounds: they compare \
              means of min(time, h), where h is the last time that both samples tell of, and say nothing of longer \
-             times. D compares times before the first censored one."
+             times."
         ));
     }
     if cells().any(|cell| cell.failed > 0) {
