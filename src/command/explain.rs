@@ -23,10 +23,7 @@ pub fn run(options: &ExplainArguments) -> Result<Exit, Failure> {
                 Severity::Error => "error",
                 Severity::Warning => "warning",
             };
-            // `# cycle: events wait for each other in a cycle`
-            let title = code.page().lines().next().unwrap_or_default();
-            let meaning = title.split_once(": ").map_or(title, |(_, meaning)| meaning);
-            format!("{:20} {severity:8} {meaning}\n", code.name())
+            format!("{:20} {severity:8} {}\n", code.name(), code.meaning())
         });
         print(&lines.collect::<String>())?;
         return Ok(Exit::Success);

@@ -1,10 +1,13 @@
-//! Findings drawn over the text.
-use stochc_compiler::diagnostic::{Diagnostic, Edit, Renderer, Severity};
+//! Diagnostics drawn over the source.
+use stochc_compiler::diagnostic::{Code, Diagnostic, Edit, Renderer, Severity};
 use stochc_compiler::{Checked, FileId};
-use stochc_ir::counted;
+use stochc_ir::{counted, series};
 
-/// Findings that are drawn at most; the rest are counted.
+/// Largest number of diagnostics that are drawn. The others are counted.
 const MAX_DRAWN: usize = 50;
+
+/// Largest number of codes that the last line names.
+const MAX_NAMED: usize = 5;
 
 /// Draws all diagnostics of a file, errors first.
 pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
@@ -31,7 +34,7 @@ fn draw(
     }
     let rest = drawn().skip(MAX_DRAWN).count();
     if rest > 0 {
-        let diagnostics = counted(rest, "more finding");
+        let diagnostics = counted(rest, "more diagnostic");
         let file = stochc_ir::visible(&checked.sources.file(FileId(0)).name);
         out.push_str(&format!(
             "{diagnostics} in {file}; `--format short` shows all of them\n\n"
@@ -40,38 +43,47 @@ fn draw(
     out
 }
 
-/// How many findings there are, for a last line.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FindingCounts {
+/// Numbers and codes of diagnostics, for the last lines of a report.
+#[derive(Clone, Debug, Default)]
+pub struct DiagnosticCounts {
     errors: usize,
     warnings: usize,
     fixable: usize,
+    /// Codes, each once, those of errors first.
+    codes: Vec<(Severity, Code)>,
 }
 
-impl FindingCounts {
-    /// Counts those of a file, too.
+impl DiagnosticCounts {
+    /// Adds the diagnostics of a file.
     pub fn add(&mut self, checked: &Checked) {
         for diagnostic in &checked.diagnostics {
             match diagnostic.severity {
                 Severity::Error => self.errors += 1,
                 Severity::Warning => self.warnings += 1,
             }
-            // What another file needs is done there.
+            if !self.codes.iter().any(|&(_, code)| code == diagnostic.code) {
+                self.codes.push((diagnostic.severity, diagnostic.code));
+            }
+            // Edits in another file are applied when that file is checked.
             let is_own = |edit: &Edit| edit.location.file == FileId(0);
             let fix = diagnostic.fix.as_ref();
             let is_fixable = fix.is_some_and(|fix| fix.safe && fix.edits.iter().all(is_own));
             self.fixable += usize::from(is_fixable);
         }
+        self.codes.sort_by_key(|&(severity, _)| severity);
     }
 
-    /// ``2 errors, 1 warning; `stochc check --fix` can fix 1 of them``; empty if there is nothing to
-    /// count.
-    pub fn line(&self) -> String {
+    /// Returns ``2 errors, 1 warning; `stochc check --fix` can fix 1 of them`` and a line that names
+    /// `stochc explain`. Returns an empty text if nothing was counted.
+    pub fn lines(&self) -> String {
         let parts = [(self.errors, "error"), (self.warnings, "warning")];
         let told: Vec<String> = (parts.into_iter())
             .filter(|&(number, _)| number > 0)
             .map(|(number, noun)| counted(number, noun))
             .collect();
+        if told.is_empty() {
+            return String::new();
+        }
         let all = self.errors + self.warnings;
         let fixable = match self.fixable {
             0 => String::new(),
@@ -79,10 +91,17 @@ impl FindingCounts {
             some if some == all => "; `stochc check --fix` can fix them all".to_owned(),
             some => format!("; `stochc check --fix` can fix {some} of them"),
         };
-        if told.is_empty() {
-            String::new()
-        } else {
-            format!("{}{fixable}\n", told.join(", "))
+        format!("{}{fixable}\n{}\n", told.join(", "), self.explain_line())
+    }
+
+    fn explain_line(&self) -> String {
+        let codes: Vec<&str> = self.codes.iter().map(|(_, code)| code.name()).collect();
+        match &codes[..] {
+            [only] => format!("For an explanation, run `stochc explain {only}`."),
+            codes => {
+                let named = series(&codes[..codes.len().min(MAX_NAMED)], "or");
+                format!("For explanations, run `stochc explain CODE` with {named}.")
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Findings as JSON.
+//! Diagnostics as JSON.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{Diagnostic, Fix};
 use stochc_compiler::{Checked, Program, SourceLocation, Sources};
@@ -63,11 +63,13 @@ fn program(file: &str, checked: &Checked, number: usize) -> Value {
     })
 }
 
-/// The findings of a file as JSON, each as
-/// `{ code, severity, title, count, help, labels: [{ file, start, end, text }], fix }`; `count` is more
-/// than 1 where one statement has been found wrong so many times, as in a loop. `start` and `end` have `offset` in bytes of the file from 0, `line` and `column` from 1, the column in characters. `fix` is
-/// `null` or `{ title, safe, edits: [{ file, start, end, text }] }`, where `text` takes the place
-/// of what stands from `start` to `end`.
+/// Returns the diagnostics of a file as JSON.
+///
+/// Each is `{ code, severity, title, count, help, labels: [{ file, start, end, text }], fix }`.
+/// `count` is more than 1 if one statement has been found wrong several times, as in a loop.
+/// `start` and `end` have an `offset` in bytes from 0, and a `line` and `column` from 1. Columns count
+/// characters. `fix` is `null` or `{ title, safe, edits: [{ file, start, end, text }] }`, where `text`
+/// replaces the source from `start` to `end`.
 pub fn values(checked: &Checked) -> impl Iterator<Item = Value> {
     (checked.diagnostics.iter()).map(|diagnostic| value(diagnostic, &checked.sources))
 }

@@ -1,4 +1,4 @@
-//! Findings in every form: drawn, one to a line, as JSON, and as SARIF.
+//! Diagnostics in every form: drawn, one to a line, as JSON, and as SARIF.
 mod graphical;
 mod json;
 mod sarif;
@@ -6,12 +6,12 @@ mod short;
 
 use stochc_compiler::{Checked, SourceLocation, Sources};
 
-pub use graphical::FindingCounts;
+pub use graphical::DiagnosticCounts;
 pub use json::{CheckDocument, values};
 pub use sarif::SarifLog;
 pub use short::warning_lines;
 
-/// How findings are shown.
+/// Form in which diagnostics are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "command", derive(clap::ValueEnum))]
 pub enum Format {
@@ -25,7 +25,7 @@ pub enum Format {
     Sarif,
 }
 
-/// The findings of a file in a form, ready to print; empty if there is nothing to say in words.
+/// Returns the diagnostics of a file in a form, ready to print.
 pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> String {
     match format {
         Format::Graphical => graphical::show(checked, colour, width),
@@ -44,21 +44,21 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
     }
 }
 
-/// The findings of one file over its text, with how many they are.
+/// Draws the diagnostics of one file over its source, with their number at the end.
 pub fn drawn(checked: &Checked, colour: bool, width: usize) -> String {
-    let mut tally = FindingCounts::default();
+    let mut tally = DiagnosticCounts::default();
     tally.add(checked);
-    graphical::show(checked, colour, width) + &tally.line()
+    graphical::show(checked, colour, width) + &tally.lines()
 }
 
-/// The errors of one file over its text, with how many diagnostics there are.
+/// Draws the errors of one file over its source, with the number of diagnostics at the end.
 pub fn drawn_errors(checked: &Checked, colour: bool, width: usize) -> String {
-    let mut tally = FindingCounts::default();
+    let mut tally = DiagnosticCounts::default();
     tally.add(checked);
-    graphical::show_errors(checked, colour, width) + &tally.line()
+    graphical::show_errors(checked, colour, width) + &tally.lines()
 }
 
-/// Line and column of a byte of a file, both from 1; the column counts characters.
+/// Returns the line and column of a byte of a file. Both count from 1; the column counts characters.
 fn position(sources: &Sources, location: SourceLocation, at: u32) -> (usize, usize) {
     sources.file(location.file).position(at)
 }

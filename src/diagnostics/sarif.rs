@@ -1,11 +1,13 @@
-//! Findings as SARIF 2.1.0, which code review systems show beside the changed lines.
+//! Diagnostics as SARIF 2.1.0. Code review systems show them next to the changed lines.
 //!
-//! The OASIS Standard: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>. The numbers
-//! of sections below are its.
+//! # Source
+//!
+//! [OASIS Standard](https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html). Comments below
+//! give its section numbers.
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
-use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, Label, Severity};
+use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, Label};
 use stochc_compiler::{Allowed, Checked, SourceLocation, Sources, without_dots};
 use stochc_files::address::address;
 
@@ -15,7 +17,7 @@ use super::position;
 const SCHEMA: &str =
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 
-/// The findings of one or more files, as one run of the tool.
+/// The diagnostics of one or more files, as one run of the tool.
 #[derive(Debug)]
 pub struct SarifLog {
     /// The folder that addresses are relative to, with `/` between its parts and at its end.
@@ -39,7 +41,7 @@ impl SarifLog {
         }
     }
 
-    /// Adds what has been found in the file at `path` and those it imports.
+    /// Adds the diagnostics of the file at `path` and of its imports.
     pub fn add(&mut self, path: &str, checked: &Checked) {
         self.complete &= !checked.sources.files().is_empty();
         for diagnostic in &checked.diagnostics {
@@ -48,7 +50,7 @@ impl SarifLog {
         }
         for Allowed { diagnostic, reason } in &checked.allowed {
             let mut result = self.result(path, diagnostic, &checked.sources);
-            // 3.35: a result that is not told of, and why.
+            // 3.35: a suppressed result with its reason.
             let suppression = match reason {
                 Some(reason) => json!({ "kind": "inSource", "justification": reason }),
                 None => json!({ "kind": "external" }),
@@ -103,7 +105,7 @@ impl SarifLog {
         put("ruleId", diagnostic.code.name().into());
         let number = Code::ALL.iter().position(|&code| code == diagnostic.code);
         put("ruleIndex", number.into());
-        put("level", level(diagnostic.severity).into());
+        put("level", diagnostic.severity.name().into());
         put("message", json!({ "text": text }));
         put("locations", json!([place]));
         let others: Vec<Value> = (labels.enumerate())
@@ -156,11 +158,11 @@ impl SarifLog {
                 })
             })
             .collect();
-        // The format has no word for it.
+        // SARIF has no field for the safety of a fix.
         let text = if fix.safe {
             fix.title.clone()
         } else {
-            format!("perhaps {}", fix.title)
+            format!("possible fix: {}", fix.title)
         };
         json!({ "description": { "text": text }, "artifactChanges": changes })
     }
@@ -183,27 +185,19 @@ fn region(sources: &Sources, location: SourceLocation) -> Value {
     })
 }
 
-/// 3.49; all of it is in the page of the code.
+/// 3.49. Its texts come from the page of the code.
 fn rule(code: Code) -> Value {
     let page = code.page();
-    let (title, text) = page.split_once('\n').unwrap_or((page, ""));
-    let short = title.split_once(": ").map_or(title, |(_, meaning)| meaning);
+    let (_, text) = page.split_once('\n').unwrap_or((page, ""));
     let first = text.trim_start().split("\n\n").next().unwrap_or_default();
     let full = first.replace('\n', " ");
     json!({
         "id": code.name(),
-        "shortDescription": { "text": short },
+        "shortDescription": { "text": code.meaning() },
         "fullDescription": { "text": full.trim_end() },
         "help": { "text": page, "markdown": page },
-        "defaultConfiguration": { "level": level(code.severity()) },
+        "defaultConfiguration": { "level": code.severity().name() },
     })
-}
-
-fn level(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-    }
 }
 
 /// The address of a file: relative to `folder` if it is below it or its name is relative already.

@@ -1,5 +1,5 @@
-//! Findings one to a line, for editors and `grep`.
-use stochc_compiler::diagnostic::{Diagnostic, Severity, visible};
+//! Diagnostics in one line each, for editors and `grep`.
+use stochc_compiler::diagnostic::{Diagnostic, visible};
 use stochc_compiler::{Checked, Sources};
 
 use super::position;
@@ -21,10 +21,7 @@ pub fn warning_lines(checked: &Checked) -> String {
 }
 
 fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
-    let severity = match diagnostic.severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-    };
+    let severity = diagnostic.severity.name();
     let place = diagnostic.labels.first().map_or_else(String::new, |label| {
         let (line, column) = position(sources, label.location, label.location.span.start);
         let name = stochc_ir::visible(&sources.file(label.location.file).name);

@@ -1,4 +1,4 @@
-//! docs/reference/diagnostics.md: every finding, with a program that has it and the message as it is drawn.
+//! docs/reference/diagnostics.md: every diagnostic, with a program that has it and its message.
 use std::fmt::Write as _;
 
 use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer, Severity};
@@ -9,25 +9,20 @@ use stochc_grammar::{SyntaxError, SyntaxErrorKind};
 const PAGE: &str = "docs/reference/diagnostics.md";
 
 const HEAD: &str = "\
-# Every finding
+# Diagnostics
 
-Every error and warning of `stochc`, each with a program that causes it and the message. `stochc explain CODE`
-explains one in more detail, and shows a program without it. A program with errors cannot be run; warnings can
+Every error and warning of `stochc`, by topic, with a program that causes it and the message. `stochc explain CODE`
+explains one in more detail and shows a corrected program. A program with errors cannot be run. Warnings can
 be [allowed or denied](language.md#warnings).
 
-If a message says that `stochc check --fix` can change something, the change is safe: it was tried in memory, and the
-program checked again. What it fixes is gone, and nothing new is found that could have been found before. A suggestion
-that begins with *perhaps* has not passed that trial, or is not the only possible meaning; it is for you to decide. A
-program of more than two million bytes and events is not checked again, so all its fixes are suggestions.
+A fix that `stochc check --fix` offers is safe: it was applied in memory and the program was checked again. The fixed
+diagnostic was gone, and no new one appeared. A *possible fix* has not passed this test, or there are others. Programs
+of more than two million bytes and events are not checked again, so all their fixes are possible fixes.
 
-`cargo test --workspace --test compiler fixes` deletes, doubles, swaps or misspells a token of the examples, of the
-programs of this project's tests and of random ones, 20,000 times: `--fix` never adds an error, and a second `--fix`
-finds nothing left to do.
-
-*This page is written by a test, from the pages of `explain` and from what the compiler answers.*
+*This page is generated from the pages of `stochc explain` and from messages of the compiler.*
 ";
 
-/// A program that has a finding.
+/// A program that has a diagnostic.
 struct Sample {
     /// Its files, the first of which is checked.
     files: Vec<(&'static str, Vec<u8>)>,
@@ -228,15 +223,11 @@ fn messages(code: Code, diagnostics: &[Diagnostic], sources: &Sources) -> String
 
 fn gallery() -> String {
     let mut page = HEAD.to_owned();
-    for severity in [Severity::Error, Severity::Warning] {
-        let codes = || Code::ALL.iter().filter(|code| code.severity() == severity);
-        let links: Vec<String> = codes().map(|code| format!("[{code}](#{code})")).collect();
-        let title = match severity {
-            Severity::Error => "Errors",
-            Severity::Warning => "Warnings",
-        };
-        write!(page, "\n## {title}\n\n{}\n", links.join(" · ")).unwrap();
-        for &code in codes() {
+    for (topic, codes) in Code::TOPICS {
+        let links = codes.iter().map(|code| format!("[{code}](#{code})"));
+        let links: Vec<String> = links.collect();
+        write!(page, "\n## {topic}\n\n{}\n", links.join(" · ")).unwrap();
+        for &code in *codes {
             page.push_str(&entry(code));
         }
     }
@@ -244,9 +235,11 @@ fn gallery() -> String {
 }
 
 fn entry(code: Code) -> String {
-    let title = code.page().lines().next().unwrap_or_default();
-    let (_, meaning) = title.split_once(": ").unwrap();
-    let mut text = format!("\n### {code}\n\n*{meaning}*\n");
+    let kind = match code.severity() {
+        Severity::Error => "Error",
+        Severity::Warning => "Warning",
+    };
+    let mut text = format!("\n### {code}\n\n{kind}: {}.\n", code.meaning());
     let messages = match sample(code) {
         Some(sample) => {
             write!(text, "\n```sa\n{}```\n", sample.text()).unwrap();

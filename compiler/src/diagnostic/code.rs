@@ -1,6 +1,6 @@
 use serde::{Serialize, Serializer};
 
-/// How bad a finding is; the worst first.
+/// Severity of a diagnostic, the worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -10,34 +10,48 @@ pub enum Severity {
     Warning,
 }
 
-/// Declares the codes, with their names, severities and pages.
+impl Severity {
+    /// Returns the word that messages begin with.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        }
+    }
+}
+
+/// Declares the codes by topic, with their severities, names and pages.
 macro_rules! codes {
-    ($($severity:ident $variant:ident $name:literal)*) => {
-        /// The kind of a finding.
+    ($($topic:literal { $($severity:ident $variant:ident $name:literal)* })*) => {
+        /// The kind of a diagnostic.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[allow(missing_docs, reason = "every code has a page of its own, printed by `explain`")]
         pub enum Code {
-            $($variant,)*
+            $($($variant,)*)*
         }
 
         impl Code {
-            /// Every code, in the order of the stages that find it.
-            pub const ALL: &'static [Code] = &[$(Code::$variant,)*];
+            /// Every code, by topic.
+            pub const ALL: &'static [Code] = &[$($(Code::$variant,)*)*];
 
-            /// The name that messages show and `stochc explain` takes.
+            /// Every topic with its codes.
+            pub const TOPICS: &'static [(&'static str, &'static [Code])] =
+                &[$(($topic, &[$(Code::$variant,)*]),)*];
+
+            /// Returns the name that messages show and `stochc explain` takes.
             pub const fn name(self) -> &'static str {
-                match self { $(Code::$variant => $name,)* }
+                match self { $($(Code::$variant => $name,)*)* }
             }
 
-            /// How bad it is, unless the file or the command line says otherwise.
+            /// Returns the severity, unless the file or the command line changes it.
             pub const fn severity(self) -> Severity {
-                match self { $(Code::$variant => Severity::$severity,)* }
+                match self { $($(Code::$variant => Severity::$severity,)*)* }
             }
 
-            /// Its page, in Markdown.
+            /// Returns the page of the code, in Markdown.
             pub const fn page(self) -> &'static str {
                 match self {
-                    $(Code::$variant => include_str!(concat!("pages/", $name, ".md")),)*
+                    $($(Code::$variant => include_str!(concat!("pages/", $name, ".md")),)*)*
                 }
             }
         }
@@ -45,98 +59,113 @@ macro_rules! codes {
 }
 
 codes! {
-    Error NotUtf8 "not-utf8"
-    Error FileTooLarge "file-too-large"
-    Error Syntax "syntax"
-    Error UnclosedBrace "unclosed-brace"
-    Error MissingBrace "missing-brace"
-    Error StrayBrace "stray-brace"
-    Error Misplaced "misplaced"
-    Error ReservedWord "reserved-word"
-    Error FaceMisused "face-misused"
-    Error NumberTooLarge "number-too-large"
-    Error TooDeep "too-deep"
-    Error StatementTooLong "statement-too-long"
-    Error MissingReason "missing-reason"
-    Error DanglingDoc "dangling-doc"
-    Error TooManyErrors "too-many-errors"
-
-    Error ImportMissing "import-missing"
-    Error ImportOutside "import-outside"
-    Error ImportCycle "import-cycle"
-
-    Error UnknownName "unknown-name"
-    Error DuplicateName "duplicate-name"
-    Error WrongKind "wrong-kind"
-    Error WrongArguments "wrong-arguments"
-    Error MissingFace "missing-face"
-    Error RangeMisused "range-misused"
-    Error Arithmetic "arithmetic"
-    Error RecursivePattern "recursive-pattern"
-    Error ExpansionLimit "expansion-limit"
-    Error MissingPlate "missing-plate"
-    Error SeedOutsidePlate "seed-outside-plate"
-
-    Error CapturedTwice "captured-twice"
-    Error ReleasedTwice "released-twice"
-    Error ReleasedAbsent "released-absent"
-    Error ReleasedSeed "released-seed"
-    Error AbsentBlock "absent-block"
-    Warning UnusedSeed "unused-seed"
-    Warning RedundantAfter "redundant-after"
-    Warning EmptyPhase "empty-phase"
-
-    Error Cycle "cycle"
-
-    Error EmbeddedFace "embedded-face"
-    Error AnchoringFace "anchoring-face"
-    Error BelowPlate "below-plate"
-    Error OccupiedCell "occupied-cell"
-    Error Adrift "adrift"
-    Error SealedCavity "sealed-cavity"
-    Warning TightApproach "tight-approach"
-    Warning CrowdedCaptures "crowded-captures"
-    Warning ReachUndecided "reach-undecided"
-    Error ShapeMismatch "shape-mismatch"
-    Error ShapeMalformed "shape-malformed"
-
-    Warning UnplannedBond "unplanned-bond"
-    Warning BlockedRelease "blocked-release"
-
-    Error TooFewBlocks "too-few-blocks"
-    Warning TooManyBlocks "too-many-blocks"
-    Error OutsideEnclosure "outside-enclosure"
-    Error CannotAggregate "cannot-aggregate"
-    Warning BuoyantBlocks "buoyant-blocks"
-    Warning NoAgitation "no-agitation"
-    Warning CoarseStep "coarse-step"
-    Warning SoftContact "soft-contact"
-    Warning StokesDrag "stokes-drag"
-    Warning ShortTimeout "short-timeout"
-
-    Error InternalError "internal-error"
-
-    Error UnknownScene "unknown-scene"
-    Error UnknownTerm "unknown-term"
-    Error MissingTerm "missing-term"
-    Error DuplicateTerm "duplicate-term"
-    Error ConflictingTerms "conflicting-terms"
-    Error WrongDimension "wrong-dimension"
-    Error WrongValue "wrong-value"
-
-    Warning UnusedLet "unused-let"
-    Warning UnusedPattern "unused-pattern"
-    Warning UnusedShape "unused-shape"
-    Warning UnusedScene "unused-scene"
-
-    Error UnknownCode "unknown-code"
-    Error FixedLevel "fixed-level"
-    Warning UnusedAllow "unused-allow"
-    Warning TooManyWarnings "too-many-warnings"
+    "Source text" {
+        Error NotUtf8 "not-utf8"
+        Error FileTooLarge "file-too-large"
+        Error Syntax "syntax"
+        Error UnclosedBrace "unclosed-brace"
+        Error MissingBrace "missing-brace"
+        Error StrayBrace "stray-brace"
+        Error Misplaced "misplaced"
+        Error ReservedWord "reserved-word"
+        Error NumberTooLarge "number-too-large"
+        Error TooDeep "too-deep"
+        Error StatementTooLong "statement-too-long"
+        Error DanglingDoc "dangling-doc"
+    }
+    "Imports" {
+        Error ImportMissing "import-missing"
+        Error ImportOutside "import-outside"
+        Error ImportCycle "import-cycle"
+    }
+    "Names, faces and numbers" {
+        Error UnknownName "unknown-name"
+        Error DuplicateName "duplicate-name"
+        Error WrongKind "wrong-kind"
+        Error WrongArguments "wrong-arguments"
+        Error FaceMisused "face-misused"
+        Error MissingFace "missing-face"
+        Error RangeMisused "range-misused"
+        Error Arithmetic "arithmetic"
+        Error RecursivePattern "recursive-pattern"
+        Error ExpansionLimit "expansion-limit"
+        Warning UnusedLet "unused-let"
+        Warning UnusedPattern "unused-pattern"
+    }
+    "Captures, releases and their order" {
+        Error MissingPlate "missing-plate"
+        Error SeedOutsidePlate "seed-outside-plate"
+        Error CapturedTwice "captured-twice"
+        Error ReleasedTwice "released-twice"
+        Error ReleasedAbsent "released-absent"
+        Error ReleasedSeed "released-seed"
+        Error AbsentBlock "absent-block"
+        Error Cycle "cycle"
+        Warning RedundantAfter "redundant-after"
+        Warning EmptyPhase "empty-phase"
+        Warning UnusedSeed "unused-seed"
+        Warning ShortTimeout "short-timeout"
+    }
+    "Cells and access" {
+        Error EmbeddedFace "embedded-face"
+        Error AnchoringFace "anchoring-face"
+        Error BelowPlate "below-plate"
+        Error OccupiedCell "occupied-cell"
+        Error Adrift "adrift"
+        Error SealedCavity "sealed-cavity"
+        Warning TightApproach "tight-approach"
+        Warning CrowdedCaptures "crowded-captures"
+        Warning ReachUndecided "reach-undecided"
+        Warning UnplannedBond "unplanned-bond"
+        Warning BlockedRelease "blocked-release"
+    }
+    "Shapes" {
+        Error ShapeMismatch "shape-mismatch"
+        Error ShapeMalformed "shape-malformed"
+        Warning UnusedShape "unused-shape"
+    }
+    "Scenes" {
+        Error UnknownScene "unknown-scene"
+        Error UnknownTerm "unknown-term"
+        Error MissingTerm "missing-term"
+        Error DuplicateTerm "duplicate-term"
+        Error ConflictingTerms "conflicting-terms"
+        Error WrongDimension "wrong-dimension"
+        Error WrongValue "wrong-value"
+        Warning UnusedScene "unused-scene"
+    }
+    "Programs in their scenes" {
+        Error TooFewBlocks "too-few-blocks"
+        Warning TooManyBlocks "too-many-blocks"
+        Error OutsideEnclosure "outside-enclosure"
+        Error CannotAggregate "cannot-aggregate"
+        Warning BuoyantBlocks "buoyant-blocks"
+        Warning NoAgitation "no-agitation"
+        Warning CoarseStep "coarse-step"
+        Warning SoftContact "soft-contact"
+        Warning StokesDrag "stokes-drag"
+    }
+    "Levels of warnings" {
+        Error UnknownCode "unknown-code"
+        Error MissingReason "missing-reason"
+        Error FixedLevel "fixed-level"
+        Warning UnusedAllow "unused-allow"
+    }
+    "The compiler" {
+        Error TooManyErrors "too-many-errors"
+        Warning TooManyWarnings "too-many-warnings"
+        Error InternalError "internal-error"
+    }
 }
 
 impl Code {
-    /// Whether it is about how a scene is simulated. Runs with other steps may not have it.
+    /// Returns what the code means, in one line: the title of its page without the name.
+    pub fn meaning(self) -> &'static str {
+        let title = self.page().lines().next().unwrap_or_default();
+        title.split_once(": ").map_or(title, |(_, meaning)| meaning)
+    }
+
+    /// Whether it depends on the steps of a run. Runs with other steps may not have it.
     pub fn is_of_runs(self) -> bool {
         matches!(
             self,
@@ -148,7 +177,7 @@ impl Code {
         )
     }
 
-    /// Whether it is about text that the program would do as well without.
+    /// Whether it is about source that has no effect.
     pub fn is_unnecessary(self) -> bool {
         matches!(
             self,
@@ -163,14 +192,14 @@ impl Code {
         )
     }
 
-    /// The name most like one that no code has, if one is near enough.
+    /// Returns the name of a code that is closest to an unknown name, if one is close enough.
     pub fn nearest(name: &str) -> Option<&'static str> {
         let known = Code::ALL.iter().map(|code| code.name());
         stochc_ir::suggest::nearest(name, known)
             .and_then(|meant| Code::from_name(&meant.word).map(Code::name))
     }
 
-    /// The code with a name.
+    /// Returns the code with a name.
     pub fn from_name(name: &str) -> Option<Code> {
         Code::ALL.iter().copied().find(|code| code.name() == name)
     }

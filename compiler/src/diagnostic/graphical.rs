@@ -1,4 +1,4 @@
-//! Findings as pictures of the text, by miette.
+//! Diagnostics as pictures of the source, drawn by miette.
 use miette::{
     Diagnostic as MietteDiagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan,
     MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
@@ -8,42 +8,56 @@ use stochc_ir::visible_lines;
 use super::{Diagnostic, Label, Severity};
 use crate::{FileId, SourceFile, Sources};
 
-/// Draws findings over the text they speak of.
+/// Draws diagnostics over the source.
 pub struct Renderer {
-    handler: GraphicalReportHandler,
+    theme: GraphicalTheme,
+    width: usize,
 }
 
 impl Renderer {
-    /// With colours for a terminal, or in plain text for files and tests; `width` in columns.
+    /// Draws with colours for a terminal, or in plain text. `width` is in columns.
     pub fn new(colour: bool, width: usize) -> Renderer {
         let theme = if colour {
             GraphicalTheme::unicode()
         } else {
             GraphicalTheme::unicode_nocolor()
         };
-        let handler = GraphicalReportHandler::new_themed(theme)
-            .with_width(width)
-            .with_links(false);
-        Renderer { handler }
+        Renderer { theme, width }
     }
 
-    /// One finding, ending in a newline.
+    /// Returns the picture of a diagnostic. Its first line is `error[code]: title`.
     pub fn render(&self, diagnostic: &Diagnostic, sources: &Sources) -> String {
+        // miette writes the header on two lines. Its icon can be any text, so the icon becomes the
+        // severity and code.
+        let mut theme = self.theme.clone();
+        theme.characters.error = format!("error[{}]:", diagnostic.code);
+        theme.characters.warning = format!("warning[{}]:", diagnostic.code);
+        theme.characters.advice = "also".to_owned();
+        let handler = GraphicalReportHandler::new_themed(theme)
+            .with_width(self.width)
+            .with_links(false);
         let mut out = String::new();
         for picture in Picture::new(diagnostic, sources) {
-            // Writing to a string cannot fail; a span that cannot be shown leaves the title.
-            if self.handler.render_report(&mut out, &picture).is_err() {
-                return format!("{}: {}\n", diagnostic.code, diagnostic.message());
+            let mut drawn = String::new();
+            // Writing to a string cannot fail. A span that cannot be shown leaves the title.
+            if handler.render_report(&mut drawn, &picture).is_err() {
+                return header_line(diagnostic);
             }
+            out.push_str(drawn.trim_start());
         }
         out
     }
 }
 
-/// A finding, or the part of it that lies in one file.
+/// Returns `error[code]: title`, ending in a newline.
+fn header_line(diagnostic: &Diagnostic) -> String {
+    let (severity, code) = (diagnostic.severity.name(), diagnostic.code);
+    format!("{severity}[{code}]: {}\n", visible(&diagnostic.message()))
+}
+
+/// A diagnostic, or the part of it that lies in one file.
 #[derive(Debug)]
 struct Picture<'a> {
-    code: Option<&'static str>,
     severity: miette::Severity,
     title: String,
     help: Option<String>,
@@ -52,8 +66,8 @@ struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// The finding in the file that it is of, and then what it points at in others.
-    fn new(diagnostic: &'a Diagnostic, sources: &'a Sources) -> impl Iterator<Item = Picture<'a>> {
+    /// Returns one picture for each file with labels. The last one has the help.
+    fn new(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Vec<Picture<'a>> {
         let home = diagnostic.labels.first().map(|label| label.location.file);
         let mut elsewhere: Vec<FileId> = (diagnostic.labels.iter())
             .map(|label| label.location.file)
@@ -69,29 +83,31 @@ impl<'a> Picture<'a> {
             of_file.map(labeled).collect()
         };
         let first = Picture {
-            code: Some(diagnostic.code.name()),
             severity: match diagnostic.severity {
                 Severity::Error => miette::Severity::Error,
                 Severity::Warning => miette::Severity::Warning,
             },
             title: visible(&diagnostic.message()),
-            help: advice(diagnostic).as_deref().map(visible),
+            help: None,
             excerpt: home.map(|file| Excerpt(sources.file(file))),
             labels: home.map(part).unwrap_or_default(),
         };
         let others = elsewhere.into_iter().map(move |file| Picture {
-            code: None,
             severity: miette::Severity::Advice,
             title: format!("in {}", stochc_ir::visible(&sources.file(file).name)),
             help: None,
             excerpt: Some(Excerpt(sources.file(file))),
             labels: part(file),
         });
-        std::iter::once(first).chain(others)
+        let mut pictures: Vec<Picture<'a>> = std::iter::once(first).chain(others).collect();
+        if let Some(last) = pictures.last_mut() {
+            last.help = advice(diagnostic).as_deref().map(visible);
+        }
+        pictures
     }
 }
 
-/// The help, and the change that would fix it if the help does not say so.
+/// Returns the help, followed by the fix if the help does not contain it.
 fn advice(diagnostic: &Diagnostic) -> Option<String> {
     let help = diagnostic.help.as_deref();
     let Some(fix) = &diagnostic.fix else {
@@ -102,7 +118,7 @@ fn advice(diagnostic: &Diagnostic) -> Option<String> {
         _ => "",
     };
     let says = |text: &str| !text.is_empty() && text.contains(new) && !new.is_empty();
-    // What may be taken away has been spoken of.
+    // The help already says what can be removed.
     let told = !fix.safe && new.is_empty() && help.is_some();
     if told || help.is_some_and(says) {
         return help.map(str::to_owned);
@@ -110,7 +126,7 @@ fn advice(diagnostic: &Diagnostic) -> Option<String> {
     let mut line = if fix.safe {
         format!("`stochc check --fix` can {}", fix.title)
     } else {
-        format!("perhaps {}", fix.title)
+        format!("possible fix: {}", fix.title)
     };
     if !new.is_empty() && !says(&fix.title) {
         line.push_str(&format!(": `{new}`"));
@@ -127,9 +143,9 @@ fn labeled(label: &Label) -> LabeledSpan {
     LabeledSpan::new(Some(text), span.start as usize, span.len())
 }
 
-/// Keeps what is invisible from acting on the terminal, and words of any length from filling it.
+/// Returns text without control characters and without words that fill the terminal.
 pub fn visible(text: &str) -> String {
-    /// Characters of a word that are shown.
+    /// Largest number of characters of a word that is shown.
     const LONGEST: usize = 100;
     let mut out = String::with_capacity(text.len().min(1 << 10));
     let mut length = 0;
@@ -153,10 +169,6 @@ impl std::fmt::Display for Picture<'_> {
 impl std::error::Error for Picture<'_> {}
 
 impl MietteDiagnostic for Picture<'_> {
-    fn code<'b>(&'b self) -> Option<Box<dyn std::fmt::Display + 'b>> {
-        self.code.map(|code| Box::new(code) as Box<_>)
-    }
-
     fn severity(&self) -> Option<miette::Severity> {
         Some(self.severity)
     }
@@ -174,7 +186,7 @@ impl MietteDiagnostic for Picture<'_> {
     }
 }
 
-/// A file that finds its lines by its index, and cuts the long ones.
+/// A file whose lines are found by its index. Long lines are cut.
 #[derive(Debug)]
 struct Excerpt<'a>(&'a SourceFile);
 
@@ -185,11 +197,11 @@ impl SourceCode for Excerpt<'_> {
         before: usize,
         after: usize,
     ) -> Result<Box<dyn SpanContents<'b> + 'b>, MietteError> {
-        /// Bytes around the span that are shown of a long line.
+        /// Number of bytes around the span that are shown of a long line.
         const MARGIN: usize = 60;
-        /// Bytes before or behind a span from which on they are cut.
+        /// Largest number of bytes before or after a span. Longer text is cut.
         const LONG: usize = 800;
-        /// Bytes of a span that are shown.
+        /// Largest number of bytes of a span that are shown.
         const LONGEST: usize = 4000;
         let file = self.0;
         let text = file.shown();
@@ -202,7 +214,7 @@ impl SourceCode for Excerpt<'_> {
         // The span may end with its line's newline.
         let line_end = file.line_range(last).1.max(to);
         let mut start = line_start;
-        // Asked for no more than the span, miette wants to know where it begins.
+        // miette asks for the span without context to find out where it begins.
         if before == 0 {
             start = from;
         } else if from - start > LONG {
@@ -219,7 +231,7 @@ impl SourceCode for Excerpt<'_> {
             end += 1;
         }
         let line = file.line_of(start as u32);
-        // As all other forms tell it, in characters.
+        // Columns count characters, as in all other forms.
         let column = file.position(start as u32).1 - 1;
         Ok(Box::new(MietteSpanContents::new_named(
             stochc_ir::visible(&file.name),

@@ -19,7 +19,7 @@ use super::imports::ImportOptions;
 use super::levels::LevelOptions;
 use super::run_options::{JsonOption, count};
 use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
-use crate::diagnostics::{CheckDocument, FindingCounts, Format, SarifLog, show};
+use crate::diagnostics::{CheckDocument, DiagnosticCounts, Format, SarifLog, show};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::{cannot_read, is_readable, verdict};
 use crate::operations::rates::{UnusedRates, of_files};
@@ -89,7 +89,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     let mut document = CheckDocument::default();
     document.scenes = options.physics.then(Vec::new);
     let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
-    let mut tally = FindingCounts::default();
+    let mut tally = DiagnosticCounts::default();
     let (files, unread) = readable(&options.files);
     let are_many = files.len() + usize::from(unread) > 1;
     if unread {
@@ -168,7 +168,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     match options.format() {
         Format::Json => print(&document.text())?,
         Format::Sarif => print(&log.document())?,
-        Format::Graphical => warn(&tally.line()),
+        Format::Graphical => warn(&tally.lines()),
         Format::Short => {}
     }
     Ok(exit)
