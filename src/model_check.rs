@@ -23,8 +23,8 @@ const BOUNDS: ExplorationBounds = ExplorationBounds {
 };
 
 /// What a violation means, and what to do.
-pub const MISTAKE: &str = "the program is right and its tables are not, which is a mistake of the compiler; please report it \
-                           with the program";
+pub const MISTAKE: &str =
+    "this is a bug in stochc, not in your program; please report it with the program";
 
 /// Explores the tables of small programs in a file without errors. Where some order goes wrong, that is a
 /// finding, and there are no tables.
@@ -52,7 +52,7 @@ fn fault(program: &Program) -> Option<Diagnostic> {
     let found = report.violation()?;
     let Violation { what, trace, .. } = shortest(&exploration, found);
     let name = &tables.assembly;
-    let title = format!("the event tables of `{name}` go wrong in some order of events");
+    let title = format!("the compiled tables of `{name}` fail in one order of events");
     let mut help = format!("{MISTAKE}\n");
     for (number, line) in trace.iter().enumerate() {
         // Writing to a string cannot fail.

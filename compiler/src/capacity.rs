@@ -17,7 +17,7 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
         let (said, what) = match &scene.bond {
             Some(bond) => (
                 format!("has `bond {}`", bond.kind().name()),
-                "not free ones",
+                "free blocks do not attract",
             ),
             None => ("has no `bond`".to_owned(), "nothing bonds"),
         };
@@ -25,15 +25,15 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
             Diagnostic::new(
                 Code::CannotAggregate,
                 format!(
-                    "free blocks do not bond to each other in the scene `{}`",
-                    scene.name
+                    "aggregate `{}` cannot form: free blocks do not bond in scene `{}`",
+                    plan.name, scene.name
                 ),
             )
             .label(plan.location, format!("the scene {said}: {what}"))
-            .help(
-                "name a scene with `bond reject`, where every face always attracts, such as \
-                 `in magnet_tank`",
-            ),
+            .help(format!(
+                "use a scene with `bond reject`: `aggregate {} in magnet_tank`",
+                plan.name
+            )),
         );
     }
     let free = scene.free.count;
@@ -45,16 +45,15 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
             Diagnostic::new(
                 Code::TooFewBlocks,
                 format!(
-                    "the aggregate needs {}, the scene has {free}",
-                    counted(size as usize, "free block")
+                    "aggregate `{}` needs {}, but scene `{}` has {free}",
+                    plan.name,
+                    counted(size as usize, "free block"),
+                    scene.name
                 ),
             )
-            .label(
-                phase.location,
-                format!("more than the {free} of `{}`", scene.name),
-            )
+            .label(phase.location, "this size can never be reached")
             .help(format!(
-                "a scene with `free {size}` or more, or a smaller aggregate"
+                "write `free {size} uniform` in the scene, or choose a smaller size"
             )),
         );
     }
@@ -66,18 +65,17 @@ pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagn
         return;
     };
     let help = match error {
-        NoRoom::DoesNotFit { .. } => "a scene with fewer blocks, or a larger radius",
-        NoRoom::OnRing { .. } => "a scene with fewer blocks, or another radius of the circle",
-        NoRoom::NoEnclosure { .. } => "a scene with an `enclosure`",
+        NoRoom::DoesNotFit { .. } => {
+            "write fewer `free` blocks, or a larger `radius` of the enclosure"
+        }
+        NoRoom::OnRing { .. } => "write fewer `free` blocks, or another radius of the circle",
+        NoRoom::NoEnclosure { .. } => "add an `enclosure` to the scene",
     };
     diagnostics.push(
         Diagnostic::new(Code::TooManyBlocks, error.to_string())
             .label(
                 plan.location,
-                format!(
-                    "in the scene `{}`, which cannot be simulated with physics",
-                    scene.name
-                ),
+                format!("scene `{}` cannot be simulated with physics", scene.name),
             )
             .help(help),
     );
@@ -102,20 +100,20 @@ pub fn check(
         (Some((&size, phase)), _) if size > free => Some((
             size,
             phase.location,
-            format!("anchored at the end of this phase: {size}"),
-            "a smaller structure",
+            format!("{} attached at the end of this phase", are(size)),
+            "build a smaller structure",
         )),
         (_, Some((order, certain))) => {
             let found = first_beyond(plan, layout, certain, order, free, cancellation)?;
             found.map(|(event, size)| {
                 let event = plan.event(event);
                 let when = match event.kind {
-                    EventKind::Capture { .. } => "once this block docks",
-                    EventKind::Release => "before this block may be let go",
+                    EventKind::Capture { .. } => "after this capture",
+                    EventKind::Release => "before this release",
                 };
-                let label = format!("anchored {when}: at least {size}");
+                let label = format!("at least {} attached {when}", are(size));
                 let location = event.location;
-                (size, location, label, "releases that come sooner")
+                (size, location, label, "release blocks earlier")
             })
         }
         _ => None,
@@ -125,16 +123,23 @@ pub fn check(
         diagnostics.push(
             Diagnostic::new(
                 Code::TooFewBlocks,
-                format!("the structure needs {needed} at once, the scene has {free}"),
+                format!(
+                    "`{}` needs {needed} at once, but scene `{}` has {free}",
+                    plan.name, scene.name
+                ),
             )
             .label(location, label)
-            .help(format!(
-                "a scene with `free {size} uniform` or more, or {or}"
-            )),
+            .help(format!("write `free {size} uniform` in the scene, or {or}")),
         );
     }
     check_terms(plan, layout, scene, diagnostics);
     Ok(())
+}
+
+/// Returns `1 block is` or `3 blocks are`.
+fn are(size: u32) -> String {
+    let verb = if size == 1 { "is" } else { "are" };
+    format!("{} {verb}", counted(size as usize, "block"))
 }
 
 /// Whether the scene can bond blocks, and has the structure inside of its enclosure.
@@ -147,11 +152,11 @@ fn check_terms(
     let captures =
         |event: &&crate::plan::PlanEvent| matches!(event.kind, EventKind::Capture { .. });
     if let (None, Some(first)) = (&scene.bond, plan.events.iter().find(captures)) {
-        let title = format!("the scene `{}` has no `bond`", scene.name);
+        let title = format!("scene `{}` has no `bond`", scene.name);
         diagnostics.push(
             Diagnostic::new(Code::MissingTerm, title)
-                .label(first.location, "nothing can be captured in it")
-                .help("add a clause such as `bond attract { pull 15 N within 20cm  anchor centres 1mm }`"),
+                .label(first.location, "no block can be captured")
+                .help("add it to the scene: `bond attract { pull 15 N within 20cm  anchor centres 1mm }`"),
         );
     }
     let Some(enclosure) = &scene.enclosure else {
@@ -178,15 +183,15 @@ fn check_terms(
         diagnostics.push(
             Diagnostic::new(
                 Code::OutsideEnclosure,
-                "the structure grows out of the enclosure",
+                format!("`{}` leaves the enclosure of scene `{}`", plan.name, scene.name),
             )
             .label(
                 event.location,
                 format!(
-                    "the block at {cell} reaches {reached} m from the centre, beyond {limit} m"
+                    "the block at {cell} reaches {reached} m from the centre, the radius is {limit} m"
                 ),
             )
-            .help("a scene with a larger radius, or a smaller structure"),
+            .help("write a larger `radius` in the scene, or build a smaller structure"),
         );
     }
 }
@@ -205,13 +210,13 @@ fn plate_outside(plan: &ProgramPlan, enclosure: &Enclosure, side: f64) -> Option
     let corner = f64::from(width).hypot(f64::from(depth)) / 2.0 * side;
     let radius = enclosure.radius();
     (corner > radius).then(|| {
-        let title = "the plate is larger than the enclosure";
+        let title = format!("the plate of `{}` is larger than the enclosure", plan.name);
         let (corner, radius) = distinct(corner, radius);
         let label = format!(
-            "the corners of its {width} x {depth} plate are {corner} m from the centre, beyond {radius} m"
+            "the corners of the {width} x {depth} plate are {corner} m from the centre, the radius is {radius} m"
         );
         Diagnostic::new(Code::OutsideEnclosure, title)
             .label(plan.location, label)
-            .help("a scene with a larger radius, or a smaller plate")
+            .help("write a larger `radius` in the scene, or a smaller plate")
     })
 }

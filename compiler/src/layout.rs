@@ -70,10 +70,13 @@ pub fn lay_out(
         if let Some(first) = taken.insert(seed.cell, seed.role) {
             let first = plan.seeds[first.0 as usize];
             diagnostics.push(
-                Diagnostic::new(Code::OccupiedCell, format!("two seeds at {}", seed.cell))
-                    .label(seed.location, "second seed")
-                    .label(first.location, "first seed")
-                    .help("move one of them to a free place of the plate"),
+                Diagnostic::new(
+                    Code::OccupiedCell,
+                    format!("two seeds at ({}, {})", seed.cell.x, seed.cell.y),
+                )
+                .label(seed.location, "second seed")
+                .label(first.location, "first seed")
+                .help("move one of them to a free position of the plate"),
             );
         }
         seats[seed.role.0 as usize] = Some(seat);
@@ -224,12 +227,13 @@ impl LayoutBuilder<'_> {
             let name = self.plan.roles.name(event.role, self.symbols);
             self.reject(
                 id,
-                Diagnostic::new(
+                Diagnostic::about(
                     Code::BelowPlate,
-                    format!("`{name}` would be inside the ground"),
+                    "`{}` would be inside the ground",
+                    &[&name],
                 )
-                .label(event.location, format!("its cell is {cell}"))
-                .help("the plate is the layer z = 0; blocks grow from z = 1 upwards"),
+                .label(event.location, format!("it takes cell {cell}"))
+                .help("capture it higher: the plate is layer z = 0, and blocks start at z = 1"),
             );
             return;
         }
@@ -274,14 +278,13 @@ impl LayoutBuilder<'_> {
             None if face != Face::Up => {
                 self.reject(
                     id,
-                    Diagnostic::new(
+                    Diagnostic::about(
                         Code::EmbeddedFace,
-                        format!("`{name}.{face}` is inside the plate"),
+                        "`{}` is inside the plate",
+                        &[&format!("{name}.{face}")],
                     )
                     .label(event.location, "no block can reach this face")
-                    .help(format!(
-                        "a seed captures through its upper face: `{name}.up`"
-                    ))
+                    .help(format!("seeds capture with `up` only: `{name}.up`"))
                     .fix_if(self.other_face(
                         event.location,
                         &name,
@@ -296,16 +299,14 @@ impl LayoutBuilder<'_> {
                 let parent = self.plan.roles.name(on.parent, self.symbols);
                 self.reject(
                     id,
-                    Diagnostic::new(
+                    Diagnostic::about(
                         Code::AnchoringFace,
-                        format!("`{name}.{face}` is already attached to `{parent}`"),
+                        "`{}` is already attached to `{}`",
+                        &[&format!("{name}.{face}"), &parent],
                     )
                     .label(event.location, "used here")
                     .label(capture, "attached here")
-                    .help(format!(
-                        "capture through another face of `{name}`, such as `{name}.{}`",
-                        on.face
-                    ))
+                    .help(format!("use another face, such as `{name}.{}`", on.face))
                     .fix_if(self.other_face(
                         event.location,
                         &name,
@@ -343,12 +344,13 @@ impl LayoutBuilder<'_> {
         let event = self.plan.event(id);
         let name = self.plan.roles.name(event.role, self.symbols);
         let first = self.plan.roles.name(first, self.symbols);
-        let title = format!("`{first}` and `{name}` both take cell {cell}");
-        Diagnostic::new(Code::OccupiedCell, title)
+        let cell = cell.to_string();
+        let format = "`{}` and `{}` both take cell {}";
+        Diagnostic::about(Code::OccupiedCell, format, &[&first, &name, &cell])
             .label(event.location, format!("`{name}` would be here too"))
             .label(location, format!("`{first}` is here"))
             .help(format!(
-                "capture `{name}` through another face, or release `{first}` in a phase before it"
+                "capture `{name}` through another face, or release `{first}` in an earlier phase"
             ))
     }
 
@@ -357,9 +359,10 @@ impl LayoutBuilder<'_> {
         let event = self.plan.event(id);
         let name = self.plan.roles.name(event.role, self.symbols);
         let first = self.plan.roles.name(first, self.symbols);
-        let title = format!("`{first}` and `{name}` both take cell {cell}");
-        let diagnostic = Diagnostic::new(Code::OccupiedCell, title)
-            .label(event.location, "captures both blocks");
+        let cell = cell.to_string();
+        let format = "`{}` and `{}` both take cell {}";
+        let diagnostic = Diagnostic::about(Code::OccupiedCell, format, &[&first, &name, &cell])
+            .label(event.location, "this statement captures both");
         match row_hint(self.sources, event.location) {
             Some((row, fix)) => {
                 let help = format!("write a row of blocks instead of the loop: `{row}`");
@@ -410,12 +413,12 @@ impl LayoutBuilder<'_> {
                     let child = self.plan.roles.name(child.role, self.symbols);
                     let help = match (is_new, is_reused) {
                         (false, _) => {
-                            format!("release `{child}` as well, in this phase or before it")
+                            format!("release `{child}` too, in this phase or earlier")
                         }
-                        (true, false) => format!("release `{child}` as well, in this phase"),
+                        (true, false) => format!("release `{child}` too, in this phase"),
                         (true, true) => format!(
-                            "the `{child}` that this phase releases is an earlier one: release `{name}` in a later phase, \
-                             together with the new `{child}`"
+                            "release `{name}` in a later phase, together with the new `{child}`: this phase releases an \
+                             earlier `{child}`"
                         ),
                     };
                     let location = self.plan.event(capture).location;
@@ -423,14 +426,15 @@ impl LayoutBuilder<'_> {
                     let written = written.filter(|&it| it == event.location && !is_reused);
                     let both = format!("{child}, {name}");
                     let fix = written.map(|location| {
-                        Fix::replace(location, &both, format!("release `{child}` as well"))
+                        Fix::replace(location, &both, format!("release `{child}` too"))
                             .unsafe_if(true)
                     });
                     self.reject(
                         id,
-                        Diagnostic::new(
+                        Diagnostic::about(
                             Code::Adrift,
-                            format!("releasing `{name}` sets `{child}` adrift"),
+                            "releasing `{}` would set `{}` adrift",
+                            &[&name, &child],
                         )
                         .label(event.location, format!("`{name}` is released"))
                         .label(location, format!("`{child}` is attached to `{name}`"))

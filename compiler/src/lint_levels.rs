@@ -301,10 +301,10 @@ impl FileLevels {
 
 impl Set {
     fn unused(&self, sources: &Sources) -> Diagnostic {
-        let title = format!("there is no `{}` here to allow", self.code);
+        let title = format!("`allow {}` has no effect", self.code);
         let mut diagnostic = Diagnostic::new(Code::UnusedAllow, title)
-            .label(self.location, "allows nothing")
-            .help("remove it, or look whether it stands in the right block");
+            .label(self.location, "this warning does not occur in the block")
+            .help("remove it, or move it to the block with the warning");
         // The comments of a removed statement would belong to nothing.
         if !self.documented {
             diagnostic.fix = Some(Fix::remove(
@@ -330,13 +330,13 @@ fn code(
         span: statement.code.span,
     };
     let Some(code) = Code::from_name(word) else {
-        let title = format!("no finding has the code `{word}`");
+        let title = format!("`{word}` is not a code of a warning or error");
         let meant = nearest(word, Code::ALL.iter().map(|code| code.name()));
         return Err(Box::new(
             Diagnostic::new(Code::UnknownCode, title)
-                .label(location, "not known")
+                .label(location, "unknown code")
                 .suggest(location, meant, || {
-                    "`stochc explain` lists all codes".to_owned()
+                    "run `stochc explain` for a list of all codes".to_owned()
                 }),
         ));
     };
@@ -345,16 +345,16 @@ fn code(
     }
     let (title, help) = match statement.verdict {
         LintDirectiveKind::Allow => (
-            format!("`{word}` makes a program wrong and cannot be allowed"),
-            format!("mend what `{word}` is about; only warnings can be allowed"),
+            format!("`{word}` is an error and cannot be allowed"),
+            "fix the error; only warnings can be allowed".to_owned(),
         ),
         LintDirectiveKind::Deny => (
-            format!("`{word}` is an error already"),
-            "remove the `deny`; only warnings need one".to_owned(),
+            format!("`{word}` is an error and cannot be denied"),
+            "remove the `deny`: an error needs none".to_owned(),
         ),
     };
     let mut diagnostic = Diagnostic::new(Code::FixedLevel, title)
-        .label(location, "an error")
+        .label(location, "code of an error")
         .help(help);
     if statement.verdict == LintDirectiveKind::Deny {
         let title = format!("remove the `{verdict}`");

@@ -190,12 +190,17 @@ impl Checker<'_> {
             }
             if !used && !self.is_doubtful_word(key.word) {
                 let name = self.plan.roles.name(seed.role, self.symbols);
-                let mut diagnostic =
-                    Diagnostic::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
-                        .label(seed.location, "captures nothing")
-                        .help(if self.attracts {
-                            "it attracts blocks all the same: leave it out only if the plate is to attract nothing there"
-                        } else { "leave it out: the plate is there without it" });
+                let mut diagnostic = Diagnostic::about(
+                    Code::UnusedSeed,
+                    "seed `{}` is never used",
+                    &[&name],
+                )
+                .label(seed.location, "this seed captures nothing")
+                .help(if self.attracts {
+                    "let it capture a block; without its name, the plate attracts no blocks there"
+                } else {
+                    "let it capture a block, or remove its name: the plate stays the same"
+                });
                 // A statement in a loop stands for several seeds, of which others may be used.
                 let alone = named(self.sources, seed.location, &name);
                 let is_idle = alone.is_some() && !self.attracts;
@@ -296,7 +301,7 @@ impl Checker<'_> {
                 };
                 let parent_state = *self.state(parent, stamp);
                 if parent_state.holder.is_none() && parent_state.captured.is_none() {
-                    return self.absent(id, parent, parent_state, "it cannot capture");
+                    return self.absent(id, parent, parent_state);
                 }
                 EventContext {
                     anchored_by: parent_state.captured,
@@ -305,7 +310,7 @@ impl Checker<'_> {
             }
             EventKind::Release => {
                 if state.holder.is_none() && state.captured.is_none() {
-                    return self.absent(id, event.role, state, "it cannot be released");
+                    return self.absent(id, event.role, state);
                 }
                 let anchored_by = match state.holder {
                     Some(_) => None,
@@ -338,40 +343,42 @@ impl Checker<'_> {
         }
         let name = self.plan.roles.name(after.role, self.symbols);
         let diagnostic = if after.release {
-            Diagnostic::new(
+            Diagnostic::about(
                 Code::AbsentBlock,
-                format!("`{name}` is not released in this phase"),
+                "`{}` is not released in this phase",
+                &[&name],
             )
-            .label(after.location, "would be waited for in vain")
-            .help("release it in the same phase, or drop it from the list")
+            .label(after.location, "this release never happens")
+            .help(format!(
+                "release `{name}` in this phase, or remove it from the `after`"
+            ))
         } else if state.holder.is_some() {
             if is_full(self.diagnostics, Severity::Warning) {
                 return;
             }
-            let mut diagnostic = Diagnostic::new(
-                Code::RedundantAfter,
-                format!("`{name}` is part of the structure before this phase begins"),
-            )
-            .label(after.location, "nothing to wait for");
+            let format = "`{}` is attached before this phase starts";
+            let mut diagnostic = Diagnostic::about(Code::RedundantAfter, format, &[&name])
+                .label(after.location, "this `after` waits for nothing");
             // A release cannot wait for itself.
             let is_let_go = state.released.is_some_and(|event| event != after.event);
             if is_let_go {
-                diagnostic =
-                    diagnostic.help(format!("to wait until it has gone: `after release {name}`"));
+                diagnostic = diagnostic.help(format!(
+                    "write `after release {name}` to wait until it is gone"
+                ));
             }
             // The text must speak of this block alone: in a loop or a pattern, others may be meant.
             if named(self.sources, after.location, &name) == Some(after.location) {
                 let drop =
-                    |location| Fix::remove(location, format!("drop `{name}` from the `after`"));
+                    |location| Fix::remove(location, format!("remove `{name}` from the `after`"));
                 let fix = entry(self.sources, after.location, "after").map(drop);
                 diagnostic.fix = fix.map(|fix| fix.unsafe_if(is_let_go));
             }
             diagnostic
         } else {
-            let title = format!("`{name}` is not captured in this phase");
-            let diagnostic = Diagnostic::new(Code::AbsentBlock, title)
-                .label(after.location, "would be waited for in vain");
-            let help = format!("capture `{name}` in this phase, or drop it from the `after`");
+            let format = "`{}` is not captured in this phase";
+            let diagnostic = Diagnostic::about(Code::AbsentBlock, format, &[&name])
+                .label(after.location, "this capture never happens");
+            let help = format!("capture `{name}` in this phase, or remove it from the `after`");
             match self.unknown(after.role, after.location, state, diagnostic, help) {
                 Some(diagnostic) => diagnostic,
                 None => return,
@@ -423,35 +430,37 @@ impl Checker<'_> {
             Earlier::Captured(first) | Earlier::Attached(first) => self.plan.event(first).location,
         };
         let phase = self.plan.phase_name(id);
-        let (title, labels) = match earlier {
+        let about =
+            |format, subjects: &[&str]| Diagnostic::about(Code::CapturedTwice, format, subjects);
+        let (diagnostic, labels) = match earlier {
             Earlier::Seeded(_) => (
-                format!("`{name}` is a seed and cannot be captured"),
+                about("`{}` is a seed and cannot be captured", &[&name]),
                 ["captured here", "declared as a seed"],
             ),
             Earlier::Captured(_) => (
-                format!("`{name}` is captured twice in phase `{phase}`"),
+                about("`{}` is captured twice in phase `{}`", &[&name, phase]),
                 ["second capture", "first capture"],
             ),
             Earlier::Attached(_) => (
-                format!("`{name}` is captured while it is attached"),
-                ["captured again", "attached here and never released"],
+                about("`{}` is captured again while it is attached", &[&name]),
+                ["second capture", "first capture, never released"],
             ),
         };
         let written = last_named(self.sources, event.location, &name);
         let new = self.unused_name(event.role);
         let rename = written.filter(|_| event.location != other).zip(new);
         let mut help = match &rename {
-            Some((_, new)) => format!("give this block another name, such as `{new}`"),
+            Some((_, new)) => format!("give the new block another name, such as `{new}`"),
             None if event.location == other => {
-                "give each block a name, with the counter of the loop as its index: `A[i]`"
+                "give each block its own name, with the counter of the loop as index: `A[i]`"
                     .to_owned()
             }
-            None => "give this block another name".to_owned(),
+            None => "give the new block another name".to_owned(),
         };
         if matches!(earlier, Earlier::Attached(_)) {
-            help += &format!(", or release `{name}` before");
+            help += &format!(", or release `{name}` first");
         }
-        let mut diagnostic = Diagnostic::new(Code::CapturedTwice, title)
+        let mut diagnostic = diagnostic
             .label(event.location, labels[0])
             .label(other, labels[1])
             .help(help);
@@ -482,8 +491,8 @@ impl Checker<'_> {
         let event = self.plan.event(id);
         let name = self.plan.roles.name(event.role, self.symbols);
         let phase = self.plan.phase_name(id);
-        let title = format!("`{name}` is released twice in phase `{phase}`");
-        let mut diagnostic = Diagnostic::new(Code::ReleasedTwice, title)
+        let format = "`{}` is released twice in phase `{}`";
+        let mut diagnostic = Diagnostic::about(Code::ReleasedTwice, format, &[&name, phase])
             .label(event.location, "second release")
             .label(self.plan.event(first).location, "first release")
             .help(format!("remove the second release of `{name}`"));
@@ -497,9 +506,9 @@ impl Checker<'_> {
             return;
         }
         let name = self.plan.roles.name(role, self.symbols);
-        let title = format!("`{name}` is a seed and cannot be released");
+        let format = "`{}` is a seed and cannot be released";
         let location = self.plan.event(id).location;
-        let mut diagnostic = Diagnostic::new(Code::ReleasedSeed, title)
+        let mut diagnostic = Diagnostic::about(Code::ReleasedSeed, format, &[&name])
             .label(location, "released here")
             .label(
                 self.plan.seeds[role.0 as usize].location,
@@ -518,8 +527,8 @@ impl Checker<'_> {
         Some(Fix::remove(removed, title).unsafe_if(true))
     }
 
-    /// A block that would have to be there, and is not.
-    fn absent(&mut self, id: EventId, role: RoleId, state: RoleLiveness, consequence: &str) {
+    /// Reports an event of a block that is not attached.
+    fn absent(&mut self, id: EventId, role: RoleId, state: RoleLiveness) {
         self.plan.events[id.0 as usize].sound = false;
         if is_full(self.diagnostics, Severity::Error) {
             return;
@@ -537,25 +546,30 @@ impl Checker<'_> {
             EventKind::Capture { .. } => Code::AbsentBlock,
         };
         let phase = self.plan.phase_name(id);
-        let used = match code {
-            Code::ReleasedAbsent => "released",
+        let verb = match code {
+            Code::ReleasedAbsent => "released again",
             _ => "used",
         };
-        let (title, help) = match (state.last_release, code) {
+        let (format, help) = match (state.last_release, code) {
             (Some(_), Code::ReleasedAbsent) => (
-                format!("`{name}` is released again"),
-                format!("remove this release, or capture `{name}` again before it"),
+                "`{}` was already released",
+                format!("remove this release, or capture `{name}` again first"),
             ),
             (Some(_), _) => (
-                format!("`{name}` is used after it was released"),
-                format!("capture `{name}` again before, or use another block"),
+                "`{}` is used after it was released",
+                format!("capture `{name}` again first, or use another block"),
+            ),
+            (None, Code::ReleasedAbsent) => (
+                "`{}` is released before it is captured",
+                format!("capture `{name}` in phase `{phase}` or earlier"),
             ),
             (None, _) => (
-                format!("`{name}` is {used} before it is captured"),
-                format!("capture `{name}` in phase `{phase}` or before it"),
+                "`{}` is used before it is captured",
+                format!("capture `{name}` in phase `{phase}` or earlier"),
             ),
         };
-        let diagnostic = Diagnostic::new(code, title).label(location, consequence);
+        let diagnostic = Diagnostic::about(code, format, &[&name])
+            .label(location, format!("{verb} in phase `{phase}`"));
         let mut known = self.unknown(role, location, state, diagnostic, help);
         if let Some(diagnostic) = &mut known
             && diagnostic.code == Code::ReleasedAbsent
@@ -623,8 +637,14 @@ impl Checker<'_> {
             return Some(diagnostic);
         }
         let name = self.plan.roles.name(role, self.symbols);
-        diagnostic.title = format!("no block is called `{name}`");
-        // What it was meant to be takes long to find out.
+        let labels = std::mem::take(&mut diagnostic.labels);
+        let mut diagnostic =
+            Diagnostic::about(Code::UnknownName, "cannot find block `{}`", &[&name]);
+        diagnostic.labels = labels;
+        if let Some(label) = diagnostic.labels.first_mut() {
+            "no seed or capture has this name".clone_into(&mut label.text);
+        }
+        // Similar names take long to find.
         if is_repeated(self.diagnostics, &diagnostic) {
             return None;
         }
@@ -637,7 +657,7 @@ impl Checker<'_> {
         let known = known.map(|key| roles.name_of(key, self.symbols));
         let written = named(self.sources, location, &name);
         diagnostic = diagnostic.suggest(location, meant(self.diagnostics, &name, known), || {
-            "seat it on the plate, or capture it first".to_owned()
+            format!("add it to the seed plate, or capture it: `... -> {name}`").to_owned()
         });
         // Where the name is worked out, the text is another.
         diagnostic.fix = diagnostic.fix.zip(written).map(|(mut fix, location)| {
@@ -676,20 +696,22 @@ impl Checker<'_> {
         let is_seed = |role: RoleId| (role.0 as usize) < seeds;
         let captures = self.first_captures();
         let is_block = |role: RoleId| is_seed(role) || captures.contains_key(&role);
-        let (scope, known) = candidates.into_iter().find(|&(_, role)| is_block(role))?;
+        let (_, known) = candidates.into_iter().find(|&(_, role)| is_block(role))?;
         let there = match self.first_captures().get(&known) {
-            Some(&capture) => (self.plan.event(capture).location, "captured here"),
-            None => (self.plan.seeds[known.0 as usize].location, "seated here"),
-        };
-        let whose = match self.grown(scope) {
-            Some(outer) => format!("of the pattern `{}`", self.symbols.word(outer.pattern)),
-            None => "of the assembly".to_owned(),
+            Some(&capture) => (
+                self.plan.event(capture).location,
+                "captured outside the pattern",
+            ),
+            None => (
+                self.plan.seeds[known.0 as usize].location,
+                "declared outside the pattern",
+            ),
         };
         let block = self.plan.roles.name_of(key.within(0), self.symbols);
         let pattern = self.symbols.word(grown.pattern);
-        let title = format!("the pattern `{pattern}` does not see the block `{block}` {whose}");
-        let diagnostic = Diagnostic::new(Code::UnknownName, title)
-            .label(location, "not known inside of the pattern")
+        let format = "pattern `{}` cannot use the block `{}`";
+        let diagnostic = Diagnostic::about(Code::UnknownName, format, &[pattern, &block])
+            .label(location, "unknown inside the pattern")
             .label(there.0, there.1)
             .help(parameter_hint(self.sources, &grown, word, &block));
         Some(diagnostic)

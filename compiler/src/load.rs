@@ -143,11 +143,11 @@ impl Loader<'_> {
         if std::mem::replace(&mut self.full, true) {
             return;
         }
-        let title = format!("the program has more than {MAX_FILES} files, or 4 GiB");
+        let title = format!("the program has more than {MAX_FILES} files or 4 GiB");
         self.diagnostics.push(
             Diagnostic::new(Code::ExpansionLimit, title)
-                .label(import, "this import is not followed any more")
-                .help("look for a link to a folder above: a file behind it imports itself under new names"),
+                .label(import, "this import was not read")
+                .help("remove symbolic links to parent folders: a file behind one imports itself under new names"),
         );
     }
 
@@ -176,7 +176,7 @@ impl Loader<'_> {
                 let diagnostic = match importer {
                     Some(location) => diagnostic
                         .label(location, reason)
-                        .help("the path is relative to the file that imports it"),
+                        .help("write the path relative to the importing file"),
                     None => Diagnostic {
                         title: format!("{}: {reason}", diagnostic.title),
                         ..diagnostic
@@ -195,8 +195,8 @@ impl Loader<'_> {
             let span = Span::new(at, at + '\u{fffd}'.len_utf8() as u32);
             self.diagnostics.push(
                 Diagnostic::new(Code::NotUtf8, "the file is not UTF-8 text")
-                    .label(SourceLocation { file, span }, "the first byte that is not")
-                    .help("save the file as UTF-8"),
+                    .label(SourceLocation { file, span }, "the first invalid byte")
+                    .help("save the file as UTF-8 in your editor"),
             );
             self.state.insert(path, LoadState::Done);
             return Ok(None);
@@ -237,12 +237,10 @@ impl Loader<'_> {
     /// Says that an import leads out of the folders from which files may come.
     fn outside(&mut self, path: &str, folder: &str, import: SourceLocation) {
         let (path, folder) = (visible(path), visible(folder));
-        let title = format!("`{path}` is not in the folder of the program");
+        let title = format!("import of `{path}` leaves the folder of the program");
         let diagnostic = Diagnostic::new(Code::ImportOutside, title)
-            .label(import, format!("imports stay within `{folder}`"))
-            .help(
-                "put the file there, or allow the folder in which it is with `--allow-import DIR`",
-            );
+            .label(import, format!("imports must be inside `{folder}`"))
+            .help("move the file there, or allow its folder with `--allow-import DIR`");
         report(self.diagnostics, diagnostic);
     }
 
@@ -257,7 +255,7 @@ impl Loader<'_> {
         let first = stack.iter().position(|pending| pending.path == path);
         let circle = &stack[first.unwrap_or(0)..];
         let title = match circle.len() {
-            1 => "a file imports itself".to_owned(),
+            1 => format!("`{}` imports itself", visible(path)),
             count @ 2..=MAX => format!("{count} files import each other in a cycle"),
             count => format!("{count} files import each other in a cycle; {MAX} are shown"),
         };
@@ -273,7 +271,7 @@ impl Loader<'_> {
         }
         let help = match circle.len() {
             1 => "remove the import",
-            _ => "move what both files need into a third one",
+            _ => "move the declarations that both need into a third file",
         };
         diagnostic = diagnostic.help(help);
         if let (1, Some(statement)) = (circle.len(), statement) {
@@ -295,9 +293,9 @@ pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
         span: Span::new(at as u32, at as u32 + 1),
     });
     let first = places.next()?;
-    let diagnostic = Diagnostic::new(Code::Syntax, "a carriage return without a line feed")
-        .label(first, "looks like the end of a line, and is none")
-        .help("save the file with line feeds at the ends of its lines");
+    let diagnostic = Diagnostic::new(Code::Syntax, "carriage return without a line feed")
+        .label(first, "this does not end a line")
+        .help("save the file with Unix or Windows line ends");
     let edits: Vec<Edit> = std::iter::once(first)
         .chain(places)
         .take(MAX + 1)

@@ -21,9 +21,9 @@ impl Members {
     pub fn describe(&self, noun: &str) -> String {
         let Members { word, names, .. } = self;
         if self.is_single {
-            format!("the only {noun} called `{word}` is {names}")
+            format!("the only {noun} named `{word}` is {names}")
         } else {
-            format!("the {noun}s called `{word}` are {names}")
+            format!("the {noun}s named `{word}` are {names}")
         }
     }
 }

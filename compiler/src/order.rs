@@ -248,19 +248,19 @@ fn describe(
                 };
                 (
                     event.location,
-                    format!("`{waits}` needs `{name}`, which `{before}` anchors"),
+                    format!("`{waits}` needs `{name}`, which `{before}` attaches"),
                 )
             }
             LocatedDependency::Face { .. } => (
                 event.location,
-                format!("`{waits}` waits for a free face: `{before}` is written before it"),
+                format!("`{waits}` waits for `{before}`, which comes first in the source"),
             ),
             LocatedDependency::After(location) => {
                 (location, format!("`{waits}` waits for `{before}`"))
             }
             LocatedDependency::Emptied => (
                 event.location,
-                format!("`{waits}` waits until its child has gone: `{before}`"),
+                format!("`{waits}` waits for the release of its child: `{before}`"),
             ),
             LocatedDependency::Vacated => (
                 event.location,
@@ -280,12 +280,12 @@ fn describe(
     });
     if let Some((first, then, location)) = waits {
         let removed = entry(sources, location, "after");
-        let fix = |removed| Fix::remove(removed, "drop this `after`").unsafe_if(true);
+        let fix = |removed| Fix::remove(removed, "remove this `after`").unsafe_if(true);
         diagnostic.fix = removed.map(fix);
         if is_chain(plan, then, first) {
             let help = format!(
-                "an `after` applies to the first capture of its chain, `{}`; the others follow it anyway: \
-                 drop the `after`",
+                "remove the `after`: it applies to the first capture of its chain, `{}`, and the others \
+                 follow it anyway",
                 plan.describe(then, symbols)
             );
             return diagnostic.help(help);
@@ -293,19 +293,18 @@ fn describe(
     }
     let help = if count > MAX_LABELS {
         format!(
-            "{} more are not shown; break the cycle in one place",
+            "remove one `after`; {} more steps of the cycle are not shown",
             count - MAX_LABELS
         )
     } else if why(|why| matches!(why, LocatedDependency::Face { .. })) {
-        "a block captures in the order in which its captures are written: swap the two, or drop \
-         the `after`"
+        "swap the two captures, or remove the `after`: a block captures in the order of the source"
             .to_owned()
     } else if waits.is_some() && count == 1 {
-        "drop the `after`".to_owned()
+        "remove the `after`".to_owned()
     } else if waits.is_some() {
-        "drop one `after`, or move one of the two into a later phase".to_owned()
+        "remove one `after`, or move one capture into a later phase".to_owned()
     } else {
-        "begin with a block that is already there: a seed, or one captured before".to_owned()
+        "start from a seed, or from a block that is attached earlier".to_owned()
     };
     diagnostic.help(help)
 }

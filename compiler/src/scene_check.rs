@@ -41,20 +41,20 @@ pub fn check(
 /// Returns one diagnostic for warnings of one kind.
 fn diagnostic(scene: &Scene, warnings: &[SceneWarning], location: SourceLocation) -> Diagnostic {
     let first = &warnings[0];
-    let title = format!("in the scene `{}`, {}", scene.name, first.effect);
+    let title = format!("in scene `{}`, {}", scene.name, first.effect);
     let mut remedies: Vec<&str> = Vec::new();
-    let mut figures = vec![first.figure.clone()];
-    for warning in &warnings[1..] {
-        figures.push(format!("{}: {}", warning.figure, warning.effect));
-    }
     for warning in warnings {
         if !remedies.contains(&warning.remedy.as_str()) {
             remedies.push(&warning.remedy);
         }
     }
+    let mut help = remedies.join("; ");
+    for warning in &warnings[1..] {
+        help.push_str(&format!("\nalso: {}: {}", warning.figure, warning.effect));
+    }
     Diagnostic::new(first.kind.into(), title)
-        .label(location, figures.join("; "))
-        .help(remedies.join("; "))
+        .label(location, first.figure.clone())
+        .help(help)
 }
 
 /// Returns the lowest and the highest layer of a program's captures.

@@ -136,23 +136,23 @@ impl<'a> Scenes<'a> {
             file,
             span: name.span,
         };
-        Diagnostic::new(Code::UnknownScene, format!("no scene is called `{word}`"))
-            .label(location, "not known")
+        Diagnostic::about(Code::UnknownScene, "cannot find scene `{}`", &[word])
+            .label(location, "no scene has this name")
             .suggest(location, meant(diagnostics, word, known()), || {
                 if self.read.len() > MAX_LISTED {
-                    return "declare it, or take one that is declared or built in".to_owned();
+                    return "declare it, or use a declared or built-in scene".to_owned();
                 }
                 let mut known: Vec<&str> = known().collect();
                 known.sort_unstable();
                 known.dedup();
-                format!("known are {}", known.join(", "))
+                format!("write one of {}", known.join(", "))
             })
     }
 }
 
 /// Scenes of which each is based on the next, and the last on one of them.
 fn cycle(line: &[&DeclaredScene<'_>]) -> Diagnostic {
-    let title = "scenes derived from each other in a cycle";
+    let title = "scenes are derived from each other in a cycle";
     let mut diagnostic = Diagnostic::new(Code::UnknownScene, title);
     for it in line {
         let name = it.scene.base.unwrap_or(it.scene.name);
@@ -160,7 +160,7 @@ fn cycle(line: &[&DeclaredScene<'_>]) -> Diagnostic {
             file: it.file,
             span: name.span,
         };
-        diagnostic = diagnostic.label(location, "derived from this");
+        diagnostic = diagnostic.label(location, "derived from this scene");
     }
-    diagnostic.help("one of them has to stand for itself")
+    diagnostic.help("derive one of them from a built-in scene, such as `from hemisphere`")
 }

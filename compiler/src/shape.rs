@@ -46,8 +46,8 @@ pub fn check(
                 let known = shapes.values();
                 let known = known.map(|(_, known)| symbols.word(known.name.symbol));
                 let diagnostic =
-                    Diagnostic::new(Code::UnknownName, format!("no shape is called `{word}`"))
-                        .label(location, "not known here")
+                    Diagnostic::about(Code::UnknownName, "cannot find shape `{}`", &[word])
+                        .label(location, "no shape has this name")
                         .suggest(location, meant(diagnostics, word, known), || {
                             format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`")
                         });
@@ -67,7 +67,7 @@ pub fn check(
             }
             if let Some((title, help)) = comparison.difference(name, word) {
                 let diagnostic = Diagnostic::new(Code::ShapeMismatch, title)
-                    .label(location, "claimed here")
+                    .label(location, "claimed by this phase")
                     .label(declared, "declared here")
                     .help(help);
                 report(diagnostics, diagnostic);
@@ -111,9 +111,9 @@ impl Comparison {
         self.blocks += claimed.as_ref().map_or(0, |claimed| claimed.cells.len());
         if self.blocks > MAX_CELLS && claimed.is_some() {
             claimed = None;
-            let title = "the shapes that are claimed have more than 5,000,000 blocks together";
+            let title = "the claimed shapes have more than 5,000,000 blocks together";
             let diagnostic = Diagnostic::new(Code::ExpansionLimit, title)
-                .label(claim, "the limit is reached here")
+                .label(claim, "the limit is reached with this claim")
                 .help("claim fewer shapes, or smaller ones");
             report(diagnostics, diagnostic);
         }
@@ -132,8 +132,8 @@ impl Comparison {
         let result = match claimed.is(&self.built) {
             true => None,
             false if self.compared > MAX_COMPARED => Some((
-                format!("the phase does not build `{word}`"),
-                "how they differ was not worked out: fix the other claims first".to_owned(),
+                format!("the phase does not build shape `{word}`"),
+                "fix the other claims first: the difference was not computed".to_owned(),
             )),
             false => {
                 self.compared += claimed.cells.len() + self.built.cells.len();
@@ -194,16 +194,16 @@ fn hash(cell: Cell) -> u64 {
 
 /// The cells of a shape, unsorted; `None` if it cannot be read, which is told.
 pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<Cell>> {
-    let malformed = |span, text: &str| {
-        Diagnostic::new(Code::ShapeMalformed, "the shape cannot be read as cells")
-            .label(SourceLocation { file, span }, text)
+    let malformed = |span, title: &str, text: &str| {
+        Diagnostic::new(Code::ShapeMalformed, title).label(SourceLocation { file, span }, text)
     };
     let mut number = |expr: &Expr| {
         let value = constant(expr).and_then(|value| i32::try_from(value).ok());
         if value.is_none() {
             diagnostics.push(malformed(
                 expr.span,
-                "needs a number, not too large, without names",
+                "a position in a shape must be a plain number",
+                "this is a name, or does not fit in 32 bits",
             ));
         }
         value
@@ -225,8 +225,12 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
         };
         if low < 1 || high < low {
             diagnostics.push(
-                malformed(layer.span, "heights are from 1 upwards")
-                    .help("layer 1 rests on the plate; `layer 1..2` stands for two equal layers"),
+                malformed(
+                    layer.span,
+                    "the layers of a shape start at 1",
+                    "this height is below 1, or the range is empty",
+                )
+                .help("write `layer 1` for the lowest layer, or `layer 1..2` for two equal layers"),
             );
             return None;
         }
@@ -235,7 +239,11 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
         let levels = (high - low) as usize + 1;
         area = area.saturating_add(count.saturating_mul(levels));
         if area > MAX_CELLS {
-            diagnostics.push(malformed(layer.span, "a shape has at most 5,000,000 cells"));
+            diagnostics.push(malformed(
+                layer.span,
+                "a shape has more than 5,000,000 cells",
+                "the limit is reached in this layer",
+            ));
             return None;
         }
         // A layer without rows may have any height.
@@ -249,7 +257,8 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
         if !fits(x, widest.unwrap_or(1)) || !fits(y, rows) {
             diagnostics.push(malformed(
                 layer.span,
-                "it reaches beyond the cells that there are",
+                "a shape reaches beyond 32-bit coordinates",
+                "the limit is reached in this layer",
             ));
             return None;
         }
@@ -294,7 +303,10 @@ fn difference(word: &str, claimed: &[Cell], built: &FxHashSet<Cell>) -> (String,
         .into_iter()
         .flatten()
         .collect();
-    let title = format!("the phase does not build `{word}`: {}", parts.join(", "));
+    let title = format!(
+        "the phase does not build shape `{word}`: {}",
+        parts.join(", ")
+    );
     (title, picture(&missing, &extra, claimed, built))
 }
 

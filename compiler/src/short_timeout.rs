@@ -37,20 +37,20 @@ pub fn check(program: &Program, diagnostics: &mut Vec<Diagnostic>) {
             continue;
         }
         let title = format!(
-            "phase `{}` comes to its timeout in {:.0} % of the runs that reach it",
+            "phase `{}` would time out in {:.0} % of the runs that reach it",
             phase.name,
             (100.0 * cost.timed_out).floor()
         );
-        let label = "by the rate model, more than half of the runs end here";
+        let label = "the rate model predicts that most runs end here";
         let needed = unlimited
             .as_ref()
             .and_then(|cost| cost.phases[number].times?.p90);
         let help = match needed {
             Some(ticks) => format!(
-                "write `timeout {:.0} ticks`, in which nine of ten runs complete the phase",
+                "write `timeout {:.0} ticks`: nine of ten runs complete the phase in this time",
                 round_up(ticks)
             ),
-            None => "give the phase more time".to_owned(),
+            None => "write a longer timeout".to_owned(),
         };
         let diagnostic = Diagnostic::new(Code::ShortTimeout, title).label(phase.location, label);
         report(diagnostics, diagnostic.help(help));

@@ -164,21 +164,19 @@ impl UnplannedBondAnalysis<'_> {
             }
             let name = self.plan.roles.name(event.role, symbols);
             let there = self.plan.roles.name(role, symbols);
-            let diagnostic = Diagnostic::new(
-                Code::BlockedRelease,
-                format!("`{name}` has nowhere to go when it is rejected"),
-            )
-            .label(
-                event.location,
-                format!("its parent pushes it {}", towards(on.face)),
-            )
-            .label(
-                self.plan.event(on.capture).location,
-                format!("captured by that face; `{there}` is behind it"),
-            )
-            .help(format!(
-                "release `{there}` before it, or capture `{name}` through another face"
-            ));
+            let format = "`{}` is released towards `{}` and may not leave";
+            let diagnostic = Diagnostic::about(Code::BlockedRelease, format, &[&name, &there])
+                .label(
+                    event.location,
+                    format!("its parent pushes it {}", towards(on.face)),
+                )
+                .label(
+                    self.plan.event(on.capture).location,
+                    format!("attached {} of its parent", side(on.face)),
+                )
+                .help(format!(
+                    "release `{there}` too, or capture `{name}` through another face"
+                ));
             report(diagnostics, diagnostic);
         }
     }
@@ -202,11 +200,11 @@ impl UnplannedBondAnalysis<'_> {
         let (title, where_) = match exposed {
             1 => (
                 "a face attracts blocks that the program does not capture",
-                "exposed is",
+                "is exposed",
             ),
             _ => (
                 "faces attract blocks that the program does not capture",
-                "exposed are",
+                "are exposed",
             ),
         };
         let count = if exposed == 1 {
@@ -217,16 +215,25 @@ impl UnplannedBondAnalysis<'_> {
         Diagnostic::new(Code::UnplannedBond, format!("{count}{title}"))
             .label(
                 phase.location,
-                format!("{where_} {named}, while this phase waits for its last block"),
+                format!("{named} {where_} while the phase waits for its last block"),
             )
             .help(
-                "what docks there is rejected at once, which takes time; write `allow \
-                 unplanned-bond \"reason\"` if that is meant, or build so that fewer faces are exposed",
+                "write `allow unplanned-bond \"reason\"` if the delay by rejected blocks is acceptable, or \
+                 build so that fewer faces are exposed",
             )
     }
 }
 
-/// A direction in words.
+/// Returns the side of a block in words.
+fn side(face: Face) -> String {
+    match face {
+        Face::Up => "on top".to_owned(),
+        Face::Down => "at the bottom".to_owned(),
+        face => format!("to the {face}"),
+    }
+}
+
+/// Returns a direction in words.
 fn towards(face: Face) -> String {
     match face {
         Face::Up => "upwards".to_owned(),

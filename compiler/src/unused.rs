@@ -111,27 +111,27 @@ fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Def
 impl Declared<'_> {
     fn unused(&self, file: FileId, sources: &Sources, symbols: &Symbols) -> Diagnostic {
         let word = symbols.word(self.name.symbol);
-        let keep = format!("call it `_{word}` to keep it");
+        let keep = format!("rename it to `_{word}`");
         let (title, label, help) = match self.code {
             Code::UnusedLet => (
-                format!("the number `{word}` is never used"),
-                "not used anywhere in this file",
+                format!("number `{word}` is never used"),
+                "no statement of this file uses it",
                 format!("remove it, or {keep}"),
             ),
             Code::UnusedPattern => (
-                format!("the pattern `{word}` is never grown"),
-                "no phase grows it",
-                format!("grow it in a phase, remove it, or {keep}"),
+                format!("pattern `{word}` is never used"),
+                "no phase has an instance of it",
+                format!("use it in a phase, remove it, or {keep}"),
             ),
             Code::UnusedShape => (
-                format!("no phase yields the shape `{word}`"),
-                "compared with nothing",
+                format!("shape `{word}` is never checked"),
+                "no phase yields it",
                 format!("write `yields {word}` in the phase that completes it, or {keep}"),
             ),
             _ => (
-                format!("nothing runs in the scene `{word}`"),
+                format!("scene `{word}` is never used"),
                 "no assembly, aggregate or scene names it",
-                format!("write `in {word}` behind the name of an assembly, or {keep}"),
+                format!("write `assembly NAME in {word}`, or {keep}"),
             ),
         };
         let location = |span| SourceLocation { file, span };

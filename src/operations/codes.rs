@@ -22,7 +22,7 @@ pub fn warning(name: &str) -> Result<Option<Code>, String> {
     })
 }
 
-/// The page that explains a kind of finding.
+/// Returns the page that explains a code.
 ///
 /// # Errors
 /// In words, if there is none of that name.
@@ -37,5 +37,5 @@ fn unknown(name: &str, otherwise: &str) -> String {
         || otherwise.to_owned(),
         |meant| format!("did you mean `{meant}`?"),
     );
-    format!("no finding has the code `{name}`; {meant}")
+    format!("`{name}` is not a code of a warning or error; {meant}")
 }

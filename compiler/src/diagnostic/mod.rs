@@ -1,4 +1,4 @@
-//! What the compiler has to say about a program.
+//! Errors and warnings about programs.
 mod change;
 mod code;
 mod fix;
@@ -15,81 +15,83 @@ pub(crate) use fix::{LONG, entry, last_named, named, removal};
 pub use graphical::{Renderer, visible};
 pub(crate) use parameter_hint::parameter_hint;
 pub use repeat::Others;
+pub(crate) use repeat::Subjects;
 pub(crate) use row_hint::row_hint;
 
 use crate::{FileId, SourceLocation};
 use stochc_ir::suggest::{Suggestion, nearest};
 
-/// One message, with the places it speaks of.
+/// An error or warning, with the places that it is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Its kind; what `stochc explain` takes.
+    /// Kind of the diagnostic. `stochc explain` takes its name.
     pub code: Code,
-    /// How bad it is: as its kind is, unless the file or the command line denies a warning.
+    /// Severity of the code, unless the file or the command line denies a warning.
     pub severity: Severity,
-    /// The message, in one line.
+    /// Message in one line. Names the thing that is wrong.
     pub title: String,
-    /// The places, the one to look at first at the front; empty only if there is no text to show.
+    /// Places, the most important first. Empty only if there is no source to show.
     pub labels: Vec<Label>,
-    /// What to do next.
+    /// What to do, with a patch where possible.
     pub help: Option<String>,
-    /// The part of `help` that others, told as one with this finding, may need otherwise.
+    /// Part of `help` that may differ between merged diagnostics.
     pub(crate) remedy: Option<String>,
-    /// A change of the text that fixes it.
+    /// Change of the source that fixes it.
     pub fix: Option<Fix>,
-    /// The same, said of others: of the other rounds of a loop.
+    /// Format of the title and what it was filled with. `None` if diagnostics like it are never merged.
+    pub(crate) subjects: Option<Subjects>,
+    /// Diagnostics that were merged into this one, such as those of other rounds of a loop.
     pub others: Others,
-    /// The programs that it is about, by their places in [`Checked::programs`](crate::Checked::programs), in order;
-    /// none for what is about the file.
+    /// Indices in [`Checked::programs`](crate::Checked::programs), in order. Empty if it is about the file.
     pub programs: Vec<usize>,
 }
 
-/// A change of the text that fixes a finding.
+/// Change of the source that fixes a diagnostic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// What it does, as a command: `add an \`after\``.
+    /// What it does, in the imperative: ``add an `after` ``.
     pub title: String,
-    /// The changes, which do not overlap.
+    /// Changes that do not overlap.
     pub edits: Vec<Edit>,
-    /// Whether the program surely means the same afterwards, or is right where it was wrong in one
-    /// way only; what is not safe is shown, and never applied unasked.
+    /// Whether `check --fix` may apply it. Safe fixes keep the meaning, or there is only one way to
+    /// correct the program.
     pub safe: bool,
 }
 
-/// A piece of text that takes the place of another.
+/// Replacement of a piece of source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
-    /// What goes; empty: an insertion.
+    /// Source that is replaced. Empty for an insertion.
     pub location: SourceLocation,
-    /// What comes.
+    /// Replacement.
     pub text: String,
 }
 
-/// A place with its part in the message.
+/// A place with a statement about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
-    /// Where.
+    /// Place in the source.
     pub location: SourceLocation,
-    /// What is there.
+    /// Statement about the place.
     pub text: String,
 }
 
-/// Errors of one assembly that are told, at most, and as many warnings.
-const MAX_FINDINGS: usize = 1_000;
+/// Largest number of errors that are reported for one assembly, and of warnings.
+const MAX_DIAGNOSTICS: usize = 1_000;
 
-/// Whether so many findings of this severity are told that no more are, which has been told as well.
+/// Whether the limit of diagnostics of this severity is reached and reported.
 pub(crate) fn is_full(diagnostics: &[Diagnostic], severity: Severity) -> bool {
     let note = too_many(severity);
     let mut last_first = diagnostics.iter().rev();
-    diagnostics.len() > MAX_FINDINGS && last_first.any(|it| it.code == note)
+    diagnostics.len() > MAX_DIAGNOSTICS && last_first.any(|it| it.code == note)
 }
 
-/// Whether there are as many errors as are told.
+/// Whether the limit of errors is reached.
 pub(crate) fn has_enough_errors(diagnostics: &[Diagnostic]) -> bool {
-    diagnostics.len() >= MAX_FINDINGS && count(diagnostics, Severity::Error) >= MAX_FINDINGS
+    diagnostics.len() >= MAX_DIAGNOSTICS && count(diagnostics, Severity::Error) >= MAX_DIAGNOSTICS
 }
 
-/// What says that there are more findings of this severity.
+/// Returns the code that reports that the limit of a severity is reached.
 fn too_many(severity: Severity) -> Code {
     match severity {
         Severity::Error => Code::TooManyErrors,
@@ -97,14 +99,14 @@ fn too_many(severity: Severity) -> Code {
     }
 }
 
-/// How many findings have this severity.
+/// Returns the number of diagnostics of a severity.
 fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
     let codes = diagnostics.iter().map(|diagnostic| diagnostic.code);
     codes.filter(|code| code.severity() == severity).count()
 }
 
-/// Findings among which words are looked for that unknown ones may be meant to be: that takes time, again whenever a fix is
-/// tried, and whoever has more of them fixes the first ones and checks again.
+/// Largest number of diagnostics for which similar names are searched. The search takes time, and is
+/// repeated whenever a fix is tried.
 const MAX_MEANT: usize = 200;
 
 /// Returns the known word that is closest to an unknown one. Returns `None` after [`MAX_MEANT`] diagnostics.
@@ -117,14 +119,14 @@ pub(crate) fn meant<S: AsRef<str>>(
     is_asked.then(|| nearest(unknown, known)).flatten()
 }
 
-/// Adds a finding, unless one like it has been told of the same place, or there are so many of its severity that
-/// nobody would read them.
+/// Adds a diagnostic, or merges it into one of the same place. Does nothing if the limit of its
+/// severity is reached.
 pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) {
     let severity = diagnostic.code.severity();
     if is_full(diagnostics, severity) || is_repeated(diagnostics, &diagnostic) {
         return;
     }
-    if diagnostics.len() < MAX_FINDINGS || count(diagnostics, severity) < MAX_FINDINGS {
+    if diagnostics.len() < MAX_DIAGNOSTICS || count(diagnostics, severity) < MAX_DIAGNOSTICS {
         diagnostics.push(diagnostic);
         return;
     }
@@ -132,22 +134,21 @@ pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) 
         Severity::Error => "errors",
         Severity::Warning => "warnings",
     };
-    let title = format!("more than {MAX_FINDINGS} {what}; the rest is not told");
+    let title = format!("more than {MAX_DIAGNOSTICS} {what}; the others are not shown");
     let labels = diagnostic.labels.into_iter().take(1);
     let mut last =
-        Diagnostic::new(too_many(severity), title).help("fix the first few and check again");
+        Diagnostic::new(too_many(severity), title).help("fix the first ones and check again");
     last.labels.extend(labels);
     diagnostics.push(last);
 }
 
-/// Whether a finding only says of something else what one of `diagnostics` says at the same place,
-/// which has taken it in then.
+/// Merges a diagnostic into one of `diagnostics`. Returns whether there is one.
 pub(crate) fn is_repeated(diagnostics: &mut [Diagnostic], diagnostic: &Diagnostic) -> bool {
     let mut last_first = diagnostics.iter_mut().rev();
     last_first.any(|told| told.absorb(diagnostic))
 }
 
-/// Has each of the findings, which are in the order of their places, take in what only repeats it.
+/// Merges diagnostics, which are sorted by place.
 pub(crate) fn fold(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut folded: Vec<Diagnostic> = Vec::new();
     let mut of_place = 0;
@@ -163,7 +164,7 @@ pub(crate) fn fold(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
 }
 
 impl Diagnostic {
-    /// A finding without labels or help.
+    /// Returns a diagnostic without labels and help.
     pub fn new(code: Code, title: impl Into<String>) -> Diagnostic {
         Diagnostic {
             code,
@@ -173,23 +174,36 @@ impl Diagnostic {
             help: None,
             remedy: None,
             fix: None,
+            subjects: None,
             others: Others::default(),
             programs: Vec::new(),
         }
     }
 
-    /// The file and the byte to look at first; `None` if there is no text to show.
+    /// Returns a diagnostic whose title is `format` with `subjects` in the place of each `{}`.
+    ///
+    /// Diagnostics of one place with the same format are merged: the title of the first is shown, with
+    /// the subjects in which the others differ.
+    pub(crate) fn about(code: Code, format: &'static str, subjects: &[&str]) -> Diagnostic {
+        let subjects = Subjects::new(format, subjects);
+        Diagnostic {
+            subjects: Some(subjects.clone()),
+            ..Diagnostic::new(code, subjects.title())
+        }
+    }
+
+    /// Returns the file and the byte of the most important place. `None` if there is no source to show.
     pub(crate) fn place(&self) -> Option<(FileId, u32)> {
         let location = self.labels.first()?.location;
         Some((location.file, location.span.start))
     }
 
-    /// What it says, in one line: the title, and for what else it holds.
+    /// Returns the title, with the subjects of merged diagnostics.
     pub fn message(&self) -> String {
         format!("{}{}", self.title, self.others.text())
     }
 
-    /// Adds a place.
+    /// Adds a place with a statement about it.
     #[must_use]
     pub fn label(mut self, location: SourceLocation, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label {
@@ -199,28 +213,28 @@ impl Diagnostic {
         self
     }
 
-    /// Says what to do next.
+    /// Sets what to do.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
         self.help = Some(text.into());
         self
     }
 
-    /// Says how the text can be fixed.
+    /// Sets the change that fixes it.
     #[must_use]
     pub fn fix(mut self, fix: Fix) -> Diagnostic {
         self.fix = Some(fix);
         self
     }
 
-    /// Says how the text can be fixed, if that is known.
+    /// Sets the change that fixes it, if there is one.
     #[must_use]
     pub(crate) fn fix_if(mut self, fix: Option<Fix>) -> Diagnostic {
         self.fix = fix;
         self
     }
 
-    /// Says which known word the one at `location` is probably meant to be, or else what to do.
+    /// Suggests the known word that is closest to the one at `location`, or else sets the help.
     #[must_use]
     pub(crate) fn suggest(
         mut self,

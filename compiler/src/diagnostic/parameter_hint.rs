@@ -1,9 +1,9 @@
-//! How a pattern is given what it does not see.
+//! Advice to pass an argument to a pattern.
 use super::LONG;
 use crate::Sources;
 use crate::plan::PatternInstance;
 
-/// Advises to give an instance one argument more: `name`, written `argument` where it grows.
+/// Returns the advice to pass `argument` to a pattern as its new parameter `name`.
 pub(crate) fn parameter_hint(
     sources: &Sources,
     grown: &PatternInstance,
@@ -22,13 +22,13 @@ pub(crate) fn parameter_hint(
     let call = call.strip_suffix("as").map_or(call, str::trim_end);
     match header.zip(one_more(call, argument)) {
         Some((header, call)) => {
-            format!("give it to the pattern: declare `pattern {header}` and grow `{call}`")
+            format!("pass it as an argument: `pattern {header}` and `{call}`")
         }
-        None => format!("add a parameter to the pattern, and give it `{argument}` where it grows"),
+        None => format!("add a parameter to the pattern and pass `{argument}`"),
     }
 }
 
-/// A list in parentheses with one more entry, if it is short and plain.
+/// Returns a list in parentheses with one more entry. Returns `None` if it is long or has comments.
 fn one_more(text: &str, entry: &str) -> Option<String> {
     const LONGEST: usize = 60;
     let list = text.strip_suffix(')')?;

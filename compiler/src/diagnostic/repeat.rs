@@ -1,22 +1,73 @@
-//! One statement in a loop, or in a pattern, may be wrong many times: it is told of once.
+//! Merges diagnostics of one statement that differ only in what they are about.
+//!
+//! A statement in a loop or a pattern may be wrong many times.
 use stochc_ir::listed;
 
-use super::{Code, Diagnostic};
+use super::Diagnostic;
 
-/// Findings like another one, at the same place.
+/// Format of a title and what it was filled with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Subjects {
+    /// Diagnostics with the same format can be merged.
+    format: &'static str,
+    /// One for each `{}`, in backticks if the format has them.
+    words: Vec<String>,
+}
+
+impl Subjects {
+    pub(super) fn new(format: &'static str, subjects: &[&str]) -> Subjects {
+        let pieces: Vec<&str> = format.split("{}").collect();
+        debug_assert_eq!(pieces.len(), subjects.len() + 1, "{format}");
+        let is_quoted = |number: usize| pieces[number].ends_with('`');
+        let words = subjects.iter().enumerate().map(|(number, subject)| {
+            if is_quoted(number) {
+                format!("`{subject}`")
+            } else {
+                (*subject).to_owned()
+            }
+        });
+        Subjects {
+            format,
+            words: words.collect(),
+        }
+    }
+
+    /// Returns the format with its subjects.
+    pub(super) fn title(&self) -> String {
+        let mut pieces = self.format.split("{}");
+        let mut title = pieces.next().unwrap_or_default().to_owned();
+        for (word, piece) in self.words.iter().zip(pieces) {
+            title.push_str(word.trim_matches('`'));
+            title.push_str(piece);
+        }
+        title
+    }
+
+    /// Returns the first subject of `other` that differs, if the formats are the same.
+    fn difference<'a>(&self, other: &'a Subjects) -> Option<&'a str> {
+        if self.format != other.format {
+            return None;
+        }
+        let mut pairs = self.words.iter().zip(&other.words);
+        let (_, word) = pairs.find(|(ours, theirs)| ours != theirs)?;
+        Some(word)
+    }
+}
+
+/// Diagnostics that were merged into another one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Others {
-    /// How many there are.
+    /// Number of merged diagnostics.
     pub count: usize,
-    /// What the first few speak of, as their titles write it.
+    /// Subjects of the first few.
     pub first: Vec<String>,
 }
 
 impl Others {
-    /// How many are named.
+    /// Largest number of subjects that are named.
     const NAMED: usize = 2;
 
-    /// ``; the same for `T[5]`, `T[6]` and 494 more``
+    /// Returns ``; the same for `T[5]`, `T[6]` and 494 more``, or an empty text.
     pub(super) fn text(&self) -> String {
         if self.first.is_empty() {
             String::new()
@@ -27,8 +78,8 @@ impl Others {
 }
 
 impl Diagnostic {
-    /// Takes another finding in, if it says the same at the same place; at most of another block,
-    /// cell or number.
+    /// Merges another diagnostic of the same code and place, if it has the same title or the same
+    /// format of the title. Returns whether it did.
     pub(super) fn absorb(&mut self, other: &Diagnostic) -> bool {
         let place = |diagnostic: &Diagnostic| diagnostic.labels.first().map(|label| label.location);
         if self.code != other.code || place(self) != place(other) || place(self).is_none() {
@@ -38,14 +89,11 @@ impl Diagnostic {
             self.add_programs(&other.programs);
             return true;
         }
-        // Several things may be missing at one place.
-        if self.code == Code::MissingTerm {
-            return false;
-        }
-        let Some(subject) = difference(&self.title, &other.title) else {
+        let subjects = self.subjects.as_ref().zip(other.subjects.as_ref());
+        let Some(subject) = subjects.and_then(|(ours, theirs)| ours.difference(theirs)) else {
             return false;
         };
-        // The text is the same, so that a change that is right for one is not for the other.
+        // Both are about the same source, so one change cannot fix both.
         if self.fix != other.fix {
             self.fix = None;
         }
@@ -63,14 +111,14 @@ impl Diagnostic {
         true
     }
 
-    /// Has it be about these programs as well.
+    /// Adds programs that it is about.
     fn add_programs(&mut self, programs: &[usize]) {
         self.programs.extend(programs);
         self.programs.sort_unstable();
         self.programs.dedup();
     }
 
-    /// Adds what helps another one to the help, unless that has been said.
+    /// Adds the remedy of a merged diagnostic to the help, unless the help has it.
     fn add_remedy(&mut self, subject: &str, remedy: &str) {
         let (Some(help), Some(told)) = (&mut self.help, &mut self.remedy) else {
             return;
@@ -87,147 +135,87 @@ impl Diagnostic {
     }
 }
 
-/// What a title speaks of where another one, alike but for names and numbers, speaks of something
-/// else.
-fn difference<'a>(title: &str, other: &'a str) -> Option<&'a str> {
-    let mut subject = None;
-    let (mut ours, mut theirs) = (words(title), words(other));
-    loop {
-        match (ours.next(), theirs.next()) {
-            (None, None) => return subject,
-            (Some(one), Some(two)) if one == two => {}
-            (Some(one), Some(two)) if is_subject(one) && is_subject(two) => {
-                subject = subject.or(Some(two));
-            }
-            _ => return None,
-        }
-    }
-}
-
-/// Whether a word stands for something of the program: a name, a cell or a number.
-fn is_subject(word: &str) -> bool {
-    let number = word.strip_prefix('-').unwrap_or(word);
-    word.starts_with(['`', '(']) || number.starts_with(|c: char| c.is_ascii_digit())
-}
-
-/// The words of a title; what stands between backticks or parentheses is one.
-fn words(title: &str) -> impl Iterator<Item = &str> {
-    let mut rest = title;
-    std::iter::from_fn(move || {
-        rest = rest.trim_start();
-        let first = rest.chars().next()?;
-        let closing = match first {
-            '`' => rest[1..].find('`').map(|at| at + 2),
-            '(' => rest.find(')').map(|at| at + 1),
-            _ => None,
-        };
-        let end = closing.unwrap_or_else(|| {
-            let is_end = |c: char| c.is_whitespace() || matches!(c, '`' | '(');
-            let length = first.len_utf8();
-            rest[length..]
-                .find(is_end)
-                .map_or(rest.len(), |at| at + length)
-        });
-        let (word, behind) = rest.split_at(end);
-        rest = behind;
-        Some(word)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::{Code, Fix};
     use super::*;
     use crate::{FileId, SourceLocation, Span};
 
-    fn at(start: u32, title: &str) -> Diagnostic {
+    fn at(start: u32, format: &'static str, subjects: &[&str]) -> Diagnostic {
         let location = SourceLocation {
             file: FileId(0),
             span: Span::new(start, start + 1),
         };
-        Diagnostic::new(Code::AbsentBlock, title).label(location, "here")
+        Diagnostic::about(Code::AbsentBlock, format, subjects).label(location, "here")
     }
 
-    fn told(titles: &[&str]) -> Vec<String> {
+    fn messages(format: &'static str, subjects: &[&[&str]]) -> Vec<String> {
         let mut diagnostics: Vec<Diagnostic> = Vec::new();
-        for title in titles {
-            super::super::report(&mut diagnostics, at(0, title));
+        for subjects in subjects {
+            super::super::report(&mut diagnostics, at(0, format, subjects));
         }
         diagnostics.iter().map(Diagnostic::message).collect()
     }
 
     #[test]
-    fn findings_of_one_place_that_differ_in_what_they_speak_of_are_one() {
-        for (titles, message) in [
+    fn diagnostics_of_one_place_and_format_are_merged() {
+        for (format, subjects, message) in [
             (
-                &["no block is called `T[1, 0]`"; 3][..],
+                "no block is called `{}`",
+                &[&["T[1, 0]"][..]; 3][..],
                 "no block is called `T[1, 0]`",
             ),
             (
-                &["`T[1]` is absent", "`T[2]` is absent"],
+                "`{}` is absent",
+                &[&["T[1]"], &["T[2]"]],
                 "`T[1]` is absent; the same for `T[2]`",
             ),
             (
-                &[
-                    "`T[1]` is absent",
-                    "`T[2]` is absent",
-                    "`T[2]` is absent",
-                    "`U` is absent",
-                ],
+                "`{}` is absent",
+                &[&["T[1]"], &["T[2]"], &["T[2]"], &["U"]],
                 "`T[1]` is absent; the same for `T[2]` and `U`",
             ),
             (
-                &[
-                    "a plate of -1 blocks",
-                    "a plate of 0 blocks",
-                    "a plate of -2 blocks",
-                    "a plate of -3 blocks",
-                ],
+                "a plate of {} blocks",
+                &[&["-1"], &["0"], &["-2"], &["-3"]],
                 "a plate of -1 blocks; the same for 0, -2 and 1 more",
             ),
             (
-                &["(5, 0) is not on the plate", "(6, 0) is not on the plate"],
+                "{} is not on the plate",
+                &[&["(5, 0)"], &["(6, 0)"]],
                 "(5, 0) is not on the plate; the same for (6, 0)",
             ),
             (
-                &[
-                    "releasing `A` sets `B` adrift",
-                    "releasing `C` sets `D` adrift",
-                ],
+                "releasing `{}` sets `{}` adrift",
+                &[&["A", "B"], &["C", "D"]],
                 "releasing `A` sets `B` adrift; the same for `C`",
             ),
         ] {
-            assert_eq!(told(titles), [message]);
+            assert_eq!(messages(format, subjects), [message]);
         }
     }
 
     #[test]
-    fn what_says_something_else_is_told_by_itself() {
-        let titles = [
-            "`T[1]` is absent",
-            "`T[1]` is late",
-            "`T[2]`",
-            "it is absent",
-        ];
-        assert_eq!(told(&titles), titles);
-        let mut diagnostics = vec![at(0, "`A` is absent")];
-        super::super::report(&mut diagnostics, at(1, "`B` is absent"));
-        assert_eq!(diagnostics.len(), 2);
+    fn other_formats_and_places_are_not_merged() {
+        let mut diagnostics = vec![at(0, "`{}` is absent", &["A"])];
+        super::super::report(&mut diagnostics, at(0, "`{}` is late", &["B"]));
+        super::super::report(&mut diagnostics, at(1, "`{}` is absent", &["B"]));
+        assert_eq!(diagnostics.len(), 3);
         let nowhere = Diagnostic::new(Code::ImportMissing, "cannot read `a`");
         assert!(!nowhere.clone().absorb(&nowhere));
     }
 
     #[test]
     fn a_change_for_one_of_several_is_dropped() {
-        let fix = |text: &str| {
-            let diagnostic = at(0, text);
+        let fix = |name: &str| {
+            let diagnostic = at(0, "no `{}`", &[name]);
             let location = diagnostic.labels[0].location;
-            diagnostic.fix(Fix::replace(location, text, "write it"))
+            diagnostic.fix(Fix::replace(location, name, "write it"))
         };
-        let mut first = fix("no `A`");
-        assert!(first.absorb(&fix("no `A`")));
+        let mut first = fix("A");
+        assert!(first.absorb(&fix("A")));
         assert!(first.fix.is_some());
-        assert!(first.absorb(&fix("no `B`")));
+        assert!(first.absorb(&fix("B")));
         assert!(first.fix.is_none());
     }
 }

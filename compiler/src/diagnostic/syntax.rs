@@ -1,4 +1,4 @@
-//! The grammar's errors as findings.
+//! Errors of the grammar as diagnostics.
 use stochc_grammar::{
     BYTE_ORDER_MARK, MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError,
     SyntaxErrorKind as K, is_comment,
@@ -11,7 +11,7 @@ use super::{Code, Diagnostic, Edit, Fix};
 use crate::{FileId, SourceLocation, Span};
 
 impl Diagnostic {
-    /// A finding for a place where a text is not a program; `text` is all of it.
+    /// Returns the diagnostic for an error of syntax in `text`, which is a whole file.
     pub fn from_syntax(file: FileId, error: &SyntaxError, text: &str) -> Diagnostic {
         let location = SourceLocation {
             file,
@@ -36,91 +36,94 @@ impl Diagnostic {
                 text,
             }),
             K::Unclosed => unclosed(location, text),
-            K::MissingBrace { what } => {
-                Diagnostic::new(Code::MissingBrace, format!("{what} without its `{{`"))
-                    .label(location, "`{` is missing here")
-                    .help("the statements of a block stand between `{` and `}`")
-            }
-            K::ClosedEarly { what } => {
-                Diagnostic::new(Code::StrayBrace, format!("a `}}` closes {what} too early"))
-                    .label(location, "more of it follows")
-                    .help("remove it, or look for a `{` that is missing before it")
-            }
-            K::Unopened => Diagnostic::new(Code::StrayBrace, "a `}` without a block to close")
-                .label(location, "nothing is open here")
-                .help("remove it, or look for a block closed too early above"),
+            K::MissingBrace { what } => missing_brace(location, what, text),
+            K::ClosedEarly { what } => Diagnostic::new(
+                Code::StrayBrace,
+                format!("this `}}` closes {what} too early"),
+            )
+            .label(location, format!("more of {what} follows"))
+            .help("remove it, or add the missing `{` before it"),
+            K::Unopened => Diagnostic::new(Code::StrayBrace, "unexpected `}`")
+                .label(location, "no block is open here")
+                .help("remove it, or check whether an earlier `}` closed its block too soon"),
             K::Misplaced {
                 what,
                 within,
                 belongs,
                 ..
-            } => misplaced(location, what, within, belongs),
+            } => misplaced(location, what, within, belongs, text),
             K::Parentheses { word } => {
-                Diagnostic::new(Code::Syntax, format!("parentheses round what `{word}` names"))
-                    .label(location, "not needed")
-                    .help(format!("write it without: `{word} A`"))
+                Diagnostic::new(Code::Syntax, format!("`{word}` takes no parentheses"))
+                    .label(location, "a list in parentheses")
+                    .help(format!("write `{word} A`"))
             }
-            K::MissingNumber => Diagnostic::new(Code::Syntax, "a unit without its number")
-                .label(location, "how much?")
-                .help("write the number before it, such as `25 N/m`"),
-            K::ReservedWord { word } => Diagnostic::new(
-                Code::ReservedWord,
-                format!("`{word}` is a keyword"),
-            )
-            .label(location, "used as a name")
-            .help(format!("choose another name, such as `{word}_1`")),
+            K::MissingNumber => Diagnostic::new(Code::Syntax, "a unit has no number before it")
+                .label(location, "the number is missing")
+                .help("write a number and its unit, such as `25 N/m`"),
+            K::ReservedWord { word } => {
+                Diagnostic::new(Code::ReservedWord, format!("`{word}` is a keyword"))
+                    .label(location, "it cannot be a name")
+                    .help(format!("choose another name, such as `{word}_1`"))
+            }
             K::FaceMisused { hint } => {
-                Diagnostic::new(Code::FaceMisused, "a face does not fit here").label(location, *hint)
+                let face = text.get(location.span.start as usize..location.span.end as usize);
+                let title = format!("unexpected face `{}`", spelt(face.unwrap_or_default()));
+                Diagnostic::new(Code::FaceMisused, title)
+                    .label(location, "no face can stand here")
+                    .help(*hint)
             }
             K::NumberTooLarge => {
                 let number = text.get(location.span.start as usize..location.span.end as usize);
-                let title = format!("`{}` is too large", spelt(number.unwrap_or_default()));
-                Diagnostic::new(Code::NumberTooLarge, title)
-                    .label(location, "more than can be stored")
-                    .help(format!(
-                        "whole numbers go up to {}, values of a scene up to {:e}",
-                        i64::MAX,
-                        f64::MAX
-                    ))
+                number_too_large(location, number.unwrap_or_default())
             }
             K::TooDeep => Diagnostic::new(
                 Code::TooDeep,
                 format!("nested more than {MAX_DEPTH} levels deep"),
             )
-            .label(location, "one level too many")
+            .label(location, format!("this is level {}", MAX_DEPTH + 1))
             .help("move the inner part into a pattern or a `let`"),
             K::TooManyTerms => Diagnostic::new(
                 Code::TooDeep,
-                format!("an expression of more than {MAX_TERMS} numbers and names"),
+                format!("an expression has more than {MAX_TERMS} numbers and names"),
             )
-            .label(location, "too many to work out at once")
-            .help("name a part of it with a `let`"),
+            .label(location, "the expression is too long")
+            .help("name a part of it: `let part = ...`"),
             K::StatementTooLong => Diagnostic::new(
                 Code::StatementTooLong,
-                format!("a statement of more than {MAX_STATEMENT} bytes"),
+                format!("a statement has more than {MAX_STATEMENT} bytes"),
             )
-            .label(location, "begins here")
-            .help("break it up: a chain may go on in the next statement with its last block"),
+            .label(location, "the statement begins here")
+            .help("split it: the next statement can continue a chain from its last block"),
             K::MissingReason => {
                 let code = text.get(location.span.start as usize..location.span.end as usize);
                 let code = spelt(code.unwrap_or_default());
-                Diagnostic::new(Code::MissingReason, format!("`{code}` needs a reason"))
-                    .label(location, "no reason follows")
-                    .help(format!("write it in quotation marks: `{code} \"it marks the corner\"`"))
+                let before = text.get(..location.span.start as usize).unwrap_or_default();
+                let is_deny = before.trim_end().ends_with("deny");
+                let verdict = if is_deny { "deny" } else { "allow" };
+                Diagnostic::new(
+                    Code::MissingReason,
+                    format!("`{verdict} {code}` needs a reason"),
+                )
+                .label(location, "the reason must follow this code")
+                .help(format!("write `{verdict} {code} \"it marks the corner\"`"))
             }
-            K::DanglingDoc => Diagnostic::new(Code::DanglingDoc, "a `///` comment with nothing below")
-                .label(location, "belongs to nothing")
-                .help("use `//` for a free comment"),
+            K::DanglingDoc => {
+                Diagnostic::new(Code::DanglingDoc, "a `///` comment documents nothing")
+                    .label(location, "no declaration or statement follows")
+                    .help("write `//`, or move the comment above a statement")
+            }
             K::TooMany => Diagnostic::new(
                 Code::TooManyErrors,
-                format!("more than {MAX_ERRORS} errors; the rest of the file was not read"),
+                format!("more than {MAX_ERRORS} errors of syntax"),
             )
-            .label(location, "reading stopped here")
+            .label(location, "the file was not read from here on")
             .help("fix the errors above first"),
-            K::Json => Diagnostic::new(Code::Syntax, "the file is JSON, and no program")
-                .label(location, "begins here")
-                .help("what `stochc` has written is read by the option that it is for: rates by `--rates`, a manifest by `stochc repeat`"),
-            K::FileTooLarge => Diagnostic::new(Code::FileTooLarge, "a file of 4 GiB or more")
+            K::Json => Diagnostic::new(Code::Syntax, "the file is JSON, not a program")
+                .label(location, "JSON begins here")
+                .help(
+                    "pass a program (`*.sa`); rates are passed with `--rates`, results as a folder",
+                ),
+            K::FileTooLarge => Diagnostic::new(Code::FileTooLarge, "the file has 4 GiB or more")
                 .help("split it into several files and `import` them"),
         }
     }
@@ -131,10 +134,9 @@ fn unclosed(location: SourceLocation, text: &str) -> Diagnostic {
     let start = location.span.start as usize;
     let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
     let line = &text[line_start..start];
-    let words: Vec<&str> = line.split_whitespace().take(2).collect();
-    let title = match &words[..] {
-        [] => "missing `}`".to_owned(),
-        words => format!("missing `}}` of `{}`", spelt(&words.join(" "))),
+    let title = match block_name(line) {
+        Some(name) => format!("missing `}}` for `{name}`"),
+        None => "missing `}`".to_owned(),
     };
     let indentation = |line: &str| line.len() - line.trim_start().len();
     let depth = indentation(line);
@@ -166,9 +168,46 @@ fn unclosed(location: SourceLocation, text: &str) -> Diagnostic {
     Diagnostic::new(Code::UnclosedBrace, title)
         .label(location, "this `{` is never closed")
         .help(format!(
-            "write `}}` where the block ends; by the indentation, that is after line {above}"
+            "the indentation suggests a `}}` after line {above}"
         ))
         .fix(Fix::replace(end, brace, "add the `}`").unsafe_if(true))
+}
+
+/// Returns the first two words of the head of a block, such as `phase grow`.
+fn block_name(head: &str) -> Option<String> {
+    let words: Vec<&str> = head.split_whitespace().take(2).collect();
+    (!words.is_empty()).then(|| spelt(&words.join(" ")))
+}
+
+/// Returns the error of a block without its opening brace.
+fn missing_brace(location: SourceLocation, what: &str, text: &str) -> Diagnostic {
+    let before = text.get(..location.span.start as usize).unwrap_or_default();
+    let head = before.lines().next_back().unwrap_or_default().trim();
+    let title = match block_name(head) {
+        Some(name) => format!("missing `{{` for `{name}`"),
+        None => format!("missing `{{` for {what}"),
+    };
+    let diagnostic = Diagnostic::new(Code::MissingBrace, title).label(location, "`{` belongs here");
+    // The head may begin on an earlier line, or be long.
+    match head.len() {
+        1..=60 => diagnostic.help(format!("write `{} {{`", spelt(head))),
+        _ => diagnostic.help("write `{`"),
+    }
+}
+
+/// Returns the error of a number that cannot be stored.
+fn number_too_large(location: SourceLocation, number: &str) -> Diagnostic {
+    /// Values of scenes with more digits are too large as well.
+    const DIGITS: usize = 300;
+    let is_whole = number.bytes().all(|byte| byte.is_ascii_digit()) && number.len() < DIGITS;
+    let (title, limit) = if is_whole {
+        ("does not fit in 64 bits", i64::MAX.to_string())
+    } else {
+        ("is too large", format!("{:e}", f64::MAX))
+    };
+    Diagnostic::new(Code::NumberTooLarge, format!("`{}` {title}", spelt(number)))
+        .label(location, "this number is above the limit")
+        .help(format!("write at most {limit}"))
 }
 
 /// Returns the error of a statement or block in the wrong surroundings.
@@ -177,24 +216,38 @@ fn misplaced(
     what: &'static str,
     within: &'static str,
     belongs: &'static str,
+    text: &str,
 ) -> Diagnostic {
+    /// Longest statement that a help repeats.
+    const LONGEST: usize = 60;
     let is_block = what.starts_with("a phase") || what.starts_with("a seed plate");
+    let written = text.get(location.span.start as usize..location.span.end as usize);
+    let written = written.filter(|it| it.len() <= LONGEST && !it.contains('\n'));
     let help = match within {
-        // Where one stands in the other, the first has probably been left open.
+        // A block inside another one of its kind: the outer one probably lacks its brace.
         "a phase" | "a seed plate" if is_block => {
-            format!("it belongs in {belongs}: is the `}}` of {within} missing before it?")
+            format!("add the missing `}}` of {within} before it")
         }
         "an instance of a pattern" if what == "an `after`" => {
-            "put it in the pattern, behind the captures that have to wait; what they wait \
-             for may be an argument: `pattern tower(base, first) { base.up -> T after first }`"
+            "move it into the pattern, after a capture; the block that it waits for can be an \
+             argument: `pattern tower(base, first) { base.up -> T after first }`"
                 .to_owned()
         }
         within if within.starts_with("a loop") => format!("move the loop into {belongs}"),
-        _ => format!("it belongs in {belongs}"),
+        _ => match written {
+            Some(written) if belongs.starts_with("a phase") => {
+                format!("wrap it: `phase NAME {{ {} }}`", spelt(written))
+            }
+            _ => format!("move it into {belongs}"),
+        },
     };
-    let title = format!("{what} does not belong in {within}");
-    Diagnostic::new(Code::Misplaced, title)
-        .label(location, format!("{what}, in {within}"))
+    let place = belongs.split_once(": ").map_or(belongs, |(place, _)| place);
+    let label = match within {
+        "the file" => "this one is outside of every block".to_owned(),
+        within => format!("this one is in {within}"),
+    };
+    Diagnostic::new(Code::Misplaced, format!("{what} must be inside {place}"))
+        .label(location, label)
         .help(help)
 }
 
@@ -211,8 +264,8 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
             span: Span::new(start, start + BYTE_ORDER_MARK.len() as u32),
             ..location
         };
-        return Diagnostic::new(Code::Syntax, "a byte-order mark")
-            .label(location, "an invisible sign of three bytes")
+        return Diagnostic::new(Code::Syntax, "a byte-order mark inside the file")
+            .label(location, "three invisible bytes")
             .help("save the file as UTF-8 without a byte-order mark")
             .fix(Fix::remove(mark, "remove the mark"));
     }
@@ -221,7 +274,7 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
     }
     if let Some((word, title, help)) = hint.foreign() {
         return Diagnostic::new(Code::Syntax, title)
-            .label(word, "not part of the language")
+            .label(word, "unknown keyword")
             .help(help);
     }
     let list = series(expected, "or");
@@ -230,20 +283,15 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
         word => format!("`{}`", spelt(word)),
     };
     let title = match list.as_str() {
-        "" => format!("did not expect {shown}"),
+        "" => format!("unexpected {shown}"),
         list => format!("expected {list}, found {shown}"),
     };
-    let label = if expected.is_empty() {
-        "not part of the language"
-    } else {
-        "here"
-    };
-    let mut diagnostic = Diagnostic::new(Code::Syntax, title).label(location, label);
+    let mut diagnostic = Diagnostic::new(Code::Syntax, title).label(location, "cannot stand here");
     (diagnostic.help, diagnostic.fix) = hint.advice();
     diagnostic
 }
 
-/// How errors of syntax other than a wrong word are fixed.
+/// Returns the fix of an error other than a wrong word.
 fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix> {
     let (start, end) = (location.span.start as usize, location.span.end as usize);
     let part = |start: usize, end: usize| SourceLocation {
@@ -253,11 +301,11 @@ fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix>
     Some(match &error.kind {
         K::DanglingDoc => {
             let mut fix = Fix {
-                title: "make it a free comment with `//`".to_owned(),
+                title: "write `//`".to_owned(),
                 edits: Vec::new(),
                 safe: true,
             };
-            // The lines right below are part of it.
+            // Comments on the following lines are part of it.
             let mut at = start;
             for line in text.get(start..)?.split_inclusive('\n') {
                 let doc = line.trim_start();
@@ -273,7 +321,7 @@ fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix>
             }
             fix
         }
-        K::FaceMisused { hint } if hint.starts_with("a block is meant") => {
+        K::FaceMisused { hint } if hint.starts_with("write the block without") => {
             let dot = text.get(..start)?.strip_suffix('.')?.len();
             Fix::remove(part(dot, end), "leave the face out")
         }

@@ -47,8 +47,8 @@ const FOREIGN: [(&[&str], &str); 4] = [
         &[
             "if", "else", "elif", "elsif", "unless", "when", "match", "switch", "case",
         ],
-        "what is built is settled before a run: repeat with `for i in 1..4 { ... }`, order with \
-         `after`, and write an assembly for each case",
+        "programs have no conditions: repeat with `for i in 1..4 { ... }`, order with `after`, and \
+         write one assembly for each case",
     ),
     (
         &["while", "loop", "repeat", "until", "foreach"],
@@ -56,7 +56,7 @@ const FOREIGN: [(&[&str], &str); 4] = [
     ),
     (
         &["fn", "func", "function", "def", "proc", "macro"],
-        "name statements with `pattern tower(base, height) { ... }`",
+        "name a group of statements with `pattern tower(base, height) { ... }`",
     ),
     (&["var", "const", "int"], "name a number with `let n = 6`"),
 ];
@@ -78,7 +78,7 @@ impl SyntaxHint<'_> {
             return None;
         }
         let (_, help) = FOREIGN.iter().find(|(words, _)| words.contains(&word))?;
-        let title = format!("there is no `{word}`");
+        let title = format!("`{word}` is not part of the language");
         Some((self.span(start, start + word.len()), title, help))
     }
 
@@ -111,12 +111,13 @@ impl SyntaxHint<'_> {
             location: self.span(before[..word].trim_end().len(), at + time.len()),
             text: String::new(),
         });
-        let title = "a `timeout` belongs to a phase, not to a capture";
+        let title = "`timeout` belongs to a phase, not to a capture";
         let diagnostic = Diagnostic::new(Code::Misplaced, title)
-            .label(self.span(word, at + time.len()), "after a capture")
-            .help(format!(
-                "write it after the name of the phase: `{written} {{`"
-            ))
+            .label(
+                self.span(word, at + time.len()),
+                "this one follows a capture",
+            )
+            .help(format!("write `{written} {{`"))
             .fix(fix.unsafe_if(name.contains("timeout")));
         Some(diagnostic)
     }
@@ -131,29 +132,29 @@ impl SyntaxHint<'_> {
         if self.expects("`->`") && !behind.is_empty() && !FIRST.contains(&behind) && fix.is_none() {
             let behind = spelt(behind);
             let help = format!(
-                "`{behind}` alone is no statement: is a comma or a brace missing before it?"
+                "`{behind}` alone is not a statement: add the missing comma or brace before it"
             );
             return (Some(help), None);
         }
         let help = match self.found {
-            _ if self.size().is_some() => "blanks stand round the `x` of a size: `3 x 1`",
-            "\u{d7}" => "a size is written with the letter `x`: `3 x 1`",
+            _ if self.size().is_some() => "write spaces around the `x` of a size: `3 x 1`",
+            "\u{d7}" => "write a size with the letter `x`: `3 x 1`",
             found if found.starts_with(|c: char| c.is_alphabetic() && !c.is_ascii()) => {
-                "a name has the letters `a` to `z` and `A` to `Z`, digits and `_`"
+                "write names with the letters `a` to `z` and `A` to `Z`, digits and `_`"
             }
-            ";" => "remove it: nothing stands between two statements",
-            found if self.is_unit_on_next_line(found) => "a unit stands on the line of its number",
-            "/" if self.is_one_over() => "one over a unit is written `s^-1`",
-            "/" => "a comment runs from `//` to the end of its line",
-            "#" if !self.is_row() => "a comment runs from `//` to the end of its line",
-            "///" => "a comment that belongs to nothing begins with `//`",
-            "\"" | "'" => "a file name stands between two `\"`, in one line",
+            ";" => "remove it: statements need no separator",
+            found if self.is_unit_on_next_line(found) => "write the unit on the line of its number",
+            "/" if self.is_one_over() => "write `s^-1` for one over a unit",
+            "/" => "begin the comment with `//`",
+            "#" if !self.is_row() => "begin the comment with `//`",
+            "///" => "begin a comment that documents nothing with `//`",
+            "\"" | "'" => "write the file name between two `\"`, in one line",
             "=" | "-" | ">" | "\u{2192}" | "\u{2013}" | "\u{2014}" if self.expects("`->`") => {
-                "an arrow is written `->`, and `->>` for a row of blocks"
+                "write `->` to capture one block and `->>` for a row: `M.up ->> T[1..3]`"
             }
-            "." | "=" if self.before().ends_with("..") => "a range is written `1..4`",
+            "." | "=" if self.before().ends_with("..") => "write a range as `1..4`",
             "in" if self.loop_in_parentheses().is_some() => {
-                "a loop is written `for i in 1..4 { ... }`"
+                "write a loop as `for i in 1..4 { ... }`"
             }
             _ => return (None, fix),
         };
@@ -242,7 +243,7 @@ impl SyntaxHint<'_> {
             "/" if self.begins_statement() && !self.is_one_over() => {
                 Fix::replace(here(1), "//", "begin the comment with `//`")
             }
-            "///" => Fix::replace(here(3), "//", "make it a free comment with `//`"),
+            "///" => Fix::replace(here(3), "//", "begin the comment with `//`"),
             "." | "=" if self.before().ends_with("..") => {
                 Fix::remove(here(1), "write the range with two dots")
             }

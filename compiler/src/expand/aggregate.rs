@@ -19,9 +19,12 @@ impl Expander<'_, '_> {
         let size = u32::try_from(value).ok();
         let Some(size) = size.filter(|_| (2..=MAX_SIZE).contains(&value)) else {
             self.diagnostics.push(
-                Diagnostic::new(Code::WrongValue, format!("an aggregate of {value} blocks"))
-                    .label(location, format!("must be from 2 to {MAX_SIZE}"))
-                    .help("an aggregate is complete when so many blocks are bonded to each other"),
+                Diagnostic::new(
+                    Code::WrongValue,
+                    format!("an aggregate cannot have {value} blocks"),
+                )
+                .label(location, format!("must be from 2 to {MAX_SIZE}"))
+                .help("write the number of bonded blocks that completes it: `aggregate NAME to 8`"),
             );
             return;
         };

@@ -98,9 +98,12 @@ impl<'a> Expander<'a, '_> {
                 }
                 if let Some((_, span)) = place.face {
                     self.diagnostics.push(
-                        Diagnostic::new(Code::FaceMisused, "an argument is a block or a face")
-                            .label(self.location(span), "this is a block with its face")
-                            .help("give them as two arguments"),
+                        Diagnostic::new(
+                            Code::FaceMisused,
+                            "an argument is a block or a face, not both",
+                        )
+                        .label(self.location(span), "a face after a block")
+                        .help("write two arguments, such as `A, up`"),
                     );
                     return BoundValue::Unknown;
                 }
@@ -133,7 +136,7 @@ impl<'a> Expander<'a, '_> {
 
     fn single_block(&mut self, place: &'a Place) -> BoundValue {
         let Some((key, _)) =
-            self.single(place, "give one block, or grow the pattern in a loop", None)
+            self.single(place, "pass one block, or use the pattern in a loop", None)
         else {
             return BoundValue::Unknown;
         };
@@ -184,8 +187,8 @@ impl<'a> Expander<'a, '_> {
                     .or_else(|| nearest(word, stochc_ir::Face::ALL.map(|face| face.word())));
                 if meant.is_some() {
                     let diagnostic =
-                        Diagnostic::new(Code::UnknownName, format!("no face is called `{word}`"))
-                            .label(location, "not known")
+                        Diagnostic::about(Code::UnknownName, "`{}` is not a face", &[word])
+                            .label(location, "unknown face")
                             .label(used, label)
                             .suggest(location, meant, String::new);
                     self.diagnostics.push(diagnostic);
@@ -202,9 +205,9 @@ impl<'a> Expander<'a, '_> {
             misfit.given.noun(),
         );
         let help = match needed {
-            ValueKind::Block => "give it the name of a block: a seed, or one that is captured",
-            ValueKind::Number => "give it a whole number, or the name of a `let`",
-            ValueKind::Face => "give it one of up, down, north, south, east and west",
+            ValueKind::Block => "pass the name of a seed or of a captured block",
+            ValueKind::Number => "pass a whole number, or the name of a `let`",
+            ValueKind::Face => "pass up, down, north, south, east or west",
         };
         let diagnostic = Diagnostic::new(Code::WrongKind, title)
             .label(location, format!("this is {}", misfit.given.noun()))

@@ -34,10 +34,23 @@ impl Expander<'_, '_> {
                 let right = self.evaluate(&sides.1);
                 let (left, right) = (left?, right?);
                 if matches!(operator, Operator::Divide | Operator::Remainder) && right == 0 {
-                    let diagnostic = Diagnostic::new(Code::Arithmetic, "a division by zero")
-                        .label(self.location(sides.1.span), "this is 0")
-                        .label(self.location(sides.0.span), "divided by it")
-                        .help("divide by another number: where it is a counter, begin its range at 1, or add to it");
+                    let divisor = self.location(sides.1.span);
+                    let (title, help) = match sides.1.kind {
+                        ExprKind::Name(symbol) => {
+                            let name = self.symbols.word(symbol);
+                            let help = format!(
+                                "start the range of `{name}` at 1, or divide by `({name} + 1)`"
+                            );
+                            (format!("division by zero when `{name}` is 0"), help)
+                        }
+                        _ => (
+                            "division by zero".to_owned(),
+                            "divide by another number".to_owned(),
+                        ),
+                    };
+                    let diagnostic = Diagnostic::new(Code::Arithmetic, title)
+                        .label(divisor, "the divisor is 0")
+                        .help(help);
                     self.diagnostics.push(diagnostic);
                     return None;
                 }
@@ -59,9 +72,9 @@ impl Expander<'_, '_> {
     fn in_range(&mut self, value: Option<i64>, expr: &Expr) -> Option<i64> {
         if value.is_none() {
             let diagnostic =
-                Diagnostic::new(Code::Arithmetic, "a number leaves the range of 64 bits")
+                Diagnostic::new(Code::Arithmetic, "the result does not fit in 64 bits")
                     .label(self.location(expr.span), "too large or too small")
-                    .help("whole numbers have 64 bits");
+                    .help("use smaller numbers");
             self.diagnostics.push(diagnostic);
         }
         value

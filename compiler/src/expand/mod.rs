@@ -55,7 +55,7 @@ impl Limits {
     /// What to do about a program beyond them.
     fn help(self, usual: &str) -> String {
         match self.further {
-            Some(command) => format!("an editor looks no further, `{command}` does; or {usual}"),
+            Some(command) => format!("{usual}; `{command}` has a higher limit"),
             None => usual.to_owned(),
         }
     }
@@ -361,9 +361,12 @@ impl<'a> Expander<'a, '_> {
         self.items(&assembly.body);
         if self.plate.is_none() {
             self.diagnostics.push(
-                Diagnostic::new(Code::MissingPlate, "the assembly has no seed plate")
-                    .label(self.plan.location, "nothing to grow from")
-                    .help("begin with `seed plate 3 x 3 { M at (1, 1) }`"),
+                Diagnostic::new(
+                    Code::MissingPlate,
+                    format!("assembly `{}` has no seed plate", self.plan.name),
+                )
+                .label(self.plan.location, "every structure starts at a seed")
+                .help("add `seed plate 3 x 3 { M at (1, 1) }` before the first phase"),
             );
         }
     }
@@ -384,10 +387,12 @@ impl<'a> Expander<'a, '_> {
                 self.diagnostics.push(
                     Diagnostic::new(
                         Code::TooDeep,
-                        format!("patterns and loops inside each other, {MAX_NESTING} deep"),
+                        format!(
+                            "patterns and loops are nested more than {MAX_NESTING} levels deep"
+                        ),
                     )
-                    .label(location, "one level too many")
-                    .help("grow a long structure with a loop or `->>` instead of nested patterns"),
+                    .label(location, format!("this is level {}", MAX_NESTING + 1))
+                    .help("use a loop or `->>` instead of nested patterns"),
                 );
             }
             return;
@@ -428,9 +433,9 @@ impl<'a> Expander<'a, '_> {
         if has_enough {
             if !(self.diagnostics.iter()).any(|it| it.code == Code::TooManyErrors) {
                 self.diagnostics.push(
-                    Diagnostic::new(Code::TooManyErrors, "more errors than anybody reads")
-                        .label(self.location(span), "writing out stopped here")
-                        .help("fix the errors above first"),
+                    Diagnostic::new(Code::TooManyErrors, "too many errors")
+                        .label(self.location(span), "expansion stopped here")
+                        .help("fix the first ones and check again"),
                 );
             }
             return false;
@@ -446,13 +451,16 @@ impl<'a> Expander<'a, '_> {
         };
         let mut diagnostic = Diagnostic::new(
             Code::ExpansionLimit,
-            format!("the program grows beyond {count} {what}"),
+            format!("the program has more than {count} {what}"),
         )
-        .label(self.location(span), "the limit is reached here");
+        .label(
+            self.location(span),
+            "the limit is reached in this statement",
+        );
         for &(_, location) in self.instances.iter().rev().take(3) {
             diagnostic = diagnostic.label(location, "in this instance");
         }
-        let help = "look for a loop with too large a range, or patterns that multiply each other";
+        let help = "check the ranges of loops, and patterns inside of patterns";
         self.diagnostics
             .push(diagnostic.help(self.limits.help(help)));
         false
@@ -571,10 +579,12 @@ impl<'a> Expander<'a, '_> {
         if let Some(planned) = self.plan.phases.last_mut() {
             planned.events.end = end;
             if start == end && planned.claims.is_empty() {
-                let mut diagnostic =
-                    Diagnostic::new(Code::EmptyPhase, "a phase without captures or releases")
-                        .label(location, "ends as soon as it begins")
-                        .help("remove it, or check the ranges of its loops");
+                let mut diagnostic = Diagnostic::new(
+                    Code::EmptyPhase,
+                    format!("phase `{}` has no captures or releases", planned.name),
+                )
+                .label(location, "the phase ends in the tick in which it starts")
+                .help("remove it, or check the ranges of its loops");
                 if phase.body.is_empty() && item.docs.0.is_none() {
                     diagnostic.fix = self.without(item);
                 }
@@ -630,8 +640,8 @@ impl<'a> Expander<'a, '_> {
             let lacks_unit = quantity.unit.is_empty() && quantity.value != 0.0;
             let (title, label, help) = if lacks_unit {
                 (
-                    "a timeout without its unit",
-                    "ticks or seconds?",
+                    "a timeout has no unit",
+                    "the unit is missing",
                     format!(
                         "write `{0} ticks` or `{0} s`; ms, min and h are known as well",
                         quantity.value
@@ -639,22 +649,21 @@ impl<'a> Expander<'a, '_> {
                 )
             } else if Timeout::is_in_ticks(quantity) && quantity.value > 0.0 {
                 (
-                    "a timeout is a whole number of ticks",
+                    "a timeout in ticks must be a whole number",
                     "not a whole number below 9e15",
-                    "write a whole number of ticks such as `40000 ticks`, or seconds".to_owned(),
+                    "write `40000 ticks`, or a time such as `800 s`".to_owned(),
                 )
             } else if quantity.value != 0.0 && !Timeout::is_a_time(quantity) {
                 (
-                    "a timeout is a time",
-                    "not a time",
-                    "write a number of ticks such as `40000 ticks`, or seconds; minutes are `min`"
-                        .to_owned(),
+                    "a timeout must be a time",
+                    "this value is not a time",
+                    "write `800 s` or `40000 ticks`; minutes are `min`".to_owned(),
                 )
             } else {
                 (
-                    "a timeout is a positive time",
-                    "not a positive time",
-                    "write a number of ticks such as `40000 ticks`, or seconds".to_owned(),
+                    "a timeout must be more than 0",
+                    "this time is 0 or negative",
+                    "write `800 s` or `40000 ticks`".to_owned(),
                 )
             };
             let diagnostic = Diagnostic::new(Code::WrongDimension, title);
@@ -691,6 +700,15 @@ impl<'a> Expander<'a, '_> {
     }
 }
 
+/// Returns the plural of `a phase` or `an assembly`.
+fn plural(noun: &str) -> String {
+    let word = noun.split_once(' ').map_or(noun, |(_, word)| word);
+    match word.strip_suffix('y') {
+        Some(stem) => format!("{stem}ies"),
+        None => format!("{word}s"),
+    }
+}
+
 /// Returns the error of two things with one name, with another name for the second.
 pub fn duplicate(
     name: &str,
@@ -703,16 +721,19 @@ pub fn duplicate(
     let other = numbered
         .into_iter()
         .find(|name| symbols.get(name).is_none());
-    let mut diagnostic =
-        Diagnostic::new(Code::DuplicateName, format!("`{name}` is declared twice"))
-            .label(new, format!("{noun} with the same name"))
-            .label(old, "first declared here");
-    // Only where the name alone stands there.
+    let mut diagnostic = Diagnostic::about(
+        Code::DuplicateName,
+        "two {} are named `{}`",
+        &[&plural(noun), name],
+    )
+    .label(new, "second declaration")
+    .label(old, "first declaration");
+    // A name with an index cannot be replaced.
     let other = other.filter(|_| new.span.len() == name.len());
     let Some(other) = other else {
-        return diagnostic.help("rename one of the two");
+        return diagnostic.help("rename one of them");
     };
     let fix = Fix::replace(new, &other, format!("call it `{other}`"));
     diagnostic.fix = Some(fix.unsafe_if(true));
-    diagnostic.help(format!("rename one of the two, such as `{other}`"))
+    diagnostic.help(format!("rename one of them, such as `{other}`"))
 }

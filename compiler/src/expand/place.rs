@@ -119,9 +119,14 @@ impl Expander<'_, '_> {
         if blocks.ranged {
             let location = self.location(place.span);
             let written = self.sources.text(location);
-            let title = format!("`{written}` is a range, but one block is needed");
+            let count = match blocks.keys.count {
+                0 => "an empty range".to_owned(),
+                1 => "a range".to_owned(),
+                count => format!("a range of {count} blocks"),
+            };
+            let title = format!("one block is needed, but `{written}` is {count}");
             let mut diagnostic = Diagnostic::new(Code::RangeMisused, title)
-                .label(location, "several blocks")
+                .label(location, "only one block can stand here")
                 .help(help);
             diagnostic.fix = fix;
             self.diagnostics.push(diagnostic);
@@ -136,9 +141,12 @@ impl Expander<'_, '_> {
             [only] => only,
             _ => {
                 self.diagnostics.push(
-                    Diagnostic::new(Code::WrongKind, "a new name has no dots")
-                        .label(self.location(place.span), "belongs to something else")
-                        .help("use a name of its own"),
+                    Diagnostic::new(Code::WrongKind, "a new name cannot have dots")
+                        .label(
+                            self.location(place.span),
+                            "the name of a new block or instance",
+                        )
+                        .help("write a name without dots"),
                 );
                 return None;
             }
@@ -146,9 +154,9 @@ impl Expander<'_, '_> {
         let (keys, ranged) = self.keys(self.scope.instance, segment)?;
         if ranged {
             self.diagnostics.push(
-                Diagnostic::new(Code::RangeMisused, "several names where one is needed")
-                    .label(self.location(place.span), "a range of names")
-                    .help("write one after the other, or use a loop"),
+                Diagnostic::new(Code::RangeMisused, "one name is needed, not a range")
+                    .label(self.location(place.span), "only one name can stand here")
+                    .help("write the names one by one, or use a loop"),
             );
             return None;
         }
@@ -159,12 +167,13 @@ impl Expander<'_, '_> {
     fn instance_scope(&mut self, scope: u32, segment: &Segment, next: &Segment) -> Option<u32> {
         let (keys, ranged) = self.keys(scope, segment)?;
         if ranged {
-            let diagnostic = Diagnostic::new(Code::RangeMisused, "a range of instances")
-                .label(
-                    self.location(segment.name.span),
-                    "one instance is needed here",
-                )
-                .help("go through the instances with a loop");
+            let diagnostic =
+                Diagnostic::new(Code::RangeMisused, "one instance is needed, not a range")
+                    .label(
+                        self.location(segment.name.span),
+                        "only one instance can stand here",
+                    )
+                    .help("use a loop: `for i in 1..3 { ... }`");
             self.diagnostics.push(self.in_instance(diagnostic));
             return None;
         }
@@ -189,14 +198,14 @@ impl Expander<'_, '_> {
             return None;
         }
         let diagnostic = if is_face {
-            Diagnostic::new(
-                Code::UnknownName,
-                format!("`{wanted}` is no face of `{word}`"),
-            )
-            .label(self.location(next.name.span), "not known here")
-            .suggest(self.location(next.name.span), meant, || {
-                "the faces are up, down, north, south, east and west".to_owned()
-            })
+            Diagnostic::about(Code::UnknownName, "`{}` is not a face", &[wanted])
+                .label(
+                    self.location(next.name.span),
+                    format!("unknown face of `{word}`"),
+                )
+                .suggest(self.location(next.name.span), meant, || {
+                    "write up, down, north, south, east or west".to_owned()
+                })
         } else if self.plan.doubtful.contains(&key.word) {
             return None;
         } else if let Some(diagnostic) = self.instance_around(key, segment) {
@@ -209,9 +218,11 @@ impl Expander<'_, '_> {
                 key
             };
             let name = self.plan.roles.name_of(written, self.symbols);
-            let title = format!("no instance of a pattern is called `{name}`");
-            let diagnostic = Diagnostic::new(Code::UnknownName, title)
-                .label(self.location(segment.name.span), "not known here");
+            let format = "cannot find pattern instance `{}`";
+            let diagnostic = Diagnostic::about(Code::UnknownName, format, &[&name]).label(
+                self.location(segment.name.span),
+                "no instance above has this name",
+            );
             let roles = &self.plan.roles;
             match members(key, roles.instances(scope), roles, self.symbols) {
                 Some(members) => diagnostic.help(members.describe("instance")),
@@ -220,10 +231,7 @@ impl Expander<'_, '_> {
                     let known = known.map(|known| self.symbols.word(known.word));
                     let known = diagnostic::meant(self.diagnostics, word, known);
                     diagnostic.suggest(self.location(segment.name.span), known, || {
-                        format!(
-                            "name the instance where it grows: `tower(A, 2) as {word}`; \
-                             what a pattern builds is known behind that statement"
-                        )
+                        format!("name the instance above this statement: `tower(A, 2) as {word}`")
                     })
                 }
             }
@@ -240,12 +248,12 @@ impl Expander<'_, '_> {
         outer.find(|&scope| roles.scope(&key.within(scope)).is_some())?;
         let (word, pattern) = (key.word, grown.pattern);
         let (word, pattern) = (self.symbols.word(word), self.symbols.word(pattern));
-        let title = format!("the pattern `{pattern}` does not see the instance `{word}`");
-        let diagnostic = Diagnostic::new(Code::UnknownName, title).label(
+        let format = "pattern `{}` cannot use the instance `{}`";
+        let diagnostic = Diagnostic::about(Code::UnknownName, format, &[pattern, word]).label(
             self.location(segment.name.span),
-            "not known inside of the pattern",
+            "unknown inside the pattern",
         );
-        let help = "give the pattern the block of it that is needed, as an argument";
+        let help = "pass the block of the instance to the pattern, as an argument";
         Some(diagnostic.help(help))
     }
 
@@ -264,10 +272,13 @@ impl Expander<'_, '_> {
             self.diagnostics.push(
                 Diagnostic::new(
                     Code::WrongArguments,
-                    format!("more than {} indices", NameKey::MAX_INDICES),
+                    format!("a name has more than {} indices", NameKey::MAX_INDICES),
                 )
-                .label(self.location(segment.name.span), "has too many")
-                .help("count some of them into one: `T[3 * i + j]`"),
+                .label(
+                    self.location(segment.name.span),
+                    format!("{} indices", entries.len()),
+                )
+                .help("combine some of them: `T[3 * i + j]`"),
             );
             return None;
         }
@@ -299,11 +310,11 @@ impl Expander<'_, '_> {
             self.diagnostics.push(
                 Diagnostic::new(
                     Code::ExpansionLimit,
-                    format!("the program grows beyond {room} captures and releases"),
+                    format!("the program has more than {room} captures and releases"),
                 )
                 .label(
                     self.location(segment.name.span),
-                    "this range alone is larger",
+                    "this range alone has more",
                 )
                 .help(
                     self.limits
@@ -324,12 +335,16 @@ impl Expander<'_, '_> {
         let index = i32::try_from(value).ok();
         if index.is_none() {
             self.diagnostics.push(
-                Diagnostic::new(
+                Diagnostic::about(
                     Code::Arithmetic,
-                    format!("{value} is too large for an index"),
+                    "index {} does not fit in 32 bits",
+                    &[&value.to_string()],
                 )
-                .label(self.location(expr.span), "indices have 32 bits")
-                .help("count from a smaller number"),
+                .label(
+                    self.location(expr.span),
+                    "too large or too small for an index",
+                )
+                .help("use smaller numbers"),
             );
         }
         index

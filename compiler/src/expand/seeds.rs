@@ -18,6 +18,17 @@ fn has_captures(items: &[Item]) -> bool {
     })
 }
 
+/// Returns the advice for a seed outside a plate of this width and depth.
+fn larger_plate((x, y): (i64, i64), (width, depth): (u32, u32)) -> String {
+    let needed = |value: i64, edge: u32| i64::from(edge).max(value.saturating_add(1));
+    let (east, north) = (needed(x, width), needed(y, depth));
+    if x < 0 || y < 0 || east > MAX_EDGE || north > MAX_EDGE {
+        "move the seed onto the plate".to_owned()
+    } else {
+        format!("move the seed, or write `seed plate {east} x {north}`")
+    }
+}
+
 /// Blocks along one edge of a plate, at most.
 const MAX_EDGE: i64 = Plate::LONGEST as i64;
 
@@ -34,19 +45,18 @@ impl<'a> Expander<'a, '_> {
         };
         if let Some(old) = self.plate.replace(location) {
             self.diagnostics.push(
-                Diagnostic::new(Code::DuplicateName, "an assembly has one seed plate")
-                    .label(location, "a second one")
-                    .label(old, "the first")
-                    .help("put all seeds on one plate"),
+                Diagnostic::new(Code::DuplicateName, "the assembly has two seed plates")
+                    .label(location, "second plate")
+                    .label(old, "first plate")
+                    .help("move all seeds to the first plate"),
             );
             return;
         }
         if let Some(phase) = self.plan.phases.first() {
-            let diagnostic =
-                Diagnostic::new(Code::Misplaced, "the seed plate stands behind a phase")
-                    .label(location, "comes too late")
-                    .label(phase.location, "the first phase")
-                    .help("move it to the beginning of the assembly");
+            let diagnostic = Diagnostic::new(Code::Misplaced, "the seed plate comes after a phase")
+                .label(location, "the plate must come first")
+                .label(phase.location, "first phase")
+                .help("move the plate to the beginning of the assembly");
             self.diagnostics.push(diagnostic);
             return;
         }
@@ -91,7 +101,12 @@ impl<'a> Expander<'a, '_> {
             return u32::try_from(value).ok();
         }
         self.diagnostics.push(
-            Diagnostic::new(Code::WrongValue, format!("a plate of {value} blocks")).label(
+            Diagnostic::about(
+                Code::WrongValue,
+                "the edge of a plate cannot have {} blocks",
+                &[&value.to_string()],
+            )
+            .label(
                 self.location(expr.span),
                 format!("must be from 1 to {MAX_EDGE}"),
             ),
@@ -118,16 +133,16 @@ impl<'a> Expander<'a, '_> {
         if !(inside(x, width) && inside(y, depth)) {
             let at = self.location(seat.at.0.span.to(seat.at.1.span));
             self.diagnostics.push(
-                Diagnostic::new(
+                Diagnostic::about(
                     Code::SeedOutsidePlate,
-                    format!("({x}, {y}) is not on the plate"),
+                    "position {} is not on the plate",
+                    &[&format!("({x}, {y})")],
                 )
-                .label(at, format!("the plate has {width} x {depth} blocks"))
-                .help(format!(
-                    "the south-west block is (0, 0), the north-east one ({}, {})",
-                    width - 1,
-                    depth - 1
-                )),
+                .label(
+                    at,
+                    format!("positions go from (0, 0) to ({}, {})", width - 1, depth - 1),
+                )
+                .help(larger_plate((x, y), (width, depth))),
             );
         }
         // A seed beside the plate is known all the same: its captures are no further mistakes.

@@ -1,5 +1,5 @@
 //! Captures, releases, loops and instances.
-use stochc_grammar::tree::{Arrow, Chain, EventReference, For, Instance, Place, Release};
+use stochc_grammar::tree::{Arrow, Chain, EventReference, For, Instance, Pattern, Place, Release};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::Face;
 use stochc_ir::counted;
@@ -15,7 +15,11 @@ impl<'a> Expander<'a, '_> {
     /// Captures, one after the other.
     pub fn chain(&mut self, chain: &'a Chain) {
         let first = self.grown.events;
-        let head = self.single(&chain.head, "let each block capture, in a loop", None);
+        let head = self.single(
+            &chain.head,
+            "let each block capture in a loop: `for i in 1..3 { T[i].up -> ... }`",
+            None,
+        );
         let mut parent = head.map(|(key, _)| self.role(key));
         let mut face = head.and_then(|(_, face)| face);
         let mut parent_place = &chain.head;
@@ -27,8 +31,11 @@ impl<'a> Expander<'a, '_> {
             match link.arrow {
                 Arrow::One => {
                     let fix = self.other_arrow(parent_place, &link.place, ["->", "->>"]);
-                    let help = "capture a row of blocks with `->>`";
-                    let child = self.single(&link.place, help, fix);
+                    let help = match parent_place.face {
+                        Some(_) => self.row_help(parent_place, &link.place),
+                        None => "capture a row of blocks with `->>`".to_owned(),
+                    };
+                    let child = self.single(&link.place, &help, fix);
                     let used = self.face(parent, face, parent_place);
                     let role = child.map(|(key, _)| self.role(key));
                     match (parent, used, role) {
@@ -50,8 +57,8 @@ impl<'a> Expander<'a, '_> {
                     if !blocks.ranged {
                         let mut diagnostic =
                             Diagnostic::new(Code::RangeMisused, "`->>` needs a range of blocks")
-                                .label(self.location(link.place.span), "a single block")
-                                .help("write a range such as `T[1..12]`, or `->` for one block");
+                                .label(self.location(link.place.span), "this is one block")
+                                .help("write `->` for one block, or a range such as `T[1..12]`");
                         diagnostic.fix = self.other_arrow(parent_place, &link.place, ["->>", "->"]);
                         self.diagnostics.push(diagnostic);
                     }
@@ -78,14 +85,14 @@ impl<'a> Expander<'a, '_> {
             let span = last.place.face.map_or(last.place.span, |(_, span)| span);
             let mut diagnostic = Diagnostic::new(
                 Code::FaceMisused,
-                "a face at the end of a chain captures nothing",
+                "the last face of the chain captures nothing",
             )
-            .label(self.location(span), "nothing follows")
-            .help("leave the face out, or write what it captures: `-> X`");
+            .label(self.location(span), "no `->` follows this face")
+            .help("remove the face, or add a capture: `-> X`");
             if last.place.face.is_some() {
                 let dotted = self.location(Span::new(span.start - 1, span.end));
                 // Something may have been forgotten behind it.
-                diagnostic.fix = Some(Fix::remove(dotted, "leave the face out").unsafe_if(true));
+                diagnostic.fix = Some(Fix::remove(dotted, "remove the face").unsafe_if(true));
             }
             self.diagnostics.push(diagnostic);
         }
@@ -103,14 +110,42 @@ impl<'a> Expander<'a, '_> {
         (text.trim() == old).then(|| Fix::replace(arrow, new, format!("write `{new}`")))
     }
 
+    /// Returns the advice to write a capture of a range as a row.
+    fn row_help(&self, parent: &Place, child: &Place) -> String {
+        /// Longest names that are repeated.
+        const LONGEST: usize = 40;
+        let text = |place: &Place| self.sources.text(self.location(place.span));
+        let (parent, child) = (text(parent), text(child));
+        if parent.len().max(child.len()) > LONGEST || child.contains('\n') {
+            return "capture a row of blocks with `->>`".to_owned();
+        }
+        format!("capture a row of blocks with `->>`: `{parent} ->> {child}`")
+    }
+
+    /// Returns the advice to give an instance all arguments of its pattern.
+    fn instance_help(&self, name: Symbol, pattern: &Pattern) -> String {
+        let parameters = pattern.parameters.iter();
+        let parameters: Vec<&str> = parameters
+            .map(|parameter| self.symbols.word(parameter.symbol))
+            .collect();
+        let word = self.symbols.word(name);
+        format!(
+            "write `{word}({})` with a value for each parameter",
+            parameters.join(", ")
+        )
+    }
+
     /// The face that captures next.
     fn face(&mut self, parent: Option<RoleId>, face: Option<Face>, place: &Place) -> Option<Face> {
         if parent.is_some() && face.is_none() {
             let text = place.path.last().map(|segment| segment.name.symbol);
             let name = text.map_or("", |symbol| self.symbols.word(symbol));
             self.diagnostics.push(
-                Diagnostic::new(Code::MissingFace, "a capture needs a face")
-                    .label(self.location(place.span), "through which of its faces?")
+                Diagnostic::new(Code::MissingFace, format!("missing face on `{name}`"))
+                    .label(
+                        self.location(place.span),
+                        "a block captures through one of its faces",
+                    )
                     .help(format!(
                         "write `{name}.up`, or another of up, down, north, south, east, west"
                     ))
@@ -218,21 +253,19 @@ impl<'a> Expander<'a, '_> {
             let word = self.symbols.word(name);
             let known = patterns.values();
             let known = known.map(|(_, known)| self.symbols.word(known.name.symbol));
-            let diagnostic = Diagnostic::new(
-                Code::UnknownName,
-                format!("no pattern is called `{word}`"),
-            )
-            .label(location, "not known here")
-            .suggest(
-                location,
-                meant(self.diagnostics, word, known),
-                || match word {
-                    "allow" | "deny" => format!(
-                        "a level is set without parentheses: `{word} unused-seed \"reason\"`"
-                    ),
-                    _ => format!("declare it: `pattern {word}(base) {{ ... }}`"),
-                },
-            );
+            let diagnostic =
+                Diagnostic::about(Code::UnknownName, "cannot find pattern `{}`", &[word])
+                    .label(location, "no pattern has this name")
+                    .suggest(
+                        location,
+                        meant(self.diagnostics, word, known),
+                        || match word {
+                            "allow" | "deny" => format!(
+                                "write it without parentheses: `{word} unused-seed \"reason\"`"
+                            ),
+                            _ => format!("declare it: `pattern {word}(base) {{ ... }}`"),
+                        },
+                    );
             self.diagnostics.push(diagnostic);
             instance.alias.iter().for_each(|alias| self.doubt(alias));
             return;
@@ -258,8 +291,9 @@ impl<'a> Expander<'a, '_> {
                         counted(needed, "argument")
                     ),
                 )
-                .label(self.location(span), format!("gives {given}"))
-                .label(parameters, format!("takes {needed}")),
+                .label(self.location(span), counted(given, "argument"))
+                .label(parameters, counted(needed, "parameter"))
+                .help(self.instance_help(name, pattern)),
             );
             vec![BoundValue::Unknown; needed]
         };
@@ -313,13 +347,16 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn recursion(&mut self, depth: usize, location: SourceLocation) {
-        let mut diagnostic = Diagnostic::new(
-            Code::RecursivePattern,
-            "a pattern grows itself, without end",
-        )
-        .label(location, "grows the pattern it stands in");
+        let first = self.instances[depth..].first();
+        let word = first.map_or("", |&(name, _)| self.symbols.word(name));
+        let title = format!("pattern `{word}` contains itself");
+        let mut diagnostic = Diagnostic::new(Code::RecursivePattern, title)
+            .label(location, format!("an instance inside of `{word}`"));
         for &(name, location) in &self.instances[depth..] {
-            diagnostic = diagnostic.label(location, format!("grows `{}`", self.symbols.word(name)));
+            diagnostic = diagnostic.label(
+                location,
+                format!("an instance of `{}`", self.symbols.word(name)),
+            );
         }
         let help = "repeat with `for` or `->>` instead";
         self.diagnostics.push(diagnostic.help(help));

@@ -15,25 +15,32 @@ impl Expander<'_, '_> {
         let given = value.kind().map_or("something else", ValueKind::noun);
         let (title, label) = if value.kind() == Some(needed) {
             (
-                format!("`{name}` is one block here"),
-                "it has no indices".to_owned(),
+                format!("`{name}` is one block and has no indices"),
+                "an index after a single block".to_owned(),
             )
         } else {
             (
-                format!("`{name}` is {given} here, not {}", needed.noun()),
-                format!("used as {}", needed.noun()),
+                format!(
+                    "expected {}, found {} `{name}`",
+                    needed.noun(),
+                    given.replacen("a ", "the ", 1)
+                ),
+                format!("{} must stand here", needed.noun()),
             )
         };
         let mut diagnostic = Diagnostic::new(Code::WrongKind, title)
             .label(self.location(named.span), label)
             .help(match needed {
-                ValueKind::Face => "a face is one of up, down, north, south, east and west",
-                _ => "blocks, numbers and parameters need different names",
+                ValueKind::Face => "write up, down, north, south, east or west".to_owned(),
+                _ => format!(
+                    "rename one of the two: `{name}` cannot be {given} and {}",
+                    needed.noun()
+                ),
             });
         let definition = self.names.definition(self.file, named.span);
         let known = definition.and_then(|definition| self.scope.get(named.symbol, definition));
         if let Some((_, location)) = known {
-            diagnostic = diagnostic.label(location, format!("{given} from here on"));
+            diagnostic = diagnostic.label(location, format!("`{name}` is declared as {given}"));
         }
         self.diagnostics.push(self.in_instance(diagnostic));
         if let Some(definition) = definition {
@@ -46,35 +53,34 @@ impl Expander<'_, '_> {
         let name = self.symbols.word(word);
         let location = self.location(span);
         let diagnostic = if let Some((let_, named)) = self.let_below(word) {
-            let diagnostic = Diagnostic::new(
-                Code::UnknownName,
-                format!("`{name}` is used before its `let`"),
-            );
+            let diagnostic =
+                Diagnostic::about(Code::UnknownName, "`{}` is used before its `let`", &[name]);
             if let_.file == location.file && (let_.span.start..let_.span.end).contains(&span.start)
             {
-                (diagnostic.label(location, "used in its own value"))
-                    .help("give it a value that can be worked out without it")
+                (diagnostic.label(location, "it is part of its own value"))
+                    .help("give it a value that does not contain it")
             } else {
                 (diagnostic
-                    .label(location, "not known yet")
-                    .label(named, "known from here on"))
-                .help("move the `let` up: a number is known from its `let` to the end of the block")
+                    .label(location, "used here")
+                    .label(named, "declared here"))
+                .help("move the `let` above its use")
             }
         } else if let Some((around, grown)) = self.scope.any(word).zip(self.grown()) {
             let pattern = self.symbols.word(grown.pattern);
-            Diagnostic::new(
+            Diagnostic::about(
                 Code::UnknownName,
-                format!("the pattern `{pattern}` does not see `{name}`"),
+                "pattern `{}` cannot use the number `{}`",
+                &[pattern, name],
             )
-            .label(location, "not known inside of the pattern")
-            .label(around, "a number around the place where it grows")
+            .label(location, "unknown inside the pattern")
+            .label(around, "declared outside the pattern")
             .help(parameter_hint(self.sources, &grown, name, name))
         } else {
             let known = self.scope.words().map(|word| self.symbols.word(word));
-            Diagnostic::new(Code::UnknownName, format!("no number is called `{name}`"))
-                .label(location, "not known here")
+            Diagnostic::about(Code::UnknownName, "cannot find number `{}`", &[name])
+                .label(location, "no `let`, counter or parameter has this name")
                 .suggest(location, meant(self.diagnostics, name, known), || {
-                    format!("define it: `let {name} = 3`")
+                    format!("declare it: `let {name} = 3`")
                 })
         };
         self.diagnostics.push(diagnostic);

@@ -19,10 +19,10 @@ use crate::plan::EventKind;
 pub struct NarrowCapture {
     /// Which.
     pub capture: EventId,
-    /// Sides of its cell, the one it docks on apart, that are open: 1 to 5.
-    pub open: u32,
-    /// Cells of the best way in that are one cell wide; `None`: too far to count.
+    /// Number of cells of the best path that are one cell wide. `None` if they are too many to count.
     pub length: Option<u32>,
+    /// Captures next to its cell: two on opposite sides if there are two, else all.
+    pub walls: Vec<EventId>,
 }
 
 /// All tight captures of a phase.
@@ -76,10 +76,10 @@ impl ReachAnalysis<'_> {
         found.sort_unstable();
         found.truncate(MAX_SHOWN);
         let worst = (found.into_iter())
-            .map(|(open, capture)| NarrowCapture {
+            .map(|(_, capture)| NarrowCapture {
                 capture,
-                open,
                 length: self.gap_length(capture, descendants),
+                walls: self.gap_walls(capture, descendants),
             })
             .collect();
         NarrowCaptures { count, worst }
@@ -167,6 +167,33 @@ impl ReachAnalysis<'_> {
             (cell.across(*face)).is_some_and(|next| !self.occupancy.is_blocked(next, &has))
         };
         Some(Face::ALL.iter().filter(|face| is_open(face)).count() as u32)
+    }
+
+    /// Returns the captures that make the gap of a capture, the worst case of the phase assumed.
+    fn gap_walls(&mut self, id: EventId, descendants: &DescendantIndex) -> Vec<EventId> {
+        let Some(cell) = self.cell(id) else {
+            return Vec::new();
+        };
+        let following = descendants.of(id, &mut self.warning.steps);
+        let docks_on = match self.subject.plan.event(id).kind {
+            EventKind::Capture { face, .. } => Some(face.opposite()),
+            EventKind::Release => None,
+        };
+        let has = |other: EventId| !following.contains(other);
+        let wall = |face: Face| {
+            let next = cell.across(face).filter(|_| Some(face) != docks_on)?;
+            let is_blocked = self.occupancy.is_blocked(next, &has);
+            self.occupancy.at(next).filter(|_| is_blocked)
+        };
+        let opposite = Face::ALL.into_iter().find_map(|face| {
+            let (one, other) = (wall(face)?, wall(face.opposite())?);
+            Some(vec![one.min(other), one.max(other)])
+        });
+        opposite.unwrap_or_else(|| {
+            let mut walls: Vec<EventId> = Face::ALL.into_iter().filter_map(wall).collect();
+            walls.sort_unstable();
+            walls
+        })
     }
 
     /// How many narrow cells the best way in has.

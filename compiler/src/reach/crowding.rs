@@ -30,20 +30,24 @@ impl ReachAnalysis<'_> {
         let title = match crowded.len() {
             3 => {
                 let [one, two, three] = [0, 1, 2].map(|i| name(crowded[i]));
-                format!("`{one}`, `{two}` and `{three}` may be waited for side by side")
+                format!("the blocks for `{one}`, `{two}` and `{three}` may jam each other")
             }
             count => format!(
-                "{count} blocks of phase `{}` may be waited for side by side",
+                "the blocks for {count} captures of phase `{}` may jam each other",
                 plan.phases[number].name
             ),
         };
-        let mut diagnostic = Diagnostic::new(Code::CrowdedCaptures, title)
-            .label(plan.event(*first).location, format!("`{}`", name(*first)));
+        let mut diagnostic = Diagnostic::new(Code::CrowdedCaptures, title).label(
+            plan.event(*first).location,
+            format!("`{}` can come at the same time as the others", name(*first)),
+        );
         for &id in crowded[1..].iter().take(MAX_SHOWN - 1) {
             diagnostic = diagnostic.label(plan.event(id).location, format!("`{}`", name(id)));
         }
-        let help = "three faces in a square attract blocks that jam each other, and the captures may take long: let one wait for \
-                    another, with `after` or in a later phase";
+        let (one, last) = (name(*first), name(crowded[crowded.len() - 1]));
+        let help = format!(
+            "let at most two faces of a square be open at once: capture `{last}` with `after {one}`, or in a later phase"
+        );
         report(diagnostics, diagnostic.help(help));
     }
 

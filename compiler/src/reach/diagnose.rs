@@ -1,5 +1,5 @@
-//! What is said of captures that cannot, or hardly, be reached.
-use stochc_ir::{Face, counted};
+//! Diagnostics of captures whose cells cannot be reached, or only through gaps.
+use stochc_ir::{Face, counted, series};
 
 use super::closable_phase::ClosablePhase;
 use super::descendants::DescendantIndex;
@@ -11,9 +11,9 @@ use super::trial::Proposal;
 use super::{Cell, EventId, ReachAnalysis, all_before, before, picture};
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
 
-/// Blocks of a wall that are labelled.
+/// Largest number of blocks around a cell that are labelled.
 const MAX_WALLS: usize = 6;
-/// Events of an order that are written out.
+/// Largest number of events of an order that are listed.
 const MAX_EVENTS: usize = 12;
 
 /// Captures of one phase that are described. The others are only counted.
@@ -126,57 +126,57 @@ impl ReachAnalysis<'_> {
         };
         let walls = self.walls(&pocket, phase, &has);
         let outcome = self.outcome(phase, id, &walls);
-        let title = match outcome {
-            SealedOutcome::Never(_) => format!("no block can ever come to `{name}`"),
-            SealedOutcome::Walled(_) => format!("`{name}` can be walled in before its block comes"),
-            SealedOutcome::Doubtful => format!("`{name}` may be walled in before its block comes"),
+        let format = match outcome {
+            SealedOutcome::Never(_) => "`{}` can never be reached",
+            SealedOutcome::Walled(_) => "`{}` can become unreachable",
+            SealedOutcome::Doubtful => "`{}` may become unreachable",
         };
-        let mut diagnostic = Diagnostic::new(Code::SealedCavity, title);
+        let mut diagnostic = Diagnostic::about(Code::SealedCavity, format, &[&name]);
         if subject.trial.is_none() {
             return Some(diagnostic.label(event.location, ""));
         }
         let what = match &outcome {
             SealedOutcome::Never(UnreachableCause::Walls) => {
-                format!("its cell {cell} has no way out")
+                format!("no block can reach cell {cell}")
             }
             SealedOutcome::Never(UnreachableCause::Waits(_)) => {
-                "it waits for another one that cannot be reached".into()
+                "it waits for a block that can never be reached".into()
             }
             SealedOutcome::Never(UnreachableCause::Together) => {
-                "what it waits for cannot be built together".into()
+                "the blocks that it waits for close each other's cells".into()
             }
-            _ => format!("its cell {cell} has no way out once its walls stand"),
+            _ => format!("no block can reach cell {cell} once the others are attached"),
         };
         diagnostic = diagnostic.label(event.location, what);
         let mut help = String::new();
+        let mut blocking = String::new();
         match outcome {
             SealedOutcome::Never(UnreachableCause::Waits(first)) => {
                 let is_sure = own.contains(&first);
                 let first = plan.describe(first, subject.symbols);
-                return Some(diagnostic.help(if is_sure { format!("`{first}` has to come first, and never can") } else { format!("too many of those that it waits for never can come: `{first}` is one") }));
+                return Some(diagnostic.help(if is_sure { format!("make `{first}` reachable first") } else { format!("make the blocks that it waits for reachable, such as `{first}`") }));
             }
             SealedOutcome::Never(UnreachableCause::Together) => {
-                return Some(diagnostic.help("no order of the phase reaches all of it: leave an opening"));
+                return Some(diagnostic.help("leave an opening: no order of the phase reaches all of its cells"));
             }
             SealedOutcome::Never(UnreachableCause::Walls) if walls.is_empty() => help.push_str(
-                "the blocks of earlier phases close it: it has to come before them, or they leave an opening\n",
+                "capture it before the blocks of earlier phases that close its cell, or leave an opening\n",
             ),
             SealedOutcome::Never(UnreachableCause::Walls) => {
                 let needed = all_before(subject.certain, walls.iter().copied());
                 let order = phase.events.iter().filter(|id| needed.contains(id));
                 let order = self.describe_order(order.copied());
-                help.push_str(&format!("it waits for its walls: {order}\nleave an opening\n"));
+                help.push_str(&format!("leave an opening: the blocks that it waits for close its cell\nthey come in this order: {order}\n"));
             }
             SealedOutcome::Walled(order) => {
-                let order = self.describe_order(order);
-                help.push_str(&format!("an order that leads there: {order}\n"));
+                blocking = format!("one order that blocks it: {}\n", self.describe_order(order));
             }
             SealedOutcome::Doubtful => {}
         }
         for &wall in walls.iter().take(MAX_WALLS) {
             let wall = plan.event(wall);
             let name = plan.roles.name(wall.role, subject.symbols);
-            diagnostic = diagnostic.label(wall.location, format!("`{name}` is part of the wall"));
+            diagnostic = diagnostic.label(wall.location, format!("`{name}` closes the cell"));
         }
         if !is_never {
             let (text, fix) = self.remedy(phase, id, &walls, &diagnostic.title);
@@ -184,6 +184,7 @@ impl ReachAnalysis<'_> {
             diagnostic.remedy = Some(text.trim_end().to_owned());
             diagnostic.fix = fix;
         }
+        help.push_str(&blocking);
         let is_full = |cell| self.occupancy.is_blocked(cell, &has);
         help.push_str(&picture::layer(cell, is_full));
         Some(diagnostic.help(help))
@@ -206,27 +207,20 @@ impl ReachAnalysis<'_> {
             None => walls.iter().map(|&wall| vec![wall]).collect(),
         };
         if let Some(Proposal { waits, fix }) = self.proposal(phase, id, lists, title) {
-            let (statements, names): (Vec<_>, Vec<_>) = waits.into_iter().unzip();
-            let text = if names.iter().all(|name| *name == names[0]) {
-                format!(
-                    "{} must come later: write `after {}` there\n",
-                    listed(&statements),
-                    names[0]
-                )
-            } else {
-                let waits = statements.iter().zip(&names);
-                let waits: Vec<String> = waits
-                    .map(|(statement, name)| format!("{statement} after {name}"))
-                    .collect();
-                format!("some must come later: write {}\n", listed(&waits))
-            };
-            return (text, Some(fix));
+            let waits = waits.into_iter();
+            let waits: Vec<String> = waits
+                .map(|(statement, name)| format!("{statement} after {name}"))
+                .collect();
+            return (format!("write {}\n", listed(&waits)), Some(fix));
         }
         let Self { subject, .. } = *self;
         let text = match later {
             // It agrees with an order of the phase, and leaves the way open.
             Some(later) if phase.is_whole() => {
-                let name = subject.plan.roles.name(subject.plan.event(id).role, subject.symbols);
+                let name = subject
+                    .plan
+                    .roles
+                    .name(subject.plan.event(id).role, subject.symbols);
                 let waits: Vec<String> = (later.iter())
                     .map(|&other| {
                         let other = subject.plan.describe(other, subject.symbols);
@@ -240,14 +234,21 @@ impl ReachAnalysis<'_> {
                     1 => "as a statement of its own",
                     _ => "as statements of their own",
                 };
-                let naming = if waits.iter().any(|wait| wait.contains('#')) { "; name the instance of the pattern for it: `... as a`" } else { "" };
+                let naming = if waits.iter().any(|wait| wait.contains('#')) {
+                    "; name the instance of the pattern: `... as a`"
+                } else {
+                    ""
+                };
                 format!("write {} {its_own}{naming}\n", listed(&waits))
             }
-            _ if !self.has_choice() && phase.apart.as_ref().is_some_and(|apart| !apart.is_whole) => {
-                "no order of the phase reaches all of its cells, so no `after` helps: leave an opening\n"
-                    .to_owned()
+            _ if !self.has_choice()
+                && phase.apart.as_ref().is_some_and(|apart| !apart.is_whole) =>
+            {
+                "leave an opening: no order of the phase reaches all of its cells\n".to_owned()
             }
-            _ => "no `after` was found that keeps the way open: leave an opening\n".to_owned(),
+            _ => {
+                "leave an opening: no `after` was found that keeps the cell reachable\n".to_owned()
+            }
         };
         (text, None)
     }
@@ -343,8 +344,8 @@ impl ReachAnalysis<'_> {
     /// Counts further captures of a phase, from `first` on.
     fn more(&self, code: Code, first: EventId, count: usize) -> Diagnostic {
         let what = match code {
-            Code::SealedCavity => "may be walled in as well",
-            _ => "could not be decided either",
+            Code::SealedCavity => "may become unreachable",
+            _ => "were not decided",
         };
         let plan = self.subject.plan;
         let phase = plan.phase_of(first).map(|phase| &plan.phases[phase].name);
@@ -352,16 +353,16 @@ impl ReachAnalysis<'_> {
         let captures = counted(count, "further capture");
         Diagnostic::new(code, format!("{captures}{phase} {what}"))
             .label(plan.event(first).location, "the first of them")
-            .help("fix the others and check again")
+            .help("fix the diagnostics above and check again")
     }
 
     fn undecided(&self, id: EventId) -> Diagnostic {
         let plan = self.subject.plan;
         let name = plan.roles.name(plan.event(id).role, self.subject.symbols);
-        let title = format!("whether a block can come to `{name}` was not decided");
-        Diagnostic::new(Code::ReachUndecided, title)
-            .label(plan.event(id).location, "the search has reached its limit")
-            .help("the walls around it are too large; build them in fewer phases, or leave a wider opening")
+        let format = "stochc could not decide whether `{}` stays reachable";
+        Diagnostic::about(Code::ReachUndecided, format, &[&name])
+            .label(plan.event(id).location, "the search reached its limit")
+            .help("leave a wider opening, or build the walls around it in fewer phases")
     }
 
     /// Tells of gaps that leave a block no clearance.
@@ -378,33 +379,44 @@ impl ReachAnalysis<'_> {
         };
         let plan = self.subject.plan;
         let name = |id: EventId| plan.roles.name(plan.event(id).role, self.subject.symbols);
-        let title = match narrow.count {
-            1 => format!(
-                "`{}` comes in through a gap one block wide",
-                name(first.capture)
-            ),
-            count => format!(
-                "{count} blocks of phase `{}` come in through gaps one block wide",
-                plan.phases[number].name
-            ),
+        let mut diagnostic = match narrow.count {
+            1 => {
+                let format = "`{}` must enter through a one-block gap and may jam";
+                Diagnostic::about(Code::TightApproach, format, &[&name(first.capture)])
+            }
+            count => {
+                let phase = &plan.phases[number].name;
+                let title = format!(
+                    "{count} blocks of phase `{phase}` must enter through one-block gaps and may jam"
+                );
+                Diagnostic::new(Code::TightApproach, title)
+            }
         };
-        let mut diagnostic = Diagnostic::new(Code::TightApproach, title);
         for narrow in &narrow.worst {
-            let are = if narrow.open == 1 { "is" } else { "are" };
-            let length = match narrow.length {
-                Some(1) => ", only the last cell of the way is narrow".to_owned(),
-                Some(length) => format!(", the last {length} cells of the best way are narrow"),
-                None => String::new(),
+            let capture = name(narrow.capture);
+            let walls: Vec<String> = (narrow.walls.iter())
+                .map(|&wall| format!("`{}`", name(wall)))
+                .collect();
+            let text = match (&walls[..], narrow.length) {
+                ([one], _) => format!("`{capture}` enters next to {one}"),
+                ([_, _, ..], _) => format!("`{capture}` enters between {}", series(&walls, "and")),
+                ([], Some(length)) if length > 1 => {
+                    format!("the last {length} cells of the path of `{capture}` are narrow")
+                }
+                ([], _) => format!("the cell of `{capture}` is narrow"),
             };
-            let text = format!(
-                "`{}`: {} of 5 sides {are} open{length}",
-                name(narrow.capture),
-                narrow.open
-            );
             diagnostic = diagnostic.label(plan.event(narrow.capture).location, text);
         }
-        let help = "its neighbours may be in place before it: capture it before them, with `after` or in an earlier \
-                    phase; in a gap of its own width a block jams easily, and the capture may take long";
+        let help = match narrow.count {
+            1 => format!(
+                "capture `{}` before its neighbours, or let `stochc plan` choose the order",
+                name(first.capture)
+            ),
+            _ => {
+                "capture each of them before its neighbours, or let `stochc plan` choose the order"
+                    .to_owned()
+            }
+        };
         report(diagnostics, diagnostic.help(help));
     }
 }

@@ -158,9 +158,9 @@ pub fn check(
     cancellation.check()?;
     let is_undecided = |diagnostic: &Diagnostic| diagnostic.code == Code::ReachUndecided;
     if survey.warning.is_spent() && !diagnostics.iter().any(is_undecided) {
-        let title = "whether blocks come in through narrow gaps was not decided everywhere";
+        let title = "stochc could not decide for all blocks whether they enter through narrow gaps";
         let diagnostic = Diagnostic::new(Code::ReachUndecided, title)
-            .label(plan.location, "the search for gaps has reached its limit")
+            .label(plan.location, "the search for gaps reached its limit")
             .help("split the program, or build it in fewer phases");
         report(diagnostics, diagnostic);
     }

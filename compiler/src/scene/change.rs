@@ -1,10 +1,10 @@
-//! What is wrong with a change of a scene, as a finding.
+//! Diagnostics of changes of scene parameters.
 use stochc_ir::scene::scalars::ScalarError;
 
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// What is wrong with a change, as a finding at the assembly whose scene it is.
+/// Returns the diagnostic of a wrong change, at the assembly whose scene it changes.
 pub(crate) fn diagnostic(error: &ScalarError, assembly: SourceLocation) -> Diagnostic {
     let code = match error {
         ScalarError::Unknown { .. } => Code::UnknownTerm,
@@ -13,7 +13,7 @@ pub(crate) fn diagnostic(error: &ScalarError, assembly: SourceLocation) -> Diagn
         ScalarError::Range { .. } => Code::WrongValue,
     };
     let diagnostic =
-        Diagnostic::new(code, error.to_string()).label(assembly, "in the scene of this");
+        Diagnostic::new(code, error.to_string()).label(assembly, "in the scene of this assembly");
     match error.has() {
         [] => diagnostic,
         has => diagnostic.help(format!("the scene has {}", has.join(", "))),

@@ -201,7 +201,12 @@ impl<'a> SceneReader<'a, '_> {
             .filter(|field| named(&seen, field, self.symbols).is_none())
             .collect::<Vec<_>>();
         if !missing.is_empty() {
-            let diagnostic = self.without(clause, &missing);
+            let examples = fields.iter().filter(|field| missing.contains(&field.word));
+            let examples: Option<Vec<String>> = examples.map(example).collect();
+            let mut diagnostic = self.without(clause, &missing);
+            if let Some(examples) = examples {
+                diagnostic = diagnostic.help(format!("add it, such as `{}`", examples.join("  ")));
+            }
             report(self.diagnostics, diagnostic);
         }
         let complete = fits.filter(|()| needed.iter().all(|field| sound.contains(field)));
@@ -256,9 +261,12 @@ impl<'a> SceneReader<'a, '_> {
             .into_iter()
             .filter(|field| !other.contains(field));
         let shown = shown.collect::<Vec<_>>().join(" ... ");
-        let diagnostic = Diagnostic::new(Code::MissingTerm, format!("`{word}` without its braces"))
-            .label(self.location(clause.span), "what of it?")
-            .help(format!("write `{word} ... {{ {shown} }}`"));
+        let diagnostic = Diagnostic::new(
+            Code::MissingTerm,
+            format!("`{word}` has no fields in braces"),
+        )
+        .label(self.location(clause.span), "this clause needs fields")
+        .help(format!("write `{word} ... {{ {shown} }}`"));
         let symbols = self.symbols;
         let is = |term: &Term, words: &[SchemaEntry]| matches!(term, Term::Word(name) if words.iter().any(|entry| entry.word == symbols.word(name.symbol)));
         if !(self.terms.peek()).is_some_and(|term| is(term, fields)) {
@@ -275,9 +283,15 @@ impl<'a> SceneReader<'a, '_> {
 
     /// Reports fields that a clause needs and does not have.
     fn without(&self, clause: Name, fields: &[&str]) -> Diagnostic {
-        let (word, fields) = (self.word_of(clause), quoted(fields));
-        Diagnostic::new(Code::MissingTerm, format!("`{word}` without {fields}"))
-            .label(self.location(clause.span), format!("needs {fields}"))
+        let (word, list) = (self.word_of(clause), quoted(fields));
+        let (noun, are) = match fields.len() {
+            1 => ("field", "is"),
+            _ => ("fields", "are"),
+        };
+        Diagnostic::new(Code::MissingTerm, format!("`{word}` lacks {list}")).label(
+            self.location(clause.span),
+            format!("a {noun} of this clause {are} missing"),
+        )
     }
 
     /// Reports the clauses that every scene needs and that were not `seen`, and returns them.
@@ -348,6 +362,15 @@ fn named(names: &[Name], word: &str, symbols: &Symbols) -> Option<Name> {
 fn quoted(words: &[&str]) -> String {
     let quoted: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
     series(&quoted, "and")
+}
+
+/// Returns a field with the example of its unit, such as `side 20cm`.
+fn example(field: &SchemaEntry) -> Option<String> {
+    let SchemaPart::Number(number) = field.parts.first()? else {
+        return None;
+    };
+    let example = number.kind.noun.split('`').nth(1)?;
+    (field.parts.len() == 1).then(|| format!("{} {example}", field.word))
 }
 
 fn words(entries: &[SchemaEntry]) -> Vec<&'static str> {

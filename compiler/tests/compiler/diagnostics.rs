@@ -367,8 +367,8 @@ fn missing_clauses_are_one_diagnostic_with_a_template_that_can_be_pasted() {
     assert_eq!(
         titles,
         [
-            "`block` without `side` and `mass`",
-            "`enclosure` without `radius` and `wall`"
+            "`block` lacks `side` and `mass`",
+            "`enclosure` lacks `radius` and `wall`"
         ]
     );
 }
@@ -398,17 +398,17 @@ fn a_statement_that_is_wrong_many_times_is_told_of_once() {
             "for i in 1..500 { X[i].up -> Y[i] }  B.up -> C after D[1..500]"
         ),
         [
-            "no block is called `X[1]`; the same for `X[2]`, `X[3]` and 497 more",
-            "no block is called `D[1]`; the same for `D[2]`, `D[3]` and 497 more",
+            "cannot find block `X[1]`; the same for `X[2]`, `X[3]` and 497 more",
+            "cannot find block `D[1]`; the same for `D[2]`, `D[3]` and 497 more",
         ]
     );
     assert_eq!(
         program(&format!("for i in 0..11 {{ M[i] at (i, 0) }} {seed}"), ""),
-        ["the seed `M[0]` is never used; the same for `M[1]`, `M[2]` and 9 more"]
+        ["seed `M[0]` is never used; the same for `M[1]`, `M[2]` and 9 more"]
     );
     assert_eq!(
         program(&format!("for i in 18..22 {{ M[i] at (i, 0) }} {seed}"), "")[0],
-        "(20, 0) is not on the plate; the same for (21, 0) and (22, 0)"
+        "position (20, 0) is not on the plate; the same for (21, 0) and (22, 0)"
     );
 }
 
@@ -485,7 +485,7 @@ fn swapped_arguments_are_told_with_the_right_order() {
 fn an_argument_of_the_wrong_kind_is_told_with_its_parameter() {
     let (message, help, labels) = only(TOWER, "tower(M, N)");
     assert_eq!(message, "`height` of `tower` is a number, not a block");
-    assert_eq!(help, "give it a whole number, or the name of a `let`");
+    assert_eq!(help, "pass a whole number, or the name of a `let`");
     assert_eq!(
         labels,
         [
@@ -499,11 +499,11 @@ fn an_argument_of_the_wrong_kind_is_told_with_its_parameter() {
     // A name that nothing has is one that is misspelt.
     let lets = format!("{TOWER} let length = 3");
     let (message, help, _) = only(&lets, "tower(M, lenght)  N.up ->> A[1..length]");
-    assert_eq!(message, "no number is called `lenght`");
+    assert_eq!(message, "cannot find number `lenght`");
     assert_eq!(help, "did you mean `length`?");
     let side = "pattern arm(base, side) { base.side -> T }";
     let (message, help, _) = only(side, "arm(M, top)  N.up -> A");
-    assert_eq!(message, "no face is called `top`");
+    assert_eq!(message, "`top` is not a face");
     assert_eq!(help, "did you mean `up`?");
     // What is used in two ways, or not at all, is not decided by the pattern.
     let free = "pattern free(base, spare) { base.up -> T }";
@@ -554,7 +554,7 @@ fn a_number_is_known_from_its_let_on() {
         );
         diagnostic.labels.last().map(|label| label.text.clone())
     };
-    let known = Some("known from here on".to_owned());
+    let known = Some("declared here".to_owned());
     let plate = "seed plate 1 x 1 { M at (0, 0) }";
     let phase = format!("assembly a {{ {plate} phase p {{ M.up ->> T[1..n] let n = 3 }} }}");
     assert_eq!(below(&phase, "n"), known);
@@ -570,7 +570,7 @@ fn a_number_is_known_from_its_let_on() {
     let itself = format!("let n = n + 1 assembly a {{ {plate} phase p {{ M.up ->> T[1..n] }} }}");
     assert_eq!(
         below(&itself, "n"),
-        Some("used in its own value".to_owned())
+        Some("it is part of its own value".to_owned())
     );
 }
 
@@ -580,15 +580,15 @@ fn the_members_of_a_range_are_told() {
     let three = "M.up ->> T[1..3]  N.up -> A";
     assert_eq!(
         help(&format!("{three} T[4].up -> X")),
-        "the blocks called `T` are `T[1..3]`"
+        "the blocks named `T` are `T[1..3]`"
     );
     assert_eq!(
         help(&format!("{three} T.up -> X")),
-        "the blocks called `T` are `T[1..3]`"
+        "the blocks named `T` are `T[1..3]`"
     );
     assert_eq!(
         help(&format!("{three} A[1].up -> X")),
-        "the only block called `A` is `A`"
+        "the only block named `A` is `A`"
     );
     let (message, help, _) = only(
         "",
@@ -596,14 +596,14 @@ fn the_members_of_a_range_are_told() {
     );
     assert_eq!(
         message,
-        "no block is called `T[4]`; the same for `T[5]` and `T[6]`"
+        "cannot find block `T[4]`; the same for `T[5]` and `T[6]`"
     );
-    assert_eq!(help, "the blocks called `T` are `T[1..3]`");
+    assert_eq!(help, "the blocks named `T` are `T[1..3]`");
     let (_, help, _) = only(
         TOWER,
         "for i in 1..1 { tower(M, 2) as t[i] tower(N, 2) as t[3] }  t[2].T[1].east -> X",
     );
-    assert_eq!(help, "the instances called `t` are `t[1]` and `t[3]`");
+    assert_eq!(help, "the instances named `t` are `t[1]` and `t[3]`");
 }
 
 #[test]
@@ -612,57 +612,48 @@ fn a_pattern_is_told_what_it_does_not_see() {
         "pattern arm(base, n) { base.up -> T[n]  M.up -> V }",
         "arm(N, 2) as x",
     );
-    assert_eq!(
-        message,
-        "the pattern `arm` does not see the block `M` of the assembly"
-    );
+    assert_eq!(message, "pattern `arm` cannot use the block `M`");
     assert_eq!(
         help,
-        "give it to the pattern: declare `pattern arm(base, n, M)` and grow `arm(N, 2, M)`"
+        "pass it as an argument: `pattern arm(base, n, M)` and `arm(N, 2, M)`"
     );
     assert_eq!(
         labels,
         [
-            "M.up -> V: not known inside of the pattern",
-            "M: seated here"
+            "M.up -> V: unknown inside the pattern",
+            "M: declared outside the pattern"
         ]
     );
     let (message, help, _) = only("pattern arm() { T[1].up -> V }", "N.up -> T[1]  arm()");
-    assert_eq!(
-        message,
-        "the pattern `arm` does not see the block `T[1]` of the assembly"
-    );
+    assert_eq!(message, "pattern `arm` cannot use the block `T[1]`");
     assert_eq!(
         help,
-        "give it to the pattern: declare `pattern arm(T)` and grow `arm(T[1])`"
+        "pass it as an argument: `pattern arm(T)` and `arm(T[1])`"
     );
     // A block of the pattern around it, a counter, and an instance.
     let (message, ..) = only(
         "pattern inner(b) { b.up -> U  T.up -> V } pattern outer(b) { b.up -> T  inner(T) }",
         "outer(M)  N.up -> A",
     );
-    assert_eq!(
-        message,
-        "the pattern `inner` does not see the block `T` of the pattern `outer`"
-    );
+    assert_eq!(message, "pattern `inner` cannot use the block `T`");
     let (message, help, labels) = only(
         TOWER.replace("height]", "k]").as_str(),
         "for k in 1..1 { tower(M, k) }",
     );
-    assert_eq!(message, "the pattern `tower` does not see `k`");
+    assert_eq!(message, "pattern `tower` cannot use the number `k`");
     assert_eq!(
         help,
-        "give it to the pattern: declare `pattern tower(base, height, k)` and grow `tower(M, k, k)`"
+        "pass it as an argument: `pattern tower(base, height, k)` and `tower(M, k, k)`"
     );
-    assert_eq!(labels[1], "k: a number around the place where it grows");
+    assert_eq!(labels[1], "k: declared outside the pattern");
     let (message, ..) = only(
         &format!("{TOWER} pattern on(b) {{ b.up -> U  x.T[1].east -> V }}"),
         "tower(M, 2) as x  on(N)",
     );
-    assert_eq!(message, "the pattern `on` does not see the instance `x`");
+    assert_eq!(message, "pattern `on` cannot use the instance `x`");
     // A block outside of an instance is not meant by a name inside of it.
     let (message, ..) = only(TOWER, "tower(M, 2) as x  x.N.up -> A");
-    assert_eq!(message, "no block is called `x.N`");
+    assert_eq!(message, "cannot find block `x.N`");
 }
 
 #[test]
@@ -708,7 +699,7 @@ const FOLLOWED: [(Code, &str, &str); 11] = [
 /// Codes whose help is not a change of the text, with the reason.
 const ADVICE: [(Code, &str); 25] = [
     (Code::WrongKind, "either of two things may be renamed"),
-    (Code::WrongArguments, "it has no help"),
+    (Code::WrongArguments, "the argument is not known"),
     (Code::Arithmetic, "the intention is not known"),
     (Code::RecursivePattern, "the intention is not known"),
     (Code::ExpansionLimit, "the intention is not known"),
@@ -730,8 +721,8 @@ const ADVICE: [(Code, &str); 25] = [
     (Code::MissingTerm, "how large the side is, is not known"),
     (Code::DuplicateTerm, "either of the two may go"),
     (Code::ConflictingTerms, "either of the two may go"),
-    (Code::WrongDimension, "it has no help"),
-    (Code::WrongValue, "it has no help"),
+    (Code::WrongDimension, "the value is not known"),
+    (Code::WrongValue, "the value is not known"),
     (Code::Misplaced, "a phase needs a name"),
     (Code::OccupiedCell, "the intention is not known"),
     (Code::TightApproach, "the order of phases is the author's"),
@@ -848,10 +839,10 @@ fn help_tried(phase: &str) -> (String, String) {
 #[test]
 fn a_seed_that_is_captured_gets_another_name() {
     let (help, changed) = help_tried("M.up -> N");
-    assert_eq!(help, "give this block another name, such as `N_2`");
+    assert_eq!(help, "give the new block another name, such as `N_2`");
     assert!(changed.contains("{ M.up -> N_2 }"), "{changed}");
     let (help, _) = help_tried("M.up -> A N.up -> A A.up -> A_2");
-    assert_eq!(help, "give this block another name, such as `A_3`");
+    assert_eq!(help, "give the new block another name, such as `A_3`");
     let (help, _) = help_tried("M.up -> A for i in 1..2 { N.up -> B }");
     assert!(help.contains("`A[i]`"), "{help}");
 }
@@ -882,11 +873,11 @@ fn the_after_of_a_chain_belongs_to_its_first_capture() {
     assert_eq!(codes(&text(&changed)), []);
     assert!(!changed.contains("after"), "{changed}");
     let (help, _) = help_tried("N.up -> X M.up -> A after A");
-    assert_eq!(help, "drop the `after`");
+    assert_eq!(help, "remove the `after`");
     let (help, _) = help_tried("M.up -> A after B  N.up -> B after A");
     assert_eq!(
         help,
-        "drop one `after`, or move one of the two into a later phase"
+        "remove one `after`, or move one capture into a later phase"
     );
 }
 
@@ -894,10 +885,7 @@ fn the_after_of_a_chain_belongs_to_its_first_capture() {
 fn a_timeout_is_moved_to_its_phase() {
     for time in ["50 s", "60s", "2500 ticks"] {
         let (help, changed) = help_tried(&format!("N.up -> X M.up -> A timeout {time}"));
-        assert_eq!(
-            help,
-            format!("write it after the name of the phase: `phase p timeout {time} {{`")
-        );
+        assert_eq!(help, format!("write `phase p timeout {time} {{`"));
         assert_eq!(codes(&text(&changed)), [], "{changed}");
     }
 }
@@ -912,7 +900,7 @@ fn a_capture_in_a_loop_outside_of_phases_is_told_where_the_loop_belongs() {
     let diagnostic = &text.diagnostics[0];
     assert_eq!(
         diagnostic.title,
-        "a capture does not belong in a loop outside of every phase"
+        "a capture must be inside a phase or a pattern"
     );
     assert_eq!(
         diagnostic.help.as_deref(),
@@ -925,7 +913,9 @@ fn distances_are_told_with_the_digits_that_differ() {
     let page = fence(Code::OutsideEnclosure.page(), "Wrong:").unwrap();
     let label = text(page).diagnostics[0].labels[0].text.clone();
     let (_, distances) = label.split_once(" reaches ").unwrap();
-    let (reached, limit) = distances.split_once(" m from the centre, beyond ").unwrap();
+    let (reached, limit) = distances
+        .split_once(" m from the centre, the radius is ")
+        .unwrap();
     let metres = |text: &str| text.trim_end_matches(" m").parse::<f64>().unwrap();
     assert!(metres(reached) > metres(limit), "{label}");
 }
@@ -948,7 +938,7 @@ assembly two {
         .iter()
         .find(|it| it.code == Code::UnclosedBrace);
     let unclosed = unclosed.unwrap();
-    assert_eq!(unclosed.title, "missing `}` of `assembly one`");
+    assert_eq!(unclosed.title, "missing `}` for `assembly one`");
     let changed = followed(&checked, unclosed).unwrap();
     assert_eq!(codes(&text(&changed)), [], "{changed}");
 }

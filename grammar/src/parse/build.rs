@@ -202,7 +202,7 @@ impl Parser<'_, '_> {
                     place.path.push(self.reserved(face.word(), at));
                     place.face = None;
                 } else {
-                    let hint = "a face comes last, behind the name of its block";
+                    let hint = "write the face after the name of its block, as in `A.up`";
                     self.error(SyntaxErrorKind::FaceMisused { hint }, at);
                     if place.path.is_empty() {
                         let name = self.word(&part, base);
@@ -238,7 +238,7 @@ impl Parser<'_, '_> {
     fn block(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let place = self.place(pair, base);
         if let Some((_, span)) = place.face {
-            let hint = "a block is meant here, without a face";
+            let hint = "write the block without its face";
             self.error(SyntaxErrorKind::FaceMisused { hint }, span);
         } else {
             self.check_named(&place);
@@ -253,7 +253,7 @@ impl Parser<'_, '_> {
             if place.path.is_empty() {
                 place.path.push(self.reserved(face.word(), span));
             } else {
-                let hint = "a new name has no face";
+                let hint = "write the name without a face";
                 self.error(SyntaxErrorKind::FaceMisused { hint }, span);
             }
         }
@@ -273,7 +273,7 @@ impl Parser<'_, '_> {
 
     fn check_named(&mut self, place: &Place) {
         if place.path.is_empty() {
-            let hint = "a face belongs to a block: write the block's name and a dot before it";
+            let hint = "write the block's name and a dot before the face, as in `A.up`";
             self.error(SyntaxErrorKind::FaceMisused { hint }, place.span);
         }
     }

@@ -18,8 +18,8 @@ impl<'a> SceneReader<'a, '_> {
         number: &'static SchemaNumber,
         said: &mut ClauseContent,
     ) -> Option<()> {
-        let quantity = self.quantity(number.kind.dimension)?;
-        let [value] = self.values([quantity], &number.kind)?;
+        let quantity = self.quantity(number)?;
+        let [value] = self.values([quantity], number)?;
         self.within(number, quantity, value)?;
         said.numbers.push((number, value));
         Some(())
@@ -31,7 +31,8 @@ impl<'a> SceneReader<'a, '_> {
             return Some(());
         };
         let location = self.location(quantity.span);
-        let diagnostic = Diagnostic::new(Code::WrongValue, "a value out of its range");
+        let title = format!("`{}` is out of range", number.name());
+        let diagnostic = Diagnostic::new(Code::WrongValue, title);
         let label = format!("must be {rule}");
         report(self.diagnostics, diagnostic.label(location, label));
         None
@@ -49,7 +50,7 @@ impl<'a> SceneReader<'a, '_> {
         };
         self.terms.next();
         self.place = last.span;
-        let [from, to] = self.values([first, last], &high.kind)?;
+        let [from, to] = self.values([first, last], high)?;
         if low.range.contains(from) && from <= to {
             self.within(low, first, from)?;
             self.within(high, last, to)?;
@@ -59,13 +60,15 @@ impl<'a> SceneReader<'a, '_> {
         let location = self.location(first.span.to(last.span));
         report(
             self.diagnostics,
-            Diagnostic::new(Code::WrongValue, "a range that is empty or negative")
-                .label(location, "from small to large, and not below 0"),
+            Diagnostic::new(Code::WrongValue, "the range is empty or negative").label(
+                location,
+                "write the smaller value first, and no value below 0",
+            ),
         );
         None
     }
 
-    fn quantity(&mut self, dimension: Dimension) -> Option<&'a Quantity> {
+    fn quantity(&mut self, number: &SchemaNumber) -> Option<&'a Quantity> {
         if let Some(Term::Quantity(quantity)) = self.terms.peek() {
             self.terms.next();
             self.place = quantity.span;
@@ -77,17 +80,23 @@ impl<'a> SceneReader<'a, '_> {
         {
             self.terms.next();
             let word = self.word_of(name);
-            let help = format!("write the number before it, such as `2 {word}`");
-            let title = "a unit without its number".to_owned();
-            self.report(Code::MissingTerm, title, name.span, "how much?", help);
+            let help = format!("write a number before it, such as `2 {word}`");
+            let title = "a unit has no number before it".to_owned();
+            self.report(
+                Code::MissingTerm,
+                title,
+                name.span,
+                "the number is missing",
+                help,
+            );
             return None;
         }
         let here = self.terms.peek().map_or(self.place, |term| span(term));
-        let title = format!("expected {}", dimension.noun());
+        let title = format!("`{}` needs {}", number.name(), number.kind.noun);
         report(
             self.diagnostics,
             Diagnostic::new(Code::MissingTerm, title)
-                .label(self.location(here), "a value belongs here"),
+                .label(self.location(here), "a value must stand here"),
         );
         None
     }
@@ -96,41 +105,43 @@ impl<'a> SceneReader<'a, '_> {
     fn values<const N: usize>(
         &mut self,
         quantities: [&Quantity; N],
-        kind: &QuantityKind,
+        number: &SchemaNumber,
     ) -> Option<[f64; N]> {
+        let kind = &number.kind;
         if quantities.iter().any(|quantity| lacks_unit(quantity, kind))
-            && (self.unit_on_next_line(&quantities, kind) || self.unknown_unit(&quantities, kind))
+            && (self.unit_on_next_line(&quantities, number)
+                || self.unknown_unit(&quantities, number))
         {
             return None;
         }
         let mut values = [0.0; N];
         for (value, quantity) in values.iter_mut().zip(quantities) {
-            *value = self.value(quantity, kind)?;
+            *value = self.value(quantity, number)?;
         }
         Some(values)
     }
 
-    fn value(&mut self, quantity: &Quantity, kind: &QuantityKind) -> Option<f64> {
+    fn value(&mut self, quantity: &Quantity, number: &SchemaNumber) -> Option<f64> {
         let (value, found) = to_si(quantity);
         // Zero is the same in every unit.
-        if found == kind.dimension || value == 0.0 && quantity.unit.is_empty() {
+        if found == number.kind.dimension || value == 0.0 && quantity.unit.is_empty() {
             return Some(value);
         }
         let label = match found {
-            Dimension::NUMBER => "has no unit".to_owned(),
+            Dimension::NUMBER => "this value has no unit".to_owned(),
             other => match other.noun() {
-                "a value of another kind" => "has another unit".to_owned(),
-                noun => format!("is {}", noun.split(',').next().unwrap_or(noun)),
+                "a value of another kind" => "this value has another unit".to_owned(),
+                noun => format!("this is {}", noun.split(',').next().unwrap_or(noun)),
             },
         };
         let location = self.location(quantity.span);
-        let diagnostic = wrong_unit(kind).label(location, label);
+        let diagnostic = wrong_unit(number).label(location, label);
         report(self.diagnostics, diagnostic);
         None
     }
 
     /// Reports a unit that stands on another line than its number, where the grammar does not read it as one.
-    fn unit_on_next_line(&mut self, quantities: &[&Quantity], kind: &QuantityKind) -> bool {
+    fn unit_on_next_line(&mut self, quantities: &[&Quantity], number: &SchemaNumber) -> bool {
         let mut units: Vec<&str> = Vec::new();
         let mut place: Option<Span> = None;
         while let Some(&&Term::Word(name)) = self.terms.peek()
@@ -155,8 +166,11 @@ impl<'a> SceneReader<'a, '_> {
             edits: vec![edit(behind, format!(" {unit}")), edit(place, String::new())],
             safe: true,
         };
-        let diagnostic = wrong_unit(kind)
-            .label(self.location(place), "is not on the line of its number")
+        let diagnostic = wrong_unit(number)
+            .label(
+                self.location(place),
+                "this unit is on another line than its number",
+            )
             .help(format!("write `{} {unit}` on one line", last.value))
             .fix(fix);
         report(self.diagnostics, diagnostic);
@@ -164,7 +178,8 @@ impl<'a> SceneReader<'a, '_> {
     }
 
     /// Reports a word that takes the place of a unit.
-    fn unknown_unit(&mut self, quantities: &[&Quantity], kind: &QuantityKind) -> bool {
+    fn unknown_unit(&mut self, quantities: &[&Quantity], number: &SchemaNumber) -> bool {
+        let kind = &number.kind;
         let (Some(first), Some(last)) = (quantities.first(), quantities.last()) else {
             return false;
         };
@@ -177,7 +192,7 @@ impl<'a> SceneReader<'a, '_> {
         }
         self.terms.next();
         let location = self.location(name.span);
-        let diagnostic = wrong_unit(kind).label(location, format!("`{word}` is not a unit"));
+        let diagnostic = wrong_unit(number).label(location, format!("`{word}` is not a unit"));
         let values: Vec<f64> = quantities.iter().map(|quantity| quantity.value).collect();
         let diagnostic = match converted(&values, word, &[*kind]) {
             Some(text) => {
@@ -198,7 +213,7 @@ fn lacks_unit(quantity: &Quantity, kind: &QuantityKind) -> bool {
     quantity.unit.is_empty() && kind.dimension != Dimension::NUMBER
 }
 
-fn wrong_unit(kind: &QuantityKind) -> Diagnostic {
-    let title = format!("expected {}", kind.noun);
+fn wrong_unit(number: &SchemaNumber) -> Diagnostic {
+    let title = format!("`{}` must be {}", number.name(), number.kind.noun);
     Diagnostic::new(Code::WrongDimension, title)
 }

@@ -25,24 +25,30 @@ impl SceneReader<'_, '_> {
                 }
                 if !told {
                     let location = self.location(name.span);
-                    let title = format!("`{word}` is no {noun}");
+                    let title = format!("`{word}` is not a {noun}");
                     let mut meant = nearest(word, words(known));
                     if let Some(meant) = &mut meant {
                         // Nothing is said twice.
                         meant.clear &= named(said, &meant.word, self.symbols).is_none();
                     }
                     let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
-                        .label(location, "not known here")
+                        .label(location, "unknown word")
                         .suggest(location, meant, || {
-                            format!("known are {}", words(known).join(", "))
+                            format!("write one of {}", words(known).join(", "))
                         });
                     report(self.diagnostics, diagnostic);
                 }
             } else if !told {
                 let span = span(term);
-                let help = format!("expected one of {}", words(known).join(", "));
+                let help = format!("write one of {}", words(known).join(", "));
                 let title = format!("expected a {noun}");
-                self.report(Code::UnknownTerm, title, span, "does not belong here", help);
+                self.report(
+                    Code::UnknownTerm,
+                    title,
+                    span,
+                    "this cannot stand here",
+                    help,
+                );
             }
             told = true;
         }
@@ -58,7 +64,7 @@ impl SceneReader<'_, '_> {
         let (expected, help) = match known {
             [only] => (
                 format!("`{only}`"),
-                format!("`{only}` is the only kind there is"),
+                format!("write `{only}`, the only kind"),
             ),
             _ => {
                 let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) {
@@ -68,7 +74,7 @@ impl SceneReader<'_, '_> {
                 };
                 (
                     format!("{article} {noun}"),
-                    format!("known are {}", known.join(", ")),
+                    format!("write one of {}", known.join(", ")),
                 )
             }
         };
@@ -84,7 +90,7 @@ impl SceneReader<'_, '_> {
                 let location = self.location(name.span);
                 let title = format!("expected {expected}, found `{found}`");
                 let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
-                    .label(location, "here")
+                    .label(location, "cannot stand here")
                     .help(help);
                 let fix = match (nearest(found, known), known) {
                     (Some(meant), _) => Some(Fix::word(location, &meant)),
@@ -104,7 +110,7 @@ impl SceneReader<'_, '_> {
             None => ("nothing", self.place),
         };
         let title = format!("expected {expected}, found {found}");
-        self.report(Code::UnknownTerm, title, span, "here", help);
+        self.report(Code::UnknownTerm, title, span, "the kind is missing", help);
         None
     }
 
@@ -125,9 +131,9 @@ impl SceneReader<'_, '_> {
             let word = self.word_of(name);
             let diagnostic =
                 Diagnostic::new(Code::DuplicateTerm, format!("`{word}` is given twice"))
-                    .label(self.location(name.span), "given again")
-                    .label(self.location(old.span), "first given here")
-                    .help("remove one of the two");
+                    .label(self.location(name.span), "second value")
+                    .label(self.location(old.span), "first value")
+                    .help("remove one of them");
             report(self.diagnostics, diagnostic);
         }
         seen.push(name);

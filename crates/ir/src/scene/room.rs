@@ -39,7 +39,7 @@ impl fmt::Display for NoRoom {
         match self {
             NoRoom::DoesNotFit { count, fits } => write!(
                 f,
-                "{count} free blocks do not fit into the enclosure, which has room for {fits}"
+                "{count} free blocks do not fit into the enclosure, which holds {fits}"
             ),
             NoRoom::NoEnclosure { count } => write!(
                 f,
@@ -47,7 +47,7 @@ impl fmt::Display for NoRoom {
             ),
             NoRoom::OnRing { count } => write!(
                 f,
-                "{count} free blocks on this circle touch each other or leave the enclosure; change its radius"
+                "{count} free blocks on the circle touch each other or leave the enclosure"
             ),
         }
     }

@@ -186,18 +186,18 @@ fn coarse(
     let most = short(limit.most);
     let remedy = match group.substeps() {
         Some(needed) if needed <= Substeps::MAX && resolving.are_sound() => {
-            format!("`--substeps {resolving}` resolves it")
+            format!("run with `--substeps {resolving}`, or shorten the `tick`")
         }
-        _ => "no number of substeps that is allowed resolves it".to_owned(),
+        _ => "shorten the `tick`: no allowed number of substeps is enough".to_owned(),
     };
     let taken = match steps {
         1 => String::new(),
-        steps => format!(", and {steps} are taken"),
+        steps => format!("; {steps} steps are taken"),
     };
     SceneWarning {
         kind: SceneWarningKind::CoarseStep,
         symbol,
-        figure: format!("{symbol} is {value} with one step a tick, more than {most}{taken}"),
+        figure: format!("{symbol} is {value} with one step per tick, more than {most}{taken}"),
         effect: if symbol == DRAG_SYMBOL {
             slowed(group.value / f64::from(steps))
         } else {
@@ -227,7 +227,7 @@ fn digits(scene: &Scene, smallest_turn: f64, steps: Substeps) -> Option<SceneWar
             short(smallest_turn)
         ),
         effect: "blocks stop turning".to_owned(),
-        remedy: "`--model rigid --precision double` resolves it".to_owned(),
+        remedy: "run with `--model rigid --precision double`".to_owned(),
     })
 }
 

@@ -261,9 +261,9 @@ pub static CLAUSES: [SchemaEntry; 12] = [
 ];
 
 const NO_REACH: Absent = Absent::Message {
-    title: "a force without its reach",
-    label: "`within` and a length belong here",
-    help: "write how far it reaches, such as `15 N within 20cm`",
+    title: "the force has no reach",
+    label: "`within` and a length must follow",
+    help: "write its reach, such as `15 N within 20cm`",
 };
 
 #[rustfmt::skip]
@@ -295,7 +295,7 @@ static STRENGTH: Either = Either {
     of: [
         FieldAlternative {
             fields: &["speed"],
-            label: "a speed of its own",
+            label: "an absolute speed",
             missing: "add it, or `intensity` as a part of the speed of a `flow`",
             make: |s| s.agitation = Some(Agitation::Turbulence(unsaid_eddies(Strength::Speed(UNSAID)))),
         },
@@ -306,8 +306,8 @@ static STRENGTH: Either = Either {
             make: |s| s.agitation = Some(Agitation::Turbulence(unsaid_eddies(Strength::Intensity(UNSAID)))),
         },
     ],
-    both: "turbulence with a speed and an intensity",
-    help: "remove one of the two",
+    both: "turbulence has both a speed and an intensity",
+    help: "remove one of them",
 };
 
 #[rustfmt::skip]
@@ -315,20 +315,19 @@ static RIGIDITY: Either = Either {
     of: [
         FieldAlternative {
             fields: &["restitution"],
-            label: "a rigid one",
+            label: "makes it rigid",
             missing: "add it, or `stiffness` for a compliant contact",
             make: |s| s.contact = Some(unsaid_contact(ContactLaw::Rigid { restitution: UNSAID })),
         },
         FieldAlternative {
             fields: &["stiffness", "damping"],
-            label: "a compliant contact",
+            label: "makes it compliant",
             missing: "add how strongly it repels, such as `stiffness 25 N/m`",
             make: |s| {
                 s.contact = Some(unsaid_contact(ContactLaw::Compliant { stiffness: UNSAID, damping: 0.0 }));
             },
         },
     ],
-    both: "a contact that is both rigid and compliant",
-    help: "remove `restitution`, or `stiffness` and `damping`; how much a compliant contact throws back \
-           follows from its `damping`",
+    both: "the contact is both rigid and compliant",
+    help: "remove `restitution`, or `stiffness` and `damping`",
 };

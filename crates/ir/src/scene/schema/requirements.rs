@@ -18,8 +18,7 @@ pub struct Requirement {
     pub help: &'static str,
 }
 
-const ADD_FLUID: &str =
-    "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`, which takes the blocks along";
+const ADD_FLUID: &str = "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`";
 
 /// All requirements. For each clause, only the first violated one is reported.
 pub const REQUIREMENTS: [Requirement; 5] = [
@@ -33,16 +32,16 @@ pub const REQUIREMENTS: [Requirement; 5] = [
                     .as_ref()
                     .is_none_or(|fluid| fluid.viscosity.is_none())
         },
-        title: "Brownian motion without a viscous fluid",
-        label: "the molecules of what?",
-        help: "add `fluid { viscosity 1 mPa s }`, whose drag the fluctuations balance",
+        title: "Brownian motion needs a viscous fluid",
+        label: "the scene has no `viscosity`",
+        help: "add `fluid { viscosity 1 mPa s }`",
     },
     Requirement {
         clause: "agitation",
         needs: "fluid",
         is_broken: |s| s.fluid.is_none() && matches!(s.agitation, Some(Agitation::Turbulence(_))),
-        title: "turbulence without a fluid",
-        label: "moves nothing",
+        title: "turbulence needs a fluid",
+        label: "the scene has no `fluid`",
         help: ADD_FLUID,
     },
     Requirement {
@@ -58,9 +57,9 @@ pub const REQUIREMENTS: [Requirement; 5] = [
             );
             is_part && s.flow.is_none()
         },
-        title: "an intensity of turbulence without a flow",
-        label: "a part of which speed?",
-        help: "add a `flow`, or say `speed` instead of `intensity`",
+        title: "an intensity of turbulence needs a flow",
+        label: "the scene has no `flow`",
+        help: "add a `flow`, or write `speed` instead of `intensity`",
     },
     Requirement {
         clause: "fluid",
@@ -68,16 +67,16 @@ pub const REQUIREMENTS: [Requirement; 5] = [
         is_broken: |s| {
             (s.fluid.as_ref()).is_some_and(|it| it.added_mass.is_some() && it.density.is_none())
         },
-        title: "an added mass without a density",
-        label: "the mass of the displaced fluid is unknown",
+        title: "an added mass needs a density",
+        label: "the fluid has no `density`",
         help: "add `density 1000 kg/m^3` to the `fluid`",
     },
     Requirement {
         clause: "flow",
         needs: "fluid",
         is_broken: |s| s.fluid.is_none() && s.flow.is_some(),
-        title: "a flow without a fluid",
-        label: "moves nothing",
+        title: "a flow needs a fluid",
+        label: "the scene has no `fluid`",
         help: ADD_FLUID,
     },
 ];
