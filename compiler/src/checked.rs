@@ -1,4 +1,4 @@
-//! What is known of a file and its programs.
+//! Result of a check.
 use stochc_grammar::Symbols;
 use stochc_grammar::tree::Tree;
 use stochc_ir::JamRisk;
@@ -15,51 +15,51 @@ use crate::order::Order;
 use crate::plan::ProgramPlan;
 use crate::{FileId, Sources};
 
-/// Everything that is known of a file after looking at all of it.
+/// Result of checking a file.
 #[derive(Debug)]
 pub struct Checked {
-    /// The texts, for showing findings.
+    /// Sources, for showing diagnostics.
     pub sources: Sources,
-    /// Errors, and then warnings: by file and place, each once.
+    /// Errors, followed by warnings. Both are sorted by file and place.
     pub diagnostics: Vec<Diagnostic>,
-    /// What is suspicious and allowed to be.
+    /// Allowed warnings.
     pub allowed: Vec<Allowed>,
-    /// The tree of the file itself; empty if it cannot be read.
+    /// Syntax tree of the file. Empty if it cannot be read.
     pub tree: Tree,
-    /// The files it imports, in the order of reading.
+    /// Imported files in the order of reading.
     pub imports: Vec<Module>,
-    /// The words of the trees and plans.
+    /// Words of the trees and plans.
     pub symbols: Symbols,
-    /// The assemblies and aggregates of the file itself, in source order.
+    /// Assemblies and aggregates of the file, in source order.
     pub programs: Vec<Program>,
 }
 
-/// One assembly or aggregate, as far as it makes sense.
+/// An assembly or aggregate, as far as it is valid.
 #[derive(Debug)]
 pub struct Program {
-    /// Written out.
+    /// The expanded program.
     pub plan: ProgramPlan,
-    /// The world it runs in; `None` if that is wrong.
+    /// Scene in which it runs. `None` if the scene is wrong.
     pub scene: Option<Scene>,
-    /// Where every block sits.
+    /// Cells of all blocks.
     pub layout: Layout,
-    /// What waits for what.
+    /// Dependencies between events.
     pub graph: DependencyGraph,
-    /// An order of it; `None` if there is a cycle.
+    /// An order of the events. `None` if there is a cycle.
     pub order: Option<Order>,
-    /// What every block knows; `None` unless everything is right.
+    /// Event tables. `None` if there are errors.
     pub tables: Option<Tables>,
-    /// The tables of a program that is right but for circles and cells out of reach: to show how
-    /// it gets stuck, not to be run.
+    /// Tables of a program whose only errors are cycles and closed cells, to show how it gets
+    /// stuck.
     pub stuck: Option<Tables>,
-    /// The reasons why the scene does not work, whether or not they are allowed.
+    /// Reasons why the scene does not work, allowed or not.
     pub scene_warnings: Vec<SceneWarning>,
-    /// Reasons why blocks may jam. The rate model leaves them out.
+    /// Reasons why blocks may jam. The rate model ignores them.
     pub jam_risks: Vec<JamRisk>,
 }
 
 impl Checked {
-    /// The trees of all files: imported ones before those that import them, the file's own last.
+    /// Returns the trees of all files. Imported files come before the files that import them.
     pub fn trees(&self) -> impl Iterator<Item = (FileId, &Tree)> {
         let imports = self.imports.iter();
         // The file itself is read first.
@@ -67,7 +67,7 @@ impl Checked {
         imports.map(|module| (module.file, &module.tree)).chain(own)
     }
 
-    /// Whether anything is wrong, not merely suspicious.
+    /// Whether there are errors.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(Diagnostic::is_error)
     }

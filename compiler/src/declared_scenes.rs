@@ -1,4 +1,4 @@
-//! The scenes that the files of a program declare, and which of them each is based on.
+//! Scenes that the files declare, and the scenes that they are derived from.
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbols;
 use stochc_grammar::tree::{Item, ItemKind, SceneDeclaration, Tree};
@@ -7,22 +7,23 @@ use crate::names::{Definition, Names};
 use crate::scene::is_built_in;
 use crate::{Checked, FileId, SourceLocation};
 
-/// A scene, with its file.
+/// A scene with its file.
 #[derive(Clone, Copy, Debug)]
 pub struct DeclaredScene<'a> {
-    /// Its file.
+    /// The file.
     pub file: FileId,
-    /// What declares it.
+    /// Its definition.
     pub item: &'a Item,
-    /// The scene itself.
+    /// The scene.
     pub scene: &'a SceneDeclaration,
-    /// The number of the declared one that it is based on; `None`: it is based on a built-in one, an unknown one, or none.
+    /// Number of the declared scene that it is derived from. `None` for built-in, unknown and no
+    /// scenes.
     pub base: Option<usize>,
     pub(crate) definition: Definition,
 }
 
 impl DeclaredScene<'_> {
-    /// Where its name stands.
+    /// Returns the place of its name.
     pub(crate) fn location(&self) -> SourceLocation {
         SourceLocation {
             file: self.file,
@@ -31,14 +32,14 @@ impl DeclaredScene<'_> {
     }
 }
 
-/// Those of a file that has been checked and of all that it imports: those of imported files before those of the files that
-/// import them. Of several of one name, the first.
+/// Returns the scenes of a checked file and its imports. Imported files come before the files that
+/// import them. Only the first scene of a name is kept.
 pub fn declared_scenes(checked: &Checked) -> Vec<DeclaredScene<'_>> {
     let names = Names::of_declarations(checked);
     of_trees(checked.trees(), &names, &checked.symbols, &mut |_, _| {})
 }
 
-/// The same, from the trees; tells of each that has the name of another one, which comes first.
+/// Returns the scenes of trees, and reports each that has the name of an earlier one.
 pub(crate) fn of_trees<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
     names: &Names,
@@ -75,7 +76,7 @@ pub(crate) fn of_trees<'a>(
         let Some(base) = it.scene.base else { continue };
         let definition = names.definition(it.file, base.span);
         let declared = definition.and_then(|it| numbers.get(&it).copied());
-        // A scene may take the place of the built-in one it is based on.
+        // A scene may replace the built-in one that it is derived from.
         let is_itself = declared == Some(number);
         it.base = declared.filter(|_| !(is_itself && is_built_in(symbols.word(base.symbol))));
     }

@@ -1,9 +1,11 @@
-//! Faces in turn: where a block magnetizes several at a time, a capture waits for *some* of those before it.
+//! Blocks that can switch on several faces at a time: a capture waits for *some* of the earlier
+//! ones.
 //!
-//! An edge of the dependency graph is met when its first event has happened. An event needs all edges into it
-//! met, but for its edges from captures of the same block, of which so many are enough ([`LocatedDependency::Face`]). Here
-//! such a graph becomes one in which all edges are needed: [`straight`], one way in which everything can happen
-//! as early as can be, and [`certain`], what holds in every order.
+//! An edge of the dependency graph is met when its first event has happened. An event needs all
+//! edges into it, except its edges from captures of the same block: a number of them is enough
+//! ([`LocatedDependency::Face`]). This module turns such a graph into one in which all edges are
+//! needed. [`straight`] is one way in which everything can happen as early as possible. [`certain`]
+//! is what holds in every order.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -15,7 +17,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::EventId;
 
-/// Whether enough of the edges into an event are met, if those are from events that `has` says have happened.
+/// Whether enough edges into an event are met, if the events in `has` have happened.
 pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -> bool) -> bool {
     let (mut met, mut needed) = (0, 0);
     for edge in graph.edges_directed(NodeIndex::new(event.0 as usize), Incoming) {
@@ -34,24 +36,24 @@ pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -
     met >= needed
 }
 
-/// Whether some capture has a choice of those it waits for.
+/// Whether a capture has a choice of events to wait for.
 pub fn has_choice(graph: &DependencyGraph) -> bool {
     graph.raw_edges().iter().any(|edge| edge.weight.is_choice())
 }
 
-/// When every event is over at the earliest, and the event that it waited for last.
+/// Earliest end of every event, and the event that it waited for last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Earliest {
-    /// By event, after the start of its phase; infinite: never.
+    /// By event, after the start of its phase. Infinite if it never happens.
     pub over: Vec<f64>,
-    /// By event; `u32::MAX`: it waited for nothing.
+    /// By event. `u32::MAX` if it waited for nothing.
     pub last: Vec<u32>,
-    /// The events that happen at all, in the order of their ends.
+    /// Events that happen, in the order of their ends.
     pub events: Vec<EventId>,
 }
 
-/// Brings every event about as early as can be, where each takes so long (0 or more; if it is infinite, all that
-/// needs it comes last).
+/// Returns the earliest ends of events with these durations, which are 0 or more. An infinite
+/// duration delays everything that needs the event to the end.
 pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earliest {
     let count = graph.node_count();
     let mut out = Earliest {
@@ -59,7 +61,7 @@ pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earli
         last: vec![u32::MAX; count],
         events: Vec::with_capacity(count),
     };
-    // What each event misses: other edges, and edges from captures of the same block.
+    // Number of missing edges of each event, and of those from captures of the same block.
     let mut missing: Vec<(u32, u32)> = vec![(0, 0); count];
     for edge in graph.raw_edges() {
         let missing = &mut missing[edge.target().index()];
@@ -68,7 +70,7 @@ pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earli
             _ => missing.0 += 1,
         }
     }
-    // Numbers that are not negative are ordered as their bits are.
+    // Numbers that are not negative have the order of their bits.
     let mut open: BinaryHeap<Reverse<(u64, u32)>> = (0..count)
         .filter(|&i| missing[i] == (0, 0))
         .map(|i| Reverse((length(i).to_bits(), i as u32)))
@@ -97,9 +99,9 @@ pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earli
     out
 }
 
-/// The edges that nothing has to wait for if of each choice those are taken that are over first.
+/// Returns the edges that are not needed if each choice takes the earliest events.
 ///
-/// Of an event that never has enough of them, all are kept.
+/// If an event never has enough of them, all are kept.
 pub fn unneeded(graph: &DependencyGraph, earliest: &Earliest) -> FxHashSet<EdgeIndex> {
     let mut place = vec![u32::MAX; graph.node_count()];
     for (i, id) in earliest.events.iter().enumerate() {
@@ -125,7 +127,8 @@ pub fn unneeded(graph: &DependencyGraph, earliest: &Earliest) -> FxHashSet<EdgeI
     unneeded
 }
 
-/// One way in which everything can happen: the graph without the edges that are [`unneeded`].
+/// Returns the graph without the edges that are [`unneeded`]: one way in which everything can
+/// happen.
 pub fn straight(graph: &DependencyGraph, unneeded: &FxHashSet<EdgeIndex>) -> DependencyGraph {
     graph.filter_map(
         |_, &id| Some(id),
@@ -133,11 +136,11 @@ pub fn straight(graph: &DependencyGraph, unneeded: &FxHashSet<EdgeIndex>) -> Dep
     )
 }
 
-/// What surely comes before what, in every order: the other edges, and for every choice those events
-/// that too many of its captures wait for to do without.
+/// Returns what comes before what in every order: the other edges, and for every choice the events
+/// that too many of its captures wait for.
 ///
-/// `order` is one in which everything can happen. The search is bounded; beyond that, and where the captures of a choice
-/// wait for others that have one, edges may be missing.
+/// `order` is one in which everything can happen. The search is bounded. Edges may be missing
+/// beyond the bound, and if captures of a choice wait for others with a choice.
 pub fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
     let is_choice = |id: EventId| {
         let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
@@ -155,7 +158,7 @@ pub fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
     for &event in order.iter().filter(|&&id| is_choice(id)) {
         let node = NodeIndex::new(event.0 as usize);
         let known: FxHashSet<NodeIndex> = certain.neighbors_directed(node, Incoming).collect();
-        // How many of the captures wait for an event, for every event that one of them waits for.
+        // Number of captures that wait for each event.
         let mut counts: FxHashMap<NodeIndex, u8> = FxHashMap::default();
         let (mut captures, mut needed) = (0, 0);
         for edge in graph.edges_directed(node, Incoming) {
@@ -169,7 +172,7 @@ pub fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
             let Some(before) = before(&certain, edge.source(), &known, &mut steps) else {
                 return certain;
             };
-            // One that itself waits for the event is of no use to it.
+            // A capture that itself waits for the event does not help it.
             if before.contains(&node) {
                 continue;
             }
@@ -198,7 +201,8 @@ pub fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
     certain
 }
 
-/// An event and all that it surely waits for, but not beyond those that are `known`; `None`: that took too long.
+/// Returns an event and all events that it waits for in every order, up to `known` ones. Returns
+/// `None` if that took too long.
 fn before(
     certain: &DependencyGraph,
     event: NodeIndex,

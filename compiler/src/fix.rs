@@ -1,4 +1,4 @@
-//! A program with all its safe fixes.
+//! Applies all safe fixes of a file.
 use std::sync::Arc;
 
 use crate::checked::Checked;
@@ -8,26 +8,26 @@ use crate::program::check_with;
 use crate::reader::Reader;
 use crate::{FileId, Limits, trial};
 
-/// Rounds of checking and changing, at most: each change may make room for another.
+/// Largest number of rounds. A fix may make another one possible.
 const MAX_ROUNDS: usize = 50;
 
-/// What a file is with its safe fixes.
+/// A file with its safe fixes.
 #[derive(Debug)]
 pub struct Fixed {
-    /// The text; without a mark of the byte order.
+    /// The source, without a byte-order mark.
     pub text: Arc<str>,
-    /// How many fixes that took.
+    /// Number of applied fixes.
     pub changes: usize,
-    /// What was found before the first of them.
+    /// Result of the check before the first fix.
     pub before: Checked,
-    /// The check after the last of them; `None` if there are none.
+    /// Result of the check after the last fix. `None` if there are no fixes.
     pub after: Option<Checked>,
 }
 
-/// Works out all safe fixes of the file at `path`; those of files that it imports are left to them.
+/// Returns all safe fixes of the file at `path`, without those of its imports.
 ///
-/// A round makes the fixes that fit together and leaves nothing new behind. Each has been tried
-/// alone; where they do not go together, the first half of them is tried.
+/// A round applies the fixes that do not overlap and cause no new diagnostics. Each was tried
+/// alone. If they fail together, the first half of them is tried.
 pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &LintLevels) -> Fixed {
     let mut again = |texts: &mut dyn Reader| check_with(path, texts, limits, levels);
     let before = again(reader);
@@ -50,7 +50,8 @@ pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &LintLev
     }
 }
 
-/// The program with as many of its safe fixes as go together, and how many; `None` if none is left.
+/// Returns the program with the safe fixes of a round, and their number. Returns `None` if none is
+/// left.
 fn round(
     now: &Checked,
     reader: &mut dyn Reader,

@@ -1,4 +1,4 @@
-//! The dependency graph: what has to happen before what.
+//! The dependency graph.
 use petgraph::Direction::Incoming;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef as _;
@@ -9,59 +9,60 @@ use crate::layout::Layout;
 use crate::liveness::Liveness;
 use crate::plan::{EventId, EventKind, ProgramPlan};
 
-/// Captures and releases, and what each waits for.
+/// Events and their dependencies.
 ///
-/// Node `i` is event `i` of the plan. An edge runs from what comes first to what waits. Edges stay
-/// within a phase: a phase begins when the one before has ended.
+/// Node `i` is event `i` of the plan. An edge goes from the earlier event to the waiting one. Edges
+/// stay within a phase, because a phase starts when the one before has ended.
 pub type DependencyGraph = DiGraph<EventId, LocatedDependency, u32>;
 
-/// Why an event waits for another.
+/// Reason why an event waits for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocatedDependency {
-    /// A block captures, or is released, only once it is anchored.
+    /// A block captures, or is released, only after it is attached.
     Anchored,
-    /// A block magnetizes so many faces at a time, in source order: of the `of` edges of this kind that lead to a capture,
-    /// `needed` are enough.
+    /// A block can switch on a number of faces at a time, in source order. Of the `of` edges of
+    /// this kind into a capture, `needed` are enough.
     Face {
-        /// Captures of the block that have to have docked.
+        /// Number of captures of the block that must have happened.
         needed: u8,
-        /// Those that count.
+        /// Number of captures that count.
         of: u8,
     },
-    /// The program says `after`, there.
+    /// An `after` at this place.
     After(SourceLocation),
-    /// A block is let go only once its own children are.
+    /// A block is released only after its children.
     Emptied,
-    /// A block can dock only once its cell is empty; the world sees to that by itself.
+    /// A block can dock only in an empty cell. Physics ensures this.
     Vacated,
-    /// A name is given again only once its holder is gone.
+    /// A name can be captured again only after the release of its block.
     Freed,
 }
 
 impl LocatedDependency {
-    /// Whether others will do as well.
+    /// Whether other events can replace it.
     pub fn is_choice(self) -> bool {
         stochc_ir::graph::Dependency::from(self).is_choice()
     }
 
-    /// Whether a block that has not seen the other event has to be told of it.
+    /// Whether a block that does not see the other event needs a message.
     pub fn is_told(self) -> bool {
         matches!(self, LocatedDependency::After(_) | LocatedDependency::Freed)
     }
 }
 
-/// The capture of the same phase that anchors the block that an event is up to; `None`: it is there before.
+/// Returns the capture of the same phase that attaches the acting block. Returns `None` if it is
+/// attached before.
 pub(crate) fn anchored_by(graph: &DependencyGraph, id: EventId) -> Option<EventId> {
     let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
     let anchored = edges.find(|edge| *edge.weight() == LocatedDependency::Anchored);
     anchored.map(|edge| graph[edge.source()])
 }
 
-/// Builds the graph of a program whose blocks magnetize `faces` faces at a time.
+/// Builds the graph of a program whose blocks can switch on `faces` faces at a time.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn build(
     plan: &ProgramPlan,
     liveness: &Liveness,
@@ -108,8 +109,8 @@ pub fn build(
     Ok(graph)
 }
 
-/// Captures of one block that wait for those written before them: each until fewer than `faces` of these are
-/// still to come.
+/// Makes the captures of a block wait for those before them, until fewer than `faces` of these are
+/// still open.
 fn face_turns(
     plan: &ProgramPlan,
     faces: u8,
@@ -117,7 +118,7 @@ fn face_turns(
 ) -> Result<Vec<(EventId, EventId, LocatedDependency)>, Cancelled> {
     let mut turns = Vec::new();
     let faces = faces.max(1);
-    // The last capture of each block, with the phase, from 1, and the one before each capture.
+    // Last capture of each block with its phase, from 1, and the capture before each capture.
     let mut last: Vec<(u32, Option<EventId>)> = vec![(0, None); plan.roles.count()];
     let mut previous: Vec<Option<EventId>> = vec![None; plan.events.len()];
     for (phase, stamp) in plan.phases.iter().zip(1..) {
@@ -135,7 +136,8 @@ fn face_turns(
                 *slot = (stamp, None);
             }
             previous[id.0 as usize] = slot.1.replace(id);
-            // A block has six faces, and each captures once in a phase; what makes no sense may have more.
+            // A block has six faces, and each captures once per phase. Invalid programs may have
+            // more.
             let before =
                 std::iter::successors(previous[id.0 as usize], |id| previous[id.0 as usize]);
             let before = before.take(6);
@@ -145,7 +147,7 @@ fn face_turns(
             }
             let needed = of + 1 - faces;
             if needed == of {
-                // The one before has waited for all the others.
+                // The capture before has waited for all others.
                 let why = LocatedDependency::Face { needed: 1, of: 1 };
                 turns.extend(before.take(1).map(|first| (first, id, why)));
             } else {

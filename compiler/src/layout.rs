@@ -1,4 +1,4 @@
-//! Where every block sits, and what is there already.
+//! Cells of all blocks.
 use rustc_hash::FxHashMap;
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
@@ -9,48 +9,48 @@ use crate::liveness::{Holder, Liveness};
 use crate::plan::{EventId, EventKind, ProgramPlan};
 use crate::{SourceLocation, Sources};
 
-/// The geometry of a program.
+/// Geometry of a program.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// For every event, the cell of its block; `None` where it cannot be worked out.
+    /// Cell of the block of every event. `None` if it is unknown.
     pub cells: Vec<Option<Cell>>,
-    /// For every event, the block that holds or held its block.
+    /// How the block of every event is attached.
     pub parents: Vec<Option<Attachment>>,
     /// Releases that empty a cell for a capture of the same phase.
     pub vacated: Vec<(EventId, EventId)>,
-    /// For every phase, the cells above the plate that it empties, and then those that it fills: of a cell that it empties and fills
-    /// again, both.
+    /// For every phase, the cells above the plate that it empties, and those that it fills.
+    /// A cell can be in both.
     pub changes: Vec<(Vec<Cell>, Vec<Cell>)>,
-    /// Blocks above the plate at the end of each phase.
+    /// Number of blocks above the plate at the end of each phase.
     pub sizes: Vec<u32>,
-    /// Releases of a parent, with those of its children that have to come first.
+    /// Releases of a parent, with the releases of children that come first.
     pub emptied: Vec<(EventId, EventId)>,
 }
 
-/// How a block hangs on another.
+/// Bond of a block to its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attachment {
-    /// The other block.
+    /// The parent.
     pub parent: RoleId,
-    /// The face of the parent, in the structure's frame.
+    /// Face of the parent, in the frame of the structure.
     pub face: Face,
-    /// The capture that made the bond.
+    /// Capture that made the bond.
     pub capture: EventId,
 }
 
-/// A block that is anchored.
+/// An attached block.
 #[derive(Clone, Copy)]
 struct AnchoredPosition {
     cell: Cell,
-    /// `None`: part of the plate.
+    /// `None` for blocks of the plate.
     on: Option<Attachment>,
 }
 
-/// Works out the cells, and tells of captures that cannot dock.
+/// Computes the cells, and reports captures that cannot dock.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn lay_out(
     plan: &mut ProgramPlan,
     liveness: &Liveness,
@@ -114,16 +114,16 @@ struct LayoutBuilder<'a> {
     cancellation: Cancellation<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
     layout: Layout,
-    /// Where the blocks are that are anchored at the start of the phase.
+    /// Blocks that are attached when the phase starts.
     seats: Vec<Option<AnchoredPosition>>,
-    /// Who is where at the start of the phase.
+    /// Blocks by cell when the phase starts.
     taken: FxHashMap<Cell, RoleId>,
 }
 
 impl LayoutBuilder<'_> {
     fn phase(&mut self, number: usize) -> Result<(), Cancelled> {
         let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
-        // Releases of this phase, by the block that goes.
+        // Releases of this phase by block.
         let mut leaving: FxHashMap<Holder, EventId> = FxHashMap::default();
         for &id in &events {
             let event = self.plan.event(id);
@@ -155,14 +155,14 @@ impl LayoutBuilder<'_> {
         Ok(())
     }
 
-    /// The cells of the phase's captures; whoever takes a cell first.
+    /// Computes the cells of the captures of the phase. The first capture takes a cell.
     fn captures(
         &mut self,
         events: &[EventId],
         leaving: &FxHashMap<Holder, EventId>,
     ) -> Result<FxHashMap<Cell, EventId>, Cancelled> {
         let mut arrivals: FxHashMap<Cell, EventId> = FxHashMap::default();
-        // Captures whose parent is captured by an event that has not been placed yet.
+        // Captures whose parent has no cell yet.
         let mut waiting: FxHashMap<EventId, Vec<EventId>> = FxHashMap::default();
         let mut ready: Vec<EventId> = Vec::new();
         for &id in events {
@@ -187,7 +187,7 @@ impl LayoutBuilder<'_> {
         Ok(arrivals)
     }
 
-    /// Works out the cell of one capture.
+    /// Computes the cell of one capture.
     fn place(
         &mut self,
         id: EventId,
@@ -221,7 +221,7 @@ impl LayoutBuilder<'_> {
         let Some(cell) = base.cell.across(face) else {
             return;
         };
-        // A block below the plate has been told of; its own children need no message.
+        // A block in the ground has been reported. Its children need no message.
         self.layout.cells[id.0 as usize] = Some(cell);
         if cell.z < 1 {
             let name = self.plan.roles.name(event.role, self.symbols);
@@ -377,7 +377,7 @@ impl LayoutBuilder<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Releases that would leave a child without a parent, and the order among releases.
+    /// Reports releases that leave a child without a parent, and orders releases.
     fn adrift(
         &mut self,
         events: &[EventId],
@@ -447,8 +447,8 @@ impl LayoutBuilder<'_> {
         Ok(())
     }
 
-    /// The blocks that hang on `parent` in a cell at some time of the phase, with their captures: one
-    /// that is there when it begins, and one that takes its place.
+    /// Returns the blocks attached to `parent` in a cell during the phase, with their captures: the
+    /// block at its start, and the block that replaces it.
     fn children(
         &self,
         parent: Holder,
@@ -467,7 +467,7 @@ impl LayoutBuilder<'_> {
         there.into_iter().chain(arrives)
     }
 
-    /// The structure at the end of the phase.
+    /// Updates the structure at the end of the phase.
     fn settle(&mut self, events: &[EventId], leaving: &FxHashMap<Holder, EventId>) {
         let (mut emptied, mut filled) = (Vec::new(), Vec::new());
         for &id in events {

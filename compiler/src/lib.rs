@@ -1,11 +1,11 @@
-//! Syntax tree to dependency graph, proofs and event tables. Pure: no IO, clock or chance.
+//! Compiles syntax trees to dependency graphs, proofs and event tables, without IO, clock or
+//! chance.
 //!
-//! [`check`] is the pipeline: files are loaded and parsed, each assembly is written out
-//! ([`plan`]), its names are followed through the phases, its blocks get their cells, and its
-//! events their order ([`graph`], [`order`]); whether a block can still come to every cell is
-//! proved (`reach`); then shapes and the scene are compared with what is
-//! built, and what is right is lowered to event tables ([`stochc_ir::table`]). Each stage tells what it finds
-//! and leaves the wrong part out, so that the next one can go on.
+//! [`check`] runs the stages. It loads and parses files, and expands each assembly ([`plan`]). It
+//! checks names, computes cells, and orders events ([`graph`], [`order`]). It proves that free
+//! blocks can reach every cell (`reach`), and compares shapes and scene with the structure. A
+//! program without errors is lowered to event tables ([`stochc_ir::table`]). Each stage reports its
+//! diagnostics and removes the wrong parts, so that the next stage can run.
 //!
 //! ```
 //! use stochc_compiler::{Limits, check};
@@ -13,8 +13,8 @@
 //! let text = "assembly pair { seed plate 3 x 3 { M at (1, 1) }\nphase grow { M.up -> A   M.up -> B } }";
 //! let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
 //! let checked = check("pair.sa", &mut reader, Limits::default());
-//! let finding = &checked.diagnostics[0];
-//! assert_eq!(finding.code.name(), "occupied-cell");
+//! let diagnostic = &checked.diagnostics[0];
+//! assert_eq!(diagnostic.code.name(), "occupied-cell");
 //! assert!(checked.has_errors() && checked.programs[0].tables.is_none());
 //! ```
 mod block_demand;

@@ -1,4 +1,4 @@
-//! Which warnings are told, and which are errors: as the files say, else as the command line says.
+//! Levels of warnings, set by files or by the command line.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Item, ItemKind, LintDirective, LintDirectiveKind};
 use stochc_grammar::{Span, Symbols};
@@ -9,22 +9,22 @@ use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, report};
 use crate::load::Module;
 use crate::{FileId, SourceLocation, Sources};
 
-/// What becomes of a warning.
+/// Level of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// It is not told.
+    /// It is not reported.
     Allow,
-    /// It is told.
+    /// It is reported.
     Warn,
     /// It is an error.
     Deny,
 }
 
-/// The levels of the warnings where the files say nothing; every one is told by default.
+/// Levels of warnings that no file sets. By default, all are reported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LintLevels {
     said: Vec<(Option<Code>, Level)>,
-    /// The steps that scenes are checked for. `None`: runs have no physics.
+    /// Steps for which scenes are checked. `None` if runs have no physics.
     stepping: Option<Stepping>,
 }
 
@@ -38,19 +38,19 @@ impl Default for LintLevels {
 }
 
 impl LintLevels {
-    /// Sets the level of a warning, or of all of them; what is said later counts. The level of an
-    /// error is fixed, and saying otherwise has no effect.
+    /// Sets the level of a warning, or of all warnings. Later calls override earlier ones. The
+    /// level of an error cannot be changed.
     pub fn set(&mut self, code: Option<Code>, level: Level) {
         self.said.push((code, level));
     }
 
-    /// The same levels for runs with other steps, or without physics (`None`).
+    /// Returns the same levels for runs with other steps, or without physics (`None`).
     #[must_use]
     pub fn for_runs(self, stepping: Option<Stepping>) -> LintLevels {
         LintLevels { stepping, ..self }
     }
 
-    /// The steps that scenes are checked for. `None`: runs have no physics.
+    /// Returns the steps for which scenes are checked. Returns `None` if runs have no physics.
     pub(crate) fn stepping(&self) -> Option<Stepping> {
         self.stepping
     }
@@ -60,7 +60,7 @@ impl LintLevels {
         !code.is_of_runs() || self.stepping == Some(Stepping::DEFAULT)
     }
 
-    /// The level of a warning.
+    /// Returns the level of a warning.
     pub fn of(&self, code: Code) -> Level {
         let speaks = |(of, _): &&(Option<Code>, Level)| of.is_none_or(|of| of == code);
         let last = self.said.iter().rev().find(speaks);
@@ -68,20 +68,20 @@ impl LintLevels {
     }
 }
 
-/// A warning that is not told.
+/// An allowed warning.
 #[derive(Clone, Debug)]
 pub struct Allowed {
-    /// It.
+    /// The warning.
     pub diagnostic: Diagnostic,
-    /// Why, in the words of the file; `None`: the command line allows it.
+    /// Reason in the file. `None` if the command line allows it.
     pub reason: Option<String>,
 }
 
-/// The statements of the files that set levels.
+/// Statements of the files that set levels.
 #[derive(Debug, Default)]
 pub struct FileLevels {
     statements: Vec<Set>,
-    /// The blocks of each file that hold such statements, by their first byte.
+    /// Blocks of each file with such statements, by their first byte.
     scopes: FxHashMap<FileId, Vec<LintScope>>,
 }
 
@@ -91,28 +91,28 @@ struct Set {
     verdict: LintDirectiveKind,
     code: Code,
     reason: String,
-    /// Of the code.
+    /// Place of the code.
     location: SourceLocation,
-    /// Of the whole statement.
+    /// Place of the whole statement.
     whole: SourceLocation,
-    /// Whether it is reported if it sets nothing.
+    /// Whether it is reported if it has no effect.
     reported: bool,
-    /// Whether comments belong to it.
+    /// Whether it has documentation.
     documented: bool,
     used: bool,
 }
 
-/// A block that holds such statements.
+/// A block with such statements.
 #[derive(Debug)]
 struct LintScope {
     span: Span,
-    /// The nearest one around it.
+    /// Nearest one around it.
     outer: Option<usize>,
-    /// The last statement on each code.
+    /// Last statement for each code.
     set: FxHashMap<Code, usize>,
 }
 
-/// Where a walk through a file is.
+/// Position of a walk through a file.
 #[derive(Clone, Copy)]
 struct LevelScope {
     file: FileId,
@@ -121,7 +121,7 @@ struct LevelScope {
 }
 
 impl FileLevels {
-    /// Collects the statements of all files; those that make no sense are told of.
+    /// Collects the statements of all files, and reports wrong ones.
     pub fn new(
         modules: &[Module],
         sources: &Sources,
@@ -137,17 +137,17 @@ impl FileLevels {
             let place = LevelScope {
                 file: module.file,
                 outer: None,
-                // Patterns of a file may warn only where another file grows them.
+                // Patterns of an imported file may warn only in other programs.
                 reported: own == Some(module.file) && items.iter().any(has_program),
             };
-            // Also what is told of its end stands in a file.
+            // Diagnostics at the end of the file are inside of it.
             let whole = Span::new(0, sources.file(module.file).text.len() as u32 + 1);
             levels.block(items, whole, place, sources, symbols, diagnostics);
         }
         levels
     }
 
-    /// One block; blocks are as deep as the parser lets them be.
+    /// Collects the statements of a block. The parser bounds the depth of blocks.
     fn block(
         &mut self,
         items: &[Item],
@@ -196,7 +196,7 @@ impl FileLevels {
                 ItemKind::Seed(block) => &block.body,
                 ItemKind::For(block) => &block.body,
                 ItemKind::Pattern(block) => {
-                    // Nobody may grow it.
+                    // The pattern may never be used.
                     inner.reported = false;
                     &block.body
                 }
@@ -206,7 +206,7 @@ impl FileLevels {
         }
     }
 
-    /// Sorts the findings of a check into those that are told and those that are allowed.
+    /// Separates the reported diagnostics from the allowed ones.
     pub fn apply(
         mut self,
         diagnostics: Vec<Diagnostic>,
@@ -214,13 +214,13 @@ impl FileLevels {
         sources: &Sources,
     ) -> (Vec<Diagnostic>, Vec<Allowed>) {
         let (mut told, mut allowed) = (Vec::new(), Vec::new());
-        // What keeps a program from being compiled also keeps warnings from being found.
+        // Errors keep some warnings from being found.
         let complete = !diagnostics.iter().any(Diagnostic::is_error);
         for diagnostic in diagnostics {
             self.decide(diagnostic, levels, &mut told, &mut allowed);
         }
         if complete {
-            // An allowed `unused-allow` is put to use by the other ones.
+            // Other statements use an allowed `unused-allow`.
             for about_itself in [false, true] {
                 let unused = |set: &&Set| {
                     set.reported
@@ -254,7 +254,7 @@ impl FileLevels {
         let location = diagnostic.labels.first().map(|label| label.location);
         let set = location.and_then(|location| self.find(diagnostic.code, location));
         let level = match set {
-            // No statement speaks of itself.
+            // A statement does not apply to itself.
             Some(set) if Some(self.statements[set].location) != location => {
                 let set = &mut self.statements[set];
                 set.used = true;
@@ -281,11 +281,11 @@ impl FileLevels {
         }
     }
 
-    /// The statement of the innermost block around a place that speaks of a code.
+    /// Returns the statement for a code in the innermost block around a place.
     fn find(&self, code: Code, location: SourceLocation) -> Option<usize> {
         let scopes = self.scopes.get(&location.file)?;
         let at = location.span.start;
-        // The last block that begins before the place holds it, or lies in one that does.
+        // The last block that begins before the place contains it, or is inside one that does.
         let mut next = scopes
             .partition_point(|scope| scope.span.start <= at)
             .checked_sub(1);
@@ -305,7 +305,7 @@ impl Set {
         let mut diagnostic = Diagnostic::new(Code::UnusedAllow, title)
             .label(self.location, "this warning does not occur in the block")
             .help("remove it, or move it to the block with the warning");
-        // The comments of a removed statement would belong to nothing.
+        // The documentation of a removed statement would document nothing.
         if !self.documented {
             diagnostic.fix = Some(Fix::remove(
                 removal(sources, self.whole),
@@ -316,7 +316,7 @@ impl Set {
     }
 }
 
-/// The warning that a statement speaks of.
+/// Returns the warning that a statement names.
 fn code(
     statement: &LintDirective,
     whole: SourceLocation,

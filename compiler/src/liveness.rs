@@ -1,4 +1,4 @@
-//! Which names stand for an anchored block, phase by phase.
+//! Checks which blocks are attached under which names, phase by phase.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::table::{RoleId, Trigger};
@@ -11,47 +11,49 @@ use crate::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
 use crate::{SourceLocation, Sources};
 
-/// Who holds the names, and what becomes of them in each phase.
+/// Names of all events, and the events that an `after` waits for.
 #[derive(Clone, Debug)]
 pub struct Liveness {
-    /// For every event, what its names mean.
+    /// Blocks of the names of every event.
     pub contexts: Vec<EventContext>,
-    /// For every `after`, the event that is waited for; `None`: it has already happened.
+    /// Event of every `after`. `None` if it happened in an earlier phase.
     pub subjects: Vec<Option<EventId>>,
 }
 
-/// What the names of an event mean.
+/// Blocks of the names of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct EventContext {
-    /// The capture in this phase that anchors the parent of a capture, or the block of a release.
+    /// Capture of this phase that attaches the parent of a capture, or the block of a release.
     pub anchored_by: Option<EventId>,
-    /// Of a capture: the release in this phase that frees the name.
+    /// Release of this phase that frees the name of a capture.
     pub freed_by: Option<EventId>,
 }
 
-/// A block in one phase. A name may have two holders in a phase, one after the other: the one that has it
-/// when the phase begins, and the one that is captured when that has gone. They see different things.
+/// A block in one phase.
+///
+/// A name may have two holders in a phase: the one at its start, and one that is captured after the
+/// first was released. They see different events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Holder {
     /// The name.
     pub role: RoleId,
-    /// The capture of this phase that gave it; `None`: it is held when the phase begins.
+    /// Capture of this phase. `None` if the block is attached when the phase starts.
     pub since: Option<EventId>,
 }
 
 impl Holder {
-    /// The block that has a name when the phase begins.
+    /// Returns the block that has a name when the phase starts.
     pub fn existing(role: RoleId) -> Holder {
         Holder { role, since: None }
     }
 
-    /// The block that a capture of the phase gives the name to.
+    /// Returns the block of a capture of this phase.
     pub fn captured(role: RoleId, capture: EventId) -> Holder {
         let since = Some(capture);
         Holder { role, since }
     }
 
-    /// When its duty in the phase begins.
+    /// Start of its duty in the phase.
     pub fn trigger(self) -> Trigger {
         match self.since {
             Some(_) => Trigger::Anchored,
@@ -61,7 +63,7 @@ impl Holder {
 }
 
 impl Liveness {
-    /// The block that an event is up to: the one that captures, or the one that asks to be let go.
+    /// Returns the block that acts: the capturing one, or the released one.
     pub fn actor(&self, plan: &ProgramPlan, id: EventId) -> Holder {
         Holder {
             role: plan.actor(id),
@@ -70,16 +72,16 @@ impl Liveness {
     }
 }
 
-/// What is known of a name.
+/// State of a name.
 #[derive(Clone, Copy, Default)]
 struct RoleLiveness {
-    /// What anchored the block that has it; `None`: nobody has it.
+    /// Origin of the block that has the name. `None` if no block has it.
     holder: Option<BlockOrigin>,
-    /// The phase that the two fields below speak of, from 1.
+    /// Phase of the two fields below, from 1.
     phase: u32,
     captured: Option<EventId>,
     released: Option<EventId>,
-    /// The last event that released it, in any phase.
+    /// Last release of the name in any phase.
     last_release: Option<EventId>,
 }
 
@@ -89,12 +91,13 @@ enum BlockOrigin {
     Capture(EventId),
 }
 
-/// Checks every name; events that make no sense are marked so in the plan. `attracts`: faces attract by themselves, so that a
-/// seed does something that captures nothing.
+/// Checks every name, and marks invalid events in the plan.
+///
+/// `attracts`: whether faces attract by themselves, so that unused seeds have an effect.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
     plan: &mut ProgramPlan,
     sources: &Sources,
@@ -123,7 +126,7 @@ pub fn check(
     Ok(checker.liveness)
 }
 
-/// The reason why a name is taken before a capture.
+/// Reason why a name is taken before a capture.
 #[derive(Clone, Copy)]
 enum Earlier {
     /// A seed at a place.
@@ -137,7 +140,7 @@ enum Earlier {
 struct Checker<'a> {
     plan: &'a mut ProgramPlan,
     states: Vec<RoleLiveness>,
-    /// Seeds that have been spoken of.
+    /// Whether each seed is used.
     used: Vec<bool>,
     liveness: Liveness,
     sources: &'a Sources,
@@ -145,7 +148,7 @@ struct Checker<'a> {
     doubtful: &'a FxHashSet<Symbol>,
     attracts: bool,
     diagnostics: &'a mut Vec<Diagnostic>,
-    /// The first capture of every block, once it has been asked for.
+    /// First capture of every block, computed on demand.
     first_captures: Option<FxHashMap<RoleId, EventId>>,
 }
 
@@ -201,7 +204,7 @@ impl Checker<'_> {
                 } else {
                     "let it capture a block, or remove its name: the plate stays the same"
                 });
-                // A statement in a loop stands for several seeds, of which others may be used.
+                // A statement in a loop declares several seeds, and others of them may be used.
                 let alone = named(self.sources, seed.location, &name);
                 let is_idle = alone.is_some() && !self.attracts;
                 if let Some(statement) = seed.statement.filter(|_| is_idle) {
@@ -215,8 +218,8 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// An `after` in a loop or a pattern may wait for nothing in one round and be needed in another: that is no mistake, and it
-    /// could not be left out.
+    /// Removes warnings about an `after` in a loop or a pattern that waits for nothing in one round
+    /// and is needed in another.
     fn keep_needed_afters(&mut self) {
         let is_redundant = |diagnostic: &Diagnostic| diagnostic.code == Code::RedundantAfter;
         if !self.diagnostics.iter().any(is_redundant) {
@@ -243,7 +246,7 @@ impl Checker<'_> {
         state
     }
 
-    /// Notes who captures and releases what in this phase.
+    /// Notes the captures and releases of this phase.
     fn enter(&mut self, id: EventId, stamp: u32) {
         let event = *self.plan.event(id);
         let state = *self.state(event.role, stamp);
@@ -279,7 +282,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Checks an event against all that happens in its phase.
+    /// Checks an event against all events of its phase.
     fn resolve(&mut self, id: EventId, stamp: u32) {
         let event = *self.plan.event(id);
         if !event.sound {
@@ -366,7 +369,8 @@ impl Checker<'_> {
                     "write `after release {name}` to wait until it is gone"
                 ));
             }
-            // The text must speak of this block alone: in a loop or a pattern, others may be meant.
+            // The name must be written in full. In a loop or a pattern, it may stand for other
+            // blocks.
             if named(self.sources, after.location, &name) == Some(after.location) {
                 let drop =
                     |location| Fix::remove(location, format!("remove `{name}` from the `after`"));
@@ -387,7 +391,7 @@ impl Checker<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// The names after the phase.
+    /// Updates the names at the end of the phase.
     fn leave(&mut self, id: EventId) {
         let event = *self.plan.event(id);
         if !event.sound {
@@ -396,7 +400,8 @@ impl Checker<'_> {
         let context = self.liveness.contexts[id.0 as usize];
         let state = &mut self.states[event.role.0 as usize];
         match event.kind {
-            // A name that is freed and taken again ends up taken; the other way round, free.
+            // A name that is freed and captured again ends up taken. In the other order, it ends up
+            // free.
             EventKind::Capture { .. } => {
                 if state.released.is_none() || context.freed_by.is_some() {
                     state.holder = Some(BlockOrigin::Capture(id));
@@ -412,13 +417,13 @@ impl Checker<'_> {
         }
     }
 
-    /// Leaves an event out. Returns whether its error can still be reported.
+    /// Marks an event as invalid. Returns whether its error can still be reported.
     fn reject(&mut self, id: EventId) -> bool {
         self.plan.events[id.0 as usize].sound = false;
         !is_full(self.diagnostics, Severity::Error)
     }
 
-    /// Rejects a capture under a name that a block has already.
+    /// Rejects a capture under a name that a block already has.
     fn captured_twice(&mut self, id: EventId, earlier: Earlier) {
         if !self.reject(id) {
             return;
@@ -470,7 +475,7 @@ impl Checker<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Returns a name like that of a block which no block has; `None` inside a pattern.
+    /// Returns a similar name that no block has. Returns `None` inside a pattern.
     fn unused_name(&self, role: RoleId) -> Option<String> {
         let key = self.plan.roles.key(role);
         if key.scope != 0 || key.arity != 0 {
@@ -519,7 +524,8 @@ impl Checker<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Returns the change that removes a block from a release; `None` if the text names several.
+    /// Returns the change that removes a block from a release. Returns `None` if the source names
+    /// several.
     fn without_release(&self, location: SourceLocation, name: &str) -> Option<Fix> {
         let is_alone = named(self.sources, location, name) == Some(location);
         let removed = entry(self.sources, location, "release").filter(|_| is_alone)?;
@@ -534,7 +540,7 @@ impl Checker<'_> {
             return;
         }
         if self.is_doubtful(role) {
-            // So nobody knows of its own block either.
+            // So its own block is in doubt as well.
             let own = self.plan.roles.key(self.plan.event(id).role).word;
             self.plan.doubtful.insert(own);
             return;
@@ -582,7 +588,7 @@ impl Checker<'_> {
     }
 
     /// Whether a name may only seem to be absent, because a part of the program that could not be
-    /// read or worked out may capture it.
+    /// read may capture it.
     fn is_doubtful(&self, role: RoleId) -> bool {
         let key = self.plan.roles.key(role);
         let mut scopes =
@@ -612,8 +618,8 @@ impl Checker<'_> {
         })
     }
 
-    /// Returns a diagnostic about a name that no block has: unknown, or known at another time.
-    /// `help` says what to do in the second case. `None` if the statement has been reported.
+    /// Returns a diagnostic about a name without a block: an unknown name, or one of another phase.
+    /// `help` is the help in the second case. Returns `None` if the statement has been reported.
     fn unknown(
         &mut self,
         role: RoleId,
@@ -659,7 +665,7 @@ impl Checker<'_> {
         diagnostic = diagnostic.suggest(location, meant(self.diagnostics, &name, known), || {
             format!("add it to the seed plate, or capture it: `... -> {name}`").to_owned()
         });
-        // Where the name is worked out, the text is another.
+        // A name with a computed index is written differently.
         diagnostic.fix = diagnostic.fix.zip(written).map(|(mut fix, location)| {
             fix.edits
                 .iter_mut()
@@ -669,7 +675,7 @@ impl Checker<'_> {
         Some(diagnostic)
     }
 
-    /// The names of all seeds and of all blocks that are ever captured.
+    /// Returns the names of all seeds and captured blocks.
     fn blocks(&self) -> impl Iterator<Item = NameKey> {
         let captured = (self.plan.events.iter())
             .filter(|event| matches!(event.kind, EventKind::Capture { .. }))
@@ -678,11 +684,11 @@ impl Checker<'_> {
         (seeds.chain(captured)).map(|role| self.plan.roles.key(role))
     }
 
-    /// That a pattern does not see a block that is known around it.
+    /// Returns the error of a pattern that uses a block from outside.
     fn around(&mut self, role: RoleId, location: SourceLocation) -> Option<Diagnostic> {
         let key = self.plan.roles.key(role);
         let grown = self.grown(key.scope)?;
-        // Elsewhere the name is written with that of the instance before it.
+        // Elsewhere, the name of the instance comes before it.
         let word = self.symbols.word(key.word);
         let behind = self.sources.text(location).strip_prefix(word)?;
         if behind.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_') {

@@ -1,4 +1,4 @@
-//! A file and everything it imports, parsed.
+//! Reads and parses a file and its imports.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Tree};
 use stochc_grammar::{
@@ -10,31 +10,31 @@ use crate::diagnostic::{Code, Diagnostic, Edit, Fix, removal, report};
 use crate::reader::Reader;
 use crate::{FileId, SourceLocation, Sources};
 
-/// One parsed file.
+/// A parsed file.
 #[derive(Clone, Debug)]
 pub struct Module {
-    /// Its text.
+    /// The file.
     pub file: FileId,
-    /// What it says.
+    /// Syntax tree.
     pub tree: Tree,
 }
 
-/// A file and everything it imports.
+/// A file and all of its imports.
 #[derive(Debug, Default)]
 pub struct Loaded {
-    /// Imported files before those that import them; the program's own file comes last.
+    /// Imported files before the files that import them. The program's own file comes last.
     pub modules: Vec<Module>,
-    /// The words of all of them.
+    /// Words of all files.
     pub symbols: Symbols,
     /// Words in parts that could not be read.
     pub doubtful: rustc_hash::FxHashSet<Symbol>,
 }
 
-/// Reads and parses `path` and whatever it imports, each file once.
+/// Reads and parses `path` and its imports, each file once.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn load(
     path: &str,
     reader: &mut dyn Reader,
@@ -57,17 +57,17 @@ pub fn load(
     Ok(loader.loaded)
 }
 
-/// Files of a program, at most. Where a link leads back to a folder above, a file that imports itself
-/// through it has a new path each time.
+/// Largest number of files of a program. If a link leads back to a parent folder, a file that
+/// imports itself through it has a new path each time.
 const MAX_FILES: usize = 10_000;
 
-/// Bytes of them together, fewer than which they have.
+/// The files together have fewer bytes.
 const MAX_BYTES: u64 = 1 << 32;
 
-/// How far a file has come.
+/// Progress of a file.
 #[derive(Clone, Copy, PartialEq)]
 enum LoadState {
-    /// Its imports are being read; the file, and where the next one is imported.
+    /// Its imports are being read. The place is that of the current import.
     Open(SourceLocation),
     Done,
 }
@@ -79,11 +79,11 @@ struct Loader<'a> {
     diagnostics: &'a mut Vec<Diagnostic>,
     loaded: Loaded,
     state: FxHashMap<String, LoadState>,
-    /// By [identity](Reader::identity), the path by which a file was asked for first.
+    /// First path of each file, by [identity](Reader::identity).
     first: FxHashMap<String, String>,
-    /// Of all files so far.
+    /// Number of bytes of all files.
     bytes: u64,
-    /// More have been asked for, which has been told.
+    /// Whether the limit is reached and reported.
     full: bool,
 }
 
@@ -91,12 +91,12 @@ struct Loader<'a> {
 struct Pending {
     path: String,
     module: Module,
-    /// With the places of their paths, and of the whole statements if no comments belong to them.
+    /// Paths with their places, and the places of whole statements without documentation.
     imports: std::vec::IntoIter<(String, Span, Option<Span>)>,
 }
 
 impl Loader<'_> {
-    /// Depth first, with a stack of its own: a chain of imports may be as long as it likes.
+    /// Reads depth first with an explicit stack, because chains of imports can be long.
     fn run(&mut self, root: &str) -> Result<(), Cancelled> {
         let mut stack: Vec<Pending> = Vec::new();
         let root = self.first_path(root.to_owned());
@@ -130,7 +130,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// The path by which a file was asked for first, which may be this one.
+    /// Returns the path by which a file was first imported.
     fn first_path(&mut self, path: String) -> String {
         match self.reader.identity(&path) {
             Some(identity) => self.first.entry(identity).or_insert(path).clone(),
@@ -138,7 +138,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Says, once, that no more files are read.
+    /// Reports once that no more files are read.
     fn too_many(&mut self, import: SourceLocation) {
         if std::mem::replace(&mut self.full, true) {
             return;
@@ -151,7 +151,7 @@ impl Loader<'_> {
         );
     }
 
-    /// Reads a file; `None` if that cannot be done, which has been told.
+    /// Reads a file. Returns `None` if it could not, which has been reported.
     fn open(
         &mut self,
         path: String,
@@ -234,7 +234,7 @@ impl Loader<'_> {
         }))
     }
 
-    /// Says that an import leads out of the folders from which files may come.
+    /// Reports an import that leaves the allowed folders.
     fn outside(&mut self, path: &str, folder: &str, import: SourceLocation) {
         let (path, folder) = (visible(path), visible(folder));
         let title = format!("import of `{path}` leaves the folder of the program");
@@ -244,9 +244,9 @@ impl Loader<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Labels every import of a circle of files.
+    /// Reports a cycle of imports and labels each of them.
     fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<SourceLocation>) {
-        /// Circles told of, and imports labelled of each, at most.
+        /// Largest number of reported cycles, and of labelled imports of each.
         const MAX: usize = 10;
         let is_circle = |diagnostic: &&Diagnostic| diagnostic.code == Code::ImportCycle;
         if self.diagnostics.iter().filter(is_circle).count() >= MAX {
@@ -282,9 +282,12 @@ impl Loader<'_> {
     }
 }
 
-/// What ends lines for most editors, and none for the grammar: code behind a comment would be read as a part of it.
+/// Returns the error of carriage returns without line feeds.
+///
+/// Most editors show them as line ends, but the grammar does not: code after a comment would be a
+/// part of it.
 pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
-    /// All are replaced at once, if there are not more.
+    /// Largest number of carriage returns that one fix replaces.
     const MAX: usize = 10_000;
     let bytes = text.as_bytes();
     let is_lone = |&at: &usize| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n');
@@ -314,7 +317,7 @@ pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
     })
 }
 
-/// The text of a file without the mark of the byte order, and where it is none.
+/// Returns the length of the byte-order mark, the text without it, and the first invalid byte.
 fn decode(mut bytes: Vec<u8>) -> (u32, String, Option<usize>) {
     let mark = if bytes.starts_with(BYTE_ORDER_MARK.as_bytes()) {
         BYTE_ORDER_MARK.len()
@@ -332,7 +335,7 @@ fn decode(mut bytes: Vec<u8>) -> (u32, String, Option<usize>) {
     }
 }
 
-/// The path of an import, relative to what the importing file's path is relative to.
+/// Returns the path of an import, relative to the same folder as the path of the importing file.
 pub fn join(importer: &str, import: &str) -> String {
     let folder = importer.rfind('/').map_or("", |slash| &importer[..=slash]);
     let joined = if import.starts_with('/') {
@@ -343,13 +346,13 @@ pub fn join(importer: &str, import: &str) -> String {
     without_dots(&joined)
 }
 
-/// The path without `.`, and without `..` behind the name of a folder.
+/// Returns a path without `.`, and without `..` after a folder name.
 pub fn without_dots(path: &str) -> String {
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {
         match part {
             "." => {}
-            // Two slashes are one, but at the beginning, where there is none otherwise.
+            // Two slashes are one, except at the beginning of a path.
             "" if !path.starts_with('/') || parts.iter().any(|part| !part.is_empty()) => {}
             ".." if parts.last().is_some_and(|last| !matches!(*last, ".." | "")) => {
                 parts.pop();

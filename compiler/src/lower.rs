@@ -1,4 +1,4 @@
-//! The dependency graph to event tables: what each block has to know to keep the order by itself.
+//! Writes event tables from the dependency graph: what each block must know to keep the order.
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
@@ -11,11 +11,11 @@ use crate::layout::Layout;
 use crate::liveness::{Holder, Liveness};
 use crate::plan::{EventId, EventKind, ProgramPlan};
 
-/// Lowers a program in which nothing is wrong.
+/// Lowers a program without errors.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn lower(
     plan: &ProgramPlan,
     liveness: &Liveness,
@@ -45,7 +45,7 @@ pub fn lower(
     Ok(lowering.finish(scene, symbols))
 }
 
-/// For every event, whether the block it anchors has more to do in the same phase.
+/// Whether the block of each event acts later in the same phase.
 fn busy(plan: &ProgramPlan, graph: &DependencyGraph) -> Vec<bool> {
     let mut busy = vec![false; plan.events.len()];
     for edge in graph.raw_edges() {
@@ -56,12 +56,12 @@ fn busy(plan: &ProgramPlan, graph: &DependencyGraph) -> Vec<bool> {
     busy
 }
 
-/// A rule on its way to its duty.
+/// A rule before it is added to its duty.
 struct UnassignedRule {
     role: RoleId,
     phase: PhaseId,
     trigger: Trigger,
-    /// A range of `Lowering::conditions`.
+    /// Range of `Lowering::conditions`.
     when: (u32, u32),
     then: Action,
 }
@@ -93,8 +93,8 @@ impl Lowering<'_> {
                     cell,
                 };
                 self.push(actor, phase, when, action);
-                // A terminal block: it has nothing more to do, and says so, unless somebody has put it
-                // there.
+                // A terminal block has nothing more to do and reports so, unless it is
+                // pre-attached.
                 let is_planted = self.plan.phases[phase.0 as usize].planted;
                 if !self.duties[id.0 as usize] && !is_planted {
                     self.reports[phase.0 as usize] += 1;
@@ -125,7 +125,7 @@ impl Lowering<'_> {
         self.notify(id, phase);
     }
 
-    /// What an event waits for, as the acting block sees it.
+    /// Returns what an event waits for, as the acting block sees it.
     fn conditions_of(&self, id: EventId, actor: Holder) -> Vec<Condition> {
         let node = NodeIndex::new(id.0 as usize);
         let mut conditions: Vec<Condition> = (self.graph.edges_directed(node, Incoming))
@@ -134,8 +134,7 @@ impl Lowering<'_> {
                 match edge.weight() {
                     // The duty begins with it.
                     LocatedDependency::Anchored => None,
-                    // The world sees to it, but for a face that has to be switched off before it
-                    // can be switched on again.
+                    // Physics ensures it, except for a face that is switched off and on again.
                     LocatedDependency::Vacated => {
                         (self.witness(first) == actor).then(|| self.seen(first))
                     }
@@ -161,7 +160,7 @@ impl Lowering<'_> {
         conditions
     }
 
-    /// The block that sees an event happen at its own face.
+    /// Returns the block that sees an event at its own face.
     fn witness(&self, id: EventId) -> Holder {
         if let EventKind::Capture { .. } = self.plan.event(id).kind {
             return self.liveness.actor(self.plan, id);
@@ -192,7 +191,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The messages that an event sends to the blocks that wait for it elsewhere.
+    /// Returns the messages of an event to waiting blocks elsewhere.
     fn notify(&mut self, id: EventId, phase: PhaseId) {
         let event = *self.plan.event(id);
         let node = NodeIndex::new(id.0 as usize);
@@ -200,7 +199,7 @@ impl Lowering<'_> {
         let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
             .filter(|edge| edge.weight().is_told())
             .map(|edge| self.liveness.actor(self.plan, self.graph[edge.target()]))
-            // A block knows of its own anchoring.
+            // A block notices its own capture.
             .filter(|actor| *actor != witness && actor.since != Some(id))
             .map(|actor| actor.role)
             .collect();
@@ -240,7 +239,7 @@ impl Lowering<'_> {
     }
 
     fn finish(mut self, scene: &Scene, symbols: &Symbols) -> Tables {
-        // Stable: within a duty the rules keep the order of the source.
+        // A stable sort keeps the rules of a duty in source order.
         self.rules
             .sort_by_key(|rule| (rule.role, rule.phase, rule.trigger));
         let bond = BondKind::from_scene(scene);

@@ -1,4 +1,4 @@
-//! Cycles, and the longest serial chain.
+//! Cycles and critical paths.
 use std::cmp::Ordering;
 
 use petgraph::Direction::{self, Incoming, Outgoing};
@@ -13,22 +13,21 @@ use crate::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::{EventId, EventKind, ProgramPlan};
 use crate::{Sources, face_turns};
 
-/// An order in which everything can happen, and how much of it one after the other.
+/// An order in which all events can happen, and its longest chains.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Order {
-    /// Every event that makes sense, each behind all it waits for.
+    /// Valid events, each after all events that it waits for.
     pub events: Vec<EventId>,
-    /// The longest serial chain of each phase: captures that have to follow one another, with the
-    /// releases between them. Its length is its number of captures. A planted phase has none: nothing
-    /// in it has to be waited for.
+    /// Critical path of each phase: captures that must follow one another, with the releases
+    /// between them. Its length is its number of captures. A phase of pre-attached blocks has none.
     pub chains: Vec<Vec<EventId>>,
-    /// Edges that this order does without, because a capture of the same block comes sooner: none, unless blocks
-    /// magnetize several faces at a time.
+    /// Edges that this order does not need, because another capture of the same block comes sooner.
+    /// Empty unless blocks can switch on several faces at a time.
     pub unneeded: FxHashSet<EdgeIndex>,
 }
 
 impl Order {
-    /// The events of each phase, each behind all it waits for.
+    /// Returns the events of each phase, each after all events that it waits for.
     pub(crate) fn by_phase(&self, plan: &ProgramPlan) -> Vec<Vec<EventId>> {
         let mut events = vec![Vec::new(); plan.phases.len()];
         for &id in &self.events {
@@ -39,12 +38,12 @@ impl Order {
         events
     }
 
-    /// Captures in a chain.
+    /// Returns the number of captures in a chain.
     pub fn length(plan: &ProgramPlan, chain: &[EventId]) -> usize {
         chain.iter().filter(|id| is_capture(plan, **id)).count()
     }
 
-    /// The phase with the longest chain of the program, and that chain.
+    /// Returns the phase with the longest chain, and that chain.
     pub fn longest(&self, plan: &ProgramPlan) -> Option<(usize, &[EventId])> {
         (self.chains.iter().enumerate())
             .max_by_key(|(number, chain)| (Order::length(plan, chain), std::cmp::Reverse(*number)))
@@ -52,14 +51,14 @@ impl Order {
     }
 }
 
-/// Cycles told of, at most.
+/// Largest number of cycles that are reported.
 const MAX_CYCLES: usize = 10;
 
-/// Sorts the events; cycles are told of, and then there is no order.
+/// Sorts the events. Returns no order if there are cycles, which are reported.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn sort(
     plan: &ProgramPlan,
     graph: &DependencyGraph,
@@ -70,12 +69,12 @@ pub fn sort(
 ) -> Result<Option<Order>, Cancelled> {
     let mut unneeded = FxHashSet::default();
     if face_turns::has_choice(graph) {
-        // In captures, one after the other.
+        // Length in captures.
         let length = |i: usize| f64::from(is_capture(plan, EventId(i as u32)));
         unneeded = face_turns::unneeded(graph, &face_turns::earliest(graph, length));
     }
     let edges = |node, way| needed(graph, &unneeded, node, way);
-    // Kahn's algorithm, so that events without a reason to wait keep their source order.
+    // Kahn's algorithm keeps independent events in source order.
     let mut missing: Vec<u32> = (graph.node_indices())
         .map(|node| edges(node, Incoming).count() as u32)
         .collect();
@@ -84,7 +83,7 @@ pub fn sort(
     let ready = |node: &NodeIndex| missing[node.index()] == 0 && plan.event(graph[*node]).sound;
     let mut queue: std::collections::VecDeque<NodeIndex> =
         graph.node_indices().filter(ready).collect();
-    // The longest chain that ends in each event: its length, and the event before.
+    // Longest chain that ends in each event: its length, and the event before.
     let mut best: Vec<(u32, u32)> = vec![(0, u32::MAX); graph.node_count()];
     while let Some(node) = queue.pop_front() {
         cancellation.check()?;
@@ -127,7 +126,7 @@ pub fn sort(
     Ok(Some(order))
 }
 
-/// The edges from or to an event, but for those that nothing needs.
+/// Returns the edges of an event, except unneeded ones.
 pub(crate) fn needed<'a>(
     graph: &'a DependencyGraph,
     unneeded: &'a FxHashSet<EdgeIndex>,
@@ -160,7 +159,7 @@ fn longest_chain(
     chain
 }
 
-/// Tells of the circles in what is left of a graph when all that can happen has.
+/// Reports the cycles in the events that can never happen.
 fn report_cycles(
     plan: &ProgramPlan,
     rest: &DependencyGraph,
@@ -180,7 +179,7 @@ fn report_cycles(
     }
 }
 
-/// A shortest cycle through the first event of a knot, as edges.
+/// Returns a shortest cycle through the first event of a component, as edges.
 fn shortest_cycle(
     graph: &DependencyGraph,
     knot: &[NodeIndex],
@@ -221,7 +220,7 @@ fn describe(
     symbols: &Symbols,
     sources: &Sources,
 ) -> Diagnostic {
-    /// Edges that are labelled; a longer cycle says how many it leaves out.
+    /// Largest number of labelled edges. A longer cycle says how many are not shown.
     const MAX_LABELS: usize = 50;
     let count = cycle.len();
     let phase = cycle

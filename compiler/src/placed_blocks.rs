@@ -1,4 +1,4 @@
-//! What stands at the end of each phase.
+//! Structures at the ends of phases.
 use stochc_ir::Cell;
 use stochc_ir::table::RoleId;
 
@@ -8,22 +8,22 @@ use crate::plan::{EventId, EventKind, ProgramPlan};
 /// A block of the structure, above the plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlacedBlock {
-    /// Where it sits.
+    /// Cell of the block.
     pub cell: Cell,
-    /// What it is called.
+    /// Name of the block.
     pub role: RoleId,
-    /// The capture that made it part of the structure.
+    /// Capture that attached it.
     pub capture: EventId,
-    /// The number of the phase of that.
+    /// Phase of that capture.
     pub since: u32,
 }
 
-/// The blocks above the plate at the end of one phase after the other, sorted by cell.
+/// Returns the blocks above the plate at the end of each phase, sorted by cell.
 pub fn placed_blocks<'a>(
     plan: &'a ProgramPlan,
     layout: &'a Layout,
 ) -> impl Iterator<Item = Vec<PlacedBlock>> + use<'a> {
-    // Of each capture, the phase of a block that still stands.
+    // Phase of the capture of each attached block.
     let mut standing: Vec<Option<u32>> = vec![None; plan.events.len()];
     (0..).zip(&plan.phases).map(move |(since, phase)| {
         let sound = || plan.events_of(phase).filter(|&id| plan.event(id).sound);

@@ -1,4 +1,4 @@
-//! A program with its patterns and loops written out: a flat list of captures and releases.
+//! An expanded program: a flat list of captures and releases.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::Quantity;
 use stochc_grammar::{Symbol, Symbols};
@@ -11,38 +11,38 @@ use stochc_ir::{Cell, Face};
 use crate::SourceLocation;
 use crate::units::to_si;
 
-/// A program, written out.
+/// An expanded program.
 #[derive(Clone, Debug)]
 pub struct ProgramPlan {
-    /// Its name.
+    /// Name of the program.
     pub name: String,
-    /// Where that stands.
+    /// Place of the name.
     pub location: SourceLocation,
-    /// The seed plate.
+    /// Seed plate.
     pub plate: Plate,
-    /// The seeds, in source order.
+    /// Seeds in source order.
     pub seeds: Vec<PlanSeed>,
-    /// Every name of a block.
+    /// Names of all blocks.
     pub roles: Roles,
-    /// The phases, in order.
+    /// Phases in order.
     pub phases: Vec<PlanPhase>,
     /// Captures and releases in source order, phase by phase.
     pub events: Vec<PlanEvent>,
-    /// The orders that `after` adds, sorted by the event that waits.
+    /// Orders of `after`, sorted by the waiting event.
     pub afters: Vec<AfterConstraint>,
-    /// Of an aggregate, the blocks of a group with which it is complete. It has no plate, no seeds and
-    /// no events, and a phase for each size from two on.
+    /// Number of blocks that completes an aggregate. Aggregates have no plate, seeds and events,
+    /// and a phase for each size from two.
     pub aggregate: Option<u32>,
-    /// The instances of patterns, by their scope: that of [`NameKey::scope`] 1 comes first.
+    /// Instances of patterns by scope. The first one has the [`NameKey::scope`] 1.
     pub grown: Vec<PatternInstance>,
-    /// Statements that were looked at to write it out.
+    /// Number of visited statements.
     pub(crate) steps: usize,
-    /// The words of blocks and instances that may be missing, or gone, because a statement could not be worked out.
+    /// Words of blocks and instances that may be missing because of a wrong statement.
     pub doubtful: FxHashSet<Symbol>,
 }
 
 impl ProgramPlan {
-    /// The number of the phase that an event belongs to; `None`: it stands where it does not belong, in none.
+    /// Returns the phase of an event. Returns `None` for an event outside of every phase.
     pub fn phase_of(&self, event: EventId) -> Option<usize> {
         let ended = |phase: &PlanPhase| phase.events.end <= event.0;
         let number = self.phases.partition_point(ended);
@@ -50,12 +50,12 @@ impl ProgramPlan {
         phase.events.contains(&event.0).then_some(number)
     }
 
-    /// Whether a block may be missing, or gone, because a statement could not be worked out.
+    /// Whether a block may be missing because of a wrong statement.
     pub(crate) fn is_doubtful(&self, role: RoleId) -> bool {
         self.doubtful.contains(&self.roles.key(role).word)
     }
 
-    /// What the phase of an event is called; nothing, if it is in none.
+    /// Returns the name of the phase of an event, or an empty text.
     pub fn phase_name(&self, event: EventId) -> &str {
         let phase = self.phase_of(event);
         phase.map_or("", |number| &self.phases[number].name)
@@ -65,60 +65,60 @@ impl ProgramPlan {
 /// An instance of a pattern.
 #[derive(Clone, Copy, Debug)]
 pub struct PatternInstance {
-    /// The name of the pattern.
+    /// Name of the pattern.
     pub pattern: Symbol,
-    /// Where that is declared.
+    /// Place of its declaration.
     pub declared: SourceLocation,
-    /// The statement that grows it, without the name of the instance.
+    /// Statement of the instance, without the name of the instance.
     pub call: SourceLocation,
-    /// Whether it has been given what could not be worked out, so that blocks may be missing in it.
+    /// Whether an argument is wrong, so that blocks may be missing.
     pub is_doubtful: bool,
 }
 
-/// A block of the plate that has a name.
+/// A named block of the plate.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanSeed {
-    /// Its name.
+    /// Name of the seed.
     pub role: RoleId,
-    /// Its cell, with z = 0.
+    /// Cell of the seed, with z = 0.
     pub cell: Cell,
-    /// Where it is named.
+    /// Place of the name.
     pub location: SourceLocation,
-    /// The whole statement, if no comments belong to it.
+    /// Place of the whole statement, if it has no documentation.
     pub statement: Option<SourceLocation>,
 }
 
-/// A phase, written out.
+/// An expanded phase.
 #[derive(Clone, Debug)]
 pub struct PlanPhase {
-    /// Its name.
+    /// Name of the phase.
     pub name: String,
-    /// Where that stands.
+    /// Place of the name.
     pub location: SourceLocation,
-    /// Ticks or seconds after which it has failed.
+    /// Time after which the phase has failed.
     pub timeout: Option<Timeout>,
-    /// Its events, a range of [`ProgramPlan::events`].
+    /// Range of its events in [`ProgramPlan::events`].
     pub events: std::ops::Range<u32>,
-    /// Whether its blocks are attached by hand before anything moves; only the first phase may be.
+    /// Whether its blocks are pre-attached. Only the first phase may be.
     pub planted: bool,
-    /// The shape it claims, with the place of the claim.
+    /// Claimed shapes with the places of the claims.
     pub claims: Vec<(Symbol, SourceLocation)>,
 }
 
-/// How long a phase may take.
+/// Time that a phase may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Timeout {
-    /// In ticks of the scene's clock.
+    /// Ticks of the clock of the scene.
     Ticks(u64),
-    /// In seconds.
+    /// Seconds.
     Seconds(f64),
 }
 
 impl Timeout {
-    /// Beyond this a double does not count ticks one by one.
+    /// The largest number of ticks that a double counts exactly.
     const MAX_TICKS: f64 = 9e15;
 
-    /// The time that a quantity stands for, if it is a positive time.
+    /// Returns the time of a quantity, if it is positive.
     pub fn from_quantity(quantity: &Quantity) -> Option<Timeout> {
         let (value, dimension) = to_si(quantity);
         match dimension {
@@ -137,12 +137,12 @@ impl Timeout {
         to_si(quantity).1 == Dimension::TICKS
     }
 
-    /// Whether a quantity is in ticks, or a time.
+    /// Whether a quantity is in ticks or in a unit of time.
     pub fn is_a_time(quantity: &Quantity) -> bool {
         [Dimension::TICKS, Dimension::TIME].contains(&to_si(quantity).1)
     }
 
-    /// In ticks of a clock \[s\], at least one and at most 9e15.
+    /// Returns the ticks of a clock \[s\], from 1 to 9e15.
     pub fn ticks(self, tick: f64) -> u64 {
         match self {
             Timeout::Ticks(ticks) => ticks,
@@ -156,68 +156,68 @@ impl Timeout {
 /// A capture or a release.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanEvent {
-    /// Which of the two.
+    /// Kind of the event.
     pub kind: EventKind,
-    /// The block that is captured or released.
+    /// Captured or released block.
     pub role: RoleId,
-    /// Where it is written.
+    /// Place in the source.
     pub location: SourceLocation,
-    /// Whether it makes sense; a senseless event has been told of, and takes no further part.
+    /// Whether it is valid. Invalid events have been reported and are ignored.
     pub sound: bool,
 }
 
-/// What an event does.
+/// Kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// A block magnetizes a face and names what docks there.
+    /// A block switches on a face and names the block that docks there.
     Capture {
-        /// The block that does.
+        /// The capturing block.
         parent: RoleId,
-        /// Through this face, in the structure's frame.
+        /// The face, in the frame of the structure.
         face: Face,
     },
-    /// A block asks its parent to let it go.
+    /// A block asks its parent to release it.
     Release,
 }
 
-/// An order that the program adds.
+/// An order that `after` adds.
 #[derive(Clone, Copy, Debug)]
 pub struct AfterConstraint {
-    /// What waits.
+    /// Waiting event.
     pub event: EventId,
-    /// For whom.
+    /// Block to wait for.
     pub role: RoleId,
-    /// Whether for its release rather than its capture.
+    /// Whether it waits for the release, not the capture.
     pub release: bool,
-    /// Where it is written.
+    /// Place in the source.
     pub location: SourceLocation,
 }
 
-/// A name without its text: the instance of a pattern it belongs to, a word, and indices.
+/// A name without its text: scope, word and indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NameKey {
-    /// Which instance; 0 is the program itself.
+    /// Instance of a pattern. 0 is the program itself.
     pub scope: u32,
     /// The word.
     pub word: Symbol,
-    /// How many of the indices count.
+    /// Number of indices.
     pub arity: u8,
-    /// The indices.
+    /// Indices.
     pub index: [i32; NameKey::MAX_INDICES],
 }
 
 impl NameKey {
-    /// Indices that a name may have.
+    /// Largest number of indices of a name.
     pub const MAX_INDICES: usize = 3;
 
-    /// The same name in another scope.
+    /// Returns the same name in another scope.
     #[must_use]
     pub fn within(self, scope: u32) -> NameKey {
         NameKey { scope, ..self }
     }
 }
 
-/// Every name of a block, and every named instance of a pattern.
+/// Names of all blocks and of named instances of patterns.
 #[derive(Clone, Debug, Default)]
 pub struct Roles {
     roles: FxHashMap<NameKey, RoleId>,
@@ -227,7 +227,7 @@ pub struct Roles {
 }
 
 impl Roles {
-    /// The role of a name, new or known.
+    /// Returns the role of a name, new or known.
     pub fn intern(&mut self, key: NameKey) -> RoleId {
         let next = RoleId(self.keys.len() as u32);
         let role = *self.roles.entry(key).or_insert(next);
@@ -237,23 +237,23 @@ impl Roles {
         role
     }
 
-    /// The role of a name, if known.
+    /// Returns the role of a known name.
     pub fn get(&self, key: &NameKey) -> Option<RoleId> {
         self.roles.get(key).copied()
     }
 
-    /// How many names there are.
+    /// Returns the number of names.
     pub fn count(&self) -> usize {
         self.keys.len()
     }
 
-    /// The name of a role, without its text.
+    /// Returns the key of a role.
     pub fn key(&self, role: RoleId) -> NameKey {
         self.keys[role.0 as usize]
     }
 
-    /// The names that lead to a role: the instances of patterns that hold it, the outermost first, and
-    /// its own.
+    /// Returns the names that lead to a role: the instances around it, the outermost first, and its
+    /// own.
     pub fn path(&self, role: RoleId) -> Vec<NameKey> {
         let mut path = vec![self.key(role)];
         while let Some(&NameKey { scope: 1.., .. }) = path.last() {
@@ -264,14 +264,15 @@ impl Roles {
         path
     }
 
-    /// The pattern of which an instance without a name holds a role, so that nothing in the program can name that.
+    /// Returns the pattern of an unnamed instance around a role. The program cannot name such a
+    /// role.
     pub fn nameless<'s>(&self, role: RoleId, symbols: &'s Symbols) -> Option<&'s str> {
         let path = self.path(role).into_iter();
         let mut patterns = path.filter_map(|key| symbols.word(key.word).split_once('#'));
         patterns.next().map(|(pattern, _)| pattern)
     }
 
-    /// The scope of an instance, new or known.
+    /// Returns the scope of an instance, new or known.
     pub fn intern_scope(&mut self, key: NameKey) -> u32 {
         let next = self.scope_keys.len() as u32 + 1;
         let scope = *self.scopes.entry(key).or_insert(next);
@@ -281,29 +282,29 @@ impl Roles {
         scope
     }
 
-    /// The scope of an instance, if known.
+    /// Returns the scope of a known instance.
     pub fn scope(&self, key: &NameKey) -> Option<u32> {
         self.scopes.get(key).copied()
     }
 
-    /// The names of the instances in a scope, without their texts.
+    /// Returns the keys of the instances in a scope.
     pub fn instances(&self, scope: u32) -> impl Iterator<Item = NameKey> {
         let all = self.scope_keys.iter().copied();
         all.filter(move |key| key.scope == scope)
     }
 
-    /// The scope around that of an instance; `None`: around the program itself is nothing.
+    /// Returns the scope around an instance. Returns `None` for the program itself.
     pub fn outer(&self, scope: u32) -> Option<u32> {
         let key = self.scope_keys.get((scope as usize).checked_sub(1)?)?;
         Some(key.scope)
     }
 
-    /// A name as the program writes it, such as `a.T[2]`.
+    /// Returns a name as the program writes it, such as `a.T[2]`.
     pub fn name(&self, role: RoleId, symbols: &Symbols) -> String {
         self.name_of(self.key(role), symbols)
     }
 
-    /// The name that a key stands for.
+    /// Returns the name of a key.
     pub fn name_of(&self, key: NameKey, symbols: &Symbols) -> String {
         let mut text = String::new();
         self.write(key, symbols, &mut text);
@@ -312,9 +313,9 @@ impl Roles {
 
     fn write(&self, key: NameKey, symbols: &Symbols, text: &mut String) {
         use std::fmt::Write as _;
-        // The depth of scopes is bounded by the depth of the expansion.
+        // The depth of the expansion bounds the depth of scopes.
         let scope = (key.scope as usize).checked_sub(1);
-        // While it is only counted what there will be, scopes have no keys.
+        // While events are only counted, scopes have no keys.
         if let Some(&outer) = scope.and_then(|scope| self.scope_keys.get(scope)) {
             self.write(outer, symbols, text);
             text.push('.');
@@ -331,7 +332,7 @@ impl Roles {
 }
 
 impl PlanEvent {
-    /// What happens, without its text.
+    /// Returns an event without its text.
     pub fn action(&self) -> EventAction {
         let child = self.role;
         match self.kind {
@@ -346,7 +347,7 @@ impl PlanEvent {
 }
 
 impl ProgramPlan {
-    /// Forgets what has been written out, and keeps the plate.
+    /// Removes the expansion and keeps the plate.
     pub(crate) fn clear(&mut self) {
         self.seeds = Vec::new();
         self.roles = Roles::default();
@@ -355,12 +356,12 @@ impl ProgramPlan {
         self.afters = Vec::new();
     }
 
-    /// An event.
+    /// Returns an event.
     pub fn event(&self, id: EventId) -> &PlanEvent {
         &self.events[id.0 as usize]
     }
 
-    /// The name of the block that an event is up to: the one that captures, or the one that asks to be let go.
+    /// Returns the block that acts: the capturing one, or the released one.
     pub(crate) fn actor(&self, id: EventId) -> RoleId {
         let event = self.event(id);
         match event.kind {
@@ -369,12 +370,12 @@ impl ProgramPlan {
         }
     }
 
-    /// The events of a phase, by number.
+    /// Returns the events of a phase.
     pub fn events_of(&self, phase: &PlanPhase) -> impl Iterator<Item = EventId> + use<> {
         phase.events.clone().map(EventId)
     }
 
-    /// How many captures and how many releases there are.
+    /// Returns the numbers of captures and of releases.
     pub fn counts(&self) -> (usize, usize) {
         let releases = (self.events.iter())
             .filter(|event| event.kind == EventKind::Release)
@@ -382,13 +383,13 @@ impl ProgramPlan {
         (self.events.len() - releases, releases)
     }
 
-    /// Returns how many blocks are attached before the run starts.
+    /// Returns the number of pre-attached blocks.
     pub fn pre_attached(&self) -> usize {
         let planted = self.phases.iter().filter(|phase| phase.planted);
         planted.map(|phase| phase.events.len()).sum()
     }
 
-    /// An event in a few words: `A.up -> E`, or `release E`.
+    /// Returns an event in words: `A.up -> E` or `release E`.
     pub fn describe(&self, id: EventId, symbols: &Symbols) -> String {
         let action = self.event(id).action();
         action.describe(|role| self.roles.name(role, symbols))

@@ -1,4 +1,4 @@
-//! The pipeline.
+//! The stages of a check.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
@@ -24,35 +24,35 @@ use crate::{
     reach, scene, scene_check, shape, short_timeout, trial, unplanned_bonds, unused,
 };
 
-/// A step of the pipeline, in the order of work.
+/// A stage of a check, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
-    /// Files to syntax trees.
+    /// Reads and parses files.
     Parse,
-    /// Patterns and loops written out.
+    /// Expands patterns and loops.
     Expand,
-    /// Names followed through the phases.
+    /// Checks names, phase by phase.
     Names,
-    /// Cells.
+    /// Computes cells.
     Layout,
-    /// The dependency graph.
+    /// Builds the dependency graph.
     Graph,
-    /// Cycles and chains.
+    /// Finds cycles and critical paths.
     Order,
-    /// Ways in.
+    /// Checks access paths.
     Reach,
-    /// Shapes and capacity.
+    /// Compares shapes and numbers of blocks.
     Compare,
-    /// Event tables.
+    /// Writes event tables.
     Lower,
 }
 
-/// Checks the file at `path` and everything it imports, and compiles its assemblies.
+/// Checks the file at `path` and its imports, and compiles its assemblies.
 pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
     check_with(path, reader, limits, &LintLevels::default())
 }
 
-/// [`check`], with levels for the warnings that the files say nothing of.
+/// As [`check`], with levels for the warnings that no file sets.
 pub fn check_with(
     path: &str,
     reader: &mut dyn Reader,
@@ -62,8 +62,7 @@ pub fn check_with(
     check_changed(path, reader, limits, levels, "", &[])
 }
 
-/// [`check_with`], with other numbers in the scene of one of the file's assemblies, as if they had
-/// been written there.
+/// As [`check_with`], with other scene parameters for one of the assemblies.
 pub fn check_changed(
     path: &str,
     reader: &mut dyn Reader,
@@ -82,11 +81,11 @@ pub fn check_changed(
     ))
 }
 
-/// [`check`], as long as the result is wanted.
+/// As [`check`], and can be cancelled.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if it is not.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn check_cancellable(
     path: &str,
     reader: &mut dyn Reader,
@@ -100,7 +99,7 @@ pub fn check_cancellable(
     check_verified(path, reader, bounds, &LintLevels::default(), ("", &[]))
 }
 
-/// Bounds for somebody who waits.
+/// Limits without cancellation.
 fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
     ExpansionBounds {
         limits,
@@ -108,7 +107,7 @@ fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
     }
 }
 
-/// The result of work that is [`unhurried`].
+/// Returns the result of work that cannot be cancelled.
 fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
     match result {
         Ok(result) => result,
@@ -116,7 +115,7 @@ fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
     }
 }
 
-/// [`check_all`], with fixes that are safe only if they have been tried.
+/// As [`check_all`], and tries fixes. Only tried fixes are safe.
 fn check_verified(
     path: &str,
     reader: &mut dyn Reader,
@@ -136,8 +135,8 @@ fn check_verified(
     Ok(checked)
 }
 
-/// [`check_with`], telling when each stage is complete, once for every assembly; the compiler itself
-/// has no clock. No fix is tried, so none is safe.
+/// As [`check_with`], and reports when each stage of each assembly is complete. No fix is tried, so
+/// none is safe.
 pub fn check_observed(
     path: &str,
     reader: &mut dyn Reader,
@@ -152,9 +151,9 @@ pub fn check_observed(
     checked
 }
 
-/// [`check_changed`] with fixes that have not been tried: safe where a stage says so.
+/// As [`check_changed`], with the fixes that the stages propose.
 ///
-/// `is_trial`: a change is tried; only what is wrong and where matters, each finding by itself.
+/// `is_trial`: a change is being tried, so helps are not needed, and diagnostics are not merged.
 fn check_all(
     path: &str,
     reader: &mut dyn Reader,
@@ -216,7 +215,7 @@ fn check_all(
     for diagnostic in diagnostics.iter_mut().chain(allowed_ones) {
         attribute_by_place(diagnostic, &tree);
     }
-    // A denied warning has come too late to keep a program from being lowered.
+    // A warning becomes an error too late to keep a program from being compiled.
     if diagnostics.iter().any(Diagnostic::is_denied) {
         programs
             .iter_mut()
@@ -233,12 +232,11 @@ fn check_all(
     })
 }
 
-/// Keeps changes from being safe that another finding puts in doubt; the first `syntax` findings
-/// are those of reading the text.
+/// Marks fixes as unsafe if another diagnostic makes them doubtful. The first `syntax` diagnostics
+/// are those of reading.
 fn doubt_fixes(diagnostics: &mut [Diagnostic], syntax: usize) {
     let wrong = |diagnostics: &[Diagnostic]| diagnostics.iter().any(Diagnostic::is_error);
-    // What has been read in part may be meant otherwise as a whole, and a seed without use may be
-    // the one whose name is misspelt elsewhere.
+    // A broken statement may mean something else, and an unused seed may be misspelt elsewhere.
     let (unreadable, wrong) = (wrong(&diagnostics[..syntax]), wrong(diagnostics));
     for diagnostic in &mut diagnostics[syntax..] {
         let doubtful = unreadable || (wrong && !diagnostic.is_error());
@@ -248,23 +246,23 @@ fn doubt_fixes(diagnostics: &mut [Diagnostic], syntax: usize) {
     }
 }
 
-/// What holds for every assembly of a file.
+/// Facts for every assembly of a file.
 struct About<'a> {
     sources: &'a Sources,
-    /// All files could be read.
+    /// Whether all files could be read.
     readable: bool,
     bounds: ExpansionBounds<'a>,
-    /// Other numbers for the scene of the one of this name.
+    /// Scene parameters that replace those of one assembly.
     changes: (&'a str, &'a [ScalarChange]),
-    /// The steps that scenes are checked for. `None`: runs have no physics.
+    /// Steps for which scenes are checked. `None` if runs have no physics.
     stepping: Option<Stepping>,
-    /// A change is tried: only what is wrong and where matters, not what helps.
+    /// Whether a change is being tried, so that helps are not needed.
     is_trial: bool,
 }
 
 impl About<'_> {
-    /// The errors of the files with changes of the first of them: their codes and what is said; `None` if the
-    /// changes do not fit together, or nobody waits for it.
+    /// Returns the codes and titles of errors after changes of the first file. Returns `None` if
+    /// the changes do not fit together, or if the check was cancelled.
     fn errors_with(&self, fixes: &[&Fix]) -> Option<Vec<(Code, String)>> {
         let own = self.sources.files().first()?;
         let mut change = TextChange::new(FileId(0), &own.text);
@@ -388,14 +386,14 @@ fn programs(
     Ok(programs)
 }
 
-/// Says of findings which program they are about.
+/// Sets the program of diagnostics.
 fn attribute(diagnostics: &mut [Diagnostic], program: usize) {
     for diagnostic in diagnostics {
         diagnostic.programs = vec![program];
     }
 }
 
-/// Says so of a finding about the text of a file, where that text is a program's.
+/// Sets the program of a diagnostic of reading, if its place is inside of one.
 fn attribute_by_place(diagnostic: &mut Diagnostic, tree: &Tree) {
     let Some((FileId(0), at)) = diagnostic.place() else {
         return;
@@ -409,7 +407,7 @@ fn attribute_by_place(diagnostic: &mut Diagnostic, tree: &Tree) {
     }
 }
 
-/// An aggregate: most of the pipeline has nothing to do.
+/// Checks an aggregate. Most stages have nothing to do.
 fn compile_aggregate(
     mut plan: ProgramPlan,
     scene: Option<Scene>,
@@ -422,7 +420,7 @@ fn compile_aggregate(
         capacity::check_room(&plan, scene, diagnostics);
     }
     let doubtful = Default::default();
-    // It has no events, and no seeds.
+    // Aggregates have no events and no seeds.
     let never = Cancellation::NEVER;
     let liveness = liveness::check(
         &mut plan,
@@ -453,7 +451,7 @@ fn compile_aggregate(
     })
 }
 
-/// What the files declare at top level.
+/// Declarations of the files at top level.
 pub(crate) fn declarations<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
     names: &'a Names,
@@ -484,13 +482,13 @@ struct AssemblyInput<'a> {
     assembly: &'a Assembly,
     sources: &'a Sources,
     bounds: ExpansionBounds<'a>,
-    /// All files could be read: what is missing is not missing for that reason.
+    /// Whether all files could be read. Otherwise names may be missing for that reason.
     readable: bool,
-    /// Checks the files again with a change; `None` in such a check.
+    /// Checks the files with a change. `None` inside such a check.
     trial: Option<&'a reach::Trial<'a>>,
-    /// The steps that scenes are checked for. `None`: runs have no physics.
+    /// Steps for which scenes are checked. `None` if runs have no physics.
     stepping: Option<Stepping>,
-    /// The place that names the scene.
+    /// Place of the name of the scene.
     scene_location: SourceLocation,
 }
 
@@ -517,7 +515,7 @@ impl<'a> AssemblyInput<'a> {
             &mut errors,
         )?;
         done(Stage::Expand);
-        // What follows from a program that was not written out to its end would only confuse.
+        // Errors that follow from an incomplete expansion would only confuse.
         let cut_short = errors.iter().any(|diagnostic| {
             matches!(
                 diagnostic.code,
@@ -543,7 +541,7 @@ impl<'a> AssemblyInput<'a> {
             errors.append(&mut names);
         }
         done(Stage::Names);
-        // What follows from a statement that could not be read would only confuse.
+        // Errors that follow from an unreadable statement would only confuse.
         let mut later = Vec::new();
         let layout = layout::lay_out(
             &mut plan,
@@ -568,8 +566,7 @@ impl<'a> AssemblyInput<'a> {
             &mut later,
         )?;
         done(Stage::Order);
-        // A seed, an `after` or a phase may only seem to be without use where statements have been
-        // left out.
+        // Seeds, waits and phases may only seem to be unused if statements are missing.
         if !self.readable || errors.iter().any(Diagnostic::is_error) {
             errors.retain(Diagnostic::is_error);
         }
@@ -579,7 +576,7 @@ impl<'a> AssemblyInput<'a> {
         }
         let wrong = |diagnostics: &[Diagnostic]| diagnostics.iter().any(Diagnostic::is_error);
         let is_sound = !wrong(&errors) && !wrong(&later);
-        // Of a program with gaps it would say what is not so.
+        // Warnings about an incomplete program may be wrong.
         let is_whole = is_sound && self.readable && plan.events.iter().all(|event| event.sound);
         let has_choice = |order: &&order::Order| is_whole && !order.unneeded.is_empty();
         let certain = order.as_ref().filter(has_choice);
@@ -623,7 +620,7 @@ impl<'a> AssemblyInput<'a> {
                 let order = order.map(|order| (order, certain));
                 capacity::check(&plan, &layout, order, scene, cancellation, &mut later)?;
                 capacity::check_room(&plan, scene, &mut later);
-                // A scene that lacks a term is not judged.
+                // A scene with missing terms is not judged.
                 if let Some(stepping) = self.stepping.filter(|_| !wrong(&later)) {
                     let layers = scene_check::layers(&plan, &layout);
                     let location = self.scene_location;
@@ -633,7 +630,7 @@ impl<'a> AssemblyInput<'a> {
             }
         }
         let jam_risks = jam_risks(&later);
-        // What would use them may be what is missing.
+        // The missing blocks may use them.
         if (later.iter()).any(|diagnostic| diagnostic.code == Code::ShapeMismatch) {
             errors.retain(|diagnostic| {
                 !matches!(diagnostic.code, Code::UnusedSeed | Code::EmptyPhase)

@@ -1,4 +1,4 @@
-//! Claimed shapes against built ones.
+//! Compares claimed shapes with structures.
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -14,17 +14,17 @@ use crate::names::Names;
 use crate::plan::ProgramPlan;
 use crate::{FileId, SourceLocation};
 
-/// Cells of a shape, empty ones included, and blocks of all shapes that an assembly claims.
+/// Largest number of cells of a shape, and of blocks of all claimed shapes.
 pub(crate) const MAX_CELLS: usize = 5_000_000;
 
-/// Cells that are compared for one assembly to describe what differs.
+/// Largest number of cells that are compared to describe differences.
 const MAX_COMPARED: usize = 20_000_000;
 
-/// Compares what phases claim with what they build.
+/// Compares the shapes that phases claim with their structures.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
     plan: &ProgramPlan,
     layout: &Layout,
@@ -77,23 +77,24 @@ pub fn check(
     Ok(())
 }
 
-/// The claims of an assembly, as far as they have been compared.
+/// Compared claims of an assembly.
 #[derive(Default)]
 struct Comparison {
     built: BuiltCells,
-    /// The shapes that are claimed. `None`: one that cannot be read.
+    /// Claimed shapes. `None` for a shape that cannot be read.
     claimed: FxHashMap<Symbol, Option<ClaimedShape>>,
-    /// Blocks of these shapes.
+    /// Number of blocks of these shapes.
     blocks: usize,
-    /// Results by shape and fingerprint of the structure: a title and a help, or `None` if the two agree.
+    /// Results by shape and fingerprint: a title and a help, or `None` if shape and structure are
+    /// equal.
     results: FxHashMap<(Symbol, u64), Option<(String, String)>>,
-    /// Cells that have been compared.
+    /// Number of compared cells.
     compared: usize,
 }
 
-/// The cells of a shape.
+/// Cells of a shape.
 struct ClaimedShape {
-    /// Sorted, each once.
+    /// Sorted cells, each once.
     cells: Vec<Cell>,
     fingerprint: u64,
 }
@@ -122,7 +123,7 @@ impl Comparison {
         is_read
     }
 
-    /// Returns what differs, as a title and a help.
+    /// Returns the difference as a title and a help.
     fn difference(&mut self, name: Symbol, word: &str) -> Option<(String, String)> {
         let claimed = self.claimed.get(&name)?.as_ref()?;
         let now = (name, self.built.fingerprint);
@@ -156,7 +157,7 @@ impl ClaimedShape {
         }
     }
 
-    /// Whether exactly this stands.
+    /// Whether the structure has exactly these cells.
     fn is(&self, built: &BuiltCells) -> bool {
         self.fingerprint == built.fingerprint
             && self.cells.len() == built.cells.len()
@@ -164,11 +165,11 @@ impl ClaimedShape {
     }
 }
 
-/// What stands.
+/// The structure at the end of a phase.
 #[derive(Default)]
 struct BuiltCells {
     cells: FxHashSet<Cell>,
-    /// The sum of the hashes of all cells, modulo 2^64: the same for the same cells, whatever came before.
+    /// Sum of the hashes of all cells, modulo 2^64. It does not depend on their order.
     fingerprint: u64,
 }
 
@@ -192,7 +193,7 @@ fn hash(cell: Cell) -> u64 {
     hasher.finish()
 }
 
-/// The cells of a shape, unsorted; `None` if it cannot be read, which is told.
+/// Returns the cells of a shape, unsorted. Returns `None` if it cannot be read, which is reported.
 pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<Cell>> {
     let malformed = |span, title: &str, text: &str| {
         Diagnostic::new(Code::ShapeMalformed, title).label(SourceLocation { file, span }, text)
@@ -213,7 +214,7 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
         None => (0, 0),
     };
     let mut cells = Vec::new();
-    // Empty ones count as well: each is looked at.
+    // Empty cells count as well, because each is visited.
     let mut area = 0usize;
     for layer in &shape.layers {
         let (low, high) = match &layer.heights {
@@ -277,7 +278,7 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
     Some(cells)
 }
 
-/// Shapes are declared outside of loops and patterns: their numbers are plain.
+/// Returns a number without names. Shapes are outside of loops and patterns.
 fn constant(expr: &Expr) -> Option<i64> {
     match &expr.kind {
         ExprKind::Int(value) => Some(*value),
@@ -287,7 +288,7 @@ fn constant(expr: &Expr) -> Option<i64> {
     }
 }
 
-/// Returns the title and the help for a shape and a structure that differ; the cells of the shape are sorted.
+/// Returns the title and the help for a shape and a structure. The cells of the shape are sorted.
 fn difference(word: &str, claimed: &[Cell], built: &FxHashSet<Cell>) -> (String, String) {
     let absent = |cell: &&Cell| !built.contains(cell);
     let missing: Vec<Cell> = claimed.iter().filter(absent).copied().collect();
@@ -310,7 +311,7 @@ fn difference(word: &str, claimed: &[Cell], built: &FxHashSet<Cell>) -> (String,
     (title, picture(&missing, &extra, claimed, built))
 }
 
-/// The lowest layer that differs, drawn; and in words if it is too wide.
+/// Draws the lowest layer that differs, or describes it if it is too wide.
 fn picture(missing: &[Cell], extra: &[Cell], claimed: &[Cell], built: &FxHashSet<Cell>) -> String {
     const WIDEST: u32 = 30;
     let wrong = || missing.iter().chain(extra);

@@ -1,23 +1,24 @@
-//! The text of the files of a program.
+//! Sources of the files of a program.
 use std::sync::{Arc, OnceLock};
 
 use stochc_grammar::Span;
 use stochc_ir::is_invisible;
 
-/// One of a program's files; an index into [`Sources`].
+/// A file of a program: an index into [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FileId(pub u32);
 
-/// A place in one of a program's files.
+/// A place in a file of a program.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceLocation {
-    /// Which file.
+    /// The file.
     pub file: FileId,
-    /// Where in it.
+    /// Place in the file.
     pub span: Span,
 }
 
-/// Unlike spans in trees, locations are compared: two findings are the same only in the same place.
+/// Locations are compared, other than spans in trees: two diagnostics are equal only at the same
+/// place.
 impl PartialEq for SourceLocation {
     fn eq(&self, other: &SourceLocation) -> bool {
         let place =
@@ -28,26 +29,26 @@ impl PartialEq for SourceLocation {
 
 impl Eq for SourceLocation {}
 
-/// Every file that was read, in the order of reading; the first is the program's own.
+/// All read files in the order of reading. The first one is the program's own.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<SourceFile>,
 }
 
-/// One file.
+/// A file.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
-    /// As messages show it.
+    /// Name in messages.
     pub name: String,
-    /// Its whole text.
+    /// The source.
     pub text: Arc<str>,
-    /// Whether its bytes are those of the text.
+    /// Whether the bytes of the file are those of the source.
     pub(crate) is_exact: bool,
-    /// Bytes of the file before its text: a mark of the byte order, or nothing.
+    /// Number of bytes before the source: a byte-order mark or none.
     pub(crate) mark: u32,
-    /// Where its lines begin.
+    /// Starts of lines.
     lines: Vec<u32>,
-    /// The text as it can be shown, once it has been.
+    /// Source without control characters, computed on demand.
     shown: OnceLock<Arc<str>>,
 }
 
@@ -57,7 +58,7 @@ impl Sources {
         self.push(name.into(), text.into(), true)
     }
 
-    /// Adds a file that is not UTF-8, in which a sign stands for whatever is not.
+    /// Adds a file that is not UTF-8, with a replacement character for wrong bytes.
     pub(crate) fn add_lossy(&mut self, name: String, text: String) -> FileId {
         self.push(name, text.into(), false)
     }
@@ -78,29 +79,29 @@ impl Sources {
         FileId(self.files.len() as u32 - 1)
     }
 
-    /// A file.
+    /// Returns a file.
     pub fn file(&self, id: FileId) -> &SourceFile {
         &self.files[id.0 as usize]
     }
 
-    /// Every file.
+    /// Returns all files.
     pub fn files(&self) -> &[SourceFile] {
         &self.files
     }
 
-    /// A file of which so many bytes stand before its text.
+    /// Sets the number of bytes before the source of a file.
     pub(crate) fn set_mark(&mut self, id: FileId, bytes: u32) {
         self.files[id.0 as usize].mark = bytes;
     }
 
-    /// The text of a location.
+    /// Returns the source of a location.
     pub fn text(&self, location: SourceLocation) -> &str {
         let text = &self.file(location.file).text;
         text.get(location.span.start as usize..location.span.end as usize)
             .unwrap_or_default()
     }
 
-    /// The white space in front of the line in which a location begins.
+    /// Returns the white space at the start of the line of a location.
     pub(crate) fn indent(&self, location: SourceLocation) -> &str {
         let file = self.file(location.file);
         let (start, end) = file.line_range(file.line_of(location.span.start));
@@ -110,12 +111,12 @@ impl Sources {
 }
 
 impl SourceFile {
-    /// Where a byte of the text is in the file, from 0.
+    /// Returns the place of a byte of the source in the file, from 0.
     pub fn offset(&self, at: u32) -> u32 {
         self.mark + at
     }
 
-    /// Line and column of a byte, both from 1; the column counts characters.
+    /// Returns the line and column of a byte, both from 1. Columns count characters.
     pub fn position(&self, at: u32) -> (usize, usize) {
         let line = self.line_of(at);
         let start = self.lines[line] as usize;
@@ -127,7 +128,8 @@ impl SourceFile {
         (line + 1, column + 1)
     }
 
-    /// The text with harmless characters, of as many bytes, for those that act on a terminal.
+    /// Returns the source with harmless characters of the same length instead of control
+    /// characters.
     pub(crate) fn shown(&self) -> &str {
         let hostile = |c: char| is_invisible(c) && !matches!(c, '\n' | '\t');
         self.shown.get_or_init(|| {
@@ -146,12 +148,12 @@ impl SourceFile {
         })
     }
 
-    /// The number of the line that holds a byte, from 0.
+    /// Returns the number of the line of a byte, from 0.
     pub(crate) fn line_of(&self, at: u32) -> usize {
         self.lines.partition_point(|&start| start <= at) - 1
     }
 
-    /// The bytes of a line, from 0, without its newline.
+    /// Returns the bytes of a line, from 0, without its line end.
     pub(crate) fn line_range(&self, line: usize) -> (usize, usize) {
         let start = self.lines[line] as usize;
         let end = self
@@ -161,7 +163,7 @@ impl SourceFile {
         (start, end)
     }
 
-    /// How many lines there are.
+    /// Returns the number of lines.
     pub(crate) fn line_count(&self) -> usize {
         self.lines.len()
     }

@@ -1,4 +1,4 @@
-//! From a place of the text to the blocks that are meant there, and what becomes of them.
+//! Blocks that a place of the source names, and their events.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Cancellation, Cancelled};
@@ -14,19 +14,19 @@ use crate::{Checked, FileId, Program};
 /// Blocks of one assembly.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located {
-    /// Which assembly: an index into [`Checked::programs`].
+    /// Index of the assembly in [`Checked::programs`].
     pub program: usize,
-    /// Its blocks, in the order in which the program is written out; the first 64 at most.
+    /// The blocks in the order of expansion, at most 64.
     pub roles: Vec<RoleId>,
 }
 
-/// The blocks that the name at a byte of a file stands for, in every assembly that has any there.
+/// Returns the blocks that the name at a byte of a file stands for, by assembly.
 ///
-/// In a loop or a pattern one name stands for many. The programs are written out once more for it.
+/// In a loop or a pattern, one name stands for many blocks, so the programs are expanded again.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the search was cancelled.
 pub fn blocks_at(
     checked: &Checked,
     (file, at): (FileId, u32),
@@ -35,7 +35,7 @@ pub fn blocks_at(
 ) -> Result<Vec<Located>, Cancelled> {
     let mut located = Vec::new();
     let mut symbols = checked.symbols.clone();
-    // What is wrong has been told.
+    // Errors have been reported.
     let mut diagnostics = Vec::new();
     let names = Names::of_trees(checked.trees(), Keep::Declarations, cancellation)?;
     let declarations = declarations(checked.trees(), &names, &symbols, &mut diagnostics);
@@ -45,7 +45,7 @@ pub fn blocks_at(
         .iter()
         .filter_map(|item| match &item.kind {
             ItemKind::Assembly(assembly) => Some(Some(assembly)),
-            // It is one of the programs, and has no blocks with names.
+            // Aggregates have no named blocks.
             ItemKind::Aggregate(_) => Some(None),
             _ => None,
         });
@@ -80,14 +80,14 @@ pub fn blocks_at(
     Ok(located)
 }
 
-/// The captures of each block, to follow the parents of one down to the plate.
+/// Captures of each block, to follow its parents to the plate.
 pub struct Ancestry<'a> {
     program: &'a Program,
     captures: FxHashMap<RoleId, Vec<EventId>>,
 }
 
 impl<'a> Ancestry<'a> {
-    /// Looks through the captures of a program.
+    /// Collects the captures of a program.
     pub fn new(program: &'a Program) -> Ancestry<'a> {
         let mut captures: FxHashMap<RoleId, Vec<EventId>> = FxHashMap::default();
         for (number, event) in program.plan.events.iter().enumerate() {
@@ -99,13 +99,12 @@ impl<'a> Ancestry<'a> {
         Ancestry { program, captures }
     }
 
-    /// The captures of a block, in source order: a name may be captured again after a release.
+    /// Returns the captures of a block in source order. There are several after releases.
     pub fn captures(&self, role: RoleId) -> &[EventId] {
         self.captures.get(&role).map_or(&[], Vec::as_slice)
     }
 
-    /// Captures from the plate to the block of this one, itself included; `None` if it makes no
-    /// sense, or hangs on what makes none.
+    /// Returns the captures from the plate to a block. Returns `None` if one of them is invalid.
     pub fn depth(&self, capture: EventId) -> Option<u32> {
         let plan = &self.program.plan;
         let mut at = capture;
@@ -115,7 +114,7 @@ impl<'a> Ancestry<'a> {
             let EventKind::Capture { parent, .. } = plan.event(at).kind else {
                 return None;
             };
-            // More steps than captures would be a circle.
+            // More steps than captures are a cycle.
             if !plan.event(at).sound || depth as usize > plan.events.len() {
                 return None;
             }
@@ -126,7 +125,7 @@ impl<'a> Ancestry<'a> {
         }
     }
 
-    /// The capture that anchored the parent of another one: in the same phase, or the last before.
+    /// Returns the capture of the parent of another one: in the same phase, or the last one before.
     fn anchoring(&self, capture: EventId, parent: RoleId) -> Option<EventId> {
         let here = anchored_by(&self.program.graph, capture);
         if here.is_some() {
@@ -170,7 +169,7 @@ assembly a {
         checked
     }
 
-    /// The names of the blocks at the end of the first occurrence of a text.
+    /// Returns the names of the blocks at the end of the first occurrence of a text.
     fn names(checked: &Checked, behind: &str) -> Vec<String> {
         let at = TEXT.find(behind).unwrap() + behind.len();
         let place = (FileId(0), at as u32);
@@ -192,7 +191,7 @@ assembly a {
         assert_eq!(names(&checked, "    left"), [""; 0]);
         assert_eq!(names(&checked, "-> Top"), ["Top"]);
         assert_eq!(names(&checked, "release Tip"), ["Tip"]);
-        // In a pattern, those of all its instances.
+        // In a pattern, the blocks of all its instances.
         assert_eq!(
             names(&checked, "->> T"),
             ["left.T[1]", "left.T[2]", "right.T[1]"]

@@ -1,8 +1,7 @@
-//! Fixes are tried before they are called safe: the program is checked again with them.
+//! Tries fixes before they are called safe: the program is checked again with them.
 //!
-//! A stage calls a fix safe where only one thing can be meant by the text it has looked at. Whether
-//! the whole program is the better for it is seen by making the change in memory. This is the one
-//! place where that is decided, for the command line, for documents and for editors alike.
+//! A stage calls a fix safe if the source at its place can mean only one thing. The trial in memory
+//! shows whether the whole program is better. The command line and editors use the same trials.
 use std::collections::{BTreeSet, VecDeque};
 
 use rustc_hash::FxHashMap;
@@ -13,26 +12,26 @@ use crate::diagnostic::{Code, Diagnostic, Severity, TextChange};
 use crate::reader::Reader;
 use crate::{FileId, Sources};
 
-/// Further checks of one program, at most.
+/// Largest number of further checks of a program.
 const MAX: usize = 64;
 
-/// Bytes of text and events of plans that are looked at again, at most.
+/// Largest number of bytes of source and events of plans that are checked again.
 const WORK: usize = 1 << 21;
 
-/// Statements that take as long to look at as an event.
+/// Number of statements that take as long as an event.
 pub(crate) const OF_AN_EVENT: usize = 16;
 
-/// Checks a program with some texts changed.
+/// Checks a program with some sources changed.
 pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Result<Checked, Cancelled> + 'a;
 
-/// Lets only those fixes be safe that have proved to be.
+/// Keeps only those fixes safe that pass a trial.
 ///
-/// Each is tried alone, where there are not too many of them for the size of the program; else they
-/// are tried together, and in halves if that fails. What has not been tried is not safe.
+/// Each fix is tried alone, if there are not too many for the size of the program. Otherwise they
+/// are tried together, and in halves if that fails. Untried fixes are not safe.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub(crate) fn verify_fixes(
     checked: &mut Checked,
     reader: &mut dyn Reader,
@@ -81,7 +80,7 @@ pub(crate) fn verify_fixes(
     Ok(())
 }
 
-/// Lets no fix be safe.
+/// Marks all fixes as unsafe.
 pub(crate) fn distrust(checked: &mut Checked) {
     let fixes = checked
         .diagnostics
@@ -90,7 +89,7 @@ pub(crate) fn distrust(checked: &mut Checked) {
     fixes.for_each(|fix| fix.safe = false);
 }
 
-/// What one more check has to look at.
+/// Size of one more check.
 fn size(checked: &Checked) -> usize {
     let texts = checked.sources.files().iter().map(|file| file.text.len());
     let programs = checked.programs.iter();
@@ -98,8 +97,8 @@ fn size(checked: &Checked) -> usize {
     texts.chain(plans).sum()
 }
 
-/// Whether some fixes, made at once, fix what they are for and bring nothing new; and those of
-/// them that do not fit with the others.
+/// Returns whether fixes, made at once, remove their diagnostics and cause no new ones. Also
+/// returns the fixes that overlap with others.
 fn try_together(
     checked: &Checked,
     group: &[usize],
@@ -123,15 +122,13 @@ fn try_together(
     Ok((resolves, unfit))
 }
 
-/// Codes that say that there is more to tell.
+/// Codes of limits.
 const TOO_MANY: [Code; 2] = [Code::TooManyErrors, Code::TooManyWarnings];
 
-/// Whether a change that fixes some findings has left none of them, and only such as were there
-/// before, each in its place.
+/// Whether a change removes the fixed diagnostics and leaves only known ones, each at its place.
 ///
-/// Two kinds of news are none. Some warnings are not looked for while there are errors, so those
-/// that come to light once an error has gone are no fault of the change. And where there was too much to
-/// tell, what is told next is of the codes that were told, and no more of it.
+/// Two kinds of new diagnostics are accepted. Some warnings are not looked for while there are
+/// errors. And if a limit of diagnostics was reached, further ones of the same codes can appear.
 pub(crate) fn resolves(
     before: &Checked,
     fixed: &[usize],
@@ -146,8 +143,8 @@ pub(crate) fn resolves(
         return false;
     }
     let gone = diagnostics().filter(|&(_, &is_fixed)| is_fixed);
-    let gone = FindingSpans::new(&before.sources, gone.map(|(it, _)| it), Some(change));
-    let all = FindingSpans::new(&after.sources, after.diagnostics.iter(), None);
+    let gone = DiagnosticSpans::new(&before.sources, gone.map(|(it, _)| it), Some(change));
+    let all = DiagnosticSpans::new(&after.sources, after.diagnostics.iter(), None);
     let codes = |checked: &Checked| -> BTreeSet<Code> {
         checked.diagnostics.iter().map(|it| it.code).collect()
     };
@@ -160,32 +157,32 @@ pub(crate) fn resolves(
     let is_wrong = |diagnostic: &Diagnostic| diagnostic.code.severity() == Severity::Error;
     let fixes_error = diagnostics().any(|(diagnostic, &is_fixed)| is_fixed && is_wrong(diagnostic));
     let kept = diagnostics().filter(|&(_, &is_fixed)| !is_fixed);
-    let mut old = FindingSpans::new(
+    let mut old = DiagnosticSpans::new(
         &before.sources,
         kept.map(|(diagnostic, _)| diagnostic),
         Some(change),
     );
     let new = (after.diagnostics.iter()).filter(|diagnostic| is_wrong(diagnostic) || !fixes_error);
-    let new = FindingSpans::new(&after.sources, new, None);
+    let new = DiagnosticSpans::new(&after.sources, new, None);
     (new.0).into_iter().all(|(key, places)| {
         let Some(old) = old.0.get_mut(&key) else {
             return false;
         };
-        // Both are in the order of their places.
+        // Both are sorted by place.
         let mut old = old.iter();
         (places.iter()).all(|place| old.any(|old| old.0 <= place.0 && place.1 <= old.1))
     })
 }
 
-/// Where findings stand, by their code and the name of their file.
-struct FindingSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
+/// Places of diagnostics by code and file.
+struct DiagnosticSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
 
-/// The code of a finding, and the name of its file.
+/// Code of a diagnostic and name of its file.
 type Kind<'a> = (Code, Option<&'a str>);
 
-impl<'a> FindingSpans<'a> {
-    /// Whether a place of one code lies in one of the same code here.
-    fn meet(&self, others: &FindingSpans<'_>) -> bool {
+impl<'a> DiagnosticSpans<'a> {
+    /// Whether a place of a code is inside of one of the same code.
+    fn meet(&self, others: &DiagnosticSpans<'_>) -> bool {
         self.0.iter().any(|(key, places)| {
             let others = others.0.get(key).map_or(&[][..], Vec::as_slice);
             let is_among = |other: &(usize, usize)| {
@@ -195,12 +192,12 @@ impl<'a> FindingSpans<'a> {
         })
     }
 
-    /// The places of some findings, as they are after a change if there is one.
+    /// Returns the places of diagnostics, after a change if there is one.
     fn new(
         sources: &'a Sources,
         diagnostics: impl Iterator<Item = &'a Diagnostic>,
         change: Option<&TextChange<'_>>,
-    ) -> FindingSpans<'a> {
+    ) -> DiagnosticSpans<'a> {
         let mut by_file: FxHashMap<(Code, Option<FileId>), Vec<usize>> = FxHashMap::default();
         for diagnostic in diagnostics {
             let location = diagnostic.labels.first().map(|label| label.location);
@@ -217,6 +214,6 @@ impl<'a> FindingSpans<'a> {
             let name = file.map(|file| sources.file(file).name.as_str());
             ((code, name), carried)
         });
-        FindingSpans(by_name.collect())
+        DiagnosticSpans(by_name.collect())
     }
 }

@@ -1,5 +1,5 @@
-//! What hardware does whose faces always attract: blocks dock where nobody expects them, and what
-//! is let go is pushed away.
+//! Warnings about hardware whose faces always attract: unplanned bonds, and releases towards
+//! blocks.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
@@ -10,18 +10,18 @@ use crate::layout::Layout;
 use crate::order::Order;
 use crate::plan::{EventId, EventKind, ProgramPlan};
 
-/// Faces that a message names.
+/// Largest number of faces that a message names.
 const NAMED: usize = 3;
 
-/// Tells of the phase in which most faces are exposed, and of blocks that are pushed into others.
+/// Reports the phase with most exposed faces, and releases towards other blocks.
 ///
-/// A face is exposed if its block is anchored, the cell before it is empty, and nothing is expected
-/// there. A phase waits longest, as far as the order goes, for the last of its captures: what is
-/// exposed then is counted, with everything else of the phase done.
+/// A face is exposed if its block is attached, the cell before it is empty, and no capture is
+/// expected there. A phase waits longest for the last of its captures in the order. The exposed
+/// faces are counted at that time, with everything else of the phase done.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
     plan: &ProgramPlan,
     layout: &Layout,
@@ -37,7 +37,7 @@ pub fn check(
         last: &last,
     };
     let mut structure = StructureModules::of_seeds(plan);
-    // The first of the phases with the most.
+    // The first of the phases with the most exposed faces.
     let mut worst: Option<(usize, usize)> = None;
     for number in 0..plan.phases.len() {
         cancellation.check()?;
@@ -54,7 +54,7 @@ pub fn check(
     Ok(())
 }
 
-/// For every phase, the capture that comes last in an order of the program; `None`: it has none.
+/// Returns the last capture of each phase in an order. `None` for phases without captures.
 fn last_captures(plan: &ProgramPlan, order: &Order) -> Vec<Option<EventId>> {
     let mut place = vec![usize::MAX; plan.events.len()];
     for (i, id) in order.events.iter().enumerate() {
@@ -76,8 +76,8 @@ struct UnplannedBondAnalysis<'a> {
 }
 
 impl UnplannedBondAnalysis<'_> {
-    /// Brings all of a phase about but its last capture, and counts the exposed faces; 0 if the
-    /// phase has no captures to wait for.
+    /// Applies all of a phase except its last capture, and returns the number of exposed faces.
+    /// Returns 0 if the phase has no captures.
     fn before_last(&self, number: usize, structure: &mut StructureModules) -> usize {
         let (emptied, _) = &self.layout.changes[number];
         for cell in emptied {
@@ -89,12 +89,12 @@ impl UnplannedBondAnalysis<'_> {
         let filled: FxHashSet<Cell> = self.layout.changes[number].1.iter().copied().collect();
         for id in self.plan.events_of(&self.plan.phases[number]) {
             let cell = self.layout.cells[id.0 as usize];
-            // Some have gone again by the end of the phase.
+            // Some blocks are released before the end of the phase.
             if id != last && cell.is_some_and(|cell| filled.contains(&cell)) {
                 self.settle(id, structure);
             }
         }
-        // What is attached by hand is not waited for.
+        // Pre-attached blocks are not waited for.
         if self.plan.phases[number].planted {
             return 0;
         }
@@ -102,7 +102,7 @@ impl UnplannedBondAnalysis<'_> {
             !structure.blocks.contains_key(&cell)
                 && (cell.across(on.opposite())).is_some_and(|at| structure.blocks.contains_key(&at))
         };
-        // The face that waits is expected to be docked on.
+        // The open face of the last capture is not counted.
         let face = self.layout.parents[last.0 as usize].map(|on| on.face);
         let awaited = self.layout.cells[last.0 as usize]
             .zip(face)
@@ -110,7 +110,7 @@ impl UnplannedBondAnalysis<'_> {
         structure.exposed - usize::from(awaited)
     }
 
-    /// Brings the last capture of a phase about.
+    /// Applies the last capture of a phase.
     fn end(&self, number: usize, structure: &mut StructureModules) {
         let last = self.last[number];
         let cell = last.and_then(|id| self.layout.cells[id.0 as usize]);
@@ -135,7 +135,7 @@ impl UnplannedBondAnalysis<'_> {
         }
     }
 
-    /// Tells of blocks that are let go towards another block, or towards the ground.
+    /// Reports releases towards another block.
     fn blocked(
         &self,
         number: usize,
@@ -242,15 +242,15 @@ fn towards(face: Face) -> String {
     }
 }
 
-/// The modules of a structure, and how many of their faces are exposed.
+/// Blocks of a structure, and the number of their exposed faces.
 struct StructureModules {
-    /// Who is where, and by which of its faces it is anchored.
+    /// Role of the block in a cell, and the face that attaches it.
     blocks: FxHashMap<Cell, (RoleId, Option<Face>)>,
     exposed: usize,
 }
 
 impl StructureModules {
-    /// Blocks of the plate without a name are no modules: nothing docks on them.
+    /// Blocks of the plate without a name attract nothing.
     fn of_seeds(plan: &ProgramPlan) -> StructureModules {
         let mut structure = StructureModules {
             blocks: FxHashMap::default(),
@@ -278,7 +278,7 @@ impl StructureModules {
         }
     }
 
-    /// Faces of neighbours that look at a cell, their anchors aside.
+    /// Number of faces of neighbours that face a cell, except the attached ones.
     fn facing(&self, cell: Cell) -> usize {
         let looks = |face: &Face| {
             let neighbour = cell
@@ -289,7 +289,7 @@ impl StructureModules {
         Face::ALL.iter().filter(|face| looks(face)).count()
     }
 
-    /// Exposed faces of the block in a cell.
+    /// Number of exposed faces of the block in a cell.
     fn exposed_of(&self, cell: Cell) -> usize {
         let Some(&(_, anchor)) = self.blocks.get(&cell) else {
             return 0;
@@ -298,13 +298,13 @@ impl StructureModules {
         Face::ALL.iter().filter(|face| exposed(face)).count()
     }
 
-    /// Whether a block can come before a face.
+    /// Whether a block can dock on a face.
     fn is_open(&self, cell: Cell, face: Face) -> bool {
         let before = cell.across(face);
         before.is_some_and(|cell| cell.z >= 1 && !self.blocks.contains_key(&cell))
     }
 
-    /// Every exposed face.
+    /// Returns every exposed face.
     fn faces(&self) -> impl Iterator<Item = (RoleId, Face)> + '_ {
         self.blocks
             .iter()
@@ -317,8 +317,7 @@ impl StructureModules {
     }
 }
 
-/// Whether a block in a cell, anchored by one of its faces, has another one free; of the plate only upper
-/// faces show.
+/// Whether a face of a block can bond. Blocks of the plate have only their upper face.
 fn bonds(cell: Cell, anchor: Option<Face>, face: Face) -> bool {
     Some(face) != anchor && (cell.z >= 1 || face == Face::Up)
 }

@@ -1,7 +1,6 @@
-//! What a program's file declares and nobody uses.
+//! Warnings about unused declarations of a program's file.
 //!
-//! A file without an assembly or aggregate is there for those that import it, and so is what it
-//! declares. Of a program's own file nobody can say more than the file itself.
+//! Files without an assembly or aggregate are not judged, because other files may import them.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbols};
@@ -17,11 +16,11 @@ struct Declared<'a> {
     item: &'a Item,
     name: Name,
     code: Code,
-    /// Whether it stands in a block, where no other file sees it.
+    /// Whether it is inside a block, so that no other file can use it.
     is_local: bool,
 }
 
-/// Tells of all that is never used in the last of the modules, if that holds a program.
+/// Reports unused declarations of the last module, if it has a program.
 pub fn check(
     modules: &[Module],
     names: &Names,
@@ -53,7 +52,7 @@ pub fn check(
     }
 }
 
-/// The scene that a program names, if it names one; `None`: it is no program.
+/// Returns the scene that a program names, if any. Returns `None` for other items.
 fn scene_of(item: &Item) -> Option<Option<Name>> {
     match &item.kind {
         ItemKind::Assembly(assembly) => Some(assembly.scene),
@@ -62,7 +61,7 @@ fn scene_of(item: &Item) -> Option<Option<Name>> {
     }
 }
 
-/// The declarations in a block and those inside it; blocks are as deep as the parser lets them be.
+/// Collects the declarations in a block. The parser bounds the depth of blocks.
 fn collect<'a>(items: &'a [Item], is_local: bool, declared: &mut Vec<Declared<'a>>) {
     for item in items {
         let named = match &item.kind {
@@ -82,9 +81,9 @@ fn collect<'a>(items: &'a [Item], is_local: bool, declared: &mut Vec<Declared<'a
     }
 }
 
-/// The definitions that are referred to elsewhere than where they are declared.
+/// Returns the definitions that are used outside of their declarations.
 fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Definition> {
-    // A pattern that only grows itself is not used.
+    // A pattern that only contains itself is not used.
     let mut own: FxHashMap<Definition, Vec<Span>> = FxHashMap::default();
     for it in declared {
         if let Some(name) = names.at(file, it.name.span.start) {
@@ -138,7 +137,7 @@ impl Declared<'_> {
         let mut diagnostic = Diagnostic::new(self.code, title)
             .label(location(self.name.span), label)
             .help(help);
-        // Comments that belong to it would belong to something else.
+        // Its documentation would document something else.
         if self.item.docs.0.is_none() {
             let removed = removal(sources, location(self.item.span));
             let is_certain = self.code == Code::UnusedLet && self.is_local;

@@ -1,66 +1,66 @@
 use crate::Span;
 
-/// A place where a text is not a program.
+/// An error of syntax.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SyntaxError {
-    /// What is wrong.
+    /// Kind of the error.
     pub kind: SyntaxErrorKind,
-    /// Where.
+    /// Place in the source.
     pub span: Span,
 }
 
-/// What is wrong with a text.
+/// Kind of an error of syntax.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SyntaxErrorKind {
-    /// Something else had to stand here.
+    /// A word or character that cannot stand here.
     Unexpected {
-        /// What stands here, shortened; empty at the end of the file.
+        /// Source at this place, shortened. Empty at the end of the file.
         found: String,
-        /// What could have stood here, in the language's own words; empty: nothing of the language.
+        /// Alternatives, as messages write them. Empty if no statement can contain the word.
         expected: Vec<&'static str>,
-        /// The first word of the statement, if it is all of it that could be read; else empty.
+        /// First word of the statement, if only that could be read, or else an empty text.
         behind: String,
     },
-    /// A block without its closing brace; the span is its opening one.
+    /// A block without its closing brace. The span is that of the opening one.
     Unclosed,
-    /// The head of a block without its opening brace; the span is the place of the brace.
+    /// The head of a block without its opening brace. The span is the place of the missing brace.
     MissingBrace {
-        /// What the block is.
+        /// Kind of the block.
         what: &'static str,
     },
     /// A closing brace without a block.
     Unopened,
-    /// A closing brace too many, behind which the block goes on.
+    /// A closing brace before the end of its block.
     ClosedEarly {
-        /// What the block is.
+        /// Kind of the block.
         what: &'static str,
     },
-    /// A statement or block that belongs elsewhere.
+    /// A statement or block in the wrong surroundings.
     Misplaced {
-        /// What it is.
+        /// Kind of the statement or block.
         what: &'static str,
-        /// What it stands in.
+        /// Kind of its surroundings.
         within: &'static str,
-        /// Where it belongs.
+        /// Kind of the right surroundings.
         belongs: &'static str,
-        /// Whether the grammar has a place for it, so that it is in the tree all the same.
+        /// Whether the grammar allows it, so that it is in the tree.
         is_read: bool,
     },
-    /// Parentheses round the list behind a word of the language; the span is from one to the other.
+    /// Parentheses around the list after a keyword. The span includes both.
     Parentheses {
-        /// The word.
+        /// The keyword.
         word: String,
     },
-    /// A unit in a scene without a number before it.
+    /// A unit without a number before it.
     MissingNumber,
-    /// A word of the language used as a name.
+    /// A keyword used as a name.
     ReservedWord {
         /// The word.
         word: String,
     },
-    /// A face where a block is meant, or the other way round.
+    /// A face where a block must stand, or the other way round.
     FaceMisused {
-        /// What to write instead.
+        /// Advice, in the imperative.
         hint: &'static str,
     },
     /// An integer beyond 64 bits, or a number of a scene beyond double precision.
@@ -71,21 +71,23 @@ pub enum SyntaxErrorKind {
     TooManyTerms,
     /// A single statement longer than [`crate::MAX_STATEMENT`] bytes.
     StatementTooLong,
-    /// An `allow` or `deny` that does not say why; the span is its code.
+    /// An `allow` or `deny` without a reason. The span is that of its code.
     MissingReason,
-    /// Nothing for this comment to belong to.
+    /// A `///` comment without a declaration or statement after it.
     DanglingDoc,
     /// More than [`crate::MAX_ERRORS`] errors; the rest of the file was not read.
     TooMany,
-    /// The file is JSON; the span is its first bracket.
+    /// The file is JSON. The span is that of its first bracket.
     Json,
     /// A file of 4 GiB or more.
     FileTooLarge,
 }
 
 impl SyntaxErrorKind {
-    /// Whether the grammar itself refuses the text. Where statements may stand, which names are taken, how large a number may be, and
-    /// that a level has a reason, is not the grammar's to say.
+    /// Whether the grammar rejects the source.
+    ///
+    /// Surroundings of statements, reserved names, limits of numbers and reasons of levels are
+    /// checked after the grammar.
     pub fn is_of_grammar(&self) -> bool {
         !matches!(
             self,

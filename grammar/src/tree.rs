@@ -1,13 +1,13 @@
-//! The syntax tree: what a file says, with the place of every word.
+//! Syntax tree of a file, with the place of every word.
 use smallvec::SmallVec;
 use stochc_ir::Face;
 
 use crate::{Span, Symbol};
 
-/// A whole file.
+/// A file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tree {
-    /// Its declarations, in source order.
+    /// Declarations in source order.
     pub items: Vec<Item>,
 }
 
@@ -16,17 +16,17 @@ pub struct Tree {
 pub struct Item {
     /// Lines of `///` before it, without the slashes.
     pub docs: Docs,
-    /// From its first word to its last.
+    /// Place from its first to its last word.
     pub span: Span,
-    /// What it is.
+    /// Content.
     pub kind: ItemKind,
 }
 
-/// Lines of documentation; most items have none.
+/// Lines of documentation. Most items have none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Docs(pub Option<Box<Vec<String>>>);
 
-/// What an item is.
+/// Content of an item.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ItemKind {
     /// `A.up -> E.up -> I`
@@ -68,27 +68,27 @@ pub enum ItemKind {
 pub struct Name {
     /// The word.
     pub symbol: Symbol,
-    /// Where it stands.
+    /// Place of the word.
     pub span: Span,
 }
 
-/// Captures, one after the other.
+/// Captures in a chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// The first parent, with the face it magnetizes.
+    /// First parent, with its face.
     pub head: Place,
-    /// What is captured, one after the other; never empty.
+    /// Captured blocks in order. Never empty.
     pub links: Vec<Link>,
-    /// What has to have happened before the first capture.
+    /// Events that the first capture waits for.
     pub after: Vec<EventReference>,
 }
 
-/// One arrow of a chain and what it captures.
+/// An arrow of a chain with the captured blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
-    /// Which arrow.
+    /// Kind of the arrow.
     pub arrow: Arrow,
-    /// What is captured, with the face that captures the next.
+    /// Captured blocks, with the face that captures next.
     pub place: Place,
 }
 
@@ -97,49 +97,49 @@ pub struct Link {
 pub enum Arrow {
     /// `->`: one block.
     One,
-    /// `->>`: all the blocks of a range, in a row, all through the same face.
+    /// `->>`: all blocks of a range in a row, through the same face.
     Row,
 }
 
 /// An event to wait for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventReference {
-    /// Whether the release is meant, not the capture.
+    /// Whether it is the release of the block, not the capture.
     pub release: bool,
-    /// Of what.
+    /// Block of the event.
     pub place: Place,
 }
 
-/// Lets blocks go.
+/// A release of blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Release {
-    /// Which.
+    /// Released blocks.
     pub places: Vec<Place>,
-    /// What has to have happened before.
+    /// Events that the releases wait for.
     pub after: Vec<EventReference>,
 }
 
-/// A block or several, and a face of it if one is written.
+/// A block or several blocks, with a face if one is written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// From the outermost pattern instance to the name itself.
+    /// Path from the outermost pattern instance to the name.
     pub path: SmallVec<[Segment; 1]>,
-    /// The face written last, with its place.
+    /// Face at the end, with its place.
     pub face: Option<(Face, Span)>,
-    /// The whole of it.
+    /// Place of the whole path.
     pub span: Span,
 }
 
-/// One name of a path, with its indices.
+/// A name of a path, with its indices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
     /// The name.
     pub name: Name,
-    /// Its indices, if it has any.
+    /// Indices, if it has any.
     pub index: Option<Box<[Subscript]>>,
 }
 
-/// One index: a number or a range of them.
+/// An index: a number or a range.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subscript {
     /// `[2]`
@@ -148,47 +148,47 @@ pub enum Subscript {
     Range(Expr, Expr),
 }
 
-/// Grows a pattern.
+/// An instance of a pattern.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
-    /// Which.
+    /// Name of the pattern.
     pub pattern: Name,
-    /// What its parameters stand for.
+    /// Values of the parameters.
     pub arguments: Vec<Argument>,
-    /// The name under which its own names are known outside.
+    /// Name of the instance. Statements outside use it for the blocks inside.
     pub alias: Option<Place>,
 }
 
-/// What a parameter stands for.
+/// An argument of a pattern.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Argument {
-    /// A number, or a bare name whatever it stands for.
+    /// A number, or a bare name of any kind.
     Expr(Expr),
     /// A block.
     Place(Place),
 }
 
-/// Puts a seed on the plate.
+/// A seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seat {
-    /// Its name.
+    /// Name of the seed.
     pub place: Place,
-    /// Blocks east and north of the plate's south-west block.
+    /// Position east and north of the south-west block of the plate.
     pub at: (Expr, Expr),
 }
 
-/// Repeats statements.
+/// A loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct For {
-    /// The name of the counter.
+    /// Name of the counter.
     pub counter: Name,
-    /// From the first to the last, both included.
+    /// First and last value, both included.
     pub range: (Expr, Expr),
-    /// What is repeated.
+    /// Statements of the loop.
     pub body: Vec<Item>,
 }
 
-/// Names a number.
+/// A number with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Let {
     /// The name.
@@ -197,120 +197,120 @@ pub struct Let {
     pub value: Expr,
 }
 
-/// Sets the level of a finding in the block around it.
+/// A level of a warning in the block around it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LintDirective {
-    /// What becomes of it.
+    /// Level of the warning.
     pub verdict: LintDirectiveKind,
-    /// The kind of the finding, with its hyphens.
+    /// Code of the warning, with its hyphens.
     pub code: Name,
-    /// Why, as written between the quotation marks; empty where it is missing, which is an error.
+    /// Reason in quotation marks. Empty if it is missing, which is an error.
     pub reason: String,
 }
 
-/// What becomes of a finding.
+/// Level of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LintDirectiveKind {
-    /// It is not told.
+    /// The warning is not reported.
     Allow,
-    /// It is an error.
+    /// The warning is an error.
     Deny,
 }
 
 /// A stage of the construction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhaseDeclaration {
-    /// Its name; indexed inside a loop.
+    /// Name of the phase, with an index inside a loop.
     pub name: Place,
-    /// The time after which it has failed.
+    /// Time after which the phase has failed.
     pub timeout: Option<Quantity>,
-    /// Its statements.
+    /// Statements of the phase.
     pub body: Vec<Item>,
 }
 
-/// The plate from which everything grows.
+/// The seed plate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seed {
-    /// Blocks from west to east, and from south to north.
+    /// Number of blocks from west to east and from south to north.
     pub size: (Expr, Expr),
-    /// The seats, and captures of blocks that are attached by hand.
+    /// Seeds, and captures of pre-attached blocks.
     pub body: Vec<Item>,
 }
 
-/// Statements to be grown several times.
+/// Statements that can be used several times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
-    /// Its name.
+    /// Name of the pattern.
     pub name: Name,
-    /// Its parameters.
+    /// Parameters.
     pub parameters: Vec<Name>,
-    /// Its statements.
+    /// Statements.
     pub body: Vec<Item>,
 }
 
 /// A program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assembly {
-    /// Its name.
+    /// Name of the assembly.
     pub name: Name,
-    /// The scene it runs in.
+    /// Scene in which it runs.
     pub scene: Option<Name>,
-    /// Its plate, phases and declarations.
+    /// Plate, phases and declarations.
     pub body: Vec<Item>,
 }
 
 /// Free blocks that bond to each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aggregate {
-    /// Its name.
+    /// Name of the aggregate.
     pub name: Name,
-    /// The scene it runs in.
+    /// Scene in which it runs.
     pub scene: Option<Name>,
-    /// The blocks of a group with which it is complete.
+    /// Number of bonded blocks that completes it.
     pub size: Expr,
-    /// The time after which the next size has failed.
+    /// Time after which the next size has failed.
     pub timeout: Option<Quantity>,
 }
 
-/// A target, as layers of text.
+/// A target structure as layers of text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// Its name.
+    /// Name of the shape.
     pub name: Name,
-    /// The south-west corner of every layer; (0, 0) if left out.
+    /// South-west corner of every layer. (0, 0) by default.
     pub at: Option<(Expr, Expr)>,
-    /// Its layers.
+    /// Layers.
     pub layers: Vec<Layer>,
 }
 
-/// One layer of a shape, or several equal ones.
+/// A layer of a shape, or several equal ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Heights above the plate.
     pub heights: Subscript,
-    /// From the `layer` to its closing brace.
+    /// Place from `layer` to the closing brace.
     pub span: Span,
-    /// The north row first.
+    /// Rows from north to south.
     pub rows: Vec<LayerRow>,
 }
 
-/// One row of a layer.
+/// A row of a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerRow {
-    /// From west to east: is there a block?
+    /// Cells from west to east: whether there is a block.
     pub cells: Vec<bool>,
-    /// Where it stands.
+    /// Place of the row.
     pub span: Span,
 }
 
-/// A physical world, as written; what its words mean is the compiler's to say.
+/// A scene as written. The compiler interprets its words.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneDeclaration {
-    /// Its name.
+    /// Name of the scene.
     pub name: Name,
-    /// The scene whose clauses it takes over.
+    /// Scene that it is derived from.
     pub base: Option<Name>,
-    /// The words and values between its braces.
+    /// Words and values between the braces.
     pub terms: Vec<Term>,
 }
 
@@ -321,7 +321,7 @@ pub enum Term {
     Word(Name),
     /// `20cm`
     Quantity(Quantity),
-    /// `0 .. 0.4 m/s`; a first value without a unit has the second one's.
+    /// `0 .. 0.4 m/s`. A first value without a unit has the unit of the second one.
     Range(Quantity, Quantity),
     /// `{ ... }`
     Block(Vec<Term>, Span),
@@ -332,40 +332,40 @@ pub enum Term {
 pub struct Quantity {
     /// The number as written.
     pub value: f64,
-    /// Factors of the unit; empty: a pure number.
+    /// Factors of the unit. Empty for a pure number.
     pub unit: Vec<UnitFactor>,
-    /// Where it stands.
+    /// Place of the value.
     pub span: Span,
 }
 
-/// One factor of a unit.
+/// A factor of a unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnitFactor {
-    /// With its prefix, such as `mPa`.
+    /// Name with its prefix, such as `mPa`.
     pub symbol: String,
-    /// Negative behind a `/`.
+    /// Exponent. Negative after a `/`.
     pub power: i8,
 }
 
-/// Reads another file's declarations.
+/// An import of the declarations of another file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Import {
-    /// As written, relative to the importing file.
+    /// Path as written, relative to the importing file.
     pub path: String,
-    /// Where it stands.
+    /// Place of the path.
     pub path_span: Span,
 }
 
-/// Integer arithmetic.
+/// An integer expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expr {
-    /// What it is.
+    /// Content.
     pub kind: ExprKind,
-    /// Where it stands.
+    /// Place of the expression.
     pub span: Span,
 }
 
-/// What an expression is.
+/// Content of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
     /// `6`
@@ -378,7 +378,7 @@ pub enum ExprKind {
     Binary(Operator, Box<(Expr, Expr)>),
 }
 
-/// The operators, with the rules of precedence of arithmetic.
+/// Operators, with the usual precedence of arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
     /// `+`
@@ -389,26 +389,26 @@ pub enum Operator {
     Multiply,
     /// `/`, rounded towards zero.
     Divide,
-    /// `%`, the remainder of that.
+    /// `%`, the remainder of that division.
     Remainder,
 }
 
 impl Operator {
-    /// Its value; `None`: it has no 64 bits, or there is none.
+    /// Returns the value. Returns `None` if it does not fit in 64 bits or does not exist.
     pub fn of(self, left: i64, right: i64) -> Option<i64> {
         match self {
             Operator::Add => left.checked_add(right),
             Operator::Subtract => left.checked_sub(right),
             Operator::Multiply => left.checked_mul(right),
             Operator::Divide => left.checked_div(right),
-            // That of the least number by -1 is 0, though the quotient has no 64 bits.
+            // The remainder of the smallest number by -1 is 0, though the quotient does not fit.
             Operator::Remainder => (right != 0).then(|| left.wrapping_rem(right)),
         }
     }
 }
 
 impl LintDirectiveKind {
-    /// Its word in the language.
+    /// Returns the word in the language.
     pub const fn word(self) -> &'static str {
         match self {
             LintDirectiveKind::Allow => "allow",
@@ -418,7 +418,7 @@ impl LintDirectiveKind {
 }
 
 impl Operator {
-    /// Its sign.
+    /// Returns the operator as written.
     pub const fn sign(self) -> &'static str {
         match self {
             Operator::Add => "+",
@@ -429,7 +429,7 @@ impl Operator {
         }
     }
 
-    /// Higher binds tighter; all associate to the left.
+    /// Returns the precedence. Higher ones bind tighter. All associate to the left.
     pub const fn precedence(self) -> u8 {
         match self {
             Operator::Add | Operator::Subtract => 1,
@@ -439,7 +439,7 @@ impl Operator {
 }
 
 impl Item {
-    /// The statements of a block; `None` for what has none.
+    /// Returns the statements of a block. Returns `None` for items without a block.
     pub(crate) fn body_mut(&mut self) -> Option<&mut Vec<Item>> {
         match &mut self.kind {
             ItemKind::For(block) => Some(&mut block.body),
@@ -451,7 +451,7 @@ impl Item {
         }
     }
 
-    /// The statements of a block; none for what has none.
+    /// Returns the statements of a block, or no statements.
     pub fn body(&self) -> &[Item] {
         match &self.kind {
             ItemKind::For(block) => &block.body,
@@ -463,7 +463,7 @@ impl Item {
         }
     }
 
-    /// What messages call it.
+    /// Returns the words that messages use.
     pub fn noun(&self) -> &'static str {
         match &self.kind {
             ItemKind::Chain(_) => "a capture",

@@ -21,5 +21,6 @@ mod random;
 mod random_programs;
 mod sarif;
 mod stages;
+mod students;
 mod trade;
 mod vocabulary;

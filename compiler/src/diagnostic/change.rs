@@ -1,21 +1,21 @@
-//! A text with the fixes of findings.
+//! Sources with fixes applied.
 use std::collections::BTreeMap;
 
 use super::{Edit, Fix};
 use crate::reader::Reader;
 use crate::{FileId, Sources};
 
-/// Fixes of one file that fit together.
+/// Fixes of one file that do not overlap.
 #[derive(Clone, Debug)]
 pub struct TextChange<'a> {
     file: FileId,
     text: &'a str,
-    /// By the first byte that goes: the one past the last, and what comes.
+    /// End of the replaced bytes and the replacement, by the first byte.
     edits: BTreeMap<usize, (usize, &'a str)>,
 }
 
 impl<'a> TextChange<'a> {
-    /// No change yet of a file and its text.
+    /// Returns no change of a file.
     pub fn new(file: FileId, text: &'a str) -> TextChange<'a> {
         TextChange {
             file,
@@ -24,15 +24,15 @@ impl<'a> TextChange<'a> {
         }
     }
 
-    /// The file that changes.
+    /// Returns the changed file.
     pub fn file(&self) -> FileId {
         self.file
     }
 
-    /// Adds a fix as a whole, or not at all; whether it fits.
+    /// Adds a whole fix. Returns whether it fits.
     ///
-    /// Changes of other files do not fit, nor those that overlap with an earlier one: once the text
-    /// has been checked again, they may be offered again.
+    /// Fixes of other files do not fit, nor those that overlap with an earlier one. They may be
+    /// offered again after the next check.
     pub fn add(&mut self, fix: &'a Fix) -> bool {
         let mut put = Vec::new();
         let fits = fix.edits.iter().all(|edit| {
@@ -54,7 +54,7 @@ impl<'a> TextChange<'a> {
         fits && !put.is_empty()
     }
 
-    /// The text afterwards.
+    /// Returns the changed source.
     pub fn text(&self) -> String {
         let mut out = String::with_capacity(self.text.len());
         let mut at = 0;
@@ -67,7 +67,7 @@ impl<'a> TextChange<'a> {
         out
     }
 
-    /// Reads the files of a program as they were read, but for this change; others as `reader` does.
+    /// Reads the files of a program with this change, and other files with `reader`.
     pub(crate) fn over<'r>(
         &'r self,
         sources: &'r Sources,
@@ -80,11 +80,11 @@ impl<'a> TextChange<'a> {
         }
     }
 
-    /// Where bytes of the text, in ascending order, may be found afterwards: from the first to the
-    /// last place. What is replaced may be anywhere in what takes its place.
+    /// Returns where bytes in ascending order may be after the change: the first and the last
+    /// place. Replaced bytes may be anywhere in their replacement.
     pub(crate) fn carried(&self, places: &[usize]) -> Vec<(usize, usize)> {
         let mut edits = self.edits.iter().peekable();
-        // What the changes before a place have removed and added.
+        // Number of bytes removed and added by the changes before.
         let (mut removed, mut added) = (0, 0);
         let carry = |&at: &usize| {
             while let Some(&(&start, &(end, new))) = edits.peek()
@@ -113,7 +113,7 @@ fn range(edit: &Edit) -> (usize, usize) {
     )
 }
 
-/// Whether no change has been made to a part of the text.
+/// Whether a part of the source is unchanged.
 fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> bool {
     let before = edits.range(..=start).next_back();
     let behind = edits.range(start..).next();
@@ -130,7 +130,7 @@ struct ChangedReader<'r, 't> {
 
 impl Reader for ChangedReader<'_, '_> {
     fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
-        // Reading takes one mark of the byte order away.
+        // Reading removes one byte-order mark.
         let bytes = |text: &str| ["\u{feff}", text].concat().into_bytes();
         let files = self.sources.files();
         let known = files.iter().position(|file| file.name == path);
@@ -258,7 +258,8 @@ mod tests {
         assert_eq!(change.carried(&places), carried);
     }
 
-    /// Marks of the byte order and bytes that are no text are kept, in the file that changes and in others.
+    /// Marks of the byte order and bytes that are no text are kept, in the file that changes and in
+    /// others.
     #[test]
     fn what_is_read_again_is_what_was_read() {
         let files: [(&str, &[u8]); 3] = [

@@ -1,11 +1,11 @@
-//! Changes of the text that fix findings.
+//! Changes of the source that fix diagnostics.
 use stochc_ir::suggest::Suggestion;
 
 use super::{Edit, Fix};
 use crate::{SourceLocation, Sources, Span};
 
 impl Fix {
-    /// Puts `text` in the place of what stands at `location`; safe unless said otherwise.
+    /// Replaces the source at `location`. Safe by default.
     pub(crate) fn replace(
         location: SourceLocation,
         text: impl Into<String>,
@@ -19,18 +19,18 @@ impl Fix {
         }
     }
 
-    /// Takes away what stands at `location`; safe unless said otherwise.
+    /// Removes the source at `location`. Safe by default.
     pub(crate) fn remove(location: SourceLocation, title: impl Into<String>) -> Fix {
         Fix::replace(location, "", title)
     }
 
-    /// Puts a known word in the place of the unknown one at `location`; safe if it is clear.
+    /// Replaces an unknown word by a known one. Safe if there is only one similar word.
     pub(crate) fn word(location: SourceLocation, meant: &Suggestion) -> Fix {
         let title = format!("write `{}`", meant.word);
         Fix::replace(location, &meant.word, title).unsafe_if(!meant.clear)
     }
 
-    /// Only to be shown.
+    /// Marks the fix as unsafe if `doubt`.
     #[must_use]
     pub(crate) fn unsafe_if(mut self, doubt: bool) -> Fix {
         self.safe &= !doubt;
@@ -38,7 +38,7 @@ impl Fix {
     }
 }
 
-/// A statement with the blanks that go with it; with its line, if it stands there alone.
+/// Returns a statement with the space around it, or with its line if it is alone there.
 pub(crate) fn removal(sources: &Sources, statement: SourceLocation) -> SourceLocation {
     let text = &sources.file(statement.file).text;
     let is_blank = |c: char| matches!(c, ' ' | '\t' | '\r');
@@ -60,7 +60,7 @@ pub(crate) fn removal(sources: &Sources, statement: SourceLocation) -> SourceLoc
     }
 }
 
-/// The place of a name at the beginning of `location`, if it is written there as it is told.
+/// Returns the place of a name at the beginning of `location`, if it is written as reported.
 pub(crate) fn named(
     sources: &Sources,
     location: SourceLocation,
@@ -84,11 +84,13 @@ pub(crate) fn last_named(
     is_whole.then_some(SourceLocation { span, ..location })
 }
 
-/// Bytes of a line or block that are looked through, so that many findings in a long one stay quick.
+/// Largest number of bytes of a line or block that are read, so that long ones stay fast.
 pub(crate) const LONG: usize = 1 << 12;
 
-/// Returns one entry of the list after a keyword, with its comma; with the keyword, if it is the
-/// only one. `None` if comments stand between, or if an `after` would be left without a statement.
+/// Returns one entry of the list after a keyword, with its comma or with the keyword.
+///
+/// Returns `None` if there are comments between, or if an `after` would be left without a
+/// statement.
 pub(crate) fn entry(
     sources: &Sources,
     entry: SourceLocation,
@@ -127,7 +129,7 @@ pub(crate) fn entry(
 mod tests {
     use super::*;
 
-    /// The text without its `X`.
+    /// Returns the text without its `X`.
     fn without(text: &str) -> String {
         let mut sources = Sources::default();
         let file = sources.add("a.sa", text);

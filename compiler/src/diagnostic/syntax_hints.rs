@@ -1,4 +1,4 @@
-//! The most frequent mistakes of syntax: what to do about them, and how they are fixed.
+//! Advice and fixes for the most frequent errors of syntax.
 use stochc_grammar::is_unit;
 use stochc_ir::scene::quantity::QuantityKind;
 use stochc_ir::scene::units::unit_meant;
@@ -7,21 +7,21 @@ use stochc_ir::suggest::{Suggestion, nearest};
 use super::{Code, Diagnostic, Edit, Fix};
 use crate::{SourceLocation, Span};
 
-/// A place where something else had to stand.
+/// A place with an unexpected word.
 pub struct SyntaxHint<'a> {
-    /// What stands there.
+    /// Place of the word.
     pub location: SourceLocation,
-    /// The text of it, shortened.
+    /// The word, shortened.
     pub found: &'a str,
-    /// What could have stood there.
+    /// Words that can stand there.
     pub expected: &'a [&'static str],
-    /// The first word of the statement, if it is all that stands before it.
+    /// First word of the statement, if it is the only word before.
     pub behind: &'a str,
     /// The whole file.
     pub text: &'a str,
 }
 
-/// Words that begin something, and one that goes on with it.
+/// Words that begin a statement, and `after`.
 const FIRST: [&str; 16] = [
     "after",
     "aggregate",
@@ -41,7 +41,7 @@ const FIRST: [&str; 16] = [
     "yields",
 ];
 
-/// Words that other languages have, and what there is in their place.
+/// Keywords of other languages, with the advice.
 const FOREIGN: [(&[&str], &str); 4] = [
     (
         &[
@@ -62,8 +62,8 @@ const FOREIGN: [(&[&str], &str); 4] = [
 ];
 
 impl SyntaxHint<'_> {
-    /// The first word of the statement, if it is one of another language: where it stands, what is
-    /// wrong with it, and what there is instead.
+    /// Returns the place, title and advice if the statement begins with a keyword of another
+    /// language.
     pub fn foreign(&self) -> Option<(SourceLocation, String, &'static str)> {
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let before = self.before();
@@ -72,7 +72,7 @@ impl SyntaxHint<'_> {
         let start = start + line.len() - line.trim_start_matches([' ', '\t']).len();
         let line = self.text.get(start..)?;
         let word = &line[..line.find(|c| !is_word(c)).unwrap_or(line.len())];
-        // A block may be called so.
+        // A block may have this name.
         let rest = line[word.len()..].trim_start();
         if start > before.len() || rest.starts_with(['.', '[', '-']) {
             return None;
@@ -82,7 +82,8 @@ impl SyntaxHint<'_> {
         Some((self.span(start, start + word.len()), title, help))
     }
 
-    /// Returns the error of a `timeout` after a capture, with the change that moves it to the phase.
+    /// Returns the error of a `timeout` after a capture, with the change that moves it to the
+    /// phase.
     pub fn timeout(&self) -> Option<Diagnostic> {
         if self.behind != "timeout" {
             return None;
@@ -122,7 +123,7 @@ impl SyntaxHint<'_> {
         Some(diagnostic)
     }
 
-    /// What to do, and how.
+    /// Returns the advice and the fix.
     pub fn advice(&self) -> (Option<String>, Option<Fix>) {
         if let Some((word, meant)) = self.misspelt() {
             return (Some(meant.help()), Some(Fix::word(word, &meant)));
@@ -161,7 +162,7 @@ impl SyntaxHint<'_> {
         (Some(help.to_owned()), fix)
     }
 
-    /// A misspelt word of the language, or a unit.
+    /// Returns a misspelt keyword or unit.
     fn misspelt(&self) -> Option<(SourceLocation, Suggestion)> {
         let is_word = |text: &str| text.starts_with(|c: char| c.is_ascii_alphabetic());
         if is_word(self.found) {
@@ -172,7 +173,7 @@ impl SyntaxHint<'_> {
             }
             let words = self.expected.iter().map(|word| word.trim_matches('`'));
             let words = words.filter(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
-            // Of what is no word of the language, such as `a block`, none is a word either.
+            // Alternatives such as `a block` are not keywords.
             let meant = nearest(self.found, words.filter(|word| !word.contains(' ')));
             if let Some(meant) = meant.filter(|_| self.found.len() > 2) {
                 return Some((self.location, meant));
@@ -185,7 +186,7 @@ impl SyntaxHint<'_> {
         nearest(self.behind, FIRST).map(|meant| (word, meant))
     }
 
-    /// Whether a unit follows a number that ends the line before.
+    /// Whether a unit follows a number at the end of the previous line.
     fn is_unit_on_next_line(&self, found: &str) -> bool {
         let before = self.before();
         let number = before.trim_end();
@@ -195,7 +196,7 @@ impl SyntaxHint<'_> {
             && is_unit(found)
     }
 
-    /// The place of the first word of the statement.
+    /// Returns the place of the first word of the statement.
     fn word_behind(&self) -> Option<SourceLocation> {
         let before = self.before().trim_end();
         let start = before.strip_suffix(self.behind)?.len();
@@ -218,7 +219,7 @@ impl SyntaxHint<'_> {
             }
             "#" if self.begins_statement() && !self.is_row() => {
                 let length = rest.len() - rest.trim_start_matches('#').len();
-                // Three slashes would be another kind of comment.
+                // Three slashes would document something.
                 let slashes = if rest[length..].starts_with('/') {
                     "// "
                 } else {
@@ -274,7 +275,7 @@ impl SyntaxHint<'_> {
         })
     }
 
-    /// The size of a plate, or its first number and the sign, written as one word.
+    /// Returns the size of a plate, or its first number and the `x`, written as one word.
     fn size(&self) -> Option<String> {
         let before = self.before().trim_end();
         let (width, depth) = self.found.split_once(['x', 'X'])?;
@@ -284,7 +285,7 @@ impl SyntaxHint<'_> {
             .then(|| format!("{width} x {depth}").trim_end().to_owned())
     }
 
-    /// The parenthesis of `for (i in`, where this is the `in`.
+    /// Returns the place of the parenthesis of `for (i in`, if this is the `in`.
     fn loop_in_parentheses(&self) -> Option<usize> {
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let open = self
@@ -297,8 +298,8 @@ impl SyntaxHint<'_> {
         (!head.ends_with(is_word)).then_some(before.len())
     }
 
-    /// A sign that stands for an arrow in other languages, here and further on in the line: only the
-    /// first is told of.
+    /// Returns the fix of arrows of other languages, here and in the rest of the line. Only the
+    /// first one is reported.
     fn arrow(&self, rest: &str) -> Option<Fix> {
         let is_part = |c: char| matches!(c, '=' | '-' | '>' | '\u{2192}' | '\u{2013}' | '\u{2014}');
         let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
@@ -330,19 +331,19 @@ impl SyntaxHint<'_> {
         self.expected.contains(&word)
     }
 
-    /// Whether a row of a shape stands here, though perhaps not in one.
+    /// Whether a row of a shape is here, even if it is misplaced.
     fn is_row(&self) -> bool {
         let rest = &self.text[self.location.span.start as usize..];
         let line = rest.split(['\n', '}']).next().unwrap_or(rest).trim();
         line.chars().all(|c| matches!(c, '#' | '.' | ' ' | '\t'))
     }
 
-    /// Whether a whole statement could have begun here.
+    /// Whether a statement can begin here.
     fn begins_statement(&self) -> bool {
         self.expects("`}`") || self.expects("`assembly`")
     }
 
-    /// Whether this is the stroke of `1/s`.
+    /// Whether this is the slash of `1/s`.
     fn is_one_over(&self) -> bool {
         let behind = &self.text[self.location.span.end as usize..];
         self.before().ends_with(" 1") && behind.starts_with(|c: char| c.is_ascii_lowercase())
@@ -360,7 +361,7 @@ impl SyntaxHint<'_> {
     }
 }
 
-/// Spells out what would not be seen, such as a character without width.
+/// Returns text with escapes for invisible characters.
 pub(super) fn spelt(word: &str) -> String {
     let mut text = String::new();
     for c in word.chars() {

@@ -1,4 +1,4 @@
-//! What a pattern is given, held against what it needs.
+//! Checks the arguments of patterns.
 use stochc_grammar::Span;
 use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Name, Pattern, Place};
 use stochc_ir::suggest::nearest;
@@ -14,16 +14,16 @@ use crate::{FileId, SourceLocation};
 
 /// An argument of the wrong kind.
 struct Misfit {
-    /// Which.
+    /// Number of the argument.
     number: usize,
-    /// What it is.
+    /// Its kind.
     given: ValueKind,
-    /// What it has to be, and where it is used so.
+    /// The needed kind, and the place of the use.
     needed: (ValueKind, SourceLocation),
 }
 
 impl<'a> Expander<'a, '_> {
-    /// The arguments of an instance; those of the wrong kind are told of and stand for nothing.
+    /// Returns the arguments of an instance. Arguments of the wrong kind are reported and unknown.
     pub(super) fn arguments(
         &mut self,
         instance: &'a Instance,
@@ -61,7 +61,7 @@ impl<'a> Expander<'a, '_> {
         values
     }
 
-    /// Remembers where an instance comes from.
+    /// Notes the pattern and the place of an instance.
     pub(super) fn note_instance(
         &mut self,
         scope: u32,
@@ -110,7 +110,7 @@ impl<'a> Expander<'a, '_> {
                 self.single_block(place)
             }
             Argument::Expr(expr) => {
-                // A bare name is a number, a face or a block, whichever it stands for.
+                // A bare name is a number, a face or a block.
                 if let ExprKind::Name(word) = expr.kind {
                     let name = Name {
                         symbol: word,
@@ -144,7 +144,7 @@ impl<'a> Expander<'a, '_> {
         BoundValue::Block(key)
     }
 
-    /// Tells of an argument of the wrong kind.
+    /// Reports an argument of the wrong kind.
     fn misfit(
         &mut self,
         instance: &'a Instance,
@@ -162,7 +162,7 @@ impl<'a> Expander<'a, '_> {
             name(parameter.symbol),
             needed.noun()
         );
-        // A bare name that nothing has is only taken for a block because nothing else is known of it.
+        // An unknown bare name was taken for a block.
         let unknown = match (argument, value) {
             (Argument::Expr(expr), BoundValue::Block(key))
                 if self.plan.roles.get(&key).is_none()
@@ -216,8 +216,8 @@ impl<'a> Expander<'a, '_> {
         self.diagnostics.push(self.in_instance(diagnostic));
     }
 
-    /// Tells of arguments that are right in another order: each place, with the one of the argument
-    /// that belongs there.
+    /// Reports arguments in the wrong order. Each place of `order` has the number of its right
+    /// argument.
     fn wrong_order(
         &self,
         instance: &Instance,
@@ -256,7 +256,7 @@ impl<'a> Expander<'a, '_> {
         let fix = Fix {
             title: "put the arguments in order".to_owned(),
             edits: edits.collect(),
-            // It may be the parameters that are in the wrong order.
+            // The order of the parameters may be wrong instead.
             safe: false,
         };
         let help = format!("write `{word}({})`", texts.join(", "));
@@ -264,14 +264,14 @@ impl<'a> Expander<'a, '_> {
     }
 }
 
-/// Which argument belongs in which place, if there is one way only to have all of them fit.
+/// Returns the right order of the arguments, if there is only one.
 fn right_order(
     misfits: &[Misfit],
     values: &[BoundValue],
     uses: &[Uses],
 ) -> Option<Vec<(usize, usize)>> {
     if let [only] = misfits {
-        // An argument whose parameter is not used is right anywhere.
+        // The argument of an unused parameter can have any kind.
         let mut others = (values.iter().zip(uses).enumerate())
             .filter(|(_, (value, uses))| value.kind() == Some(only.needed.0) && !uses.any())
             .map(|(number, _)| number);
@@ -291,7 +291,7 @@ fn right_order(
     order.collect()
 }
 
-/// Where an argument stands.
+/// Returns the place of an argument.
 fn span_of(argument: &Argument) -> Span {
     match argument {
         Argument::Place(place) => place.span,

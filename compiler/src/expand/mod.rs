@@ -1,4 +1,4 @@
-//! Patterns, loops and arithmetic written out.
+//! Expands patterns, loops and arithmetic.
 mod aggregate;
 mod arguments;
 mod arithmetic;
@@ -27,24 +27,26 @@ pub use probe::Probe;
 use scope::{BoundValue, Scope};
 use stochc_ir::table::{Plate, RoleId};
 
-/// Captures, releases and what else is written out. With so many, a check takes less than 300 MB.
+/// Largest number of captures, releases and other results. A check of this size takes less than 300
+/// MB.
 const MAX_EVENTS: usize = 500_000;
 
-/// How large a program may grow when it is written out.
+/// Limits of an expanded program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Captures, releases, seeds, names in `after`, instances, phases and claims, all together.
+    /// Number of captures, releases, seeds, names in `after`, instances, phases and claims
+    /// together.
     pub events: usize,
-    /// Statements that are looked at, loops with nothing in them included.
+    /// Number of visited statements, empty rounds of loops included.
     pub steps: usize,
-    /// Cells that are searched for ways in, besides 10 for every capture and release.
+    /// Number of cells searched for access paths, in addition to 10 for every capture and release.
     pub search: u64,
-    /// The command that goes beyond these limits, for messages.
+    /// Command with higher limits, for messages.
     pub further: Option<&'static str>,
 }
 
 impl Limits {
-    /// How far a program is followed while it is written.
+    /// Limits while a program is edited.
     pub const EDITOR: Limits = Limits {
         events: 200_000,
         steps: 10_000_000,
@@ -52,7 +54,7 @@ impl Limits {
         further: Some("stochc check"),
     };
 
-    /// What to do about a program beyond them.
+    /// Returns the help for a program beyond the limits.
     fn help(self, usual: &str) -> String {
         match self.further {
             Some(command) => format!("{usual}; `{command}` has a higher limit"),
@@ -72,40 +74,40 @@ impl Default for Limits {
     }
 }
 
-/// How far a program is followed, and for how long.
+/// Limits and cancellation of an expansion.
 #[derive(Clone, Copy, Debug)]
 pub struct ExpansionBounds<'c> {
-    /// How large it may grow.
+    /// Limits of the program.
     pub limits: Limits,
-    /// Whether anybody still waits for it.
+    /// Cancels the expansion.
     pub cancellation: Cancellation<'c>,
 }
 
-/// A program with more than one in so many of the events that are allowed is counted before it is
-/// written out, so that one beyond all limits takes no memory.
+/// Programs with more than this part of the allowed events are counted before they are expanded, so
+/// that a program beyond the limits takes no memory.
 const UNCOUNTED: usize = 5;
 
-/// Loops, instances and blocks inside each other, at most.
+/// Largest depth of loops, instances and blocks.
 pub(crate) const MAX_NESTING: usize = 200;
 
-/// What a file declares for the programs in it.
+/// Declarations of the files.
 pub struct Declarations<'a> {
     /// Patterns and shapes.
     pub declared: DeclaredItems<'a>,
-    /// The numbers, with their files, in source order.
+    /// Numbers with their files, in source order.
     pub lets: Vec<(FileId, &'a Item)>,
-    /// What the names of the files refer to.
+    /// Definitions of all names.
     pub names: &'a Names,
 }
 
-/// What a program is written out to, and the shapes that it knows.
+/// An expanded program and the shapes that it can claim.
 pub type Expanded<'a> = (ProgramPlan, Shapes<'a>);
 
-/// Writes a program out.
+/// Expands a program.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn expand<'a>(
     declarations: &Declarations<'a>,
     assembly: (FileId, &'a Assembly),
@@ -126,7 +128,7 @@ pub fn expand<'a>(
     )
 }
 
-/// [`expand`], noting which blocks are meant at a place of the text.
+/// As [`expand`], and notes which blocks a place of the source names.
 pub fn expand_probed<'a>(
     declarations: &Declarations<'a>,
     (file, assembly): (FileId, &'a Assembly),
@@ -155,7 +157,7 @@ pub fn expand_probed<'a>(
         expander.assembly(assembly);
         expander.plan.steps = expander.steps;
         let (plan, shapes, outgrown) = (expander.plan, expander.declared.shapes, expander.outgrown);
-        // It may have been given up before its end.
+        // A cancelled expansion is incomplete.
         cancellation.check()?;
         Ok((plan, shapes, outgrown, told))
     };
@@ -175,7 +177,7 @@ pub fn expand_probed<'a>(
     Ok((plan, shapes))
 }
 
-/// The sizes that an aggregate reaches, as phases of a program without a plate.
+/// Expands an aggregate to one phase for each size.
 pub fn expand_aggregate(
     declarations: &Declarations<'_>,
     (file, aggregate): (FileId, &Aggregate),
@@ -201,16 +203,16 @@ pub fn expand_aggregate(
     expander.plan
 }
 
-/// What is done with the events that a program is written out to.
+/// Treatment of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pass {
-    /// They are kept, with all names.
+    /// Events and names are kept.
     Writing,
-    /// Only their number is.
+    /// Events are counted.
     Counting,
 }
 
-/// How much a program has grown by being written out.
+/// Size of the expanded program so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct ExpansionSize {
     seeds: usize,
@@ -235,52 +237,52 @@ impl ExpansionSize {
     }
 }
 
-/// The two passes through a seed plate: seeds have the first numbers.
+/// The two passes through a seed plate. Seeds have the first numbers.
 #[derive(Clone, Copy, PartialEq)]
 enum Seeding {
-    /// The seeds.
+    /// Seeds.
     Seats,
-    /// What is attached to them by hand.
+    /// Pre-attached blocks.
     Captures,
 }
 
 struct Expander<'a, 'f> {
     plan: ProgramPlan,
     declared: DeclaredItems<'a>,
-    /// What the names of the files refer to.
+    /// Definitions of all names.
     names: &'a Names,
     scope: Scope,
-    /// What the patterns use their parameters as.
+    /// Uses of the parameters of patterns.
     known: uses::KnownUses,
-    /// The numbers that the files declare.
+    /// Numbers that the files declare.
     lets: Vec<(FileId, &'a Item)>,
-    /// The blocks around the statement at hand, of the assembly and of the pattern that grows; the
-    /// outermost first.
+    /// Blocks around the current statement, of the assembly and of the pattern, the outermost
+    /// first.
     blocks: Vec<&'a [Item]>,
-    /// The file that the statement at hand stands in.
+    /// File of the current statement.
     file: FileId,
-    /// The patterns that are being written out, the innermost last.
+    /// Patterns that are being expanded, the innermost last.
     instances: Vec<(Symbol, SourceLocation)>,
-    /// Instances without a name, so far.
+    /// Number of instances without a name.
     anonymous: u32,
     nesting: usize,
     steps: usize,
     /// Operations of expressions that are not counted as a step yet.
     operations: usize,
-    /// Whether there are enough errors, and among how many findings that was looked for.
+    /// Whether the limit of errors is reached, and the number of diagnostics at the last count.
     errors: (usize, bool),
     limits: Limits,
     cancellation: Cancellation<'f>,
     pass: Pass,
     grown: ExpansionSize,
-    /// A limit has been reached: nothing more is written out.
+    /// Whether a limit is reached and expansion has stopped.
     exhausted: bool,
-    /// It was that of [`Limits::events`].
+    /// Whether it was that of [`Limits::events`].
     outgrown: bool,
     plate: Option<SourceLocation>,
     phase_sites: FxHashMap<String, SourceLocation>,
     in_phase: bool,
-    /// What of the seed plate is being written out.
+    /// Current pass through the seed plate.
     seeding: Option<Seeding>,
     sources: &'f Sources,
     symbols: &'f mut Symbols,
@@ -289,7 +291,7 @@ struct Expander<'a, 'f> {
 }
 
 impl<'a, 'f> Expander<'a, 'f> {
-    /// Knows what the files declare, and nothing of the program yet.
+    /// Returns an expander that knows the declarations of the files.
     fn new(
         declarations: &Declarations<'a>,
         (file, name): (FileId, Name),
@@ -356,7 +358,7 @@ impl<'a, 'f> Expander<'a, 'f> {
 
 impl<'a> Expander<'a, '_> {
     fn assembly(&mut self, assembly: &'a Assembly) {
-        // Patterns and shapes may stand behind their use.
+        // Patterns and shapes may be declared after their use.
         self.declare(&assembly.body);
         self.items(&assembly.body);
         if self.plate.is_none() {
@@ -411,7 +413,7 @@ impl<'a> Expander<'a, '_> {
         self.nesting -= 1;
     }
 
-    /// Counts a statement; false when there have been too many, or nobody waits for the result.
+    /// Counts a statement. Returns whether the expansion continues.
     fn step(&mut self, span: Span) -> bool {
         if self.cancellation.is_cancelled() {
             self.exhausted = true;
@@ -419,7 +421,7 @@ impl<'a> Expander<'a, '_> {
         }
         self.steps += 1;
         let most = self.limits;
-        // What is written out beside the events takes memory as well.
+        // Names and orders take memory as well.
         let grown = self.grown.total().max(self.plan.roles.count());
         let told = self.diagnostics.len();
         if self.errors.0 != told {
@@ -494,7 +496,7 @@ impl<'a> Expander<'a, '_> {
                     phase.claims.push((name.symbol, location));
                 }
             }
-            // Declared beforehand, or no part of an assembly.
+            // Declared before, or not a part of an assembly.
             ItemKind::Pattern(_)
             | ItemKind::Shape(_)
             | ItemKind::Scene(_)
@@ -509,7 +511,7 @@ impl<'a> Expander<'a, '_> {
         let ItemKind::Let(let_) = &item.kind else {
             return;
         };
-        // Where its value is in doubt, so is the name: it is declared all the same.
+        // A number in doubt is declared without a value.
         let value = self
             .evaluate(&let_.value)
             .map_or(BoundValue::Unknown, BoundValue::Number);
@@ -531,19 +533,19 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// The word of a name of the file at hand, and the number, counter or parameter that it is the name of.
+    /// Returns the word of a name and the definition of a number, counter or parameter.
     fn named(&self, name: Name) -> (Symbol, Option<Definition>) {
         (name.symbol, self.names.definition(self.file, name.span))
     }
 
-    /// The value of what a name of the file at hand stands for, if it has one yet.
+    /// Returns the value of a name, if it has one here.
     fn value(&self, name: Name) -> Option<BoundValue> {
         let (word, definition) = self.named(name);
         self.scope.get(word, definition?).map(|(value, _)| value)
     }
 
     fn phase(&mut self, phase: &'a PhaseDeclaration, item: &'a Item) {
-        // A phase inside a phase has been told of; what it says is said by the outer one.
+        // A phase inside a phase has been reported. Its statements belong to the outer one.
         if self.in_phase {
             return self.items(&phase.body);
         }
@@ -570,7 +572,7 @@ impl<'a> Expander<'a, '_> {
             claims: Vec::new(),
         });
         self.in_phase = true;
-        // Also in a plate, where it does not belong, which has been told.
+        // Also after a misplaced plate, which has been reported.
         let seeding = self.seeding.take();
         self.items(&phase.body);
         self.seeding = seeding;
@@ -593,7 +595,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// The role of a name.
+    /// Returns the role of a name.
     fn role(&mut self, key: NameKey) -> RoleId {
         match self.pass {
             Pass::Writing => self.plan.roles.intern(key),
@@ -601,7 +603,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// The scope of an instance.
+    /// Returns the scope of an instance.
     fn instance_of(&mut self, key: NameKey) -> u32 {
         self.grown.instances += 1;
         match self.pass {
@@ -673,7 +675,7 @@ impl<'a> Expander<'a, '_> {
         timeout
     }
 
-    /// The removal of a block, if not even a comment stands in it.
+    /// Returns the removal of a block. Returns `None` if the block is not empty.
     fn without(&self, block: &Item) -> Option<Fix> {
         let location = self.location(block.span);
         if block.span.len() > LONG {
@@ -684,7 +686,7 @@ impl<'a> Expander<'a, '_> {
         (body.trim() == "}").then(|| Fix::remove(removal(self.sources, location), title))
     }
 
-    /// Adds the place where the pattern at hand is grown, if there is one.
+    /// Adds the place of the current instance, if there is one.
     fn in_instance(&self, diagnostic: Diagnostic) -> Diagnostic {
         match self.instances.last() {
             Some(&(_, location)) => diagnostic.label(location, "in this instance"),

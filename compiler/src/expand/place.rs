@@ -10,27 +10,27 @@ use crate::members::members;
 use crate::names::ValueKind;
 use crate::plan::NameKey;
 
-/// A place, worked out.
+/// A resolved place.
 pub struct ResolvedPlace {
-    /// The blocks it names.
+    /// Named blocks.
     pub keys: Keys,
-    /// Whether one of its indices is a range.
+    /// Whether one of the indices is a range.
     pub ranged: bool,
-    /// The face behind it.
+    /// Face after the name.
     pub face: Option<Face>,
 }
 
-/// Names that differ in their indices, worked out one by one: there may be millions.
+/// Names that differ in their indices. They are computed one by one, because there may be millions.
 #[derive(Clone, Copy)]
 pub struct Keys {
     key: NameKey,
-    /// The first and the last of each index.
+    /// First and last value of each index.
     bounds: [(i32, i32); NameKey::MAX_INDICES],
     count: usize,
 }
 
 impl Keys {
-    /// A single name.
+    /// Returns a single name.
     fn one(key: NameKey) -> Keys {
         Keys {
             key,
@@ -39,7 +39,7 @@ impl Keys {
         }
     }
 
-    /// The names, the last index running fastest.
+    /// Returns the names. The last index changes fastest.
     pub fn iter(self) -> impl Iterator<Item = NameKey> {
         let Keys {
             mut key,
@@ -63,7 +63,7 @@ impl Keys {
 }
 
 impl Expander<'_, '_> {
-    /// Works a place out; what is wrong with it is told of.
+    /// Resolves a place. Errors are reported.
     pub fn place(&mut self, place: &Place) -> Option<ResolvedPlace> {
         let mut path = &place.path[..];
         let mut face = place.face.map(|(face, _)| face);
@@ -106,9 +106,9 @@ impl Expander<'_, '_> {
         Some(ResolvedPlace { keys, ranged, face })
     }
 
-    /// A place that names exactly one block, with its face if it has one.
+    /// Returns the one block of a place, with its face if it has one.
     ///
-    /// A range is reported with `help`, and with the change that goes with it.
+    /// A range is reported with this help and fix.
     pub fn single(
         &mut self,
         place: &Place,
@@ -135,7 +135,7 @@ impl Expander<'_, '_> {
         Some((blocks.keys.first()?, blocks.face))
     }
 
-    /// A place used as the name of something new in the current scope.
+    /// Returns the new name that a place declares in the current scope.
     pub fn single_key(&mut self, place: &Place) -> Option<NameKey> {
         let segment = match &place.path[..] {
             [only] => only,
@@ -163,7 +163,7 @@ impl Expander<'_, '_> {
         keys.first()
     }
 
-    /// The inside of a named instance, of which `next` is spoken.
+    /// Returns the scope of a named instance. `next` is the name inside of it.
     fn instance_scope(&mut self, scope: u32, segment: &Segment, next: &Segment) -> Option<u32> {
         let (keys, ranged) = self.keys(scope, segment)?;
         if ranged {
@@ -178,7 +178,7 @@ impl Expander<'_, '_> {
             return None;
         }
         let key = keys.first()?;
-        // Nothing is known of what has only been counted.
+        // While events are only counted, instances are unknown.
         let found = match self.pass {
             Pass::Writing => self.plan.roles.scope(&key),
             Pass::Counting => Some(scope),
@@ -211,7 +211,7 @@ impl Expander<'_, '_> {
         } else if let Some(diagnostic) = self.instance_around(key, segment) {
             diagnostic
         } else {
-            // In a pattern, names are those of its own instance.
+            // In a pattern, names belong to its own instance.
             let written = if key.scope == self.scope.instance {
                 key.within(0)
             } else {
@@ -240,7 +240,7 @@ impl Expander<'_, '_> {
         None
     }
 
-    /// That a pattern does not see an instance that is known around it.
+    /// Returns the error of a pattern that uses an instance from outside.
     fn instance_around(&self, key: NameKey, segment: &Segment) -> Option<Diagnostic> {
         let grown = self.grown().filter(|_| key.scope == self.scope.instance)?;
         let roles = &self.plan.roles;
@@ -257,7 +257,7 @@ impl Expander<'_, '_> {
         Some(diagnostic.help(help))
     }
 
-    /// The names that a segment stands for.
+    /// Returns the names of a segment.
     fn keys(&mut self, scope: u32, segment: &Segment) -> Option<(Keys, bool)> {
         let mut key = NameKey {
             scope,
@@ -351,7 +351,7 @@ impl Expander<'_, '_> {
     }
 }
 
-/// The face that another word for a side is probably meant to be.
+/// Returns the face that another word for a side probably stands for.
 pub(super) fn face_meant(word: &str) -> Option<Suggestion> {
     let (face, clear) = match word {
         "top" | "above" | "upper" => (Face::Up, true),

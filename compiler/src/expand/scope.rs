@@ -1,4 +1,4 @@
-//! The values of numbers, counters and parameters while a program is written out; which of them a word means, `names` knows.
+//! Values of numbers, counters and parameters during the expansion. `names` resolves the words.
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_grammar::Symbol;
@@ -8,21 +8,21 @@ use crate::SourceLocation;
 use crate::names::{Definition, ValueKind};
 use crate::plan::NameKey;
 
-/// What a word stands for, other than a block of its own name.
+/// Value of a word, if it is not a block of that name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BoundValue {
     /// A number.
     Number(i64),
-    /// A block given to a pattern.
+    /// A block, as an argument.
     Block(NameKey),
-    /// A face given to a pattern.
+    /// A face, as an argument.
     Face(Face),
-    /// Something that could not be worked out; it has been told of.
+    /// Unknown because of an error, which has been reported.
     Unknown,
 }
 
 impl BoundValue {
-    /// Its kind, if it could be worked out.
+    /// Returns the kind, if the value is known.
     pub fn kind(self) -> Option<ValueKind> {
         match self {
             BoundValue::Block(_) => Some(ValueKind::Block),
@@ -35,28 +35,28 @@ impl BoundValue {
 
 #[derive(Clone, Copy, Debug)]
 struct Binding {
-    /// What has the value.
+    /// The definition.
     definition: Option<Definition>,
     value: BoundValue,
     location: SourceLocation,
-    /// How many blocks were open when it was made.
+    /// Number of open blocks at its definition.
     level: u32,
 }
 
-/// The words that have a value, by block.
+/// Words with values, by block.
 #[derive(Debug, Default)]
 pub struct Scope {
     words: FxHashMap<Symbol, SmallVec<[Binding; 1]>>,
-    /// The order of definition, so that the end of a block can take its own back.
+    /// Definitions in order. The end of a block removes its own.
     defined: Vec<Symbol>,
     level: u32,
-    /// The level at which the instance begins; 0: none.
+    /// Level at which the instance begins. 0 if there is none.
     floor: u32,
-    /// The instance whose names are spoken of.
+    /// Current instance.
     pub instance: u32,
 }
 
-/// The state to which the end of a block returns.
+/// State that the end of a block restores.
 #[derive(Clone, Copy, Debug)]
 pub struct ScopeMark {
     defined: usize,
@@ -98,7 +98,8 @@ impl Scope {
         self.instance = mark.instance;
     }
 
-    /// Gives a definition a value, under its word; the place of the old one if the word has one in this very block.
+    /// Sets the value of a definition. Returns the place of the old one, if the word has one in
+    /// this block.
     pub fn define(
         &mut self,
         (word, definition): (Symbol, Option<Definition>),
@@ -118,7 +119,7 @@ impl Scope {
         old
     }
 
-    /// Makes a parameter or counter stand for nothing that is known, once it has been told of.
+    /// Makes a parameter or counter unknown after an error.
     pub fn forget(&mut self, word: Symbol, definition: Definition) {
         let floor = self.floor;
         let bindings = self.words.get_mut(&word).into_iter().flatten();
@@ -128,7 +129,7 @@ impl Scope {
         }
     }
 
-    /// The value of a definition with this word, and where it has got it.
+    /// Returns the value of a definition, and its place.
     pub fn get(
         &self,
         word: Symbol,
@@ -139,12 +140,12 @@ impl Scope {
         Some((binding.value, binding.location))
     }
 
-    /// Where something with this word, whatever it is, has got a value.
+    /// Returns the place of any definition of a word.
     pub fn any(&self, word: Symbol) -> Option<SourceLocation> {
         Some(self.words.get(&word)?.last()?.location)
     }
 
-    /// Every word that stands for a number, for suggestions.
+    /// Returns every word of a number, for suggestions.
     pub fn words(&self) -> impl Iterator<Item = Symbol> {
         self.words
             .iter()

@@ -9,7 +9,7 @@ use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::{PlanPhase, PlanSeed};
 
-/// Whether anything is attached by hand; loops are as deep as the parser lets them be.
+/// Whether blocks are pre-attached. The parser bounds the depth of loops.
 fn has_captures(items: &[Item]) -> bool {
     (items.iter()).any(|item| match &item.kind {
         ItemKind::Chain(_) => true,
@@ -29,13 +29,13 @@ fn larger_plate((x, y): (i64, i64), (width, depth): (u32, u32)) -> String {
     }
 }
 
-/// Blocks along one edge of a plate, at most.
+/// Largest number of blocks along an edge of a plate.
 const MAX_EDGE: i64 = Plate::LONGEST as i64;
 
 impl<'a> Expander<'a, '_> {
-    /// The plate and the seeds on it.
+    /// Expands the plate and its seeds.
     pub fn seed_plate(&mut self, seed: &'a stochc_grammar::tree::Seed, span: Span) {
-        // A plate in a phase has been told of.
+        // A plate in a phase has been reported.
         if self.in_phase {
             return;
         }
@@ -75,7 +75,7 @@ impl<'a> Expander<'a, '_> {
         self.seeding = outer;
     }
 
-    /// What is attached by hand, as a phase before the first.
+    /// Expands pre-attached blocks, as a phase before the first.
     fn planted(&mut self, seed: &'a stochc_grammar::tree::Seed, location: SourceLocation) {
         let start = self.grown.events;
         self.in_phase = true;
@@ -114,7 +114,7 @@ impl<'a> Expander<'a, '_> {
         None
     }
 
-    /// One seed.
+    /// Expands one seed.
     pub fn seat(&mut self, seat: &'a Seat, item: &Item) {
         let location = self.location(seat.place.span);
         let key = self.single_key(&seat.place);
@@ -125,7 +125,7 @@ impl<'a> Expander<'a, '_> {
         self.probe
             .note(self.file, &seat.place.path, [key].into_iter());
         let Plate { width, depth } = self.plan.plate;
-        // A seed outside of a plate, which has been told of.
+        // A seed outside of every plate has been reported.
         if width == 0 {
             return;
         }
@@ -145,7 +145,7 @@ impl<'a> Expander<'a, '_> {
                 .help(larger_plate((x, y), (width, depth))),
             );
         }
-        // A seed beside the plate is known all the same: its captures are no further mistakes.
+        // A seed outside of the plate can still capture, so that it causes no further errors.
         let near = |value: i64| value.clamp(-MAX_EDGE, MAX_EDGE) as i32;
         let cell = Cell::new(near(x), near(y), 0);
         self.grown.seeds += 1;
@@ -161,7 +161,7 @@ impl<'a> Expander<'a, '_> {
                 .push(duplicate(&name, old, location, "a seed", self.symbols));
             return;
         }
-        // Unless a statement that does not belong in a plate came first; that has been told of.
+        // A misplaced statement may come first, which has been reported.
         if role.0 as usize == self.plan.seeds.len() {
             let statement = item.docs.0.is_none().then(|| self.location(item.span));
             self.plan.seeds.push(PlanSeed {

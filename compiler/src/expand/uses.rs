@@ -1,4 +1,4 @@
-//! What the parameters of a pattern have to be, by what they are used as in it and in the patterns that it grows.
+//! Kinds of the parameters of patterns, by their uses.
 use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
@@ -8,12 +8,13 @@ use super::{MAX_NESTING, Patterns};
 use crate::names::{Names, Use, ValueKind};
 use crate::{FileId, SourceLocation};
 
-/// The first place where a parameter is used as each kind of thing.
+/// First place of each kind of use of a parameter.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Uses([Option<SourceLocation>; ValueKind::ALL.len()]);
 
 impl Uses {
-    /// The kind it has to be, and where it is used so; `None` if it is not used, or in several ways.
+    /// Returns the kind and the place of its use. Returns `None` if there are no uses or several
+    /// kinds.
     pub fn only(&self) -> Option<(ValueKind, SourceLocation)> {
         let mut used = ValueKind::ALL
             .into_iter()
@@ -22,7 +23,7 @@ impl Uses {
         used.next().is_none().then_some(first)
     }
 
-    /// Whether it is used at all.
+    /// Whether it is used.
     pub fn any(&self) -> bool {
         self.0.iter().any(Option::is_some)
     }
@@ -32,12 +33,12 @@ impl Uses {
     }
 }
 
-/// What is known of the parameters of patterns, by the file and the first byte of their names.
+/// Uses of parameters by pattern.
 #[derive(Debug, Default)]
 pub struct KnownUses(FxHashMap<(FileId, u32), Rc<[Uses]>>);
 
 impl KnownUses {
-    /// The uses of each parameter of a pattern, also as an argument of the patterns that it grows.
+    /// Returns the uses of each parameter of a pattern, also as an argument of other patterns.
     pub fn uses(
         &mut self,
         pattern: (FileId, &Pattern),
@@ -59,7 +60,7 @@ impl KnownUses {
             return known.clone();
         }
         let mut uses = vec![Uses::default(); pattern.parameters.len()];
-        // A pattern that grows itself is told of when it does.
+        // A pattern that contains itself is reported when it is used.
         self.0.insert(key, uses.clone().into());
         if depth >= MAX_NESTING {
             return uses.into();

@@ -1,4 +1,4 @@
-//! Patterns, shapes and scenes by their words.
+//! Patterns, shapes and scenes by word.
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
@@ -9,28 +9,29 @@ use crate::{FileId, SourceLocation};
 #[derive(Clone, Copy, Debug)]
 pub struct DeclaredName {
     pub definition: Definition,
-    /// Where it is declared.
+    /// Place of its declaration.
     pub location: SourceLocation,
 }
 
-/// Those of a block.
+/// Patterns and shapes of a block.
 pub type DeclaredWords = FxHashMap<(NameKind, Symbol), DeclaredName>;
 
-/// Those of all files and their assemblies.
+/// Patterns, shapes and scenes of all files and their assemblies.
 #[derive(Clone, Debug, Default)]
 pub struct DeclaredNames {
-    /// Patterns and shapes of the files, which all see.
+    /// Patterns and shapes of the files, for all programs.
     pub shared: DeclaredWords,
-    /// Patterns and shapes of each assembly, which it alone sees.
+    /// Patterns and shapes of each assembly, for it only.
     pub own: Vec<DeclaredWords>,
-    /// The numbers of the assemblies, by the places of their names.
+    /// Numbers of the assemblies, by the places of their names.
     pub assemblies: FxHashMap<(FileId, u32), usize>,
     /// Scenes, declared or built in.
     pub scenes: FxHashMap<Symbol, Definition>,
 }
 
 impl DeclaredNames {
-    /// What a word stands for in an assembly, or outside of all: what the assembly declares hides what the files do.
+    /// Returns the meaning of a word in an assembly, or outside of all. Declarations of the
+    /// assembly hide those of the files.
     pub fn seen_from(
         &self,
         assembly: Option<usize>,

@@ -1,12 +1,12 @@
-//! What every name of a program's files refers to: where it is declared, and where it is used.
+//! Names of all files of a program, with their declarations and uses.
 //!
-//! This is the one place that knows the rules of scope: which `let`, counter, parameter, pattern or shape a word stands for, if
-//! any, and whether a parameter stands for a face. Programs are written out by it, declarations are found to be unused by
-//! it, and editors are answered by it.
+//! This is the only place that knows the rules of scope. It decides what a word stands for: a
+//! `let`, counter, parameter, pattern or shape. It also decides whether a parameter is a face. The
+//! expansion, the warnings of unused declarations and the editor use it.
 //!
-//! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`, since only writing the
-//! program out could tell them apart ([`crate::source_map`] does). A name that may stand for several
-//! definitions, such as a number of the assembly that grows a pattern, makes them one.
+//! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`. Only the expansion can
+//! distinguish them ([`crate::source_map`]). A name that can stand for several definitions joins
+//! them into one, such as a number of an assembly that is used by a pattern.
 mod declared;
 mod definitions;
 mod resolve;
@@ -19,17 +19,17 @@ use crate::checked::Checked;
 use crate::{FileId, SourceLocation};
 use declared::DeclaredNames;
 
-/// Every name of a program's files.
+/// Names of all files of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
-    /// By file and place.
+    /// Names by file and place.
     occurrences: Vec<Occurrence>,
     kinds: Vec<(NameKind, Symbol)>,
-    /// What writing a program out asks for, by the file and the first byte of each of its names.
+    /// Definitions that the expansion needs, by file and first byte of the name.
     definitions: FxHashMap<(FileId, u32), Definition>,
-    /// What each parameter is used as, in source order.
+    /// Uses of each parameter in source order.
     uses: FxHashMap<Definition, Vec<Use>>,
-    /// Patterns, shapes and scenes by their words.
+    /// Patterns, shapes and scenes by word.
     declared: DeclaredNames,
 }
 
@@ -38,11 +38,11 @@ pub struct Names {
 pub(crate) enum Use {
     /// As a value of this kind.
     As(ValueKind, SourceLocation),
-    /// As an argument of a pattern, whose parameter of this number it is.
+    /// As the argument of a pattern, for the parameter with this number.
     Argument(Definition, usize),
 }
 
-/// What a parameter may stand for.
+/// Kind of an argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ValueKind {
     /// A block.
@@ -57,7 +57,7 @@ impl ValueKind {
     /// Every kind.
     pub const ALL: [ValueKind; 3] = [ValueKind::Block, ValueKind::Number, ValueKind::Face];
 
-    /// What messages call one.
+    /// Returns the words that messages use.
     pub const fn noun(self) -> &'static str {
         match self {
             ValueKind::Block => "a block",
@@ -67,31 +67,31 @@ impl ValueKind {
     }
 }
 
-/// Which names are kept.
+/// Names that are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keep {
-    /// All of them.
+    /// All names.
     All,
-    /// All but those of blocks, instances and phases, of which there may be millions.
+    /// All names except those of blocks, instances and phases. There may be millions of them.
     Declarations,
 }
 
 /// A name at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Occurrence {
-    /// Where.
+    /// Place of the name.
     pub location: SourceLocation,
-    /// What it refers to.
+    /// Definition that it refers to.
     pub definition: Definition,
-    /// Whether it is declared here, or captured if it is a block.
+    /// Whether it is declared here. Blocks are declared by captures.
     pub declares: bool,
 }
 
-/// What a name refers to.
+/// Definition of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Definition(u32);
 
-/// What has a name.
+/// Kind of a definition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NameKind {
     /// Blocks of an assembly or a pattern.
@@ -119,8 +119,8 @@ pub enum NameKind {
 }
 
 impl NameKind {
-    /// Whether writing a program out asks what a name of this kind refers to: it does not of what it finds by itself, because
-    /// its name has numbers in it, or is a phase's.
+    /// Whether the expansion asks for definitions of this kind. It finds names with indices and
+    /// phases by itself.
     const fn is_asked_for(self) -> bool {
         matches!(
             self,
@@ -133,7 +133,7 @@ impl NameKind {
         )
     }
 
-    /// What messages call it.
+    /// Returns the words that messages use.
     pub const fn noun(self) -> &'static str {
         match self {
             NameKind::Block => "block",
@@ -152,26 +152,26 @@ impl NameKind {
 }
 
 impl Names {
-    /// Finds out what the names of a program's files refer to.
+    /// Resolves the names of all files of a program.
     ///
     /// # Errors
     ///
-    /// [`Cancelled`] if nobody waits for it.
+    /// Returns [`Cancelled`] if the check was cancelled.
     pub fn new(checked: &Checked, cancellation: Cancellation<'_>) -> Result<Names, Cancelled> {
         Names::of_trees(checked.trees(), Keep::All, cancellation)
     }
 
-    /// Those of declarations alone; no blocks, instances and phases, of which there may be millions.
+    /// Resolves names of declarations only, without blocks, instances and phases.
     pub(crate) fn of_declarations(checked: &Checked) -> Names {
         let names = Names::of_trees(checked.trees(), Keep::Declarations, Cancellation::NEVER);
         names.expect("nobody cancels it")
     }
 
-    /// The same, from the trees of the files: imported ones before those that import them.
+    /// Resolves the names of syntax trees. Imported files come before the files that import them.
     ///
     /// # Errors
     ///
-    /// [`Cancelled`] if nobody waits for it.
+    /// Returns [`Cancelled`] if the check was cancelled.
     pub(crate) fn of_trees<'a>(
         trees: impl Iterator<Item = (FileId, &'a Tree)>,
         keep: Keep,
@@ -180,12 +180,13 @@ impl Names {
         resolve::resolve(trees, keep, cancellation)
     }
 
-    /// The number, counter, parameter, pattern, shape or scene that is named here; `None`: the name is that of something else, or of nothing.
+    /// Returns the definition of a number, counter, parameter, pattern, shape or scene. Returns
+    /// `None` for other names.
     pub(crate) fn definition(&self, file: FileId, span: Span) -> Option<Definition> {
         self.definitions.get(&(file, span.start)).copied()
     }
 
-    /// Where the pattern or shape is declared that a word stands for in an assembly, whose name stands at this place.
+    /// Returns the place where a pattern or shape is declared that an assembly names by this word.
     pub(crate) fn seen_from(
         &self,
         assembly: SourceLocation,
@@ -198,12 +199,12 @@ impl Names {
         seen.map(|it| it.location)
     }
 
-    /// The scene of a word, if it is declared or named anywhere.
+    /// Returns the scene of a word, if it is declared or named.
     pub(crate) fn scene(&self, word: Symbol) -> Option<Definition> {
         self.declared.scenes.get(&word).copied()
     }
 
-    /// What the parameter that is declared here is used as, in source order.
+    /// Returns the uses of a parameter in source order.
     pub(crate) fn uses(&self, file: FileId, parameter: Span) -> &[Use] {
         let uses = self
             .definition(file, parameter)
@@ -211,7 +212,7 @@ impl Names {
         uses.map_or(&[], Vec::as_slice)
     }
 
-    /// The name at a byte of a file, or the one that ends there.
+    /// Returns the name at a byte of a file, or the name that ends there.
     pub fn at(&self, file: FileId, at: u32) -> Option<&Occurrence> {
         let key =
             |occurrence: &Occurrence| (occurrence.location.file, occurrence.location.span.start);
@@ -221,22 +222,22 @@ impl Names {
         (location.file == file && at <= location.span.end).then_some(candidate)
     }
 
-    /// Every name, by file and place.
+    /// Returns all names by file and place.
     pub fn all(&self) -> &[Occurrence] {
         &self.occurrences
     }
 
-    /// Every place that refers to a definition, by file and place.
+    /// Returns all places that refer to a definition, by file and place.
     pub fn occurrences_of(&self, definition: Definition) -> impl Iterator<Item = &Occurrence> {
         (self.occurrences.iter()).filter(move |occurrence| occurrence.definition == definition)
     }
 
-    /// What kind of definition it is.
+    /// Returns the kind of a definition.
     pub fn kind(&self, definition: Definition) -> NameKind {
         self.kinds[definition.0 as usize].0
     }
 
-    /// The word of a definition.
+    /// Returns the word of a definition.
     pub fn word(&self, definition: Definition) -> Symbol {
         self.kinds[definition.0 as usize].1
     }
@@ -247,8 +248,8 @@ mod tests {
     use super::*;
     use crate::{Limits, check};
 
-    /// The words of a program that are names, each with the number of its definition, by order of mention;
-    /// where it is declared, with a star.
+    /// Returns the names of a program with the numbers of their definitions, in the order of
+    /// mention. A star marks declarations.
     fn shown(files: &[(&str, &str)]) -> String {
         let mut reader = |path: &str| {
             let file = files.iter().find(|(name, _)| *name == path);

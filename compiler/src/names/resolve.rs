@@ -1,4 +1,4 @@
-//! Goes through the trees by the rules of scope.
+//! Resolves names by the rules of scope.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{
     Argument, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern, Place, Segment, Subscript,
@@ -11,11 +11,11 @@ use super::definitions::{Bindings, Definitions};
 use super::{Definition, Keep, NameKind, Names, Use, ValueKind};
 use crate::{FileId, SourceLocation};
 
-/// Resolves every name of a program's files.
+/// Resolves all names of the files of a program.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn resolve<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
     keep: Keep,
@@ -49,33 +49,33 @@ pub fn resolve<'a>(
             resolver.top(item, &mut number);
         }
     }
-    // It may have been given up before its end.
+    // A cancelled walk has stopped early.
     cancellation.check()?;
     Ok(resolver.definitions.finish(resolver.declared))
 }
 
-/// Whose blocks and instances are spoken of: those of an assembly, or of a pattern.
+/// Owner of blocks and instances: an assembly or a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct BlockScope(u32);
 
-/// What is gone through.
+/// Surroundings of a walk.
 #[derive(Clone, Copy, PartialEq)]
 enum EnclosingScope {
-    /// The file itself.
+    /// The file.
     File,
     /// An assembly, by number.
     Assembly(usize),
     /// A pattern of an assembly.
     OwnPattern(usize),
-    /// A pattern of the file, which sees what the assemblies that grow it see.
+    /// A pattern of the file. It uses the numbers of the assemblies with its instances.
     Pattern,
 }
 
-/// The numbers that an assembly declares for itself.
+/// Numbers that an assembly declares.
 #[derive(Default)]
 struct OwnNumbers {
     numbers: FxHashMap<Symbol, Vec<Definition>>,
-    /// The same, by the place of their names.
+    /// The same numbers by the places of their names.
     lets: FxHashMap<u32, Definition>,
 }
 
@@ -86,14 +86,14 @@ struct Resolver<'c> {
     file_numbers: FxHashMap<Symbol, Definition>,
     /// Patterns, shapes and scenes.
     declared: DeclaredNames,
-    /// For every pattern, whose names it has.
+    /// Owner of the names of each pattern.
     scopes: FxHashMap<Definition, BlockScope>,
     scope_count: u32,
-    /// The words that are captured in each pattern.
+    /// Captured words of each pattern.
     captured: FxHashSet<(BlockScope, Symbol)>,
     /// Blocks, instances and phases.
     blocks: FxHashMap<(BlockScope, NameKind, Symbol), Definition>,
-    /// The patterns that the instances of a name have grown from.
+    /// Patterns of the instances with a name.
     grown: FxHashMap<Definition, Vec<BlockScope>>,
     assemblies: Vec<OwnNumbers>,
     enclosing: EnclosingScope,
@@ -138,7 +138,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Patterns and shapes, which may stand behind their use.
+    /// Patterns and shapes may be declared after their use.
     fn declare(&mut self, items: &[Item]) -> DeclaredWords {
         let mut named = DeclaredWords::default();
         for item in items {
@@ -224,7 +224,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// A scene, declared or built in.
+    /// Resolves a scene, declared or built in.
     fn scene(&mut self, name: Name) -> Definition {
         let definitions = &mut self.definitions;
         let add = || definitions.add(NameKind::Scene, name.symbol);
@@ -313,7 +313,7 @@ impl Resolver<'_> {
                     self.pattern(pattern, EnclosingScope::OwnPattern(number));
                 }
             }
-            // Codes of findings are no names of the program, and numbers in a shape have none; the others do not belong here.
+            // Codes are not names, numbers of shapes have none, and the others are misplaced here.
             ItemKind::Level(_)
             | ItemKind::Shape(_)
             | ItemKind::Assembly(_)
@@ -328,7 +328,7 @@ impl Resolver<'_> {
         for (number, argument) in instance.arguments.iter().enumerate() {
             match argument {
                 Argument::Expr(expr) => match expr.kind {
-                    // A bare name is the number of that name, or else the block.
+                    // A bare name is the number with this name, or else the block.
                     ExprKind::Name(word) => match self.number(word) {
                         Some(definition) => {
                             self.occur(definition, expr.span, false);
@@ -354,13 +354,13 @@ impl Resolver<'_> {
         }
     }
 
-    /// The name of something new in this scope.
+    /// Declares a new name in this scope.
     fn new_name(&mut self, kind: NameKind, place: &Place) -> Option<Definition> {
         let [segment] = &place.path[..] else {
             return None;
         };
         self.indices(segment);
-        // What is inside of an instance is asked for whether its name is kept or not.
+        // Names inside an instance are resolved even if its own name is not kept.
         if kind != NameKind::Instance && !self.definitions.keeps(kind) {
             return None;
         }
@@ -406,7 +406,7 @@ impl Resolver<'_> {
             return;
         }
         let Some(mut scopes) = self.inside(instances) else {
-            // A block and what may have been meant to be its face.
+            // A block, and a word that is not a face.
             if let [only] = instances
                 && only.index.is_none()
                 && let Some(definition) = self.parameter(only.name.symbol)
@@ -434,7 +434,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The parameter that a word stands for.
+    /// Returns the parameter of a word.
     fn parameter(&self, word: Symbol) -> Option<Definition> {
         let definition = self.bindings.get(word)?;
         (self.definitions.kind(definition) == NameKind::Parameter).then_some(definition)
@@ -445,7 +445,7 @@ impl Resolver<'_> {
         self.definitions.used(definition, Use::As(kind, location));
     }
 
-    /// The name of a block of a scope.
+    /// Resolves the name of a block.
     fn occur_block(&mut self, scope: BlockScope, word: Symbol, span: Span, declares: bool) {
         if self.definitions.keeps(NameKind::Block) {
             let definition = self.block(scope, NameKind::Block, word);
@@ -453,7 +453,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The patterns inside of which a path of instances leads; `None` if one is unknown.
+    /// Returns the patterns at the end of a path of instances. Returns `None` if one is unknown.
     fn inside(&self, instances: &[Segment]) -> Option<Vec<BlockScope>> {
         let mut scopes = vec![self.scope];
         for segment in instances {
@@ -519,7 +519,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The number, counter or parameter of a word.
+    /// Returns the number, counter or parameter of a word.
     fn number(&mut self, word: Symbol) -> Option<Definition> {
         if let Some(definition) = self.bindings.get(word) {
             return Some(definition);
@@ -536,7 +536,7 @@ impl Resolver<'_> {
         self.definitions.unite(definitions)
     }
 
-    /// The pattern or shape of a word.
+    /// Returns the pattern or shape of a word.
     fn named(&mut self, kind: NameKind, word: Symbol) -> Option<Definition> {
         let assembly = match self.enclosing {
             EnclosingScope::Assembly(number) | EnclosingScope::OwnPattern(number) => Some(number),
@@ -546,7 +546,7 @@ impl Resolver<'_> {
         if seen.is_some() || self.enclosing != EnclosingScope::Pattern {
             return seen.map(|it| it.definition);
         }
-        // A pattern of the file may be grown where only the assembly knows the word.
+        // A pattern of the file may be used where only the assembly declares the word.
         let own = self.declared.own.iter();
         let own: Vec<Definition> = own
             .filter_map(|own| own.get(&(kind, word)))

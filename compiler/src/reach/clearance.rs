@@ -1,4 +1,4 @@
-//! Ways in that leave a hard cube no clearance.
+//! Paths that leave a hard cube no clearance.
 use std::collections::VecDeque;
 
 use petgraph::Direction::Incoming;
@@ -15,35 +15,36 @@ use super::{Cell, EventId, ReachAnalysis, before};
 use crate::graph::LocatedDependency;
 use crate::plan::EventKind;
 
-/// A capture whose block has to come through a gap one cell wide.
+/// A capture whose block must enter through a one-block gap.
 pub struct NarrowCapture {
-    /// Which.
+    /// The capture.
     pub capture: EventId,
-    /// Number of cells of the best path that are one cell wide. `None` if they are too many to count.
+    /// Number of cells of the best path that are one cell wide. `None` if they are too many to
+    /// count.
     pub length: Option<u32>,
     /// Captures next to its cell: two on opposite sides if there are two, else all.
     pub walls: Vec<EventId>,
 }
 
-/// All tight captures of a phase.
+/// Tight captures of a phase.
 pub struct NarrowCaptures {
-    /// How many there are.
+    /// Number of tight captures.
     pub count: usize,
-    /// The tightest, the worst at the front.
+    /// The tightest captures, the worst first.
     pub worst: Vec<NarrowCapture>,
 }
 
-/// Captures of a phase that are described.
+/// Largest number of captures of a phase that are described.
 const MAX_SHOWN: usize = 5;
 
-/// Cells looked at to measure one gap. The length of a longer gap is of no use.
+/// Largest number of cells visited to measure a gap. The length of a longer gap does not matter.
 const FARTHEST: usize = 1_000;
 
 impl ReachAnalysis<'_> {
-    /// The captures of a phase that come in through a gap, in their worst case.
+    /// Returns the captures of a phase that enter through a gap in their worst case.
     pub fn narrow(&mut self, events: &[EventId], descendants: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
-        // Whether nothing but what waits for it can stand above the cell of an event.
+        // Whether only events that wait for it can be above the cell of an event.
         let mut is_clear_above = vec![false; events.len()];
         let mut found: Vec<(u32, EventId)> = Vec::new();
         for &id in events.iter().rev() {
@@ -85,8 +86,8 @@ impl ReachAnalysis<'_> {
         NarrowCaptures { count, worst }
     }
 
-    /// Whether a capture takes the block that sits in its cell from another one: that is let go in the same phase, and by then nothing
-    /// else is waited for. It stays where it is, and needs no way in.
+    /// Whether a capture takes over a block that is released in its cell. The release happens last,
+    /// so the block stays in place and needs no path.
     fn is_handed_over(&mut self, id: EventId, descendants: &DescendantIndex) -> bool {
         let graph = self.subject.graph;
         let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
@@ -101,7 +102,7 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// The capture of the same phase, by its place in it, whose block holds this one on top.
+    /// Returns the capture of the same phase whose block captures this one with `up`.
     fn captor_below(&self, id: EventId, first: u32) -> Option<usize> {
         let EventKind::Capture { face: Face::Up, .. } = self.subject.plan.event(id).kind else {
             return None;
@@ -110,7 +111,7 @@ impl ReachAnalysis<'_> {
         Some((anchored_by.0 - first) as usize)
     }
 
-    /// Whether the columns of one side, the next side and the corner between are clear.
+    /// Whether the columns of one side, the next side and the corner between are empty.
     fn has_open_corner(&self, cell: Cell) -> bool {
         let is_clear = |dx: i32, dy: i32| {
             cell.offset([dx, dy, 0])
@@ -120,7 +121,7 @@ impl ReachAnalysis<'_> {
         (corners.into_iter()).any(|(dx, dy)| is_clear(dx, 0) && is_clear(0, dy) && is_clear(dx, dy))
     }
 
-    /// The way from the face to the cell of a capture, where blocks pass a gap along it.
+    /// Returns the face of a capture, if blocks pass gaps along it in this scene.
     fn way(&self, id: EventId) -> Option<Face> {
         match self.subject.plan.event(id).kind {
             EventKind::Capture { face, .. } if self.subject.has_passable_gaps => Some(face),
@@ -128,7 +129,8 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can, or to a passable gap along `way`.
+    /// Returns the number of open sides of a cell. Returns `None` if a cube of two block lengths
+    /// can bring a block to it, or to a passable gap along `way`.
     fn tightness(
         &mut self,
         cell: Cell,
@@ -196,7 +198,7 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// How many narrow cells the best way in has.
+    /// Returns the number of narrow cells of the best path.
     fn gap_length(&mut self, id: EventId, descendants: &DescendantIndex) -> Option<u32> {
         let start = self.cell(id)?;
         let following = descendants.of(id, &mut self.warning.steps);
@@ -206,7 +208,7 @@ impl ReachAnalysis<'_> {
             has: &has,
             size: 2,
         };
-        // Shortest way by narrow cells: wide ones cost nothing and go to the front.
+        // Shortest path by narrow cells. Wide cells cost nothing and go to the front.
         let mut best: FxHashMap<Cell, u32> = FxHashMap::from_iter([(start, 1)]);
         let mut queue = VecDeque::from([start]);
         let mut closed: FxHashSet<Cell> = FxHashSet::default();
@@ -251,12 +253,12 @@ impl ReachAnalysis<'_> {
                 }
             }
         }
-        // Nothing wider anywhere: the sky is only seen through narrow cells.
+        // All paths to the sky are narrow.
         None
     }
 }
 
-/// The cubes of two that contain a cell, by their low corners, above the ground.
+/// Returns the cubes of two block lengths that contain a cell, above the ground.
 fn boxes(cell: Cell) -> impl Iterator<Item = Cell> {
     (0..8).filter_map(move |i| {
         let low = cell.offset([0, 1, 2].map(|axis| -(i >> axis & 1)))?;

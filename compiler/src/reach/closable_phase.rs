@@ -1,4 +1,4 @@
-//! What is known of a phase in which a capture can be closed in.
+//! A phase with captures whose cells can be closed.
 use std::borrow::Cow;
 
 use rustc_hash::FxHashSet;
@@ -8,22 +8,23 @@ use super::descendants::DescendantIndex;
 use super::reachable::Dismantled;
 use crate::graph::DependencyGraph;
 
-/// A phase in which something can be closed in.
+/// A phase with captures whose cells can be closed.
 pub struct ClosablePhase<'a> {
-    /// Its events, each behind all it waits for.
+    /// Events, each after all events that it waits for.
     pub events: &'a [EventId],
-    /// Which follow from which.
+    /// Descendants of events.
     pub descendants: &'a DescendantIndex,
-    /// What no order reaches.
+    /// Captures that no order reaches.
     pub never: FxHashSet<EventId>,
-    /// What waits for what, with every choice made, if it can be by what some order reaches.
+    /// Dependencies with every choice made, by events that some order reaches if possible.
     pub straight: Cow<'a, DependencyGraph>,
-    /// The rest, taken apart; `None`: there are releases in it, or it was given up.
+    /// Order in which the other blocks can be removed. `None` if the phase has releases or the
+    /// search was stopped.
     pub apart: Option<Dismantled>,
 }
 
 impl ClosablePhase<'_> {
-    /// Whether one order reaches everything but what no order does.
+    /// Whether one order reaches everything except the captures that no order reaches.
     pub fn is_whole(&self) -> bool {
         self.apart.as_ref().is_some_and(|apart| apart.is_whole)
     }

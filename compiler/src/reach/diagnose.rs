@@ -16,32 +16,32 @@ const MAX_WALLS: usize = 6;
 /// Largest number of events of an order that are listed.
 const MAX_EVENTS: usize = 12;
 
-/// Captures of one phase that are described. The others are only counted.
+/// Largest number of captures of a phase that are described. The others are counted.
 const MAX_DESCRIBED: usize = 100;
 
-/// What becomes of a capture that can be closed in.
+/// Outcome of a capture whose cell can be closed.
 enum SealedOutcome {
-    /// No order reaches it, and this is why.
+    /// No order reaches it, for this reason.
     Never(UnreachableCause),
-    /// Some orders reach it, and one closes it in: that in which all the walls come first.
+    /// Some orders reach it, and this one closes its cell: all blocks around it come first.
     Walled(Vec<EventId>),
-    /// It has no way out when all stands that need not wait for it; whether that can come about is not known, because of
-    /// releases or choices of faces.
+    /// Its cell is closed when everything is there that need not wait for it. Releases or choices
+    /// of faces leave open whether that can happen.
     Doubtful,
 }
 
-/// Why no order reaches a capture.
+/// Reason why no order reaches a capture.
 enum UnreachableCause {
-    /// It is closed in by what it waits for, and by earlier phases.
+    /// The blocks that it waits for, and earlier phases, close its cell.
     Walls,
     /// It waits for a capture that no order reaches.
     Waits(EventId),
-    /// What it waits for cannot be built together.
+    /// The blocks that it waits for cannot be built together.
     Together,
 }
 
 impl ReachAnalysis<'_> {
-    /// Reports stuck captures.
+    /// Reports captures whose cells can be closed.
     pub fn report_sealed(
         &mut self,
         events: &[EventId],
@@ -82,13 +82,13 @@ impl ReachAnalysis<'_> {
             if let Some(diagnostic) = self.sealed(&phase, blocked.capture) {
                 match self.subject.trial {
                     Some(_) => report(diagnostics, diagnostic),
-                    // Each by itself, so that it is seen which of them a remedy helps.
+                    // Separate diagnostics show which of them a remedy helps.
                     None => diagnostics.push(diagnostic),
                 }
                 told += 1;
             }
         }
-        // Where there is a cavity, what the search had no time for says nothing more.
+        // After a closed cell, undecided captures say nothing more.
         if told == 0 {
             for blocked in blocked.iter().take(most) {
                 report(diagnostics, self.undecided(blocked.capture));
@@ -103,7 +103,8 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// What is said of a stuck capture; `None`: only blocks that never come close it in.
+    /// Returns the diagnostic of a capture. Returns `None` if only blocks that never come close its
+    /// cell.
     fn sealed(&mut self, phase: &ClosablePhase, id: EventId) -> Option<Diagnostic> {
         let Self { subject, .. } = *self;
         let plan = subject.plan;
@@ -113,7 +114,8 @@ impl ReachAnalysis<'_> {
         let own = all_before(subject.certain, [id]);
         let following = phase.descendants.of(id, &mut self.remedies.steps);
         let is_never = phase.never.contains(&id);
-        // What of the phase is there when its turn has come: at best, where that is too much already.
+        // Whether a block is there when the capture waits: at least, if that is too much already,
+        // or at most.
         let has = |other: EventId| match is_never {
             _ if !phase.descendants.has(other) => true,
             true => other != id && own.contains(&other),
@@ -190,7 +192,7 @@ impl ReachAnalysis<'_> {
         Some(diagnostic.help(help))
     }
 
-    /// What helps, in words and as a change of the text.
+    /// Returns a remedy, in words and as a change of the source.
     fn remedy(
         &mut self,
         phase: &ClosablePhase,
@@ -215,7 +217,7 @@ impl ReachAnalysis<'_> {
         }
         let Self { subject, .. } = *self;
         let text = match later {
-            // It agrees with an order of the phase, and leaves the way open.
+            // It agrees with an order of the phase, and keeps the path open.
             Some(later) if phase.is_whole() => {
                 let name = subject
                     .plan
@@ -253,7 +255,7 @@ impl ReachAnalysis<'_> {
         (text, None)
     }
 
-    /// What becomes of a capture that its walls can close in.
+    /// Returns the outcome of a capture whose walls can close its cell.
     fn outcome(&mut self, phase: &ClosablePhase, id: EventId, walls: &[EventId]) -> SealedOutcome {
         let ClosablePhase {
             events,
@@ -304,7 +306,7 @@ impl ReachAnalysis<'_> {
         SealedOutcome::Walled(order)
     }
 
-    /// The captures of the phase that close a pocket, in source order.
+    /// Returns the captures of the phase around a pocket, in source order.
     fn walls(&self, pocket: &[Cell], phase: &ClosablePhase, has: Has) -> Vec<EventId> {
         let mut walls: Vec<EventId> = (pocket.iter())
             .flat_map(|cell| Face::ALL.into_iter().filter_map(|face| cell.across(face)))
@@ -316,7 +318,7 @@ impl ReachAnalysis<'_> {
         walls
     }
 
-    /// Events one after the other.
+    /// Lists events.
     fn describe_order(&self, events: impl IntoIterator<Item = EventId>) -> String {
         let names: Vec<String> = (events.into_iter())
             .map(|id| self.subject.plan.describe(id, self.subject.symbols))
@@ -329,7 +331,7 @@ impl ReachAnalysis<'_> {
         text
     }
 
-    /// Whether a capture is written as the first one of its statement, which makes no other one there.
+    /// Whether a capture is the first and only one of its statement.
     fn is_plain(&self, id: EventId) -> bool {
         let plan = self.subject.plan;
         let location = plan.event(id).location;
@@ -341,7 +343,7 @@ impl ReachAnalysis<'_> {
             && CaptureStatement::new(&self.subject, id).is_some_and(|it| it.is_first())
     }
 
-    /// Counts further captures of a phase, from `first` on.
+    /// Counts the captures of a phase from `first` on.
     fn more(&self, code: Code, first: EventId, count: usize) -> Diagnostic {
         let what = match code {
             Code::SealedCavity => "may become unreachable",
@@ -365,7 +367,7 @@ impl ReachAnalysis<'_> {
             .help("leave a wider opening, or build the walls around it in fewer phases")
     }
 
-    /// Tells of gaps that leave a block no clearance.
+    /// Reports gaps that leave a block no clearance.
     pub fn report_narrow(
         &mut self,
         number: usize,
@@ -421,7 +423,7 @@ impl ReachAnalysis<'_> {
     }
 }
 
-/// Pieces of text, one beside the other.
+/// Returns texts in backticks, joined by "and".
 fn listed(texts: &[String]) -> String {
     let texts: Vec<String> = texts.iter().map(|text| format!("`{text}`")).collect();
     texts.join(" and ")

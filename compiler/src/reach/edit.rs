@@ -1,4 +1,4 @@
-//! An `after` as a change of the text.
+//! Writes an `after` as a change of the source.
 use stochc_grammar::tree::{Chain, Expr, ExprKind, Item, ItemKind, Operator, Place, Subscript};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::table::RoleId;
@@ -8,7 +8,7 @@ use crate::diagnostic::Edit;
 use crate::plan::{EventKind, NameKey};
 use crate::{FileId, SourceLocation};
 
-/// One arrow of a chain, with what it captures: in a row, a loop or a pattern, many times.
+/// An arrow of a chain with its captures. A row, loop or pattern has many.
 #[derive(Clone, Copy)]
 pub struct CaptureStatement<'a> {
     chain: &'a Chain,
@@ -16,7 +16,7 @@ pub struct CaptureStatement<'a> {
 }
 
 impl<'a> CaptureStatement<'a> {
-    /// The statement of the program's own file that a capture comes from.
+    /// Returns the statement of a capture in the program's own file.
     pub fn new(subject: &SoundProgram<'a>, capture: EventId) -> Option<CaptureStatement<'a>> {
         let SourceLocation { file, span } = subject.plan.event(capture).location;
         if file != subject.file {
@@ -31,7 +31,7 @@ impl<'a> CaptureStatement<'a> {
         })
     }
 
-    /// The block with the face that captures, and what it captures.
+    /// Returns the source from the capturing block to the captured one.
     fn places(&self) -> (&'a Place, &'a Place) {
         let CaptureStatement { chain, link } = *self;
         let parent = link
@@ -40,21 +40,23 @@ impl<'a> CaptureStatement<'a> {
         (parent, &chain.links[link].place)
     }
 
-    /// Whether it is the first arrow of its chain, whose captures an `after` delays.
+    /// Whether it is the first arrow of its chain. An `after` delays that one.
     pub fn is_first(&self) -> bool {
         self.link == 0
     }
 
-    /// As it is written.
+    /// Returns the source.
     pub fn text(&self, subject: &SoundProgram<'a>) -> &'a str {
         let (parent, child) = self.places();
         let place = location(subject.file, parent.span.start, child.span.end);
         subject.sources.text(place)
     }
 
-    /// The ways to write the name of a block where this statement makes `capture`: first as the counters
-    /// of its loops give it, so that it is another one each time, then as it is; the likeliest first. Empty: the
-    /// block has no name there.
+    /// Returns the ways to write the name of a block at the statement of `capture`, the likeliest
+    /// first.
+    ///
+    /// Names with the counters of its loops come first, and the plain name last. Returns no names
+    /// if the block has none there.
     pub fn names(&self, subject: &SoundProgram, capture: EventId, role: RoleId) -> Vec<String> {
         let roles = &subject.plan.roles;
         let (parent, child) = self.places();
@@ -76,7 +78,7 @@ impl<'a> CaptureStatement<'a> {
                 solve(parent, keys, &mut counters);
             }
         }
-        // Each name with how far it is from what is mostly meant.
+        // Each name with its distance from the likeliest one.
         let mut names: Vec<(u64, String)> = vec![(0, String::new())];
         for (i, key) in path[from..].iter().enumerate() {
             let word = subject.symbols.word(key.word);
@@ -98,7 +100,7 @@ impl<'a> CaptureStatement<'a> {
                 names = (names.iter())
                     .flat_map(|(cost, name)| {
                         (written.iter()).map(move |(extra, index)| {
-                            // Mostly each counter stands in one index.
+                            // Usually each counter is in one index.
                             let again = u64::from(begin == ", " && stands_in(name, index));
                             (cost + extra + again, format!("{name}{begin}{index}{end}"))
                         })
@@ -111,7 +113,7 @@ impl<'a> CaptureStatement<'a> {
         names.into_iter().map(|(_, name)| name).collect()
     }
 
-    /// Makes what the statement captures wait for a block of this name.
+    /// Makes the captures of the statement wait for a block.
     pub fn wait(&self, subject: &SoundProgram, name: &str) -> Vec<Edit> {
         let CaptureStatement { chain, link } = *self;
         let at = |start: u32, end: u32, text: String| Edit {
@@ -135,7 +137,7 @@ impl<'a> CaptureStatement<'a> {
             };
             return vec![at(end_of_after, end_of_after, format!("{text}{name}"))];
         }
-        // Only the first capture of a chain can wait: the chain goes on in a line of its own.
+        // Only the first capture of a chain can wait, so the chain continues on its own line.
         let (place, _) = self.places();
         let text_of = |start, end| subject.sources.text(location(subject.file, start, end));
         let block = match place.face {
@@ -144,7 +146,7 @@ impl<'a> CaptureStatement<'a> {
                 .trim_end_matches('.'),
             None => text_of(place.span.start, place.span.end),
         };
-        // Of a row only the last block goes on.
+        // The last block of a row continues the chain.
         let mut again = String::new();
         let mut from = place.span.start;
         let entries = place
@@ -173,10 +175,10 @@ impl<'a> CaptureStatement<'a> {
     }
 }
 
-/// Names that are made up for one block, at most.
+/// Largest number of names that are made up for a block.
 const MAX_NAMES: usize = 64;
 
-/// The link of a chain that stands in a place.
+/// Returns the link of a chain at a place.
 fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
     items.iter().find_map(|item| match &item.kind {
         ItemKind::Chain(chain) => (0..chain.links.len())
@@ -192,7 +194,8 @@ fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
     })
 }
 
-/// The end of a role's path that a place writes out; `None`: a parameter stands for it.
+/// Returns the end of a role's path that a place writes out. Returns `None` if a parameter stands
+/// for it.
 fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     let from = path.len().checked_sub(place.path.len())?;
     let is_written = (place.path.iter().zip(&path[from..])).all(|(segment, key)| {
@@ -202,13 +205,13 @@ fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     (is_written && from < path.len()).then_some(&path[from..])
 }
 
-/// Whether one of the indices of a name is this one.
+/// Whether an index of a name is this one.
 fn stands_in(name: &str, index: &str) -> bool {
     let indices = name.rsplit('[').next().unwrap_or_default();
     indices.split(", ").any(|other| other == index)
 }
 
-/// Finds counters from the indices in which they are written alone, or with a number added.
+/// Finds counters in indices that contain only a counter, or a counter and a number.
 fn solve(place: &Place, keys: &[NameKey], counters: &mut Vec<(Symbol, i64)>) {
     for (segment, key) in place.path.iter().zip(keys) {
         let entries = segment.index.as_deref().unwrap_or_default();
@@ -226,7 +229,8 @@ fn solve(place: &Place, keys: &[NameKey], counters: &mut Vec<(Symbol, i64)>) {
     }
 }
 
-/// The name in an expression, with the number that it stands for where the expression has a value.
+/// Returns the name in an expression, with the number that it stands for if the expression has a
+/// value.
 fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
     match &expr.kind {
         ExprKind::Name(name) => Some((*name, value)),
@@ -244,7 +248,7 @@ fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
     }
 }
 
-/// The ways to write an index, with how unlikely each is.
+/// Returns the ways to write an index, with their distances.
 fn indices(index: i64, counters: &[(Symbol, i64)], subject: &SoundProgram) -> Vec<(u64, String)> {
     let mut written: Vec<(u64, String)> = (counters.iter())
         .map(|&(name, value)| {

@@ -1,27 +1,27 @@
-//! Ways out that were found before.
+//! Access paths that were found earlier.
 //!
-//! Phase after phase, blocks come in by the same door. A way that was found is kept as long as nothing stands
-//! in it, so that the next search ends where it meets one.
+//! Blocks of many phases enter by the same opening. A path is kept as long as its cells are empty,
+//! so that the next search ends where it meets one.
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
 use super::moving_cube::MovingCube;
 
-/// Places from which a cube of one size gets out, whatever the captures of the phase at hand do.
+/// Positions from which a cube of one size gets out, whatever the captures of the current phase do.
 #[derive(Default)]
 pub struct KnownPaths {
-    /// The next place on the way, itself at the end of it; and the phase for which that was shown.
+    /// Next position on the path (itself at the end), and the phase for which it was shown.
     next: FxHashMap<Cell, (Cell, u32)>,
     phase: u32,
 }
 
 impl KnownPaths {
-    /// What stands may be different from now on.
+    /// Starts a phase, in which other cells may be occupied.
     pub fn begin_phase(&mut self) {
         self.phase += 1;
     }
 
-    /// Whether a known way leads out from a place; what is blocked by now is forgotten.
+    /// Whether a known path leads out from a position. Blocked parts are removed.
     pub fn leads_out(&mut self, at: Cell, search: &MovingCube, steps: &mut u64) -> bool {
         let mut walked = Vec::new();
         let mut here = at;
@@ -43,7 +43,7 @@ impl KnownPaths {
             }
         };
         if !is_out {
-            // What lies behind the block may be good still; what leads to it is not.
+            // The path after the block may still be valid. The path to it is not.
             walked.push(here);
         }
         for place in walked {
@@ -58,14 +58,14 @@ impl KnownPaths {
         is_out
     }
 
-    /// A place that sees the sky.
+    /// Adds a position that is open to the sky.
     pub fn end(&mut self, at: Cell, search: &MovingCube) {
         if is_passable(at, at, search) {
             self.next.insert(at, (at, self.phase));
         }
     }
 
-    /// Keeps the part of a way that leads on to `at`, from where a way out is known.
+    /// Keeps the part of a path that leads to `at`, which has a path out.
     pub fn keep(&mut self, at: Cell, found: &FxHashMap<Cell, Cell>, search: &MovingCube) {
         let mut here = at;
         while self.next.contains_key(&here)
@@ -79,8 +79,8 @@ impl KnownPaths {
     }
 }
 
-/// Whether a cube gets from one place to the next, or to the sky from the last, when all captures of
-/// the phase have happened.
+/// Whether a cube gets from one position to the next, or from the last to the sky, if all captures
+/// of the phase have happened.
 fn is_passable(here: Cell, next: Cell, search: &MovingCube) -> bool {
     let search = MovingCube {
         has: &|_| true,
@@ -89,7 +89,7 @@ fn is_passable(here: Cell, next: Cell, search: &MovingCube) -> bool {
     if search.is_blocked(here) {
         return false;
     }
-    // Steps are to a neighbour, straight up to the next ceiling, or to the sky.
+    // Steps go to a neighbour, straight up to the next ceiling, or to the sky.
     if next == here {
         return search.sees_sky(here);
     }

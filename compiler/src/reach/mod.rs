@@ -1,36 +1,36 @@
-//! Whether a free block can still come to every cell, whatever order chance brings.
+//! Whether free blocks can reach every cell, in whatever order the events happen.
 //!
-//! **Cells decide.** A cube that drifts needs, wherever it is, room for its inside. Two empty cells that
-//! share only an edge or a corner leave a passage without width, so a block comes to a cell if
-//! and only if a chain of empty cells, face to face, leads there from outside. (A hard cube has no clearance
-//! in such a chain where it is one cell wide; that is what `clearance.rs` warns of.)
+//! **Cells decide.** A drifting cube needs space for its inside. Two empty cells that share only an
+//! edge or a corner leave a passage without width. So a block reaches a cell if and only if a chain
+//! of empty cells leads there from outside, face to face. A chain that is one cell wide leaves a
+//! hard cube no clearance; `clearance.rs` warns of it.
 //!
-//! **One order decides for all.** Say that nothing is released in a phase. Then what stands only grows,
-//! and ways only close. Take a capture `e`. In the worst order everything that does not wait for `e` has
-//! happened already. If its cell has a way out then, it has one in every order. If it has none, let the
-//! others go first: either they all happen, and `e` is stuck for ever, or one of them gets stuck on the way;
-//! the phase does not end in either case. So the phase ends in every order if and only if every capture has a
-//! way out in its own worst case: for phases without releases the verdict is exact. "What does not wait
-//! for `e`" is everything but its descendants in the dependency graph.
+//! **One order decides for all.** Consider a phase without releases. Its structure only grows, and
+//! paths only close. Take a capture `e`. In its worst order, everything that does not wait for `e`
+//! has already happened. If the cell of `e` has a path then, it has one in every order. If it has
+//! none, let the other events go first. Either they all happen and `e` is stuck, or one of them
+//! gets stuck. The phase does not end in either case. So the phase ends in every order if and only
+//! if every capture has a path in its own worst order. For phases without releases, the verdict is
+//! exact. The events that wait for `e` are its descendants in the dependency graph.
 //!
-//! **Releases** open ways, but only if they happen. A capture that is not stuck in a state where some
-//! release is still to come may be waiting for a block that itself waits for that release. So releases are
-//! counted on only when nothing can keep them from happening: all captures that they wait for
-//! have been shown to have a way out, counting on earlier releases alone. Suppose that the phase comes to a stand
-//! although every capture was shown to be safe. Of the captures that are stuck, take the one that was shown
-//! first. Every release counted on for it waits only for captures shown before, none of which is stuck, so
-//! it has happened; hence no more stands than was assumed, and the capture has a way out: a
-//! contradiction. The verdict is therefore sound. It is not exact: captures that could only be stuck
-//! together are told of even if chance can never bring them there, and a block that is released
-//! into the closed cell, and stays, is not counted on.
+//! **Releases** open paths, but only if they happen. A stuck capture may wait for a block that
+//! itself waits for the release. So the proof counts on a release only if nothing can prevent it:
+//! all captures that it waits for have been shown to have a path, counting on earlier releases
+//! only. This is sound. Suppose that a phase gets stuck although every capture was shown to be
+//! safe. Take the stuck capture that was shown first. Every release that its proof counts on waits
+//! only for captures shown earlier, which are not stuck, so the release has happened. So the
+//! structure is no larger than assumed, and the capture has a path: a contradiction. The verdict is
+//! not exact. It reports captures that could only be stuck together, even if no order leads there.
+//! It does not count on a block that is released into the closed cell.
 //!
-//! **What no order reaches** is told apart (`reachable.rs`): a capture whose own predecessors close it in, and what
-//! waits for such a one. For the others a remedy is looked for (`repair.rs`), written as a change of the text (`edit.rs`)
-//! and tried (`trial.rs`): it is proposed only if the program so changed has this error no more, and no new one.
+//! **Captures that no order reaches** are reported separately (`reachable.rs`): captures that are
+//! closed by blocks that they wait for, and captures that wait for those. For the others, a change
+//! of the source is searched (`repair.rs`), written (`edit.rs`) and tried (`trial.rs`). It is
+//! proposed only if the changed program does not have this error and no new one.
 //!
-//! **It is fast** because a capture has a way out if a neighbour that waits for it has one, and else
-//! mostly if it or a neighbouring cell sees the sky. Only the rest is searched for, along the walls
-//! (`path_search.rs`). The work is bounded; what was not decided within the bound is told.
+//! **Speed.** A capture has a path if a neighbour that waits for it has one. Most others are next
+//! to a column that is open to the sky. The remaining cells are searched along the walls
+//! (`path_search.rs`). The work is bounded, and undecided cells are reported.
 mod clearance;
 mod closable_phase;
 mod crowding;
@@ -71,53 +71,54 @@ use crate::{FileId, Sources, face_turns};
 use trial::Proposal;
 pub use trial::Trial;
 
-/// Cells that may be searched for every event, besides those that the limits say.
+/// Number of cells that may be searched for every event, in addition to the limit.
 const STEPS_PER_EVENT: u64 = 10;
 
-/// Of the cells that may be searched, the part that counts for events of the programs in which remedies are tried.
+/// Share of the search that may be used to try remedies.
 const TRIED: u64 = 100;
 
-/// A program in which nothing else is wrong.
+/// A program without errors of the earlier stages.
 #[derive(Clone, Copy)]
 pub struct SoundProgram<'a> {
-    /// Written out.
+    /// The expanded program.
     pub plan: &'a ProgramPlan,
-    /// Who is anchored when.
+    /// Times at which blocks are attached.
     pub liveness: &'a Liveness,
-    /// Where every block sits.
+    /// Cells of all blocks.
     pub layout: &'a Layout,
-    /// What waits for what, with its choices.
+    /// Dependencies, with their choices.
     pub graph: &'a DependencyGraph,
-    /// What surely waits for what, in every order.
+    /// Dependencies that hold in every order.
     pub certain: &'a DependencyGraph,
-    /// An order of it.
+    /// An order of the events.
     pub order: &'a Order,
-    /// Its text, as a tree.
+    /// Syntax tree of the assembly.
     pub assembly: &'a Assembly,
-    /// The patterns of the files.
+    /// Patterns of all files.
     pub patterns: &'a Patterns<'a>,
-    /// The file of the assembly.
+    /// File of the assembly.
     pub file: FileId,
-    /// Checks the files again with a change; `None`: such a check is under way, and only the titles of
-    /// findings matter.
+    /// Checks the files with a change. `None` inside such a check, where only titles of diagnostics
+    /// matter.
     pub trial: Option<&'a Trial<'a>>,
-    /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in its scene.
+    /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in the scene.
     pub has_passable_gaps: bool,
-    /// Its texts.
+    /// Sources of the files.
     pub sources: &'a Sources,
-    /// Its words.
+    /// Words of the files.
     pub symbols: &'a Symbols,
-    /// Whether anybody still waits for it.
+    /// Cancels the check.
     pub cancellation: Cancellation<'a>,
 }
 
-/// Tells of captures that no free block may be able to come to, or only through a narrow gap.
+/// Reports captures whose cells free blocks may not reach, or only through a narrow gap.
 ///
-/// `search`: cells that may be searched, besides some for every event; 0: none at all.
+/// `search` is the number of cells that may be searched, in addition to some for every event. 0
+/// disables the search.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
     subject: SoundProgram,
     search: u64,
@@ -154,7 +155,7 @@ pub fn check(
         let descendants = DescendantIndex::new(subject.certain, first, events);
         survey.phase(number, events, &descendants, diagnostics);
     }
-    // A search that nobody waits for has been given up.
+    // A cancelled search has stopped early.
     cancellation.check()?;
     let is_undecided = |diagnostic: &Diagnostic| diagnostic.code == Code::ReachUndecided;
     if survey.warning.is_spent() && !diagnostics.iter().any(is_undecided) {
@@ -169,28 +170,28 @@ pub fn check(
 
 struct ReachAnalysis<'a> {
     subject: SoundProgram<'a>,
-    /// What stands in the worst case of the phase at hand.
+    /// Occupied cells in the worst order of the current phase.
     occupancy: OccupiedCells,
-    /// Captures that have a way out in every order.
+    /// Captures with a path in every order.
     is_safe: Vec<bool>,
-    /// Known ways out, of a cube of one cell and of one of two.
+    /// Known paths of cubes of one and of two block lengths.
     known_paths: [KnownPaths; 2],
-    /// Work done and work allowed, for the proof and for the warning.
+    /// Work for the proof and for the warnings.
     proof: SearchEffort<'a>,
     warning: SearchEffort<'a>,
-    /// The same for saying what is wrong and what helps, and events that are written out again to try it.
+    /// Work for messages and remedies, and for trials of remedies.
     remedies: SearchEffort<'a>,
     trials: SearchEffort<'a>,
-    /// The errors of the files as they are, once a remedy has been tried.
-    untouched: Option<Vec<ReportedFinding>>,
-    /// Remedies that have been proposed, each with the errors that it leaves.
-    proposed: Vec<(Vec<ReportedFinding>, Proposal)>,
+    /// Errors of the unchanged files, once a remedy was tried.
+    untouched: Option<Vec<ReportedError>>,
+    /// Proposed remedies with the errors that they leave.
+    proposed: Vec<(Vec<ReportedError>, Proposal)>,
 }
 
-/// What is told of an error, without its places.
-pub type ReportedFinding = (Code, String);
+/// Code and title of an error.
+pub type ReportedError = (Code, String);
 
-/// Places searched, and how many may be.
+/// Number of searched places, and its limit.
 struct SearchEffort<'a> {
     steps: u64,
     budget: u64,
@@ -198,7 +199,7 @@ struct SearchEffort<'a> {
 }
 
 impl SearchEffort<'_> {
-    /// Whether no more is allowed, or nobody waits for it.
+    /// Whether the limit is reached or the check was cancelled.
     fn is_spent(&self) -> bool {
         self.steps > self.budget || self.cancellation.is_cancelled()
     }
@@ -217,7 +218,7 @@ impl ReachAnalysis<'_> {
                 self.occupancy.fill(cell, id);
             }
         }
-        // What is attached by hand needs no way.
+        // Pre-attached blocks need no path.
         if self.subject.plan.phases[number].planted {
             return;
         }
@@ -239,7 +240,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// The block of a release has gone for sure.
+    /// The release of this block has surely happened.
     fn depart(&mut self, release: EventId) {
         let on = self.subject.layout.parents[release.0 as usize];
         if let (Some(cell), Some(on)) = (self.cell(release), on) {
@@ -255,15 +256,15 @@ impl ReachAnalysis<'_> {
         matches!(self.subject.plan.event(id).kind, EventKind::Capture { .. })
     }
 
-    /// Whether some capture has a choice of those it waits for.
+    /// Whether a capture has a choice of events to wait for.
     fn has_choice(&self) -> bool {
         !self.subject.order.unneeded.is_empty()
     }
 }
 
 impl<'a> ReachAnalysis<'a> {
-    /// The graph with every choice made: one way in which everything can happen, with as little as can be behind
-    /// the events that are `late`. What does not wait for any of these in every order does not here.
+    /// Returns the graph with every choice made, so that as few events as possible follow the
+    /// `late` ones. An event that can happen before all of them has no path from them.
     fn straight(&self, is_late: impl Fn(EventId) -> bool) -> Cow<'a, DependencyGraph> {
         let graph = self.subject.graph;
         if !self.has_choice() {
@@ -278,17 +279,17 @@ impl<'a> ReachAnalysis<'a> {
     }
 }
 
-/// What an event waits for.
+/// Returns the events that an event waits for.
 fn before(graph: &DependencyGraph, id: EventId) -> impl Iterator<Item = EventId> {
     (graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming)).map(|edge| graph[edge.source()])
 }
 
-/// What waits for an event.
+/// Returns the events that wait for an event.
 fn after(graph: &DependencyGraph, id: EventId) -> impl Iterator<Item = EventId> {
     (graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing)).map(|edge| graph[edge.target()])
 }
 
-/// Events and all that they wait for.
+/// Returns events and all events that they wait for.
 fn all_before(
     graph: &DependencyGraph,
     events: impl IntoIterator<Item = EventId>,

@@ -1,25 +1,25 @@
-//! Where a cube of one side or two can be, and rise to.
+//! Positions of a cube of one or two block lengths.
 use stochc_ir::Cell;
 
 use super::occupancy::{Has, OccupiedCells};
 
-/// A cube that moves in steps of a side among what stands.
+/// A cube that moves in steps of a block length around a structure.
 pub struct MovingCube<'a> {
     /// The structure, sorted.
     pub occupancy: &'a OccupiedCells,
-    /// Which of its captures have happened.
+    /// Whether a capture has happened.
     pub has: Has<'a>,
-    /// Edge of the cube that has to get through, in cells: 1 or 2.
+    /// Edge of the cube in cells: 1 or 2.
     pub size: i32,
 }
 
 impl MovingCube<'_> {
-    /// Whether a cube with its low corner at `at` meets a blocked cell.
+    /// Whether a cube with its low corner at `at` meets an occupied cell.
     pub fn is_blocked(&self, at: Cell) -> bool {
         self.meets(at, 0, self.size)
     }
 
-    /// Whether one of the cells of a cube from `low` to below `high`, seen from `at`, is blocked.
+    /// Whether a cell of the cube from `low` to below `high`, relative to `at`, is occupied.
     fn meets(&self, at: Cell, low: i32, high: i32) -> bool {
         let range = || low..high;
         range().any(|dz| {
@@ -32,7 +32,7 @@ impl MovingCube<'_> {
         })
     }
 
-    /// Whether a cube could touch something with an edge or a corner, the ground apart.
+    /// Whether a cube could touch something with an edge or a corner, except the ground.
     pub fn is_at_wall(&self, at: Cell) -> bool {
         (-1..=self.size).any(|dz| {
             (-1..=self.size).any(|dy| {
@@ -45,7 +45,7 @@ impl MovingCube<'_> {
         })
     }
 
-    /// The height of what stops a cube on its way up; `None`: nothing.
+    /// Returns the height of the block that stops a rising cube. Returns `None` if nothing does.
     fn ceiling(&self, at: Cell) -> Option<i32> {
         let columns = (0..self.size).flat_map(|dx| (0..self.size).map(move |dy| (dx, dy)));
         columns
@@ -56,18 +56,19 @@ impl MovingCube<'_> {
             .min()
     }
 
-    /// The place under what stops a free cube on its way up; `None`: nothing does.
+    /// Returns the position below the block that stops a rising cube. Returns `None` if nothing
+    /// does.
     pub fn rise(&self, at: Cell) -> Option<Cell> {
         let z = self.ceiling(at)? - self.size;
         Some(Cell { z, ..at })
     }
 
-    /// Whether nothing stops a cube that is free at `at` on its way up to `z`.
+    /// Whether nothing stops a cube that rises from `at` to `z`.
     pub fn rises_to(&self, at: Cell, z: i32) -> bool {
         self.rise(at).is_none_or(|under| under.z >= z)
     }
 
-    /// Whether a cube that is free at `at` can rise to the sky.
+    /// Whether a cube at `at` can rise to the sky.
     pub fn sees_sky(&self, at: Cell) -> bool {
         self.ceiling(at).is_none()
     }

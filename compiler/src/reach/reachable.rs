@@ -1,4 +1,4 @@
-//! What some order reaches, and an order that does.
+//! Captures that some order reaches, and such an order.
 use rustc_hash::FxHashSet;
 
 use super::descendants::DescendantIndex;
@@ -9,35 +9,36 @@ use super::{EventId, ReachAnalysis, after, all_before, before};
 use crate::face_turns::is_ready;
 use crate::graph::DependencyGraph;
 
-/// How a phase is taken apart again, the last block first.
+/// Order in which the blocks of a phase can be removed again, the last block first.
 ///
-/// Nothing is released in it, so that taking a block away only opens ways: what may go now may go
-/// later too, and it does not matter what goes first. Whatever stays keeps what it waits for.
+/// The phase has no releases, so removing a block only opens paths. A block that can be removed now
+/// can be removed later too, so the first choice does not matter. A block that stays keeps what it
+/// waits for.
 pub struct Dismantled {
     first: u32,
-    /// For every event of the phase, how many have gone before it.
+    /// Number of events removed before each event of the phase.
     gone_at: Vec<u32>,
-    /// Whether all that was asked for has gone. If so, the reverse is an order that reaches all of it.
+    /// Whether all requested blocks are removed. If so, the reverse order reaches all of them.
     pub is_whole: bool,
 }
 
-/// Has not gone.
+/// The block stays.
 const STAYS: u32 = u32::MAX;
 
 impl Dismantled {
-    /// How many have gone before this event of the phase; `u32::MAX`: it stays.
+    /// Returns the number of events removed before an event. Returns `u32::MAX` if it stays.
     pub fn gone_at(&self, id: EventId) -> u32 {
         self.gone_at[(id.0 - self.first) as usize]
     }
 
-    /// Whether an event of the phase has gone.
+    /// Whether an event of the phase is removed.
     pub fn has_gone(&self, id: EventId) -> bool {
         self.gone_at(id) != STAYS
     }
 }
 
 impl ReachAnalysis<'_> {
-    /// The way out of the cell of a capture.
+    /// Searches a path from the cell of a capture.
     pub fn way_out(&mut self, id: EventId, has: Has) -> SearchOutcome {
         let Some(cell) = self.cell(id) else {
             return SearchOutcome::Out;
@@ -56,11 +57,13 @@ impl ReachAnalysis<'_> {
         )
     }
 
-    /// Events of a phase that no order reaches: captures that are closed in by what they wait for, and all
-    /// that waits for such a one.
+    /// Returns the events of a phase that no order reaches: captures whose cells are closed by
+    /// blocks that they wait for, and events that wait for such a capture.
     ///
-    /// None of them ever happens: the first to happen in some run would have waited for others alone, with at
-    /// least the captures around it that it surely waits for, and every release so far has been counted on.
+    /// None of them ever happens. The first to happen would have waited only for other events. At
+    /// least the captures that it waits for in every order would be around it, and every earlier
+    /// release is counted on. least the captures around it that it surely waits for, and every
+    /// release so far has been counted on.
     pub fn never(
         &mut self,
         events: &[EventId],
@@ -98,7 +101,7 @@ impl ReachAnalysis<'_> {
                     opens_ways = true;
                 }
             }
-            // Of a choice, what comes later in this order may be enough.
+            // Later events of this order may be enough for a choice.
             let is_over = !has_more || !(opens_ways || self.has_choice());
             if is_over {
                 break;
@@ -111,7 +114,7 @@ impl ReachAnalysis<'_> {
         never
     }
 
-    /// The way out of a cell when of the phase only what the capture surely waits for has happened.
+    /// Searches a path from a cell if only the events happened that the capture waits for.
     pub fn way_past_its_own(
         &mut self,
         id: EventId,
@@ -127,10 +130,10 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// Takes events of a phase without releases apart that hold with each of them all that it waits for, in a graph
-    /// where every choice has been made; `None`: that was given up.
+    /// Removes events of a phase without releases. With each event, they include the events that it
+    /// waits for, in a graph with every choice made. Returns `None` if the search was stopped.
     ///
-    /// The reverse is an order of the program. If something stays, and there was a choice, another one may do better.
+    /// The reverse is an order of the program. If something stays, other choices may do better.
     pub fn dismantle(
         &mut self,
         straight: &DependencyGraph,
@@ -147,7 +150,7 @@ impl ReachAnalysis<'_> {
             is_whole: false,
         };
         let local = |id: EventId| (id.0 - apart.first) as usize;
-        // How many have to go first.
+        // Number of events that must be removed first.
         let mut waiting = vec![0u32; events.len()];
         for &id in &members {
             waiting[local(id)] = after(straight, id).filter(|&next| is_member(next)).count() as u32;
@@ -161,7 +164,7 @@ impl ReachAnalysis<'_> {
             let mut going = Vec::new();
             closed.append(&mut ready);
             closed.sort_unstable();
-            // First all that can go without asking.
+            // First remove blocks that need no search.
             for id in std::mem::take(&mut closed) {
                 if self.is_safe[id.0 as usize] {
                     going.push(id);

@@ -1,46 +1,46 @@
-//! Remedies as changes of the text, each of them tried.
+//! Tries remedies as changes of the source.
 use super::closable_phase::ClosablePhase;
 use super::edit::CaptureStatement;
-use super::{EventId, ReachAnalysis, ReportedFinding};
+use super::{EventId, ReachAnalysis, ReportedError};
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Fix};
 use crate::trial::OF_AN_EVENT;
 
-/// Checks a program's files again with changes of the program's own file, and gives the errors, sorted, also those
-/// that are told as one. `None`: the changes do not fit together.
-pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedFinding>> + 'a;
+/// Checks the files with changes of the program's own file. Returns its errors, sorted and not
+/// merged. Returns `None` if the changes overlap.
+pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedError>> + 'a;
 
-/// Statements that have to wait for a block, and how that is written.
+/// Statements that must wait for a block.
 #[derive(Clone)]
 pub struct Proposal {
-    /// The statements as they are written, each with the name that it has to wait for.
+    /// Statements as written, each with the name that it must wait for.
     pub waits: Vec<(String, String)>,
     /// The change.
     pub fix: Fix,
 }
 
-/// A statement that has to wait.
+/// A statement that must wait.
 #[derive(Clone)]
 struct DelayedStatement<'a> {
     statement: CaptureStatement<'a>,
-    /// Where it stands.
+    /// Place of the statement.
     location: SourceLocation,
-    /// The name that it has to wait for.
+    /// Name that it must wait for.
     name: String,
 }
 
-/// Lists of captures that are tried for one cell.
+/// Largest number of lists of captures that are tried for one cell.
 const MAX_LISTS: usize = 6;
-/// Ways to write the name that are tried for one list.
+/// Largest number of ways to write the name that are tried for one list.
 const MAX_WRITINGS: usize = 16;
-/// Writings that are tried after one that helps, for one that helps more.
+/// Largest number of ways that are tried after one that helps.
 const MAX_BETTER: usize = 3;
-/// Events that a trial counts for, besides those of the program.
+/// Number of events that a trial counts for, in addition to those of the program.
 const OVERHEAD: u64 = 250;
 
 impl<'a> ReachAnalysis<'a> {
-    /// A change of the text that takes the error of this title away, which speaks of capture `id`, and brings no
-    /// other; none of its parts can be left out. `first`: captures that may help if they come later.
+    /// Returns a change that removes the error of capture `id` with this title and causes no other
+    /// one. No part of it can be omitted. `first`: captures that may help if they come later.
     pub fn proposal(
         &mut self,
         phase: &ClosablePhase,
@@ -49,9 +49,9 @@ impl<'a> ReachAnalysis<'a> {
         title: &str,
     ) -> Option<Proposal> {
         let error = (Code::SealedCavity, title.to_owned());
-        // A change that has been proposed for another capture may help this one as well.
+        // A change for another capture may help this one as well.
         let before = self.untouched.as_deref().unwrap_or_default();
-        let is_gone = |after: &[ReportedFinding]| count(after, &error) < count(before, &error);
+        let is_gone = |after: &[ReportedError]| count(after, &error) < count(before, &error);
         if let Some((_, known)) = self.proposed.iter().find(|(after, _)| is_gone(after)) {
             return Some(known.clone());
         }
@@ -60,14 +60,14 @@ impl<'a> ReachAnalysis<'a> {
         let mut barred: Vec<SourceLocation> = Vec::new();
         for i in 0..MAX_LISTS {
             let later = lists.get(i)?;
-            // The writing that leaves the fewest errors, the likeliest first.
-            let mut best: Option<(Vec<ReportedFinding>, Vec<DelayedStatement<'a>>)> = None;
+            // The way that leaves the fewest errors, the likeliest first.
+            let mut best: Option<(Vec<ReportedError>, Vec<DelayedStatement<'a>>)> = None;
             let mut tried = 0;
             for delayed in self.writings(id, later) {
                 let Some(after) = self.errors_after(&error, &delayed) else {
                     break;
                 };
-                let is_better = |after: &Vec<ReportedFinding>| {
+                let is_better = |after: &Vec<ReportedError>| {
                     (best.as_ref()).is_none_or(|(least, _)| after.len() < least.len())
                 };
                 if let Some(after) = after.filter(is_better) {
@@ -97,7 +97,7 @@ impl<'a> ReachAnalysis<'a> {
                 self.proposed.push((after, proposal.clone()));
                 return Some(proposal);
             }
-            // Another way out, by other statements.
+            // Other statements may keep the path open.
             barred.extend(later.iter().map(|&other| plan.event(other).location));
             if let (Some(apart), true) = (&phase.apart, i + 1 == lists.len()) {
                 lists.extend(self.later(phase, apart, id, &barred));
@@ -106,7 +106,7 @@ impl<'a> ReachAnalysis<'a> {
         None
     }
 
-    /// The ways to write that some captures wait for the block of another one, the likeliest first.
+    /// Returns the ways to make captures wait for a block, the likeliest first.
     fn writings(&self, id: EventId, later: &[EventId]) -> Vec<Vec<DelayedStatement<'a>>> {
         let plan = self.subject.plan;
         let role = plan.event(id).role;
@@ -170,7 +170,7 @@ impl<'a> ReachAnalysis<'a> {
             let is_plain = made
                 .next()
                 .is_some_and(|event| plan.roles.key(event.role).scope == 0);
-            // One more order, and the same structure: all such changes agree with one order of the phase.
+            // Such changes keep the structure and all agree with one order of the phase.
             fix.safe = is_plain && made.next().is_none() && phase.is_whole();
         }
         let text =
@@ -184,13 +184,13 @@ impl<'a> ReachAnalysis<'a> {
         }
     }
 
-    /// Returns the errors that a change leaves, or `None` within if `error` does not go with it or another one comes.
-    /// `None`: no more is tried.
+    /// Returns the errors that a change leaves. The inner `None` says that it does not remove
+    /// `error`, or causes another one. The outer `None` says that no more is tried.
     fn errors_after(
         &mut self,
-        error: &ReportedFinding,
+        error: &ReportedError,
         delayed: &[DelayedStatement<'a>],
-    ) -> Option<Option<Vec<ReportedFinding>>> {
+    ) -> Option<Option<Vec<ReportedError>>> {
         let trial = self.subject.trial.filter(|_| !self.trials.is_spent())?;
         let plan = self.subject.plan;
         self.trials.steps += (plan.events.len() + plan.steps / OF_AN_EVENT) as u64 + OVERHEAD;
@@ -207,6 +207,6 @@ impl<'a> ReachAnalysis<'a> {
     }
 }
 
-fn count(told: &[ReportedFinding], one: &ReportedFinding) -> usize {
+fn count(told: &[ReportedError], one: &ReportedError) -> usize {
     told.iter().filter(|told| *told == one).count()
 }

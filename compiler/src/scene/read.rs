@@ -1,4 +1,4 @@
-//! A scene's words and values to the terms of the model, by the schema of scenes.
+//! Reads scenes by the schema of scenes.
 mod value;
 mod word;
 
@@ -17,9 +17,9 @@ use stochc_ir::series;
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
 use crate::{FileId, SourceLocation};
 
-/// Reads a scene, on top of the one it is derived from.
+/// Reads a scene on top of the one that it is derived from.
 ///
-/// `None` if something in it is wrong; every wrong thing is told of.
+/// Returns `None` if something is wrong, which has been reported.
 pub fn read(
     scene: &stochc_grammar::tree::SceneDeclaration,
     base: Option<Scene>,
@@ -55,7 +55,7 @@ pub fn read(
     (wrong.is_empty() && diagnostics.len() == before).then_some(draft)
 }
 
-/// What a clause says, before it is known which kind of term all of it belongs to.
+/// Content of a clause, before the kind of its term is known.
 #[derive(Default)]
 struct ClauseContent {
     makes: Vec<fn(&mut Scene)>,
@@ -75,7 +75,7 @@ impl ClauseContent {
 
 struct SceneReader<'a, 'f> {
     terms: std::iter::Peekable<std::slice::Iter<'a, Term>>,
-    /// The last thing read, for messages about what is missing behind it.
+    /// Place of the last word, for messages about something missing after it.
     place: Span,
     file: FileId,
     symbols: &'a Symbols,
@@ -83,7 +83,8 @@ struct SceneReader<'a, 'f> {
 }
 
 impl<'a> SceneReader<'a, '_> {
-    /// What stands behind the word of an entry in `clause`; `None`: something of it is wrong, which has been told.
+    /// Reads the rest of an entry in `clause`. Returns `None` if it is wrong, which has been
+    /// reported.
     fn entry(
         &mut self,
         clause: Name,
@@ -111,7 +112,7 @@ impl<'a> SceneReader<'a, '_> {
         sound
     }
 
-    /// Passes over the fields of an unknown kind; `None`: what follows it in `entry` is not there.
+    /// Skips the fields of an unknown kind. Returns `None` if the rest of `entry` is not there.
     fn skip(&mut self, kinds: &[SchemaEntry], entry: &SchemaEntry) -> Option<()> {
         match self.terms.peek() {
             Some(Term::Block(..)) if kinds.iter().any(|kind| kind.fields().is_some()) => {
@@ -123,7 +124,7 @@ impl<'a> SceneReader<'a, '_> {
         }
     }
 
-    /// A further word, which stands next if it is there.
+    /// Reads an optional word.
     fn then(
         &mut self,
         clause: Name,
@@ -147,7 +148,7 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// The fields between a clause's braces, in any order.
+    /// Reads the fields in the braces of a clause, in any order.
     fn fields(
         &mut self,
         clause: Name,
@@ -214,7 +215,7 @@ impl<'a> SceneReader<'a, '_> {
         complete
     }
 
-    /// The one of two alternatives that the fields say.
+    /// Returns the alternative that the fields choose.
     fn either(
         &mut self,
         clause: Name,
@@ -249,10 +250,10 @@ impl<'a> SceneReader<'a, '_> {
         Some(chosen)
     }
 
-    /// Tells that a clause has no braces, and what might stand between them.
+    /// Reports that a clause has no braces, and shows its fields.
     fn without_braces(&mut self, clause: Name, fields: &[SchemaEntry], group: &FieldGroup) {
         let word = self.word_of(clause);
-        // Of alternatives, one will do.
+        // One of the alternatives is enough.
         let other: &[&str] = match group {
             FieldGroup::Either(either) => either.of[1].fields,
             FieldGroup::Free | FieldGroup::Any { .. } => &[],
@@ -277,11 +278,11 @@ impl<'a> SceneReader<'a, '_> {
             self.diagnostics,
             diagnostic.fix(Fix::replace(behind, " {", "write the `{`")),
         );
-        // Its fields stand there without it.
+        // Its fields may follow without braces.
         while self.terms.next_if(|term| !is(term, &CLAUSES)).is_some() {}
     }
 
-    /// Reports fields that a clause needs and does not have.
+    /// Reports missing fields of a clause.
     fn without(&self, clause: Name, fields: &[&str]) -> Diagnostic {
         let (word, list) = (self.word_of(clause), quoted(fields));
         let (noun, are) = match fields.len() {
@@ -294,7 +295,7 @@ impl<'a> SceneReader<'a, '_> {
         )
     }
 
-    /// Reports the clauses that every scene needs and that were not `seen`, and returns them.
+    /// Reports the missing clauses of a scene, and returns them.
     fn missing_clauses(&mut self, scene: Name, seen: &[Name]) -> Vec<&'static str> {
         let examples = CLAUSES.iter().filter_map(|clause| match clause.absent {
             Absent::Example(example) => Some((clause.word, example)),
@@ -315,7 +316,7 @@ impl<'a> SceneReader<'a, '_> {
         words
     }
 
-    /// Whether each term has what it needs of others; a clause that is there but wrong has been told of.
+    /// Checks that each term has the terms that it needs. Wrong clauses have been reported.
     fn requirements(&mut self, draft: &Scene, seen: &[Name], wrong: &[&str]) {
         let mut told = wrong.to_vec();
         for it in &REQUIREMENTS {
@@ -352,13 +353,13 @@ impl<'a> SceneReader<'a, '_> {
     }
 }
 
-/// The first of some names that is a word.
+/// Returns the first name with a word.
 fn named(names: &[Name], word: &str, symbols: &Symbols) -> Option<Name> {
     let mut names = names.iter().copied();
     names.find(|name| symbols.word(name.symbol) == word)
 }
 
-/// Words in backticks: `a`, `b` and `c`.
+/// Returns words in backticks: `a`, `b` and `c`.
 fn quoted(words: &[&str]) -> String {
     let quoted: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
     series(&quoted, "and")

@@ -1,4 +1,4 @@
-//! What the words of a scene say, and which may stand where: for editors.
+//! Meanings and alternatives of the words of a scene, for editors.
 use stochc_grammar::tree::{SceneDeclaration, Term};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::scene::schema::{CLAUSES, SchemaEntry, SchemaPart};
@@ -6,22 +6,22 @@ use stochc_ir::scene::schema::{CLAUSES, SchemaEntry, SchemaPart};
 /// A place in a scene.
 #[derive(Debug)]
 pub struct WordContext {
-    /// The word that stands there.
+    /// The word at the place.
     pub word: Option<Span>,
-    /// What it says, if it is known, and before that what it belongs to, from the clause on.
+    /// Meaning of the word, if it is known, with the path from its clause.
     pub path: Vec<&'static SchemaEntry>,
-    /// What may stand there instead.
+    /// Words that can stand there instead.
     pub next: Vec<&'static SchemaEntry>,
 }
 
 impl WordContext {
-    /// Those at a byte.
+    /// Returns the words at a byte.
     pub fn at(scene: &SceneDeclaration, symbols: &Symbols, at: u32) -> WordContext {
         within(&scene.terms, symbols, &[], &CLAUSES, at)
     }
 }
 
-/// A place between the braces of `outer`, where the words of `known` begin something.
+/// A place in the braces of `outer`, with the words in `known`.
 fn within(
     terms: &[Term],
     symbols: &Symbols,
@@ -69,7 +69,7 @@ fn within(
     WordContext { word, path, next }
 }
 
-/// Goes on to what a word says behind those of a path, or at its beginning.
+/// Follows a word from an entry to the entry that it begins.
 fn follow(
     path: &mut Vec<&'static SchemaEntry>,
     outer: usize,
@@ -89,7 +89,7 @@ fn follow(
     }
 }
 
-/// The words for the kind of an entry, or those that may follow its values.
+/// Returns the words for the kind of an entry, or those after its values.
 fn choices(entry: &'static SchemaEntry, of_kind: bool) -> Vec<&'static SchemaEntry> {
     let parts = entry.parts.iter().flat_map(|part| match part {
         SchemaPart::OneOf { of, .. } if of_kind => *of,

@@ -1,10 +1,10 @@
-//! Pieces to lines: what stands on a line of its own, and how far it is indented.
+//! Arranges pieces in lines with their indentation.
 use super::line::{FormattedLine, LineKind, SEAT_GAP, columns};
 use super::source::{Note, TextPiece, TokenizedText};
 use super::{INDENT, WIDTH, align, scene, statement};
 use crate::parse::Rule;
 
-/// The layout of a text.
+/// Layout of a source.
 pub fn lay_out(source: &TokenizedText<'_>) -> String {
     let mut layout = LineLayout {
         source,
@@ -28,18 +28,18 @@ pub fn lay_out(source: &TokenizedText<'_>) -> String {
 pub struct LineLayout<'s, 't> {
     pub source: &'s TokenizedText<'t>,
     pub lines: Vec<FormattedLine>,
-    /// Blocks that are open.
+    /// Open blocks.
     pub depth: usize,
-    /// Nothing stands in the innermost block yet.
+    /// Whether the innermost block is empty so far.
     fresh: bool,
-    /// The last piece was a `///`.
+    /// Whether the last piece was a `///`.
     documented: bool,
-    /// At the level of the file, whether the last thing there was a block.
+    /// Whether the last item of the file was a block.
     ended: Option<bool>,
 }
 
 impl LineLayout<'_, '_> {
-    /// Lays out a piece, and those behind it that share its line; where the next one is.
+    /// Lays out a piece and the pieces that share its line. Returns the start of the next one.
     fn piece(&mut self, at: usize) -> usize {
         let piece = &self.source.pieces[at];
         let apart = self.is_set_apart(at);
@@ -73,8 +73,8 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// Whether the layout itself sets the piece apart from what is before it: blocks of the file
-    /// have a blank line around them.
+    /// Whether a blank line always separates the piece from the one before: around blocks of the
+    /// file.
     fn is_set_apart(&self, at: usize) -> bool {
         let (Some(was_block), 0, false) = (self.ended, self.depth, self.documented) else {
             return false;
@@ -85,7 +85,7 @@ impl LineLayout<'_, '_> {
         if !was_block && !item.is_some_and(|item| opens(item.rule)) {
             return false;
         }
-        // A blank line that is there already may stand before or behind a comment.
+        // A blank line in the source may stand before or after a comment.
         let first = source.first(&source.pieces[at]);
         let is_wide = |newlines: u32| newlines > 1;
         let notes = &source.notes[first.notes.clone()];
@@ -128,7 +128,7 @@ impl LineLayout<'_, '_> {
         );
     }
 
-    /// The head of a block, and its inside where both are short.
+    /// Lays out the head of a block, and its content if both are short.
     fn head(&mut self, at: usize) -> usize {
         if let Some((text, next)) = self.one_line(at) {
             self.lines
@@ -147,13 +147,13 @@ impl LineLayout<'_, '_> {
         }
     }
 
-    /// A block on one line: an empty one, or one that is written so, with one statement or a row
-    /// of seeds in it, and short.
+    /// Returns a block on one line: an empty block, or a short one that is written on one line,
+    /// with one statement or a row of seeds.
     fn one_line(&self, at: usize) -> Option<(String, usize)> {
         let source = self.source;
         let room = WIDTH.saturating_sub(INDENT * self.depth);
         let mut text = String::new();
-        // For every open block, what stands in it so far.
+        // Content of every open block so far.
         let mut open: Vec<Option<Rule>> = Vec::new();
         for (i, piece) in source.pieces[at..].iter().enumerate() {
             let first = source.first(piece);
@@ -163,7 +163,7 @@ impl LineLayout<'_, '_> {
             let left = room.checked_sub(columns(&text))?;
             if piece.rule == Rule::close {
                 let empty = open.pop()?.is_none();
-                // Only an empty block is drawn together.
+                // Only an empty block is joined.
                 if !empty && first.newlines > 0 {
                     return None;
                 }
@@ -177,7 +177,7 @@ impl LineLayout<'_, '_> {
                 let inside = open.last_mut()?;
                 let gap = match *inside {
                     None => 1,
-                    // What hangs on a seed may stand beside it.
+                    // Captures of a seed may share its line.
                     Some(Rule::seat) if matches!(piece.rule, Rule::seat | Rule::chain) => SEAT_GAP,
                     Some(_) => return None,
                 };
@@ -201,7 +201,7 @@ impl LineLayout<'_, '_> {
         None
     }
 
-    /// Seeds that share a line.
+    /// Lays out seeds that share a line.
     fn seats(&mut self, at: usize) -> usize {
         let source = self.source;
         if source.is_commented(&source.pieces[at]) {
@@ -228,7 +228,8 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// The rows of a layer: drawn close if all of them are, else with a blank between the cells.
+    /// Lays out the rows of a layer: without spaces if all of them are, or else with spaces between
+    /// cells.
     fn rows(&mut self, at: usize) -> usize {
         let source = self.source;
         let rows = source.pieces[at..].iter();
@@ -257,7 +258,7 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// A line of a scene, and the block behind it.
+    /// Lays out a line of a scene and the block after it.
     fn terms(&mut self, at: usize) -> usize {
         if self.source.is_commented(&self.source.pieces[at]) {
             self.statement(at);
@@ -278,7 +279,7 @@ impl LineLayout<'_, '_> {
     }
 }
 
-/// Adds a comment: behind the last line, under the comment there, or on a line of its own.
+/// Adds a comment: after the last line, under the comment there, or on its own line.
 pub fn push_note(lines: &mut Vec<FormattedLine>, note: &Note<'_>, depth: usize, blank: bool) {
     let own = match lines.last_mut() {
         Some(last) if note.newlines == 0 && last.note.is_none() => {
@@ -317,7 +318,7 @@ fn opens(rule: Rule) -> bool {
     )
 }
 
-/// Whether a block may stand on one line with something in it.
+/// Whether a block with content may be on one line.
 fn is_small(rule: Rule) -> bool {
     matches!(
         rule,

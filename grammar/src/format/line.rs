@@ -1,42 +1,42 @@
-//! The lines of a layout, before their columns are known.
+//! Lines of a layout, before their columns are known.
 
-/// One line.
+/// A line.
 #[derive(Debug)]
 pub struct FormattedLine {
     pub kind: LineKind,
     /// Levels of indentation.
     pub depth: usize,
-    /// Whether a blank line stands before it.
+    /// Whether a blank line is before it.
     pub blank: bool,
-    /// Its code; several cells stand in columns.
+    /// Its code. Several cells are aligned in columns.
     pub cells: Vec<String>,
-    /// The comment behind the code, or alone.
+    /// Comment after the code, or alone.
     pub note: Option<String>,
-    /// The column of that comment in the text it comes from.
+    /// Column of the comment in the source.
     pub note_column: Option<usize>,
 }
 
-/// What a line is.
+/// Kind of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineKind {
     /// A statement.
     Plain,
-    /// A statement goes on.
+    /// The continuation of a statement.
     Wrapped,
-    /// Opens a block, or closes one.
+    /// The start or end of a block.
     Brace,
-    /// Seeds, each a cell.
+    /// Seeds, each in a cell.
     Seats,
     /// Words of a scene.
     Terms,
-    /// A comment of its own, or a `///`.
+    /// A separate comment or a `///`.
     Comment,
-    /// A comment that goes on under the one behind the code of the line before.
+    /// The continuation of a comment after code, under it.
     Continued,
 }
 
 impl FormattedLine {
-    /// A line with code.
+    /// Returns a line with code.
     pub fn code(kind: LineKind, depth: usize, text: impl Into<String>) -> FormattedLine {
         FormattedLine {
             kind,
@@ -48,7 +48,7 @@ impl FormattedLine {
         }
     }
 
-    /// Columns that its code takes, seeds at their closest.
+    /// Returns the width of its code, with seeds at their closest.
     pub fn width(&self) -> usize {
         let cells: usize = self.cells.iter().map(|cell| columns(cell)).sum();
         let gaps = SEAT_GAP * self.cells.len().saturating_sub(1);
@@ -56,10 +56,10 @@ impl FormattedLine {
     }
 }
 
-/// Columns between two seeds of a line.
+/// Space between two seeds of a line.
 pub const SEAT_GAP: usize = 3;
 
-/// Columns of a text: one for each character.
+/// Returns the width of a text in characters.
 pub fn columns(text: &str) -> usize {
     text.chars().count()
 }

@@ -1,12 +1,11 @@
-//! Text to text, in the one canonical layout.
+//! Formats sources in one canonical layout.
 //!
-//! Only what stands *between* tokens changes: every word, sign, number and comment stays as it is
-//! written and where it is in their order, so the tree stays the same. The tokens come from the
-//! parser itself, which is why there is no second notion of what a token is.
+//! Only the space *between* tokens changes. Words, numbers and comments keep their text and order,
+//! so the tree stays the same. The parser delivers the tokens.
 //!
-//! The writer decides four things, and the layout keeps them: where a blank line stands (one at
-//! most), whether a short block stands on one line, which seeds of a plate or words of a scene
-//! share a line, and which words of a scene are set apart by a wider gap. All else follows from the tokens.
+//! The author decides four things, and the layout keeps them: blank lines (at most one), whether a
+//! short block is on one line, which seeds of a plate or words of a scene share a line, and which
+//! words of a scene are separated by a wider gap.
 mod align;
 mod block;
 mod line;
@@ -19,29 +18,29 @@ use crate::error::SyntaxError;
 use crate::parse::parse_recorded;
 use crate::{Symbols, parse};
 
-/// Columns that a line may have, unless a single word needs more.
+/// Largest width of a line, unless a single word is longer.
 pub(crate) const WIDTH: usize = 100;
 
-/// Columns of one level of indentation.
+/// Width of one level of indentation.
 pub(crate) const INDENT: usize = 4;
 
-/// Why a text cannot be laid out.
+/// Reason why a source cannot be formatted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FormatError {
-    /// It is no program.
+    /// It has errors of syntax.
     Wrong(Vec<SyntaxError>),
-    /// The layout would have changed what the text says: a mistake of this crate, not of the text.
+    /// Formatting would have changed the meaning: a bug in this crate.
     Unfaithful,
 }
 
-/// Lays a text out.
+/// Formats a source.
 ///
-/// The result parses to the same tree, holds the same comments in the same order (blanks at their
-/// ends left out), and is its own layout. Lines end as the first line of the text does.
+/// The result parses to the same tree and has the same comments in the same order. Formatting it
+/// again changes nothing. Lines end as the first line of the source does.
 ///
 /// # Errors
 ///
-/// If the text has errors of syntax; then nothing can be said of what belongs together.
+/// Returns an error if the source has errors of syntax.
 pub fn format(text: &str) -> Result<String, FormatError> {
     let mut symbols = Symbols::new();
     let (parsed, record) = parse_recorded(text, &mut symbols);
@@ -50,7 +49,7 @@ pub fn format(text: &str) -> Result<String, FormatError> {
     }
     let source = source::read(text, &record);
     let laid_out = block::lay_out(&source);
-    // What is written over somebody's work is looked at twice.
+    // A result that replaces the user's file is checked twice.
     let again = parse(&laid_out, &mut symbols);
     if !again.errors.is_empty() || again.tree != parsed.tree {
         return Err(FormatError::Unfaithful);
@@ -62,10 +61,10 @@ pub fn format(text: &str) -> Result<String, FormatError> {
     })
 }
 
-/// Lays out what [`crate::print()`] has written, whether it makes sense or not.
+/// Formats the output of [`crate::print()`], valid or not.
 pub(crate) fn lay_out(text: &str) -> Option<String> {
     let (parsed, record) = parse_recorded(text, &mut Symbols::new());
-    // A misplaced statement is read all the same; what is left out would be missing here.
+    // Misplaced statements are part of the output, so nothing may be omitted.
     let is_whole = |error: &SyntaxError| {
         use crate::SyntaxErrorKind as K;
         matches!(

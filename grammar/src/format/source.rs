@@ -1,41 +1,41 @@
-//! A text as pieces, words and comments, with all that the layout keeps of what is between them.
+//! Divides a source into pieces, words and comments.
 use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::parse::{Record, Rule, Token, is_comment};
 
-/// A text, taken apart.
+/// A source in pieces.
 pub struct TokenizedText<'t> {
     pub pieces: Vec<TextPiece>,
     pub words: Vec<Word<'t>>,
     pub notes: Vec<Note<'t>>,
-    /// The comments behind the last piece.
+    /// Comments after the last piece.
     pub rest: Range<usize>,
 }
 
-/// A statement, the head of a block, a brace, a row of cells and so on.
+/// A statement, head of a block, brace, row of cells and so on.
 #[derive(Clone, Debug)]
 pub struct TextPiece {
     pub rule: Rule,
-    /// Its words; the comments before it are those of the first one.
+    /// Words. The comments before the piece belong to the first one.
     pub words: Range<usize>,
 }
 
 /// A token.
 #[derive(Clone, Debug)]
 pub struct Word<'t> {
-    /// `None`: the dot of a place.
+    /// `None` for the dot of a place.
     pub rule: Option<Rule>,
     text: &'t str,
-    /// The comments before it.
+    /// Comments before it.
     pub notes: Range<usize>,
-    /// Ends of lines directly before it, behind the comments.
+    /// Number of line ends directly before it, after the comments.
     pub newlines: u32,
-    /// How it is set apart from the word before it on its line.
+    /// Gap to the word before it on its line.
     pub gap: Gap,
 }
 
-/// The blanks between two words of a line.
+/// Gap between two words of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gap {
     None,
@@ -46,16 +46,16 @@ pub enum Gap {
 /// A comment.
 #[derive(Clone, Debug)]
 pub struct Note<'t> {
-    /// From its slashes on, without blanks at its end.
+    /// Text from its slashes on, without space at the end.
     pub text: &'t str,
-    /// Ends of lines directly before it; none: it stands behind something.
+    /// Number of line ends directly before it. 0 if it follows code.
     pub newlines: u32,
-    /// Characters before it on its line.
+    /// Number of characters before it on its line.
     pub column: usize,
 }
 
 impl<'t> Word<'t> {
-    /// As it is written; a value and its unit are set apart by one blank at most.
+    /// Returns the token as written. A value and its unit have at most one space between.
     pub fn text(&self) -> Cow<'t, str> {
         match self.rule {
             Some(Rule::quantity | Rule::unit)
@@ -71,19 +71,19 @@ impl<'t> Word<'t> {
 }
 
 impl TokenizedText<'_> {
-    /// The first word of a piece, which carries what stands before the piece.
+    /// Returns the first word of a piece. The comments before the piece belong to it.
     pub fn first(&self, piece: &TextPiece) -> &Word<'_> {
         &self.words[piece.words.start]
     }
 
-    /// Whether a comment stands inside a piece.
+    /// Whether a comment is inside a piece.
     pub fn is_commented(&self, piece: &TextPiece) -> bool {
         let inner = piece.words.start + 1..piece.words.end;
         self.words[inner].iter().any(|word| !word.notes.is_empty())
     }
 }
 
-/// Takes a text apart.
+/// Divides a source.
 pub fn read<'t>(text: &'t str, record: &Record) -> TokenizedText<'t> {
     let mut reader = TokenReader {
         text,
@@ -126,7 +126,7 @@ impl<'t> TokenReader<'t> {
         let first = self.notes.len();
         let mut newlines = self.between(start);
         let mut gap = self.gap_before(start);
-        // What is left of a place between its names is its dot.
+        // The rest of a place between its names is a dot.
         if self.at < start {
             let at = self.at;
             self.at += 1;
@@ -169,8 +169,8 @@ impl<'t> TokenReader<'t> {
         }
     }
 
-    /// Goes over blanks and comments up to `end` or to something else, and counts the ends of
-    /// lines behind the last comment.
+    /// Skips space and comments up to `end` or to code. Returns the number of line ends after the
+    /// last comment.
     fn between(&mut self, end: usize) -> u32 {
         let bytes = self.text.as_bytes();
         let mut newlines = 0;

@@ -1,5 +1,4 @@
-//! Braces that have been forgotten, and those that stand where none belongs: only they are told of,
-//! not all that follows from them.
+//! Missing and extra braces: they are reported instead of the errors that follow from them.
 use pest::Parser as _;
 use pest::iterators::Pair;
 
@@ -10,18 +9,18 @@ use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::ItemKind;
 
-/// Bytes that are looked at to see what comes next.
+/// Number of bytes that are read to see what comes next.
 const AHEAD: usize = 1 << 12;
 
 impl Parser<'_, '_> {
-    /// Opens the block whose head begins at `start`, if all that is wrong is the brace that should
-    /// stand before `at`.
+    /// Opens the block whose head begins at `start`, if the only error is a missing brace before
+    /// `at`.
     pub fn open_unbraced(&mut self, start: usize, at: usize, error: &Unreadable) -> bool {
         if error.cause != Cause::Word || !error.expected.contains(&Rule::open) {
             return false;
         }
         let rule = self.mode().single();
-        // The blanks and comments before `at` are no part of the head.
+        // Space and comments before `at` are not part of the head.
         let whole = format!("{}\n{{", &self.text[start..at]);
         let head = SaParser::parse(rule, &whole)
             .ok()
@@ -29,7 +28,7 @@ impl Parser<'_, '_> {
         let Some(head) = head.filter(|head| is_head(head.as_rule())) else {
             return false;
         };
-        // What repeats may end in blanks, the last token does not.
+        // Repetitions may end in space, the last token does not.
         let is_token = |it: &Pair<'_, Rule>| {
             it.as_rule() != Rule::open && it.clone().into_inner().next().is_none()
         };
@@ -55,14 +54,14 @@ impl Parser<'_, '_> {
         true
     }
 
-    /// Whether what stands at `at` belongs into the block whose head ends at `end`.
+    /// Whether the source at `at` belongs to the block whose head ends at `end`.
     fn follows(&self, head: Rule, end: usize, at: usize) -> bool {
         let mode = match head {
             Rule::scene_head => Mode::Scene,
             Rule::shape_head | Rule::layer_head => Mode::Shape,
             _ => Mode::Block,
         };
-        // Every word can stand in a scene, so one in the same line may belong to the head.
+        // Every word can stand in a scene, so a word of the same line may belong to the head.
         if mode == Mode::Scene && !self.text[end..at].contains('\n') {
             return false;
         }
@@ -74,8 +73,8 @@ impl Parser<'_, '_> {
             .is_some_and(|next| holds(head, next))
     }
 
-    /// Whether a `}` that ends at `end` does not close the innermost block: the file has a brace too
-    /// many, and what follows can stand in this block and not in the one around it.
+    /// Whether a `}` that ends at `end` does not close the innermost block: there is a brace too
+    /// many, and the next piece can stand in this block but not in the one around it.
     pub fn goes_on(&mut self, end: usize) -> bool {
         let Some(outer) = self.frames.len().checked_sub(1) else {
             return false;
@@ -92,19 +91,19 @@ impl Parser<'_, '_> {
         !holds_next(outer) && holds_next(outer + 1)
     }
 
-    /// How many more braces close than open, those left out that have been told of.
+    /// Returns the number of closing braces without an opening one, except reported ones.
     pub fn surplus(&mut self) -> &mut i64 {
         self.surplus.get_or_insert_with(|| surplus(self.text))
     }
 
-    /// What begins at a byte, comments left out, by the rules of a mode.
+    /// Returns the rule of the piece at a byte, without comments.
     fn next_piece(&self, at: usize, mode: Mode) -> Option<Rule> {
         let mut at = trivia::skip(self.text, at);
         while self.text[at..].starts_with("///") {
             let end = trivia::end_of_line(self.text.as_bytes(), at);
             at = trivia::skip(self.text, end);
         }
-        // In a scene every word is a piece, even one that begins a declaration.
+        // In a scene, every word is a piece, even one that begins a declaration.
         let word = words::found(self.text, at);
         let declares = |begins: &&str| begins.trim_matches('`') == word;
         if mode == Mode::Scene && words::beginnings(None).iter().any(declares) {
@@ -115,7 +114,8 @@ impl Parser<'_, '_> {
         pairs.next().map(|piece| piece.as_rule())
     }
 
-    /// The head of the innermost of the first `depth` blocks that is no loop; `None`: the file.
+    /// Returns the head of the innermost of the first `depth` blocks that is not a loop. Returns
+    /// `None` for the file.
     fn holder(&self, depth: usize) -> Option<Rule> {
         (self.frames[..depth].iter().rev())
             .map(head)
@@ -123,7 +123,7 @@ impl Parser<'_, '_> {
     }
 }
 
-/// The rule of the head of a block.
+/// Returns the rule of the head of a block.
 fn head(frame: &OpenBlock) -> Rule {
     match &frame.content {
         OpenBlockContent::Items(item) => match item.kind {
@@ -136,7 +136,7 @@ fn head(frame: &OpenBlock) -> Rule {
         OpenBlockContent::Scene(..) | OpenBlockContent::SceneBlock(_) => Rule::scene_head,
         OpenBlockContent::Shape(_) => Rule::shape_head,
         OpenBlockContent::Layer(_) => Rule::layer_head,
-        // It may hold anything.
+        // It can contain anything.
         OpenBlockContent::Broken(_) => Rule::program,
     }
 }
@@ -149,7 +149,7 @@ fn is_head(rule: Rule) -> bool {
     ) || matches!(rule, R::scene_head | R::shape_head | R::layer_head)
 }
 
-/// Whether a piece can stand in a block with this head; without one, in the file.
+/// Whether a piece can stand in a block with this head, or in the file.
 fn holds(head: Option<Rule>, next: Rule) -> bool {
     use Rule as R;
     matches!(
@@ -183,7 +183,7 @@ fn holds(head: Option<Rule>, next: Rule) -> bool {
     )
 }
 
-/// How many more braces of a text close than open.
+/// Returns the number of closing braces without an opening one.
 fn surplus(text: &str) -> i64 {
     let code = text
         .lines()

@@ -1,10 +1,10 @@
-//! The blocks that are open while a file is read.
+//! Blocks that are open while a file is read.
 use super::{MAX_DEPTH, Parser, Rule};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{Item, ItemKind, Layer, Term};
 use crate::{Span, Symbol};
 
-/// Which rules read the inside of a block.
+/// Rules for the inside of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     Block,
@@ -13,7 +13,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// The rule for a run of pieces.
+    /// Returns the rule for a run of pieces.
     pub const fn run(self) -> Rule {
         match self {
             Mode::Block => Rule::pieces,
@@ -22,7 +22,7 @@ impl Mode {
         }
     }
 
-    /// The rule for one piece.
+    /// Returns the rule for one piece.
     pub const fn single(self) -> Rule {
         match self {
             Mode::Block => Rule::any_piece,
@@ -31,8 +31,8 @@ impl Mode {
         }
     }
 
-    /// Bytes to begin with. A run that leaves its block has been read too far, so the small blocks
-    /// get small windows.
+    /// Returns the first size of the window in bytes. A run that leaves its block is read too far,
+    /// so small blocks have small windows.
     pub const fn window(self) -> usize {
         match self {
             Mode::Block => 1 << 15,
@@ -41,30 +41,30 @@ impl Mode {
     }
 }
 
-/// A block that is open.
+/// An open block.
 pub struct OpenBlock {
     pub content: OpenBlockContent,
-    /// Its opening brace, or its whole head.
+    /// Place of its opening brace, or of its head.
     pub opened: Span,
-    /// The items read in it so far.
+    /// Items read so far.
     pub body: Vec<Item>,
-    /// Where it begins, docs left out.
+    /// Start without documentation.
     pub start: u32,
 }
 
-/// What a block is.
+/// Kind of a block.
 pub enum OpenBlockContent {
-    /// A block whose items go into `Item::body_mut`.
+    /// A block whose items belong to `Item::body_mut`.
     Items(Box<Item>),
     /// A scene.
     Scene(Box<Item>, Vec<Term>),
-    /// A braced part of a scene.
+    /// Braces in a scene.
     SceneBlock(Vec<Term>),
     /// A shape.
     Shape(Box<Item>),
     /// A layer of the shape around it.
     Layer(Layer),
-    /// A block whose head could not be read: its inside is read and thrown away.
+    /// A block with a wrong head. Its content is read and dropped.
     Broken(Mode),
 }
 
@@ -78,7 +78,7 @@ impl OpenBlock {
         }
     }
 
-    /// What messages call it.
+    /// Returns the words that messages use.
     pub fn noun(&self) -> &'static str {
         match &self.content {
             OpenBlockContent::Items(item)
@@ -124,7 +124,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Hands a block, complete or not, to the one around it.
+    /// Adds a block, complete or not, to the block around it.
     pub fn finish(&mut self, frame: OpenBlock, end: u32) {
         let OpenBlock {
             content,
@@ -159,7 +159,7 @@ impl Parser<'_, '_> {
                     shape.layers.push(layer);
                 }
             }
-            // A broken block around it brings these words into doubt as well.
+            // A broken block around it makes these words doubtful as well.
             OpenBlockContent::Broken(_) => {
                 let outer = self.frames.last().map(|frame| &frame.content);
                 if !matches!(outer, Some(OpenBlockContent::Broken(_))) {
@@ -174,7 +174,7 @@ impl Parser<'_, '_> {
         self.keep(item);
     }
 
-    /// Puts an item where it stands.
+    /// Adds an item to its block.
     pub fn keep(&mut self, item: Item) {
         match self.frames.last_mut() {
             None => self.root.push(item),
@@ -183,12 +183,12 @@ impl Parser<'_, '_> {
                 body,
                 ..
             }) => body.push(item),
-            // The inside of a broken block is not kept.
+            // The content of a broken block is dropped.
             Some(_) => {}
         }
     }
 
-    /// Puts a word or value into the scene that is open.
+    /// Adds a word or value to the open scene.
     pub fn push_term(&mut self, term: Term) {
         let content = self.frames.last_mut().map(|frame| &mut frame.content);
         if let Some(OpenBlockContent::Scene(_, terms) | OpenBlockContent::SceneBlock(terms)) =
@@ -198,7 +198,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Remembers the words of a part that is left out.
+    /// Notes the words of a skipped part.
     pub fn doubt(&mut self, start: usize, end: usize) {
         let part = &self.text[start..end.max(start)];
         for word in part.split(|c: char| !c.is_ascii_alphanumeric() && c != '_') {

@@ -1,4 +1,4 @@
-//! Text to tree, a run of pieces at a time.
+//! Parses sources, a run of pieces at a time.
 mod brace;
 mod build;
 mod expr;
@@ -30,61 +30,62 @@ mod grammar {
     pub(crate) struct SaParser;
 }
 
-/// Blocks inside blocks, and parentheses inside parentheses, at most.
+/// Largest depth of blocks, and of parentheses.
 pub const MAX_DEPTH: usize = 100;
 
-/// Numbers and names in one expression, at most: their sum is worked out recursively.
+/// Largest number of numbers and names in an expression. Their sum is computed recursively.
 pub const MAX_TERMS: usize = 1_000;
 
-/// Bytes of one statement, at most.
+/// Largest number of bytes of a statement.
 pub const MAX_STATEMENT: usize = 4 << 20;
 
-/// Errors told of one file, at most.
+/// Largest number of errors that are reported for a file.
 pub const MAX_ERRORS: usize = 100;
 
-/// What came out of a text.
+/// Result of parsing.
 #[derive(Clone, Debug)]
 pub struct Parsed {
-    /// All that could be understood.
+    /// Everything that could be read.
     pub tree: Tree,
-    /// All that could not, in source order.
+    /// Errors in source order.
     pub errors: Vec<SyntaxError>,
-    /// Words in the parts that were skipped: not knowing them is no news.
+    /// Words of skipped parts. They cause no errors of unknown names.
     pub doubtful: FxHashSet<Symbol>,
 }
 
-/// Parses the text of one file.
+/// Parses a file.
 ///
-/// Never fails as a whole: a broken statement is told in [`Parsed::errors`] and left out of the
-/// tree, and reading goes on behind it.
+/// A broken statement is reported in [`Parsed::errors`] and omitted from the tree. Reading
+/// continues after it.
 pub fn parse(text: &str, symbols: &mut Symbols) -> Parsed {
     read(text, symbols, None, Cancellation::NEVER).0
 }
 
-/// [`parse`], as long as the result is wanted.
+/// As [`parse`], and can be cancelled.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if it is not.
+/// Returns [`Cancelled`] if parsing was cancelled.
 pub fn parse_cancellable(
     text: &str,
     symbols: &mut Symbols,
     cancellation: Cancellation<'_>,
 ) -> Result<Parsed, Cancelled> {
     let (parsed, _) = read(text, symbols, None, cancellation);
-    // It may have been given up before its end.
+    // A cancelled parser has stopped early.
     cancellation.check()?;
     Ok(parsed)
 }
 
-/// [`parse`], and every token in the order of the text.
+/// As [`parse`], and returns every token in order.
 pub(crate) fn parse_recorded(text: &str, symbols: &mut Symbols) -> (Parsed, Record) {
     let record = Some(Record::default());
     let (parsed, record) = read(text, symbols, record, Cancellation::NEVER);
     (parsed, record.unwrap_or_default())
 }
 
-/// Where a text begins that is JSON and not a program: a program never has a bracket first, and a quotation mark or another one behind it.
+/// Returns the start of a file that is JSON. A program never begins with a bracket and a quotation
+/// mark or another bracket.
 fn json_begins(text: &str) -> Option<usize> {
     let begun = text.trim_start();
     let inside = begun.strip_prefix(['{', '['])?.trim_start();
@@ -134,15 +135,13 @@ fn read<'t>(
     (parsed, record)
 }
 
-/// Whether pest alone takes the text for a program, by the grammar's `program` rule.
-///
-/// It says nothing of where statements belong. This is the yardstick that [`parse`] is measured
-/// against, for its verdict and for its time.
+/// Whether pest accepts the source by the grammar's `program` rule, without checks of surroundings.
+/// Tests compare [`parse`] with it.
 pub fn accepts(text: &str) -> bool {
     SaParser::parse(Rule::program, text).is_ok()
 }
 
-/// Whether a word would be read as a unit behind a value.
+/// Whether a word would be read as a unit after a value.
 pub fn is_unit(word: &str) -> bool {
     SaParser::parse(Rule::unit_symbol, word).is_ok()
 }
@@ -150,20 +149,20 @@ pub fn is_unit(word: &str) -> bool {
 struct Parser<'t, 's> {
     text: &'t str,
     symbols: &'s mut Symbols,
-    /// The first byte that has not been read.
+    /// The first unread byte.
     at: usize,
     root: Vec<Item>,
-    /// The blocks that are open, the outermost first.
+    /// Open blocks, the outermost first.
     frames: Vec<OpenBlock>,
-    /// Comments that wait for what they belong to.
+    /// Comments that document the next item.
     docs: Vec<(String, Span)>,
     errors: Vec<SyntaxError>,
     doubtful: FxHashSet<Symbol>,
-    /// The rest of the file is given up.
+    /// Whether the rest of the file is skipped.
     stopped: bool,
-    /// How many more braces close than open, once it has been counted.
+    /// Number of closing braces without an opening one, once counted.
     surplus: Option<i64>,
-    /// Every token, for those who want them.
+    /// Every token, if requested.
     record: Option<Record>,
     cancellation: Cancellation<'t>,
 }
@@ -195,7 +194,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Gives up the rest of the file.
+    /// Skips the rest of the file.
     fn stop(&mut self) {
         self.stopped = true;
         self.doubt(self.at, self.text.len());
@@ -217,7 +216,7 @@ impl Parser<'_, '_> {
             let end = base + pair.as_span().end();
             self.at = end;
             self.piece(pair, base);
-            // The rest of the run was read by the rules of a block that has just been left.
+            // The rest of the run was read by the rules of a closed block.
             if self.mode() != mode || self.stopped {
                 return;
             }
@@ -266,7 +265,7 @@ impl Parser<'_, '_> {
     }
 }
 
-/// Where its last word ends: blanks and comments before what may follow and does not are no part of it.
+/// Returns the end of the last word, without the space and comments before something optional.
 fn end_of(pair: &Pair<'_, Rule>, base: usize) -> u32 {
     let mut last = pair.clone();
     while let Some(inner) = last.clone().into_inner().next_back() {

@@ -1,4 +1,4 @@
-//! Going on behind a broken statement.
+//! Continues after a broken statement.
 use super::frame::{Mode, OpenBlockContent};
 use super::window::{self, Cause, Unreadable};
 use super::{Parser, trivia, words};
@@ -9,7 +9,7 @@ use crate::tree::{
 };
 
 impl Parser<'_, '_> {
-    /// Tells of a piece that cannot be read and skips it: to the end of its line, or to a brace.
+    /// Reports a piece that cannot be read, and skips it to the end of its line or to a brace.
     pub fn recover(&mut self, error: Unreadable) {
         let start = self.at;
         let error = window::sharpen(self.text, start, error);
@@ -25,7 +25,7 @@ impl Parser<'_, '_> {
         }
         self.report(&error, start, at);
         self.docs.clear();
-        // A word alone is all of what is wrong: the next line may be right.
+        // A single word is the whole error. The next line may be right.
         let (end, brace) = self.end_of_piece(
             self.lone_word(start, at)
                 .map_or(at, |word| start + word.len()),
@@ -56,7 +56,7 @@ impl Parser<'_, '_> {
                         .collect();
                     expected.sort_unstable();
                     expected.dedup();
-                    // Behind a word of the language stands what it needs, not what a block needs.
+                    // After a keyword, its own alternatives are listed, not those of the block.
                     if self.is_behind_keyword(start, at) && expected.len() > 1 {
                         expected.retain(|word| !matches!(*word, "`(`" | "`->`" | "`at`"));
                     }
@@ -68,7 +68,7 @@ impl Parser<'_, '_> {
         self.error(kind, span);
     }
 
-    /// Whether a piece has only one word before a byte, and that is one of the language.
+    /// Whether a piece has only one word before a byte, and that is a keyword.
     fn is_behind_keyword(&self, start: usize, at: usize) -> bool {
         let word = words::found(self.text, start);
         let symbol = self.symbols.get(word);
@@ -76,21 +76,20 @@ impl Parser<'_, '_> {
             && trivia::skip(self.text, start + word.len()) >= at
     }
 
-    /// The first word of a piece, if what is wrong stands right behind it.
+    /// Returns the first word of a piece, if the error is right after it.
     fn lone_word(&self, start: usize, at: usize) -> Option<&str> {
         let first = words::found(self.text, start);
         let is_alone = at > start && trivia::skip(self.text, start + first.len()) == at;
         is_alone.then_some(first)
     }
 
-    /// Takes the statement back that ends right before a byte: what stands there is a part of it that
-    /// cannot be read.
+    /// Removes the statement that ends right before a byte, because the error belongs to it.
     fn retract(&mut self, at: usize) {
         let Some(frame) = self.frames.last_mut() else {
             return;
         };
         let goes_on = |item: &Item| match item.kind {
-            // What has a block of its own is whole.
+            // An item with a block is complete.
             ItemKind::Chain(_) | ItemKind::Release(_) => item.span.end as usize == at,
             ItemKind::Instance(_) => trivia::skip(self.text, item.span.end as usize) == at,
             _ => false,
@@ -100,7 +99,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Tells of an `after` behind a statement that cannot wait, or that waits already.
+    /// Reports an `after` after a statement that cannot wait, or that has one already.
     fn waits_in_vain(&mut self, at: usize) -> bool {
         let after = words::found(self.text, at);
         let Some(last) = self.frames.last().and_then(|frame| frame.body.last()) else {
@@ -132,13 +131,13 @@ impl Parser<'_, '_> {
             span,
         );
         let (end, brace) = self.end_of_piece(at);
-        // A brace opens a block here as anywhere.
+        // A brace opens a block here as well.
         self.at = end - usize::from(brace);
         self.doubt(at, self.at);
         true
     }
 
-    /// Where the next piece may begin, and whether a brace has been opened just before.
+    /// Returns the start of the next piece, and whether a brace was opened just before it.
     fn end_of_piece(&self, from: usize) -> (usize, bool) {
         let bytes = self.text.as_bytes();
         let mut at = from;
@@ -146,7 +145,8 @@ impl Parser<'_, '_> {
             match bytes[at] {
                 b'\n' => return (at + 1, false),
                 b'{' => return (at + 1, true),
-                // Always go on: a brace at the very beginning is part of what is wrong.
+                // A brace at the very beginning is part of the error, so that reading always
+                // advances.
                 b'}' if at > self.at => return (at, false),
                 b'/' if trivia::is_comment(&bytes[at..]) => {
                     at = trivia::end_of_line(bytes, at);
@@ -157,7 +157,7 @@ impl Parser<'_, '_> {
         (at, false)
     }
 
-    /// Makes what can be made of a block from the first words of its head.
+    /// Returns a block from the first words of its head.
     fn broken_head(&mut self, start: usize, end: usize) -> OpenBlockContent {
         let head = &self.text[start..end];
         let mut words = head

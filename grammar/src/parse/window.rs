@@ -1,8 +1,7 @@
-//! One run of pieces out of a text of any size.
+//! Reads one run of pieces from a source of any size.
 //!
-//! Pest keeps some 100 bytes for every token it has seen, so it is given a window of the text. A
-//! window may cut a piece in two, but only the last piece it holds: that one is left to the next
-//! window, unless nothing can be missing of it.
+//! pest keeps about 100 bytes for every token, so it is given a window of the source. A window may
+//! cut its last piece in two. That piece is left to the next window, unless it must be complete.
 use pest::Parser as _;
 use pest::error::{Error, ErrorVariant, InputLocation};
 use pest::iterators::{Pair, Pairs};
@@ -10,9 +9,9 @@ use pest::iterators::{Pair, Pairs};
 use super::frame::Mode;
 use super::{MAX_STATEMENT, Rule, SaParser, trivia, words};
 
-/// What a window gave.
+/// Result of a window.
 pub enum Read<'t> {
-    /// Pieces, at least one; their positions are relative to the window.
+    /// At least one piece. Positions are relative to the window.
     Pieces(std::iter::Take<Pairs<'t, Rule>>),
     /// No piece can begin here.
     Error(Unreadable),
@@ -20,26 +19,26 @@ pub enum Read<'t> {
 
 /// No piece could be read.
 pub struct Unreadable {
-    /// The byte at which the words in `expected` could have stood.
+    /// The byte at which one of `expected` can stand.
     pub at: usize,
     /// Rules that were tried there.
     pub expected: Vec<Rule>,
-    /// Why, if not for a wrong word.
+    /// Reason, if it is not an unexpected word.
     pub cause: Cause,
 }
 
-/// Why no piece could be read.
+/// Reason why no piece could be read.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// A wrong word.
+    /// An unexpected word.
     Word,
-    /// Parentheses nested beyond the parser's stack.
+    /// Parentheses are nested beyond the stack of the parser.
     Depth,
-    /// A statement longer than the largest window.
+    /// A statement is longer than the largest window.
     Length,
 }
 
-/// Reads the pieces from `base` on, as many as a window holds.
+/// Reads as many pieces from `base` on as a window has.
 pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
     let mut size = mode.window();
     loop {
@@ -67,7 +66,7 @@ pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
                         return Read::Error(error);
                     }
                 } else if size > MAX_STATEMENT {
-                    // A short piece with a long line behind it is no long piece.
+                    // A short piece before a long line is complete.
                     let end = pairs.peek().map_or(0, |only| only.as_span().end());
                     if end <= window.len() / 2 {
                         return Read::Pieces(pairs.take(1));
@@ -79,7 +78,7 @@ pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
                     });
                 }
             }
-            // A limit of pest's was reached somewhere in the run: it hides the pieces before it.
+            // A limit of pest was reached in the run, which hides the pieces before it.
             Err(_) => match SaParser::parse(mode.single(), window) {
                 Ok(pairs) => return Read::Pieces(pairs.take(1)),
                 Err(error) => return Read::Error(unreadable(&error, base)),
@@ -89,7 +88,7 @@ pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
     }
 }
 
-/// Where a window of about this end may be cut: behind a newline, else behind a blank.
+/// Returns where a window can be cut: after a line end, or else after a space.
 pub fn cut(text: &str, about: usize) -> usize {
     const FAR: usize = 1 << 16;
     if about >= text.len() {
@@ -106,7 +105,7 @@ pub fn cut(text: &str, about: usize) -> usize {
     end
 }
 
-/// Whether a longer window could not make more of the only piece of this one.
+/// Whether a longer window cannot extend the only piece of this one.
 fn is_complete(piece: &Pair<'_, Rule>, window: &str, mode: Mode) -> bool {
     let end = piece.as_span().end();
     if window[..end].ends_with(['{', '}']) {
@@ -117,11 +116,11 @@ fn is_complete(piece: &Pair<'_, Rule>, window: &str, mode: Mode) -> bool {
         return false;
     }
     let error = explain(&window[next..], next, mode);
-    // What begins no piece may go on with this one, if more of it can be seen.
+    // The next word may continue the piece, if more of it is in the window.
     error.at > next && !is_cut_off(window, error.at, window.len())
 }
 
-/// Whether an error may be due to the end of the window rather than to the text.
+/// Whether the end of the window may cause the error.
 fn is_cut_off(text: &str, at: usize, end: usize) -> bool {
     !text.as_bytes()[at..end].contains(&b'\n') || trivia::skip(&text[..end], at) == end
 }
@@ -137,7 +136,7 @@ fn explain(window: &str, base: usize, mode: Mode) -> Unreadable {
     }
 }
 
-/// What is wrong with an index or an `after` that follows a statement: without it, that is whole.
+/// Returns the error of an index or `after` that follows a complete statement.
 pub fn sharpen(text: &str, base: usize, error: Unreadable) -> Unreadable {
     const MAX: usize = 1 << 12;
     let window = &text[base..cut(text, base.saturating_add(MAX))];

@@ -1,8 +1,8 @@
-//! Rules of the grammar in the language's own words.
+//! Rules of the grammar in words.
 use super::Rule;
 use super::frame::{OpenBlock, OpenBlockContent};
 
-/// What a message calls a rule; `None` for what is no help to know.
+/// Returns the words for a rule. Returns `None` for rules that messages do not mention.
 pub fn word(rule: Rule) -> Option<&'static str> {
     Some(match rule {
         Rule::chain | Rule::seat | Rule::instance => "a statement",
@@ -13,7 +13,7 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::range => "a range such as `1..4`",
         Rule::quantity | Rule::number | Rule::span_of_values => "a value with its unit",
         Rule::string => "a file name in quotation marks",
-        Rule::code => "the code of a finding",
+        Rule::code => "the code of a warning",
         Rule::row => "a row of `#` and `.`",
         Rule::argument => "an argument",
         Rule::subject => "a block to wait for",
@@ -52,7 +52,7 @@ pub fn word(rule: Rule) -> Option<&'static str> {
     })
 }
 
-/// What may begin in the innermost open block.
+/// Returns what can begin in the innermost open block.
 pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
     use crate::tree::ItemKind;
     let Some(frame) = frame else {
@@ -93,7 +93,7 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
     }
 }
 
-/// What stands at a byte of the text, in few letters; empty at the end of the file.
+/// Returns the beginning of the source at a byte. Returns an empty text at the end of the file.
 pub fn found(text: &str, at: usize) -> &str {
     const MAX: usize = 24;
     let rest = &text[at..];

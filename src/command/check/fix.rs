@@ -33,7 +33,7 @@ pub fn run(
         return Ok(None);
     }
     let diff = fixed.diff();
-    // A machine reads nothing but the findings.
+    // Programs read the diagnostics only.
     if alone {
         print(&diff)?;
     } else {

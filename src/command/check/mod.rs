@@ -32,7 +32,7 @@ pub struct CheckArguments {
     /// Programs to check, or folders with programs (`*.sa`) in them; `-` is the standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// Output format of the findings; all but `graphical` write to standard output
+    /// Output format of the diagnostics; all but `graphical` write to standard output
     #[arg(
         long,
         value_name = "FORMAT",
@@ -79,7 +79,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     let is_written = options.fix && !options.dry_run && options.format() != Format::Graphical;
     if is_written && options.files.iter().any(|file| file == STDIN) {
         return Err(Failure::usage(
-            "`--fix -` writes the program itself to the standard output, where `--format` puts the findings: \
+            "`--fix -` writes the program itself to the standard output, where `--format` writes the diagnostics: \
              leave one of the two out, or add `--dry-run`",
         ));
     }
@@ -129,7 +129,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         };
         let shown = || show(&checked, options.format(), has_colour(), message_width());
         match options.format() {
-            // A machine reads the findings, a person the summary.
+            // Programs read the diagnostics, people the summary.
             Format::Short => print(&shown())?,
             Format::Json => document.add(file, &checked, |program| {
                 let most = options.cost.filter(|_| !checked.has_errors())?;
@@ -227,7 +227,7 @@ fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) 
         }
         out.push_str(&costs(program, &checked.symbols, cost, rates));
     }
-    if let Some(warnings) = warnings(checked, |finding| finding.programs.is_empty()) {
+    if let Some(warnings) = warnings(checked, |diagnostic| diagnostic.programs.is_empty()) {
         out.push_str(&format!(
             "{name}{warnings} outside of assemblies and aggregates\n"
         ));
