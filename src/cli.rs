@@ -4,7 +4,7 @@ use std::num::{IntErrorKind, ParseIntError};
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
-use stochc_ir::{is_invisible, visible};
+use stochc_text::{is_invisible, visible};
 
 use crate::command::interrupt::outlive_file_limit;
 pub use crate::command::terminal::show_deferred;

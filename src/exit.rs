@@ -2,7 +2,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use stochc_ir::visible;
+use stochc_text::visible;
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

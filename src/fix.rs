@@ -6,7 +6,7 @@ use similar::TextDiff;
 use stochc_compiler::{self as compiler, Checked, Limits, LintLevels};
 use stochc_files::{atomic, programs};
 use stochc_grammar::BYTE_ORDER_MARK;
-use stochc_ir::visible;
+use stochc_text::visible;
 
 use crate::reader::DiskReader;
 

@@ -45,7 +45,7 @@ pub use facade::{
     CompileError, check, check_text, check_texts, check_with, check_within, compile, simulate,
 };
 pub use stochc_compiler as compiler;
-pub use stochc_control as protocol;
+pub use stochc_control as control;
 pub use stochc_ensemble as ensemble;
 pub use stochc_files as files;
 pub use stochc_ir as ir;
@@ -53,3 +53,4 @@ pub use stochc_lsp as lsp;
 pub use stochc_planner as planner;
 pub use stochc_report as report;
 pub use stochc_runtime as runtime;
+pub use stochc_text as text;

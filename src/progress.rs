@@ -2,8 +2,8 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use stochc_ensemble::text::words;
 use stochc_ensemble::{Manifest, Progress, Snapshot, time_left};
+use stochc_text::words;
 
 /// How far some work is.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,8 +1,8 @@
 //! Whether the scene has the blocks and the room.
 use stochc_grammar::{Cancellation, Cancelled};
-use stochc_ir::counted;
 use stochc_ir::scene::room::NoRoom;
 use stochc_ir::scene::{BondKind, Enclosure, Scene};
+use stochc_text::counted;
 
 use crate::block_demand::first_beyond;
 use crate::diagnostic::{Code, Diagnostic};

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Item, ItemKind, LintDirective, LintDirectiveKind};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::scene::warnings::Stepping;
-use stochc_ir::suggest::nearest;
+use stochc_text::suggest::nearest;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, report};
 use crate::load::Module;

@@ -4,7 +4,7 @@ use stochc_grammar::tree::{ItemKind, Tree};
 use stochc_grammar::{
     BYTE_ORDER_MARK, Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable,
 };
-use stochc_ir::visible;
+use stochc_text::visible;
 
 use crate::diagnostic::{Code, Diagnostic, Edit, Fix, removal, report};
 use crate::reader::Reader;

@@ -1,6 +1,6 @@
 //! Which names there are of one word: `T[1..3]` and `T[7]`.
 use stochc_grammar::Symbols;
-use stochc_ir::listed;
+use stochc_text::listed;
 
 use crate::plan::{NameKey, Roles};
 

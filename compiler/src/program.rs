@@ -1,12 +1,12 @@
 //! The stages of a check.
 use rustc_hash::FxHashMap;
+use stochc_estimate::Rates;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::JamRisk;
 use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::warnings::Stepping;
 use stochc_ir::scene::{BondKind, Scene};
-use stochc_estimate::Rates;
 
 use crate::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};

@@ -2,7 +2,7 @@
 use std::fmt;
 
 use serde::Serialize;
-use stochc_ir::series;
+use stochc_text::series;
 
 use crate::block_demand::scarce_phase;
 use crate::checked::{Checked, Program};

@@ -2,7 +2,7 @@
 use std::sync::{Arc, OnceLock};
 
 use stochc_grammar::Span;
-use stochc_ir::is_invisible;
+use stochc_text::is_invisible;
 
 /// A file of a program: an index into [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -3,7 +3,8 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
-use stochc_ir::{Cell, Face, listed};
+use stochc_ir::{Cell, Face};
+use stochc_text::listed;
 
 use crate::diagnostic::{Code, Diagnostic, report};
 use crate::layout::Layout;

@@ -34,8 +34,8 @@ mod step_error;
 mod watch;
 pub mod world;
 
-pub use stochc_ir::scene::Substeps;
 pub use stochc_estimate as rates;
+pub use stochc_ir::scene::Substeps;
 
 pub use run::{drive, observe, run};
 pub use run_error::RunError;

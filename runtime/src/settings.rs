@@ -1,9 +1,9 @@
 //! Settings of the computation: the model and its accuracy, which are not part of the scene.
 use serde::{Deserialize, Serialize};
+use stochc_estimate::Rates;
 use stochc_ir::scene::warnings::Stepping;
 use stochc_ir::scene::{Scene, Substeps};
 use stochc_ir::sha256;
-use stochc_estimate::Rates;
 
 /// Settings of a run that are neither in the program nor in the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -5,9 +5,9 @@ use clap::Args;
 use stochc_compiler::scene::{built_in, built_in_names};
 use stochc_files::atomic::Replaces;
 use stochc_ir::scene::Scene;
-use stochc_ir::visible;
 use stochc_report::tables::rates_to_text;
 use stochc_runtime::{Settings, Substeps};
+use stochc_text::visible;
 
 use super::host::Terminal;
 use super::imports::ImportOptions;

@@ -8,7 +8,7 @@ use stochc_compiler::{Sources, lone_returns};
 use stochc_files::atomic::replace_text;
 use stochc_files::programs::{STDIN_NAME, programs, read};
 use stochc_grammar::{BYTE_ORDER_MARK, FormatError, format};
-use stochc_ir::visible;
+use stochc_text::visible;
 
 use super::terminal::{exit_of, has_colour, message_width, print};
 use crate::exit::{Exit, Failure};

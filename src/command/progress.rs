@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use stochc_ensemble::clock::now;
-use stochc_ensemble::text::{visible, words};
+use stochc_text::{visible, words};
 
 use super::terminal::{is_dumb, warn};
 use crate::progress::WorkProgress;

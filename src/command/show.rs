@@ -3,9 +3,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use stochc_ensemble::{Contents, Manifest, Records, write_tables};
-use stochc_ir::counted;
 use stochc_report::presentation::Presentation;
-use stochc_report::text::Markup;
+use stochc_text::Markup;
+use stochc_text::counted;
 
 use super::host::Terminal;
 use super::presentation::PresentationOptions;

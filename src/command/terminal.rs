@@ -4,7 +4,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use clap::ValueEnum;
 use console::Term;
-use stochc_ir::visible_lines;
+use stochc_text::visible_lines;
 
 use crate::exit::{Exit, Failure};
 

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use clap::Args;
 use stochc_ensemble::MAX_RUNS;
-use stochc_ensemble::text::share;
 use stochc_ensemble::trade::FINEST;
 use stochc_report::tables::trade_to_text;
+use stochc_text::share;
 
 use super::ensemble::{MAX_TICKS, stopped};
 use super::figures::FigureOptions;

@@ -3,13 +3,13 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use stochc_compiler::Checked;
-use stochc_files::programs::programs;
-use stochc_ir::table::Tables;
-use stochc_ir::{counted, visible};
 use stochc_control::explore::{
     ExceededBound, Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults,
 };
+use stochc_files::programs::programs;
+use stochc_ir::table::Tables;
 use stochc_runtime::counter_rng::schedules;
+use stochc_text::{counted, visible};
 
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;

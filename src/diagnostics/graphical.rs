@@ -1,7 +1,7 @@
 //! Diagnostics drawn over the source.
 use stochc_compiler::diagnostic::{Code, Diagnostic, Edit, Renderer, Severity};
 use stochc_compiler::{Checked, FileId};
-use stochc_ir::{counted, series};
+use stochc_text::{counted, series};
 
 /// Largest number of diagnostics that are drawn. The others are counted.
 const MAX_DRAWN: usize = 50;
@@ -35,7 +35,7 @@ fn draw(
     let rest = drawn().skip(MAX_DRAWN).count();
     if rest > 0 {
         let diagnostics = counted(rest, "more diagnostic");
-        let file = stochc_ir::visible(&checked.sources.file(FileId(0)).name);
+        let file = stochc_text::visible(&checked.sources.file(FileId(0)).name);
         out.push_str(&format!(
             "{diagnostics} in {file}; `--format short` shows all of them\n\n"
         ));

@@ -24,7 +24,7 @@ fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let severity = diagnostic.severity.name();
     let place = diagnostic.labels.first().map_or_else(String::new, |label| {
         let (line, column) = position(sources, label.location, label.location.span.start);
-        let name = stochc_ir::visible(&sources.file(label.location.file).name);
+        let name = stochc_text::visible(&sources.file(label.location.file).name);
         format!("{name}:{line}:{column}: ")
     });
     let title = visible(&diagnostic.message());

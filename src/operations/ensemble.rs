@@ -10,9 +10,9 @@ use stochc_ensemble::{
     Resume, RunCancelled, RunWatch, check_stored, run as run_all,
 };
 use stochc_ir::scene::warnings::{SceneWarning, Stepping, scene_warnings};
-use stochc_ir::visible;
 use stochc_report::figures::Figures;
 use stochc_runtime::RunError;
+use stochc_text::visible;
 
 use super::kept_text::KeptText;
 use super::recordings::Recordings;

@@ -6,13 +6,13 @@ use stochc_ensemble::fit::{
     Design, Emulator, Fit, FittedProgram, MeasuredTimes, Measurement, Observed, Posterior, Prior,
     Simulated, Unit,
 };
-use stochc_ensemble::text::number;
 use stochc_ensemble::{CpuForecast, EnsembleProgram, Manifest, completion_time};
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::describe::terms;
 use stochc_runtime::Settings;
+use stochc_text::number;
 
 use super::forecast::cpu_time;
 use super::in_memory::all_runs;

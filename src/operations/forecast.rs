@@ -1,7 +1,7 @@
 //! The CPU time that runs will take, before they are made.
-use stochc_ensemble::text::words;
 use stochc_ensemble::{CpuForecast, EnsembleProgram, Manifest, forecast_cpu_time};
 use stochc_runtime::rates::{Rates, estimate};
+use stochc_text::words;
 
 use super::in_memory::stopped;
 use super::runs::{threads as default_threads, try_out_all};

@@ -26,4 +26,4 @@ pub mod sweep;
 pub mod trade;
 mod watch;
 
-pub use stochc_ensemble::text::duration as time;
+pub use stochc_text::duration as time;

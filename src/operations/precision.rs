@@ -1,11 +1,11 @@
 //! As many runs as it takes to know means well enough.
 use std::path::Path;
 
-use stochc_ensemble::text::percent;
 use stochc_ensemble::{
     Comparison, ComparisonTally, Manifest, ProgramSummary, Records, Resume, survey,
 };
-use stochc_ir::{listed, visible};
+use stochc_text::percent;
+use stochc_text::{listed, visible};
 
 use super::ensemble::{EnsembleOptions, MadeEnsemble, make};
 use crate::exit::Failure;

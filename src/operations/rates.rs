@@ -6,10 +6,10 @@ use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_files::budget::RATES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
-use stochc_ir::visible;
 use stochc_runtime::Settings;
 use stochc_runtime::rates::Rates;
 use stochc_runtime::world::rate::RateWorld;
+use stochc_text::visible;
 
 use super::in_memory::all_runs;
 use crate::exit::{Exit, Failure};

@@ -5,9 +5,9 @@ use std::path::Path;
 use stochc_compiler::LintLevels;
 use stochc_ensemble::EnsembleProgram;
 use stochc_ensemble::recording::Outline;
-use stochc_ensemble::text::visible;
 use stochc_files::atomic::{Draft, Replaces, begins_with};
 use stochc_report::replay::{EventLocation, MARK, about, tour, write as write_page};
+use stochc_text::visible;
 
 use super::chosen_run::ChosenRun;
 use super::kept_text::KeptText;

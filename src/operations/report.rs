@@ -7,10 +7,10 @@ use stochc_ensemble::{Folder, Manifest, recording};
 use stochc_files::address::address;
 use stochc_files::atomic::{self, Draft, Replaces, begins_with};
 use stochc_files::{budget, disk, open, read_file};
-use stochc_ir::visible;
 use stochc_report::ensemble_report::{
     CHAINS, Figures, Input, MARK, Report, ReportError, ReportLocation, report,
 };
+use stochc_text::visible;
 
 use super::results::read as read_folder;
 use crate::exit::{Exit, Failure};
@@ -148,7 +148,7 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
     if versions.windows(2).any(|pair| pair[0] != pair[1]) {
         host.warn(&format!(
             "note: the folders were made by different versions of stochc: {}\n",
-            stochc_ensemble::text::visible(&versions.join(", "))
+            stochc_text::visible(&versions.join(", "))
         ));
     }
     if wrong {

@@ -3,7 +3,6 @@ use std::path::Path;
 
 use serde_json::json;
 use stochc_ensemble::sweep::{Sweep, SweepTally};
-use stochc_ensemble::text::visible;
 use stochc_ensemble::trade::{Trade, TradeTally};
 use stochc_ensemble::{
     CaptureSummary, Comparison, ComparisonTally, Contents, EnsembleProgram, Finished, Folder,
@@ -17,8 +16,9 @@ use stochc_report::tables::{
     KNOWN_BIAS, captures_to_text, comparison_to_text, lower_bounds, pairs_to_text,
     published_comparison, published_sweep, sweep_to_text, trade_to_text,
 };
-use stochc_report::text::{Markup, paragraph};
 use stochc_runtime::Model;
+use stochc_text::visible;
+use stochc_text::{Markup, paragraph};
 
 use super::json::document;
 use crate::exit::Failure;

@@ -1,7 +1,7 @@
 //! The result of a check without errors, in words.
 use stochc_compiler::diagnostic::Diagnostic;
 use stochc_compiler::{Checked, Program};
-use stochc_ir::counted;
+use stochc_text::counted;
 
 /// Returns the status line of a program: its size, its proof and its warnings.
 pub fn status_line(checked: &Checked, number: usize) -> String {

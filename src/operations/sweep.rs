@@ -7,10 +7,10 @@ use stochc_ensemble::sweep::{Axis, MAX_POINTS, Sweep, points as combine};
 use stochc_ensemble::trade::Trade;
 use stochc_ensemble::{Compiled, EnsembleProgram, FurtherFiles, MAX_RUNS, Manifest, Records};
 use stochc_ir::Executable;
-use stochc_ir::visible;
 use stochc_report::figures::{Figures, sweep as pictures, trade as trade_picture};
 use stochc_runtime::Model;
 use stochc_runtime::rates::Rates;
+use stochc_text::visible;
 
 use super::kept_text::KeptText;
 use super::programs::verdict;

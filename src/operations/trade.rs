@@ -6,9 +6,9 @@ use std::time::Duration;
 use stochc_ensemble::recording::EVERY;
 use stochc_ensemble::trade::{Trade, candidates};
 use stochc_ensemble::{EnsembleProgram, Interval, Manifest, Results};
-use stochc_ir::visible;
 use stochc_report::figures::Figures;
 use stochc_runtime::Settings;
+use stochc_text::visible;
 
 use super::ensemble::{EnsembleOptions, make};
 use super::precision::make_until;

@@ -8,6 +8,7 @@ use stochc_compiler::plan::EventKind;
 use stochc_compiler::{
     Checked, DeclaredShapes, FileId, LintLevels, Program, SourceLocation, shape_cells,
 };
+use stochc_estimate::Rates;
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{format, is_comment};
 use stochc_ir::Cell;
@@ -16,7 +17,6 @@ use stochc_ir::table::RoleId;
 use stochc_planner::{
     ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation, plan,
 };
-use stochc_estimate::Rates;
 
 use super::{Planned, Unplanned, estimate};
 use crate::check_texts;

@@ -12,6 +12,7 @@ use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{EventId, PlanSeed, ProgramPlan};
 use stochc_compiler::scene::{DEFAULT, is_built_in};
 use stochc_compiler::{Checked, DeclaredShape, DeclaredShapes, Program, shape_cells};
+use stochc_estimate::{Rates, Times};
 use stochc_grammar::tree::{Item, Tree};
 use stochc_grammar::{Symbols, print};
 use stochc_ir::Cell;
@@ -21,7 +22,6 @@ use stochc_planner::{
     Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, ScaffoldTrial,
     Target, TargetError, baseline_plans, declaration, draft, plan, program,
 };
-use stochc_estimate::{Rates, Times};
 
 use crate::check_text;
 pub(crate) use completion::untrue_claims;

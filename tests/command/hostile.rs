@@ -10,7 +10,7 @@ const NAME: &str = "a\u{1b}[2J\u{202e}b\nerror: forged\u{e0041}";
 
 /// Nothing of what is said acts on a terminal, and no name makes a line.
 fn is_harmless(text: &str) -> bool {
-    let acts = |c: char| stochc::ir::is_invisible(c) && c != '\n';
+    let acts = |c: char| stochc::text::is_invisible(c) && c != '\n';
     !text.contains(acts) && !text.lines().any(|line| line.starts_with("error: forged"))
 }
 

@@ -157,8 +157,7 @@ fn estimates_say_when_and_why() {
         text.out
     );
     assert!(
-        text.out
-            .contains("Added up along the graph, "),
+        text.out.contains("Added up along the graph, "),
         "{}",
         text.out
     );
@@ -191,7 +190,10 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
     );
     // A compiled file has the graph of its program.
     let of_compiled = mean(&stochc_with("estimate --json --quiet", &[&compiled]));
-    assert_eq!((of_compiled.0, &of_compiled.1["method"]["kind"]), (drawn, &"graph".into()));
+    assert_eq!(
+        (of_compiled.0, &of_compiled.1["method"]["kind"]),
+        (drawn, &"graph".into())
+    );
 }
 
 /// A third of all runs come to the timeout of the first phase: by the graph, by runs, and as `simulate` counts them.

@@ -159,7 +159,7 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
         markdown.starts_with("|  | A line & more | tower |\n|---|--:|--:|\n"),
         "{markdown}"
     );
-    let seconds = stochc::ensemble::text::number(mean * tick);
+    let seconds = stochc::text::number(mean * tick);
     assert!(
         markdown.contains(&format!("| mean \\[s\\] | {seconds} ± ")),
         "{markdown}"
@@ -238,7 +238,7 @@ fn a_difference_that_is_not_significant_is_told_with_the_runs_that_it_needs() {
     assert!(
         words.contains(&format!(
             "{} runs of each",
-            stochc::ensemble::text::number(needed as f64)
+            stochc::text::number(needed as f64)
         )),
         "{words}"
     );

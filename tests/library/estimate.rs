@@ -1,7 +1,7 @@
 //! What `check --cost` says of times, against runs by rates: of both the law of waits is the same, and the program is read by
 //! different pieces.
-use stochc_ir::record::Outcome;
 use stochc_estimate::{Interaction, Rates};
+use stochc_ir::record::Outcome;
 use stochc_runtime::{Model, Settings};
 
 const RUNS: u64 = 400;

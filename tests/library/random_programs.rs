@@ -8,13 +8,13 @@ use crate::random::{Reuse, declare, declare_with};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use stochc::compiler::scene::built_in;
+use stochc::control::explore::{
+    ExceededBound, ExplorationBounds, ExplorationVerdict, Faults, explore,
+};
 use stochc::ir::Cell;
 use stochc::ir::record::Outcome;
 use stochc::ir::scene::Messages;
 use stochc::ir::table::Tables;
-use stochc::protocol::explore::{
-    ExceededBound, ExplorationBounds, ExplorationVerdict, Faults, explore,
-};
 use stochc::runtime::control::Controller;
 use stochc::runtime::drive;
 use stochc::runtime::rates::Rates;

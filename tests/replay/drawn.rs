@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 use stochc::ensemble::recording::Recording;
-use stochc::ir::palette::{DARK, LIGHT, Theme, phase};
 use stochc::ir::table::Tables;
 use stochc::runtime::observe::ObservedEvent;
 use stochc::runtime::world::Body;
+use stochc::text::palette::{DARK, LIGHT, Theme, phase};
 
 use crate::browser::browser;
 use crate::folder::{PASSED_ON, PROGRAM, Results};

@@ -237,7 +237,7 @@ fn firefox_shows_the_same() {
         }})()",
         last.body
     ));
-    let colour = stochc::ir::palette::phase(last.phase.0 as usize);
+    let colour = stochc::text::palette::phase(last.phase.0 as usize);
     let light: Vec<f64> = (shown.as_array().unwrap().iter())
         .zip([colour.0, colour.1, colour.2])
         .map(|(shown, part)| shown.as_f64().unwrap() / f64::from(part))

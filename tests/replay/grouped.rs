@@ -3,9 +3,9 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 use stochc::ensemble::recording::Recording;
-use stochc::ir::palette::{DARK, LIGHT};
 use stochc::runtime::observe::ObservedEvent;
 use stochc::runtime::world::FreeBond;
+use stochc::text::palette::{DARK, LIGHT};
 
 use crate::browser::browser;
 use crate::folder::{Results, SWARM};

@@ -1,6 +1,6 @@
 //! Finding one's way in the page: what a click means, and what moves by itself.
 use serde_json::Value;
-use stochc::ir::palette::{DARK, LIGHT};
+use stochc::text::palette::{DARK, LIGHT};
 
 use crate::browser::browser;
 use crate::folder::{PROGRAM, Results};

@@ -1,7 +1,7 @@
 //! Two runs in one page, a tour of one, and what is taken along.
 use serde_json::{Value, json};
 use stochc::ensemble::recording::Recording;
-use stochc::ir::palette::{DARK, LIGHT};
+use stochc::text::palette::{DARK, LIGHT};
 
 use crate::browser::{Browser, browser};
 use crate::folder::{PROGRAM, Results, stochc};

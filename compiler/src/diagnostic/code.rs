@@ -195,7 +195,7 @@ impl Code {
     /// Returns the name of a code that is closest to an unknown name, if one is close enough.
     pub fn nearest(name: &str) -> Option<&'static str> {
         let known = Code::ALL.iter().map(|code| code.name());
-        stochc_ir::suggest::nearest(name, known)
+        stochc_text::suggest::nearest(name, known)
             .and_then(|meant| Code::from_name(&meant.word).map(Code::name))
     }
 

@@ -1,5 +1,5 @@
 //! Changes of the source that fix diagnostics.
-use stochc_ir::suggest::Suggestion;
+use stochc_text::suggest::Suggestion;
 
 use super::{Edit, Fix};
 use crate::{SourceLocation, Sources, Span};

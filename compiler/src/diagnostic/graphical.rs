@@ -3,7 +3,7 @@ use miette::{
     Diagnostic as MietteDiagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan,
     MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
 };
-use stochc_ir::visible_lines;
+use stochc_text::visible_lines;
 
 use super::{Diagnostic, Label, Severity};
 use crate::{FileId, SourceFile, Sources};
@@ -94,7 +94,7 @@ impl<'a> Picture<'a> {
         };
         let others = elsewhere.into_iter().map(move |file| Picture {
             severity: miette::Severity::Advice,
-            title: format!("in {}", stochc_ir::visible(&sources.file(file).name)),
+            title: format!("in {}", stochc_text::visible(&sources.file(file).name)),
             help: None,
             excerpt: Some(Excerpt(sources.file(file))),
             labels: part(file),
@@ -234,7 +234,7 @@ impl SourceCode for Excerpt<'_> {
         // Columns count characters, as in all other forms.
         let column = file.position(start as u32).1 - 1;
         Ok(Box::new(MietteSpanContents::new_named(
-            stochc_ir::visible(&file.name),
+            stochc_text::visible(&file.name),
             &text.as_bytes()[start..end],
             (start, end - start).into(),
             line,

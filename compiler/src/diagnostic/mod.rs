@@ -19,7 +19,7 @@ pub(crate) use repeat::Subjects;
 pub(crate) use row_hint::row_hint;
 
 use crate::{FileId, SourceLocation};
-use stochc_ir::suggest::{Suggestion, nearest};
+use stochc_text::suggest::{Suggestion, nearest};
 
 /// An error or warning, with the places that it is about.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Merges diagnostics of one statement that differ only in what they are about.
 //!
 //! A statement in a loop or a pattern may be wrong many times.
-use stochc_ir::listed;
+use stochc_text::listed;
 
 use super::Diagnostic;
 

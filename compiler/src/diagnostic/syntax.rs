@@ -4,7 +4,7 @@ use stochc_grammar::{
     SyntaxErrorKind as K, is_comment,
 };
 
-use stochc_ir::series;
+use stochc_text::series;
 
 use super::syntax_hints::{SyntaxHint, spelt};
 use super::{Code, Diagnostic, Edit, Fix};

@@ -2,7 +2,7 @@
 use stochc_grammar::is_unit;
 use stochc_ir::scene::quantity::QuantityKind;
 use stochc_ir::scene::units::unit_meant;
-use stochc_ir::suggest::{Suggestion, nearest};
+use stochc_text::suggest::{Suggestion, nearest};
 
 use super::{Code, Diagnostic, Edit, Fix};
 use crate::{SourceLocation, Span};

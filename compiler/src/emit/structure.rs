@@ -6,7 +6,8 @@ use serde_json::json;
 use stochc_grammar::Symbols;
 use stochc_ir::emit::Text;
 use stochc_ir::structure::{BuiltBlock, BuiltPhase, BuiltStructure};
-use stochc_ir::{Cell, CellBounds, Json, counted};
+use stochc_ir::{Cell, CellBounds, Json};
+use stochc_text::counted;
 
 use crate::layout::Layout;
 use crate::placed_blocks::{PlacedBlock, placed_blocks};

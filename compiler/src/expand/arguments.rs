@@ -1,7 +1,7 @@
 //! Checks the arguments of patterns.
 use stochc_grammar::Span;
 use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Name, Pattern, Place};
-use stochc_ir::suggest::nearest;
+use stochc_text::suggest::nearest;
 
 use super::Expander;
 use super::place::face_meant;

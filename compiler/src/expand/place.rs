@@ -1,7 +1,7 @@
 //! Names of blocks: paths with indices and ranges.
 use stochc_grammar::tree::{Place, Segment, Subscript};
 use stochc_ir::Face;
-use stochc_ir::suggest::{Suggestion, nearest};
+use stochc_text::suggest::{Suggestion, nearest};
 
 use super::scope::BoundValue;
 use super::{Expander, Pass};

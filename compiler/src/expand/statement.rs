@@ -2,8 +2,8 @@
 use stochc_grammar::tree::{Arrow, Chain, EventReference, For, Instance, Pattern, Place, Release};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::Face;
-use stochc_ir::counted;
 use stochc_ir::table::RoleId;
+use stochc_text::counted;
 
 use super::scope::BoundValue;
 use super::{Expander, Pass};

@@ -5,8 +5,8 @@ use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_ir::Face;
 use stochc_estimate::{beside_gap, gap_entrances};
+use stochc_ir::Face;
 
 use super::descendants::{DescendantIndex, Descendants};
 use super::moving_cube::MovingCube;

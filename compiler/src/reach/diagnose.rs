@@ -1,5 +1,6 @@
 //! Diagnostics of captures whose cells cannot be reached, or only through gaps.
-use stochc_ir::{Face, counted, series};
+use stochc_ir::Face;
+use stochc_text::{counted, series};
 
 use super::closable_phase::ClosablePhase;
 use super::descendants::DescendantIndex;

@@ -12,7 +12,7 @@ use stochc_ir::scene::schema::{
     self, Absent, CLAUSES, Either, FieldAlternative, FieldGroup, REQUIREMENTS, SchemaEntry,
     SchemaNumber, SchemaPart,
 };
-use stochc_ir::series;
+use stochc_text::series;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
 use crate::{FileId, SourceLocation};

@@ -24,8 +24,8 @@ use stochc_runtime::Save;
 use super::clock;
 use super::file_integrity::{FileIntegrity, Integrity};
 use super::file_names::{CHECKPOINTS, DAMAGED};
-use super::text::{duration, visible};
 use super::{Manifest, this_build};
+use stochc_text::{duration, visible};
 
 /// Of the file.
 const VERSION: u32 = 1;

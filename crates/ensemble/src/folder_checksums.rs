@@ -86,7 +86,7 @@ impl FolderChecksums {
             let length = file.metadata()?.len();
             Ok((length, of_file(file, entry.bytes)?))
         });
-        let shown = crate::text::visible(name);
+        let shown = stochc_text::visible(name);
         match found {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 Some(format!("`{shown}` is missing"))

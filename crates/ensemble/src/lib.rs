@@ -71,7 +71,6 @@ pub mod slurm;
 mod slurm_folder;
 pub mod statistics;
 pub mod sweep;
-pub mod text;
 mod thread_time;
 mod time_left;
 mod times;

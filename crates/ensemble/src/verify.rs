@@ -13,8 +13,8 @@ use super::journal::read as read_journal;
 use super::journal_error::JournalError;
 use super::recording::{Outline, RecordingError, path as recording_path};
 use super::shards::{self, Cut};
-use super::text::visible;
 use super::{Folder, FolderError, Further, Manifest, Records, Resume};
+use stochc_text::visible;
 
 pub use super::file_integrity::{FileIntegrity, Integrity};
 pub use super::file_names::DAMAGED;

@@ -4,8 +4,8 @@
 
 use std::fs;
 
-use stochc_ir::{Cell, Face};
 use stochc_estimate::{GUESS_ERROR, Neighbourhood, Rates};
+use stochc_ir::{Cell, Face};
 
 /// The numbers of the theory were chosen with these in sight.
 const SEEN: [&str; 7] = [

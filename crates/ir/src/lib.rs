@@ -10,17 +10,13 @@ pub mod emit;
 mod executable;
 mod face;
 pub mod graph;
-mod invisible;
 mod json;
-pub mod palette;
-mod phrases;
 mod plate;
 pub mod record;
 pub mod scene;
 pub mod state;
 mod strict_json;
 pub mod structure;
-pub mod suggest;
 pub mod table;
 
 pub use cell::{Cell, offsets_within};
@@ -28,9 +24,7 @@ pub use cell_bounds::CellBounds;
 pub use draw::Draw;
 pub use executable::{Executable, ExecutableError, FORMAT, JamRisk, sha256};
 pub use face::Face;
-pub use invisible::{is_invisible, visible, visible_lines};
 pub use json::Json;
-pub use phrases::{counted, listed, series};
 pub use strict_json::{StrictJsonError, strict_json};
 
 /// Digest of this crate's sources. Two builds with equal digests compute equal results.

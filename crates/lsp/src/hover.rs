@@ -6,11 +6,11 @@ use stochc_compiler::order::Order;
 use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
 use stochc_compiler::source_map::{Ancestry, Located, blocks_at};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, SourceLocation};
+use stochc_estimate::{Cost, GUESS_ERROR, LowerBoundReasons, Rates};
 use stochc_grammar::tree::{Item, Tree};
-use stochc_ir::counted;
 use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
-use stochc_estimate::{Cost, GUESS_ERROR, LowerBoundReasons, Rates};
+use stochc_text::counted;
 
 use super::analysis::Analysis;
 use super::scene;

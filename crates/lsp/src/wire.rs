@@ -192,7 +192,13 @@ mod tests {
 
     #[test]
     fn a_message_without_a_valid_length_ends_the_stream() {
-        for length in ["abc", "", "-10", "99999999999", "99999999999999999999999999"] {
+        for length in [
+            "abc",
+            "",
+            "-10",
+            "99999999999",
+            "99999999999999999999999999",
+        ] {
             let text = format!("{}Content-Length: {length}\r\n\r\n{}", framed(A), framed(B));
             assert_eq!(all(&text), ["a"], "{length}");
         }

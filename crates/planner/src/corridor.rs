@@ -8,9 +8,9 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use rustc_hash::FxHashMap;
+use stochc_estimate::{beside_gap, gap_entrances};
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
-use stochc_estimate::{beside_gap, gap_entrances};
 
 use crate::disassembly::Disassembly;
 use crate::free_space::WayIn;

@@ -1,7 +1,8 @@
 //! Explanation of a plan in words and as a picture.
 use std::fmt::Write as _;
 
-use stochc_ir::{Cell, CellBounds, counted};
+use stochc_ir::{Cell, CellBounds};
+use stochc_text::counted;
 
 use crate::baseline::Baseline;
 use crate::capture::Capture;

@@ -1,6 +1,6 @@
 //! Free positions of a cube that are reachable from outside.
-use stochc_ir::{Cell, Face};
 use stochc_estimate::{beside_gap, gap_entrances};
+use stochc_ir::{Cell, Face};
 
 use crate::grid::{Grid, shifted};
 use crate::sites::{NONE, Sites};

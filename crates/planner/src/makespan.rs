@@ -5,8 +5,8 @@ use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
-use stochc_ir::Cell;
 use stochc_estimate::LowerBoundReasons;
+use stochc_ir::Cell;
 
 use crate::precedence::Waiting;
 use crate::schedule::Schedule;

@@ -3,11 +3,11 @@ use std::borrow::Cow;
 use std::cell::RefCell;
 
 use rustc_hash::FxHashMap;
-use stochc_ir::scene::Scene;
-use stochc_ir::{Cell, Face};
 use stochc_estimate::{
     Neighbourhood, Parameters, Rates, Rivals, Surroundings, Wait, around, offsets, rivals,
 };
+use stochc_ir::scene::Scene;
+use stochc_ir::{Cell, Face};
 
 use crate::grid::shifted;
 

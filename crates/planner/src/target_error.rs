@@ -3,7 +3,8 @@ use std::fmt;
 
 use serde::Serialize;
 use stochc_grammar::Cancelled;
-use stochc_ir::{Cell, counted, listed};
+use stochc_ir::Cell;
+use stochc_text::{counted, listed};
 
 /// Reason why there is no plan.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

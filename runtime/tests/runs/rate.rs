@@ -3,12 +3,12 @@ use std::ops::ControlFlow;
 
 use stochc_compiler::{Limits, check};
 use stochc_control::{BlockFace, Docking};
+use stochc_estimate::{Coverage, FORMAT, HeadStart, Neighbourhood, Parameters, Rates};
 use stochc_ir::Face;
 use stochc_ir::record::{Origin, Outcome, RunRecord};
 use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
 use stochc_ir::table::Tables;
-use stochc_estimate::{Coverage, FORMAT, HeadStart, Neighbourhood, Parameters, Rates};
 use stochc_runtime::world::rate::RateWorld;
 use stochc_runtime::world::{Fault, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};

@@ -1,11 +1,12 @@
 //! What `check --cost` says of a program.
 use serde_json::{Value, json};
 use stochc_compiler::{MAX_ESTIMATED, Program, Symbols};
-use stochc_ensemble::text::percent;
 use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out, lower_bound};
-use stochc_report::text::{TextColumn, TextTable, event_labels, paragraph};
+use stochc_report::text::event_labels;
 use stochc_runtime::rates::{CaptureCost, Cost, PhaseCost, Rates, Times};
 use stochc_runtime::world::rate::RateWorld;
+use stochc_text::percent;
+use stochc_text::{TextColumn, TextTable, paragraph};
 
 use super::super::terminal::output_width;
 use crate::operations::rates::at_hand;

@@ -1,6 +1,6 @@
 //! `stochc check --fix`.
 use stochc_files::programs::STDIN_NAME;
-use stochc_ir::{counted, visible};
+use stochc_text::{counted, visible};
 
 use super::super::terminal::{has_colour, message_width, print, warn, warn_drawn};
 use super::{CheckArguments, verdict};

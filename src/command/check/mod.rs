@@ -10,8 +10,8 @@ use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Limits, Program, check_with};
 use stochc_files::programs::{STDIN, STDIN_NAME, programs, read};
 use stochc_ir::emit::chain_text;
-use stochc_ir::visible;
 use stochc_runtime::rates::Rates;
+use stochc_text::visible;
 
 use self::cost::{cost_json, costs, summed_up};
 use self::scene::scenes;

@@ -8,9 +8,9 @@ use stochc_ir::scene::describe::{AbsentTerm, DescribedTerm, DescribedValue, abse
 use stochc_ir::scene::groups::{BlockUnits, DimensionlessGroup, Speed, SpeedFrom, groups, speed};
 use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, short};
 use stochc_ir::scene::{ContactLaw, Scene, Substeps};
-use stochc_ir::visible;
-use stochc_report::text::aligned;
 use stochc_runtime::{StepError, step_errors};
+use stochc_text::aligned;
+use stochc_text::visible;
 
 /// A scene that assemblies of a file run in, and all that is said of it.
 pub struct InForce<'a> {

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use stochc_ensemble::recording::{EVERY, Selection};
-use stochc_ensemble::text::share;
 use stochc_ensemble::{Interval, MAX_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
+use stochc_text::share;
 
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;

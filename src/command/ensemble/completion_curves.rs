@@ -2,10 +2,10 @@
 use std::path::Path;
 
 use stochc_ensemble::statistics::{KaplanMeier, TimeSample};
-use stochc_ensemble::text::{Tick, visible};
 use stochc_ensemble::{EnsembleProgram, JournalError, Manifest, Records, completion_time};
 use stochc_files::shell::file as shell_file;
-use stochc_report::text::{Strip, strips};
+use stochc_text::{Strip, strips};
+use stochc_text::{Tick, visible};
 
 use super::super::terminal::{is_quiet, output_is_watched, output_width, print};
 use crate::exit::Failure;

@@ -5,8 +5,8 @@ use stochc_ensemble::sweep::Axis;
 use stochc_ensemble::{MANIFEST, Manifest, check_manifest, survey, this_build};
 use stochc_files::budget::MANIFEST as MAX_MANIFEST;
 use stochc_files::read_file;
-use stochc_ir::visible;
 use stochc_runtime::Model;
+use stochc_text::visible;
 
 use super::arguments::ProgramOptions;
 use crate::exit::Failure;

@@ -136,7 +136,7 @@ pub fn stopped(out: Option<&Path>) -> Failure {
     use stochc_files::shell::file as shell_file;
     let message = match out {
         Some(out) => {
-            let folder = shell_file(&stochc_ir::visible(&out.to_string_lossy()));
+            let folder = shell_file(&stochc_text::visible(&out.to_string_lossy()));
             format!("interrupted; finished runs are kept. Next: stochc resume {folder}\n")
         }
         None => "interrupted; with `--out DIR`, finished runs are kept\n".to_owned(),

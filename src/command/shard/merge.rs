@@ -2,8 +2,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use stochc_ensemble::text::visible;
 use stochc_files::shell::file as shell_file;
+use stochc_text::visible;
 
 use super::super::terminal::{is_quiet, print};
 use crate::exit::{Exit, Failure};

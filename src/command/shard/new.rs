@@ -6,7 +6,7 @@ use stochc_ensemble::MAX_RUNS;
 use stochc_ensemble::shards::{Prepared, prepare};
 use stochc_ensemble::sweep::Axis;
 use stochc_files::shell::file as shell_file;
-use stochc_ir::visible;
+use stochc_text::visible;
 
 use super::super::ensemble::{ProgramOptions, RUNS, input, judge};
 use super::super::host::Terminal;

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use stochc_ensemble::Interval;
-use stochc_ensemble::text::visible;
+use stochc_text::visible;
 
 use super::super::host::Terminal;
 use super::super::interrupt::stop_on_interrupt;

@@ -14,10 +14,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use stochc_compiler::diagnostic::Severity;
 use stochc_compiler::{Limits, LintLevels};
 use stochc_ensemble::clock::now;
-use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
-use stochc_ir::counted;
 use stochc_planner::{LoosePart, Objective, PlanSearch, TargetError, listed_cells};
+use stochc_text::counted;
+use stochc_text::visible;
 
 use super::programs::verdict;
 use super::rates::of_files_for;

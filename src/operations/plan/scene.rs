@@ -3,7 +3,7 @@ use std::path::Path;
 
 use stochc_compiler::scene::{DEFAULT, built_in_names};
 use stochc_ir::scene::room::NoRoom;
-use stochc_ir::visible;
+use stochc_text::visible;
 
 use super::super::programs::verdict;
 use super::{PlanOptions, PlanScope, target};

@@ -6,8 +6,9 @@ use stochc_compiler::diagnostic::{Code, Severity};
 use stochc_files::budget::VOXELS;
 use stochc_files::read_file;
 use stochc_grammar::{BYTE_ORDER_MARK, Symbols};
-use stochc_ir::{Cell, counted, listed, visible};
+use stochc_ir::Cell;
 use stochc_planner::{UnreadableVoxels, VoxelScene, layers, magica_voxel};
+use stochc_text::{counted, listed, visible};
 
 use super::super::programs::{is_readable, verdict};
 use super::{PlanOptions, refused};

@@ -10,8 +10,8 @@ use stochc::planner::{PlanSearch, TargetError};
 use stochc::planning::{Completion, ExistingStructure, Goal, NotCompleted, Planned, Unplanned};
 use stochc_compiler::Checked;
 use stochc_compiler::plan::EventId;
-use stochc_ir::Executable;
 use stochc_estimate::Rates;
+use stochc_ir::Executable;
 use stochc_runtime::{Model, Settings, run};
 
 use crate::planner::random::grown;

@@ -1,7 +1,7 @@
 //! The words of a scene, one after the other.
 use stochc_grammar::tree::{Name, Term};
 use stochc_ir::scene::schema::SchemaEntry;
-use stochc_ir::suggest::nearest;
+use stochc_text::suggest::nearest;
 
 use super::{SceneReader, named, span, words};
 use crate::diagnostic::{Code, Diagnostic, Fix, report};

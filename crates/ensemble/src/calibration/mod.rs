@@ -7,9 +7,9 @@ mod head_start;
 mod likelihood;
 mod observation;
 
+use stochc_estimate::{Coverage, FORMAT, Parameters, Rates};
 use stochc_ir::record::RunRecord;
 use stochc_ir::scene::Scene;
-use stochc_estimate::{Coverage, FORMAT, Parameters, Rates};
 use stochc_runtime::Settings;
 
 pub use gas::profile;

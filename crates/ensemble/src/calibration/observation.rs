@@ -1,9 +1,9 @@
 //! The waits of a run, each with what was around it, piece by piece.
 use std::collections::BTreeSet;
 
+use stochc_estimate::{Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees};
 use stochc_ir::record::RunRecord;
 use stochc_ir::{Cell, Face};
-use stochc_estimate::{Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees};
 
 /// Squared distance in sides within which a block that is let go has a head start, at most.
 pub(super) const NEAR: u32 = 8;

@@ -7,7 +7,7 @@ use stochc_files::csv::original;
 
 use super::observed::Observed;
 use crate::statistics::Observation;
-use crate::text::number;
+use stochc_text::number;
 
 /// A number of a table, at most: of larger ones squares, and their sums, are not known to their digits.
 const MAX: f64 = 1e15;

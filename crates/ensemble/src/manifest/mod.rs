@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use stochc_estimate::{LowerBoundReasons, ProgramParts, Rates};
 use stochc_ir::graph::EventGraph;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{Phase, PhaseId, Role, RoleId, Tables};
 use stochc_ir::{Executable, JamRisk, sha256};
-use stochc_estimate::{LowerBoundReasons, ProgramParts, Rates};
 use stochc_runtime::{Model, Settings};
 
 pub use chosen::ChosenSetting;

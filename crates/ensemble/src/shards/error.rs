@@ -2,7 +2,7 @@
 use std::path::{Path, PathBuf};
 
 use stochc_files::shell::file as shell_file;
-use stochc_ir::listed;
+use stochc_text::listed;
 
 use super::MAX_SHARDS;
 use crate::{EnsembleError, FolderError, JournalError};

@@ -1,5 +1,5 @@
 //! Tasks of a job array. Task i runs `per_task` shards, from shard i × `per_task`.
-use crate::text::ranges;
+use stochc_text::ranges;
 
 /// Returns the numbers of the tasks that run the `missing` shards, which are ascending.
 pub fn tasks(missing: &[u64], per_task: u64) -> Vec<u64> {

@@ -3,11 +3,11 @@ use serde::Serialize;
 use stochc_ir::record::{BondRecord, Origin, RunRecord};
 
 use crate::statistics::{Status, TimeSample, share_interval};
-use crate::text::Tick;
 use crate::{
     ChosenSetting, EnsembleProgram, Finished, JournalError, Manifest, Records, Time, TimeUnit,
     Varied, completion_time, last_seen,
 };
+use stochc_text::Tick;
 
 /// The unit of times where all scenes have ticks of one length.
 const TICKS: &str = "ticks";

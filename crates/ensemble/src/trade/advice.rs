@@ -1,7 +1,7 @@
 //! What to do, in a sentence or two.
 use super::convergence::{CLOSE, Convergence};
 use super::result::{CandidateResult, Trade};
-use crate::text::{percent, ratio};
+use stochc_text::{percent, ratio};
 
 /// The sentences for a trade.
 pub(super) fn advice(trade: &Trade) -> String {

@@ -6,8 +6,8 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face, JamRisk};
 
-use super::message_times::{MessageTimes, StepMessages};
 use super::PhaseCost;
+use super::message_times::{MessageTimes, StepMessages};
 
 /// A program whose times are estimated: the parts of its executable.
 #[derive(Clone, Copy, Debug)]
@@ -101,7 +101,12 @@ impl<'a> Events<'a> {
         let shape = |phase| {
             let mut counts = vec![0; 1];
             if !self.is_planted(phase) {
-                for id in self.parts.graph.events_of(phase).filter(|id| self.is_capture(*id)) {
+                for id in self
+                    .parts
+                    .graph
+                    .events_of(phase)
+                    .filter(|id| self.is_capture(*id))
+                {
                     let level = self.levels[id.0 as usize] as usize;
                     counts.resize(counts.len().max(level + 1), 0);
                     counts[level] += 1;

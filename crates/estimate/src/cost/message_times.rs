@@ -210,7 +210,9 @@ impl<'a> MessageTimes<'a> {
         let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);
         let on_the_way = std::iter::successors(to, |&id| self.parent(id));
         let mut handed_to: Vec<u32> = on_the_way
-            .take_while(|&id| Some(id) != common && self.events.parts.graph.event(id).phase == phase)
+            .take_while(|&id| {
+                Some(id) != common && self.events.parts.graph.event(id).phase == phase
+            })
             .take(MAX_HANDED)
             .map(|id| id.0)
             .collect();

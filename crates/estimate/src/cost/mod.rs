@@ -99,7 +99,9 @@ fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, timeouts: &[f64])
     let Some(rates) = rates else {
         return cost;
     };
-    let ProgramParts { graph, jam_risks, .. } = events.parts;
+    let ProgramParts {
+        graph, jam_risks, ..
+    } = events.parts;
     cost.lower_bound = LowerBoundReasons::new(jam_risks, rates, graph.largest_structure());
     let waits = waits::waits(events, rates);
     if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {

@@ -6,8 +6,8 @@ use smallvec::SmallVec;
 use stochc_ir::{Cell, Draw};
 
 use super::drawn_times::{DrawnTimes, NOBODY, exponential};
-use super::scarcity::ScarceBlocks;
 use super::events::{Events, Step};
+use super::scarcity::ScarceBlocks;
 use super::timed_phase::TimedPhase;
 use super::waits::{CaptureWait, within};
 use crate::Times;

@@ -9,8 +9,8 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::drawn_times::{DrawnTimes, exponential};
-use super::scarcity::ScarceBlocks;
 use super::events::Step;
+use super::scarcity::ScarceBlocks;
 use super::waits::CaptureWait;
 use crate::{ReleaseNearby, Wait};
 

@@ -6,9 +6,7 @@ use stochc_ir::{Cell, Face, offsets_within};
 
 use super::events::{Events, PhaseEvent, bound};
 use super::occupancy::Occupancy;
-use crate::{
-    HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait, feature_cells,
-};
+use crate::{HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait, feature_cells};
 
 /// The part of the free blocks that may be missing at the end of a turn, and half of it be taken for all.
 const FEW: f64 = 0.03;

@@ -2,9 +2,9 @@
 use std::fmt::{self, Display, Formatter, Write};
 
 use super::Text;
-use crate::counted;
 use crate::scene::BondKind;
 use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
+use stochc_text::counted;
 
 /// Returns the text form of event tables.
 pub fn table_text(tables: &Tables) -> impl Display {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use super::Scene;
 pub use super::scalar_error::ScalarError;
 use super::schema::{self, CLAUSES, SchemaNumber};
-use crate::suggest::nearest;
+use stochc_text::suggest::nearest;
 
 /// Returns every parameter of any scene once, in the order of the language reference. One of
 /// several with equal names represents all.

@@ -1,7 +1,7 @@
 //! Consistency of tables and scene, both from a file.
 use super::{Action, Tables};
-use crate::counted;
 use crate::scene::{BondKind, Scene};
+use stochc_text::counted;
 
 impl Tables {
     /// Validates tables from a file against a scene.

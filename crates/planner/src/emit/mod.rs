@@ -11,7 +11,8 @@ mod tests;
 use std::fmt::Write as _;
 
 use stochc_grammar::{FormatError as Unreadable, format};
-use stochc_ir::{Cell, counted};
+use stochc_ir::Cell;
+use stochc_text::counted;
 
 use crate::capture::Capture;
 use crate::plan::BuildPlan;

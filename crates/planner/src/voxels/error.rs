@@ -1,5 +1,5 @@
 //! Errors of voxel files.
-use stochc_ir::{counted, listed};
+use stochc_text::{counted, listed};
 use thiserror::Error;
 
 use crate::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};

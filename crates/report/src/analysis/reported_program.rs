@@ -3,13 +3,13 @@ use std::io;
 
 use stochc_ensemble::statistics::{Observation, Status, TimeSample};
 use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
-use stochc_ensemble::text::{Tick, number};
 use stochc_ensemble::{
     EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_status,
     completion_time, phase_time, sort_by_time,
 };
 use stochc_ir::record::{BondRecord, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
+use stochc_text::{Tick, number};
 
 use crate::presentation::Presentation;
 use crate::svg::PlotAxis;

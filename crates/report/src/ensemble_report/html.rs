@@ -1,7 +1,7 @@
 //! HTML in which text of others is only text.
 use std::fmt::Write as _;
 
-use stochc_ensemble::text::escaped;
+use stochc_text::escaped;
 
 /// A page that grows. What is `plain` is escaped; what is `marked` has been made of these pieces.
 #[derive(Clone, Debug, Default)]

@@ -1,8 +1,8 @@
 //! A run in words: its critical path.
 use stochc_ensemble::EnsembleProgram;
-use stochc_ensemble::text::{Tick, escaped, number, whole_percent};
 use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
+use stochc_text::{Tick, escaped, number, whole_percent};
 
 use super::html::{code, name};
 use crate::analysis::critical_path::{CriticalPathSegment, SegmentKind};

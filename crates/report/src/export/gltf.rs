@@ -3,12 +3,12 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use serde_json::{Value, json};
-use stochc_ir::palette::{DARK, PHASES, Rgb};
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{PhaseId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
+use stochc_text::palette::{DARK, PHASES, Rgb};
 
 /// More than this does not fit into a file, whose lengths have 32 bits.
 const LARGEST: u64 = 0xFFFF_0000;

@@ -1,6 +1,6 @@
 //! Entries into the magnetic field against docking time.
 use stochc_ensemble::statistics::quantile;
-use stochc_ensemble::text::{number, visible};
+use stochc_text::{number, visible};
 
 use super::EDGE;
 use crate::analysis::reported_program::ReportedProgram;

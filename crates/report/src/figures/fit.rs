@@ -1,6 +1,6 @@
 //! What a fit knows of each number, and what it predicts.
 use stochc_ensemble::fit::{Fit, Interval, Prediction, Prior, Unit};
-use stochc_ensemble::text::number;
+use stochc_text::number;
 
 use super::EDGE;
 use crate::svg::letters::{fitted, widest};

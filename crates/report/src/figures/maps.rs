@@ -1,6 +1,6 @@
 //! Slices through what was counted in the cells of the lattice, as maps.
-use stochc_ensemble::text::number;
-use stochc_ir::palette::sequential;
+use stochc_text::number;
+use stochc_text::palette::sequential;
 
 use super::EDGE;
 use crate::analysis::maps::SliceMap;

@@ -1,6 +1,6 @@
 //! Mean times to completion side by side.
 use stochc_ensemble::Time;
-use stochc_ensemble::text::number;
+use stochc_text::number;
 
 use super::EDGE;
 use crate::svg::letters::{fitted, widest};

@@ -1,7 +1,7 @@
 //! What a program builds, at the end of each phase.
 use stochc_ir::Cell;
-use stochc_ir::palette::{self, LIGHT, Rgb};
 use stochc_ir::structure::{BuiltBlock, BuiltStructure};
+use stochc_text::palette::{self, LIGHT, Rgb};
 
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, Medium, Paint, Style};

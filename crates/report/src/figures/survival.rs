@@ -1,6 +1,6 @@
 //! Shares of runs that are not complete, over time.
 use stochc_ensemble::statistics::{KaplanMeier, Observation, SurvivalPoint};
-use stochc_ensemble::text::{number, percent_number};
+use stochc_text::{number, percent_number};
 
 use super::EDGE;
 use crate::svg::letters::{fitted, width};

@@ -1,7 +1,8 @@
 //! A trade as a picture: what a run costs against how far it is off.
-use stochc_ensemble::text::{percent, relative, relative_size, seconds};
+use crate::text::{relative, relative_size};
 use stochc_ensemble::trade::{CLOSE, CandidateResult, Convergence, Trade};
 use stochc_runtime::{Model, Precision};
+use stochc_text::{percent, seconds};
 
 use super::EDGE;
 use crate::svg::letters::{fitted, width};

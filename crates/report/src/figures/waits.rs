@@ -1,5 +1,5 @@
 //! How long each capture was waited for, and how much of the runs' time that decided.
-use stochc_ensemble::text::{number, percent};
+use stochc_text::{number, percent};
 
 use super::EDGE;
 use crate::analysis::reported_program::ReportedProgram;

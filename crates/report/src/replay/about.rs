@@ -1,9 +1,9 @@
 //! What a page has to know besides the recording.
 use serde_json::{Value, json};
-use stochc_ensemble::text::visible;
 use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_ir::emit::{graph_json, table_json};
 use stochc_runtime::Substeps;
+use stochc_text::visible;
 
 use super::program_text::{EventLocation, program_text};
 

@@ -1,6 +1,6 @@
 //! The palette, as the page needs it.
 use serde_json::{Value, json};
-use stochc_ir::palette::{DARK, LIGHT, PHASES, Rgb, Theme};
+use stochc_text::palette::{DARK, LIGHT, PHASES, Rgb, Theme};
 
 /// What of a theme is seen in the arena.
 fn named(theme: &Theme) -> [(&'static str, Rgb); 11] {

@@ -12,7 +12,7 @@ use std::io::{self, Read, Write};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use stochc_ensemble::text::escaped;
+use stochc_text::escaped;
 
 use crate::template::{fill, policy};
 

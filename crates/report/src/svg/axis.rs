@@ -1,5 +1,5 @@
 //! Axes: a line, marks with their values, and a name with a unit.
-use stochc_ensemble::text::number;
+use stochc_text::number;
 
 use super::drawing::{Drawing, LINE};
 use super::letters::{self, widest, wrapped};

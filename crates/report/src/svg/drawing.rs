@@ -1,5 +1,5 @@
 //! A picture with a name, a title, and words for those who cannot see it.
-use stochc_ir::palette::Rgb;
+use stochc_text::palette::Rgb;
 
 use super::letters::{self, fitted, wrapped};
 use super::medium::Medium;

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 use ttf_parser::Face;
 
 use super::medium::TYPE;
-use crate::text::short;
+use stochc_text::short;
 
 /// Liberation Sans, as it is published (`report/fonts/`).
 pub(crate) const FONT: &[u8] = include_bytes!("../../fonts/LiberationSans-Regular.ttf");

@@ -1,7 +1,7 @@
 //! A drawing as SVG.
 use std::fmt::Write as _;
 
-use stochc_ensemble::text::escaped;
+use stochc_text::escaped;
 
 use super::drawing::Drawing;
 use super::letters::known_width;

@@ -9,7 +9,7 @@ use pdf_writer::types::{
 };
 use pdf_writer::{Content, Filter, Finish as _, Name, Pdf, Rect, Ref, Str, TextStr};
 use stochc_files::checksum::crc32;
-use stochc_ir::palette::Rgb;
+use stochc_text::palette::Rgb;
 use subsetter::GlyphRemapper;
 
 use super::Drawing;

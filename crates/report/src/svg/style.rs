@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 
-use stochc_ir::palette::{DARK, LIGHT, PHASES, Rgb, Theme};
+use stochc_text::palette::{DARK, LIGHT, PHASES, Rgb, Theme};
 
 use super::Medium;
 

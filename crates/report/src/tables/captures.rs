@@ -1,9 +1,9 @@
 //! The captures of a program as text, a row for each.
 use stochc_ensemble::CaptureSummary;
-use stochc_ensemble::text::{Tick, percent};
+use stochc_text::{Tick, percent};
 
 use super::comparison::{mean, ticks};
-use crate::text::{TextColumn, TextTable, paragraph};
+use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// The captures as a table of plain text, in a scene with ticks of this length \[s\]; `width` is that of
 /// the terminal, in characters.

@@ -1,8 +1,9 @@
 //! A comparison as text, in the layout of the paper's Tables I and II.
-use stochc_ensemble::text::Tick;
 use stochc_ensemble::{Comparison, Pair, ProgramSummary, Time};
+use stochc_text::Tick;
 
-use crate::text::{self, TextTable, paragraph, sentence};
+use crate::text::sentence;
+use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// The label of a row that says in seconds what the row above says in ticks: side by side, both would be wide.
 const SECONDS: &str = "  in seconds";
@@ -143,7 +144,7 @@ struct ComparisonTableBuilder<'a> {
 
 impl<'a> ComparisonTableBuilder<'a> {
     fn new(programs: &'a [ProgramSummary]) -> ComparisonTableBuilder<'a> {
-        let columns = (programs.iter()).map(|c| text::TextColumn::figures(&c.name, Vec::new()));
+        let columns = (programs.iter()).map(|c| TextColumn::figures(&c.name, Vec::new()));
         ComparisonTableBuilder {
             programs,
             table: TextTable {

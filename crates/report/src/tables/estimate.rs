@@ -1,11 +1,12 @@
 //! Estimates as text.
-use stochc_ensemble::text::percent;
+use stochc_text::percent;
 
 use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
 
 use super::rates::{KNOWN_BIAS, first_guess};
 use crate::estimate::{CompletionEstimate, Method};
-use crate::text::{TextColumn, TextTable, event_labels, paragraph};
+use crate::text::event_labels;
+use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// The times of programs and of their phases, and the `most` events of each that decide most of them; `width` is that of the
 /// terminal, in characters.

@@ -1,8 +1,8 @@
 //! A fit as text.
 use stochc_ensemble::fit::{Fit, Interval, Marginal, Observed, Prediction, Prior, Unit};
-use stochc_ensemble::text::{number, percent, percent_number};
+use stochc_text::{number, percent, percent_number};
 
-use crate::text::{TextColumn, TextTable, paragraph};
+use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// Numbers whose interval has lost less than this of the prior's are not known from the data.
 const UNINFORMED: f64 = 0.8;

@@ -1,11 +1,11 @@
 //! Tables for papers: each figure once, in one unit.
 use stochc_ensemble::sweep::Sweep;
-use stochc_ensemble::text::number;
 use stochc_ensemble::{Comparison, ProgramSummary, Time};
+use stochc_text::number;
 
 use super::comparison::{NEVER_COMPLETES, pair_sentences};
 use super::sweep::sweep_rows;
-use crate::text::{Markup, TextColumn, TextTable};
+use stochc_text::{Markup, TextColumn, TextTable};
 
 /// In place of a figure that does not exist.
 const NONE: &str = "–";

@@ -1,11 +1,12 @@
 //! The rates of a scene as text.
-use stochc_ensemble::text::{number, percent};
 use stochc_ensemble::{EnsembleProgram, Manifest};
-use stochc_ir::{Cell, Face, visible};
+use stochc_ir::{Cell, Face};
 use stochc_runtime::Model;
 use stochc_runtime::rates::{GUESS_ERROR, Neighbourhood, Parameters, Rates};
+use stochc_text::visible;
+use stochc_text::{number, percent};
 
-use crate::text::{TextColumn, TextTable};
+use stochc_text::{TextColumn, TextTable};
 
 /// What goes with every time by rates.
 pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of other programs were 3 % off those with physics on average and 7 % at most; \

@@ -1,9 +1,9 @@
 //! A sweep as text, a row for each point.
 use stochc_ensemble::sweep::{Sweep, SweepPoint};
-use stochc_ensemble::text::{number, percent};
+use stochc_text::{number, percent};
 
 use super::comparison::{NEVER_COMPLETES, mean, ticks};
-use crate::text::{TextColumn, TextTable, paragraph};
+use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// In place of a figure that does not exist.
 const NONE: &str = "-";

@@ -1,11 +1,12 @@
 //! A trade as text.
-use stochc_ensemble::text::{Tick, percent, ratio, relative, seconds, visible};
+use crate::text::relative;
 use stochc_ensemble::trade::{
     CLOSE, CandidateResult, Convergence, ProgramResult, Reference, Trade, Verdict,
 };
+use stochc_text::{Tick, percent, ratio, seconds, visible};
 
 use super::comparison::ticks;
-use crate::text::{TextColumn, TextTable, paragraph};
+use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// In place of a figure that does not exist.
 const NONE: &str = "-";

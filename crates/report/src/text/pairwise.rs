@@ -1,7 +1,7 @@
 //! What a test of two programs found, in words.
 use stochc_ensemble::PairwiseResult;
 use stochc_ensemble::statistics::{Difference, Longer, SIGNIFICANT, Test};
-use stochc_ensemble::text::number;
+use stochc_text::number;
 
 /// The sentence on two programs; `names` as they are to stand in it.
 ///

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_control::{BlockFace, Body, Docking, Orientation};
+use stochc_estimate::{Neighbourhood, SIGHT};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
-use stochc_estimate::{Neighbourhood, SIGHT};
 
 use super::grid::ChunkedGrid;
 use super::ranked::RankedSet;

@@ -122,7 +122,10 @@ impl EventQueue {
     pub fn second(&self, slot: Slot) -> f64 {
         let start = self.head_starts.peek();
         let start = start.map_or(NONE, |Reverse((moment, _))| *moment);
-        let other = self.sorted.iter().find(|moment| self::slot(**moment) != slot);
+        let other = self
+            .sorted
+            .iter()
+            .find(|moment| self::slot(**moment) != slot);
         match other.copied().unwrap_or(NONE).min(start) {
             NONE => f64::INFINITY,
             second => time(second),

@@ -12,10 +12,10 @@ mod open_face_hazards;
 mod waits;
 
 use stochc_control::{BlockFace, Docking};
+use stochc_estimate::{HeadStarts, Rates};
 use stochc_ir::scene::{Bond, Scene};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
-use stochc_estimate::{HeadStarts, Rates};
 
 use super::lattice::{Changes, FaceChange, LatticeStructure, bit, occupied_cells, site};
 use super::{Fault, SceneError, World};

@@ -2,8 +2,8 @@
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
-use stochc_ir::{Cell, Face};
 use stochc_estimate::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells, rivalry};
+use stochc_ir::{Cell, Face};
 
 use crate::world::grid::ChunkedGrid;
 use crate::world::lattice::faces;

@@ -2,8 +2,8 @@
 use std::hash::{Hash, Hasher};
 
 use rustc_hash::FxHashMap;
-use stochc_ir::Face;
 use stochc_estimate::{Neighbourhood, Rates, Wait, feature_cells};
+use stochc_ir::Face;
 
 use super::open_face_hazards::OpenFace;
 

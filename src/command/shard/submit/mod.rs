@@ -9,9 +9,9 @@ use std::time::Duration;
 use stochc_ensemble::clock::now;
 use stochc_ensemble::shards::{ShardError, merge};
 use stochc_ensemble::slurm::{FoundShards, Opened, Queue, SlurmEnsemble, job_number, tasks};
-use stochc_ensemble::text::{visible, words};
 use stochc_files::shell::file as shell_file;
-use stochc_ir::visible_lines;
+use stochc_text::visible_lines;
+use stochc_text::{visible, words};
 
 pub use arguments::SubmitArguments;
 

@@ -1,7 +1,7 @@
 //! Recognition of misspelt and unsupported units.
 use super::super::quantity::QuantityKind;
 use super::{BASES, PREFIXES, to_si};
-use crate::suggest::{Suggestion, nearest};
+use stochc_text::suggest::{Suggestion, nearest};
 
 /// Description of the supported units.
 pub const UNITS: &str = "units are those of the SI, with prefixes such as `m` and `k`, and min, h, L, bar, P, rpm, rev, deg and ticks";

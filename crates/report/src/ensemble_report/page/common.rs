@@ -1,7 +1,7 @@
 //! What several parts of the page say alike.
-use stochc_ensemble::text::{Tick, escaped, number};
 use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::address::address;
+use stochc_text::{Tick, escaped, number};
 
 use super::Parts;
 use crate::ensemble_report::html::{Html, HtmlCell, name};

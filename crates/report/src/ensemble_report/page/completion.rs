@@ -1,6 +1,6 @@
 //! When runs completed: curves, means, differences.
-use stochc_ensemble::text::number;
 use stochc_ensemble::{PairwiseResult, PairwiseTest, Time};
+use stochc_text::number;
 
 use super::common::{figures, show, tick};
 use super::{Parts, ROWS};

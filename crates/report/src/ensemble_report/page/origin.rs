@@ -1,9 +1,9 @@
 //! What was run, how to run it again, and how to read the page.
-use stochc_ensemble::text::number;
 use stochc_ensemble::{ChosenSetting, EnsembleProgram};
 use stochc_files::shell;
 use stochc_ir::scene::describe;
 use stochc_runtime::{Precision, Settings};
+use stochc_text::number;
 
 use super::Parts;
 use super::common::{lines, link};

@@ -1,8 +1,8 @@
 //! One program: its phases, captures, where its blocks came from, and single runs.
 use stochc_ensemble::Time;
 use stochc_ensemble::statistics::Observation;
-use stochc_ensemble::text::{escaped, number, percent};
 use stochc_files::shell;
+use stochc_text::{escaped, number, percent};
 
 use super::common::{coefficient, figure, figures, mean_cell, show};
 use super::maps::maps;

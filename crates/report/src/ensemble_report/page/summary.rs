@@ -1,6 +1,6 @@
 //! What comes first: the page in a few sentences.
 use stochc_ensemble::statistics::{Observation, Status};
-use stochc_ensemble::text::whole_percent;
+use stochc_text::whole_percent;
 
 use super::Parts;
 use super::common::{mean, sentence, tick};

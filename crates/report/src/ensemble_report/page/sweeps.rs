@@ -1,7 +1,7 @@
 //! What was varied, and what became of the times.
 use stochc_ensemble::sweep::{Sweep, SweepPoint};
-use stochc_ensemble::text::{number, percent};
-use stochc_ir::series;
+use stochc_text::series;
+use stochc_text::{number, percent};
 
 use super::common::{figure, mean_cell, show};
 use super::{Parts, ROWS};

@@ -1,6 +1,7 @@
 //! Cost and accuracy of the settings of a sweep.
-use stochc_ensemble::text::{escaped, percent, ratio, relative, seconds};
+use crate::text::relative;
 use stochc_ensemble::trade::{CandidateResult, Trade};
+use stochc_text::{escaped, percent, ratio, seconds};
 
 use super::Parts;
 use super::common::show;

@@ -1,6 +1,6 @@
 //! What figures over a number that was varied have in common.
 use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptValue};
-use stochc_ensemble::text::number;
+use stochc_text::number;
 
 use crate::figures::EDGE;
 use crate::svg::letters::fitted;

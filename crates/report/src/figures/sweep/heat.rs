@@ -1,6 +1,6 @@
 //! Mean times over two numbers that were varied, as a map.
 use stochc_ensemble::sweep::{SweepPoint, SweptValue};
-use stochc_ensemble::text::number;
+use stochc_text::number;
 
 use super::frame::Panel;
 use super::times::described;

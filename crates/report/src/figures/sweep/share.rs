@@ -1,6 +1,6 @@
 //! The share of runs that completed over a number that was varied.
 use stochc_ensemble::sweep::SweepPoint;
-use stochc_ensemble::text::percent_number;
+use stochc_text::percent_number;
 
 use super::frame::{AxesFrame, Panel, YScale, aside, description};
 use crate::svg::{Drawing, PlotAxis, Style, class, dashes};

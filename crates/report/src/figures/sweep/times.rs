@@ -1,7 +1,7 @@
 //! Mean times over a number that was varied.
 use stochc_ensemble::Time;
 use stochc_ensemble::sweep::SweepPoint;
-use stochc_ensemble::text::number;
+use stochc_text::number;
 
 use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, description};
 use crate::svg::{Drawing, PlotAxis, Style, class, dashes};

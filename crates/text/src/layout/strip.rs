@@ -1,5 +1,5 @@
 //! A share over time in a few lines of a terminal.
-use stochc_ensemble::text::visible;
+use crate::visible;
 
 /// A share that falls from 1, and how far it is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,7 @@ pub fn strips(strips: &[Strip], width: usize, unit: &str) -> String {
             out.push('\n');
         }
     }
-    let last = format!("{} {unit}", stochc_ensemble::text::number(end));
+    let last = format!("{} {unit}", crate::number(end));
     let room = columns.saturating_sub(1);
     out += &format!("{:AXIS$}0{last:>room$}\n", "");
     out

@@ -1,6 +1,4 @@
 //! Percentages for people.
-use crate::statistics::Relative;
-
 /// A share of more than 0 and less than 1 that somebody has typed: `5%` or `0.05`.
 ///
 /// # Errors
@@ -38,23 +36,6 @@ pub fn whole_percent(share: f64) -> String {
 /// The same without its sign, beside an axis that has one: `13`.
 pub fn percent_number(share: f64) -> String {
     format!("{:.0}", 100.0 * share)
-}
-
-/// A relative difference and half of its interval: `-4.0 ± 3.1 %`.
-pub fn relative(difference: &Relative) -> String {
-    let value = 100.0 * difference.value;
-    match difference.half_width {
-        Some(half_width) => format!("{value:.1} ± {:.1} %", 100.0 * half_width),
-        None => format!("{value:.1} ± ? %"),
-    }
-}
-
-/// The size of a relative difference: `4.0 ± 3.1 %`.
-pub fn relative_size(difference: &Relative) -> String {
-    relative(&Relative {
-        value: difference.value.abs(),
-        ..*difference
-    })
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
 //! Sentences in lines.
-use stochc_ensemble::text::visible;
+use crate::visible;
 
 /// Between words that belong together; no name has it.
 const TIE: char = '~';

@@ -1,5 +1,5 @@
 //! Aligned columns of plain text.
-use stochc_ensemble::text::visible;
+use crate::visible;
 
 use super::line::{GAP, chars, line};
 
@@ -149,7 +149,7 @@ impl TextTable {
             let line = row(label, &cells);
             let is_red = colour && self.red.get(i) == Some(&true);
             lines.push(if is_red {
-                console::style(line).red().force_styling(true).to_string()
+                format!("\u{1b}[31m{line}\u{1b}[0m")
             } else {
                 line
             });

@@ -42,6 +42,14 @@ pub fn visible_lines(text: &str) -> String {
     spelled_out(text, |c| is_invisible(c) && !matches!(c, '\n' | '\t'))
 }
 
+/// [`visible`] text as it may stand anywhere in XML or HTML, in attributes too.
+pub fn escaped(text: &str) -> String {
+    let text = visible(text).replace('&', "&amp;").replace('<', "&lt;");
+    text.replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace('\'', "&#39;")
+}
+
 fn spelled_out(text: &str, is_spelled_out: impl Fn(char) -> bool) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -67,5 +75,14 @@ mod tests {
         assert_eq!(visible(hostile), format!("{begin}⟨U+000A⟩⟨U+0009⟩{end}"));
         assert_eq!(visible_lines(hostile), format!("{begin}\n\t{end}"));
         assert_eq!(visible("шум ∞ ✓ 한 é"), "шум ∞ ✓ 한 é");
+    }
+
+    #[test]
+    fn hostile_text_is_only_text_in_html() {
+        assert_eq!(
+            escaped("a</script>\"'&\u{202e}b\u{1b}\0"),
+            "a&lt;/script&gt;&quot;&#39;&amp;⟨U+202E⟩b⟨U+001B⟩⟨U+0000⟩"
+        );
+        assert_eq!(escaped("шум ∞ ✓"), "шум ∞ ✓");
     }
 }

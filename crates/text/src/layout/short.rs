@@ -1,8 +1,8 @@
 //! Names that have little room.
-use stochc_ensemble::text::visible;
+use crate::visible;
 
 /// A name that fits into `letters`, its middle left out.
-pub(crate) fn short(name: &str, letters: usize) -> String {
+pub fn short(name: &str, letters: usize) -> String {
     let signs: Vec<char> = visible(name).chars().collect();
     if signs.len() <= letters {
         return signs.into_iter().collect();

@@ -1,5 +1,5 @@
 //! Tables and sentences for papers and web pages: Markdown and LaTeX.
-use super::TextTable;
+use crate::TextTable;
 
 /// A language of documents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +106,7 @@ fn in_latex(letter: char) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::TextColumn;
+    use crate::TextColumn;
 
     #[test]
     fn what_has_a_meaning_in_a_language_is_escaped() {

@@ -1,0 +1,19 @@
+//! Relative differences as percentages.
+use stochc_ensemble::statistics::Relative;
+
+/// A relative difference and half of its interval: `-4.0 ± 3.1 %`.
+pub fn relative(difference: &Relative) -> String {
+    let value = 100.0 * difference.value;
+    match difference.half_width {
+        Some(half_width) => format!("{value:.1} ± {:.1} %", 100.0 * half_width),
+        None => format!("{value:.1} ± ? %"),
+    }
+}
+
+/// The size of a relative difference: `4.0 ± 3.1 %`.
+pub fn relative_size(difference: &Relative) -> String {
+    relative(&Relative {
+        value: difference.value.abs(),
+        ..*difference
+    })
+}

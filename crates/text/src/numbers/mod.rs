@@ -1,0 +1,10 @@
+//! Numbers, percentages and times.
+mod duration;
+mod number;
+mod percent;
+mod ranges;
+
+pub use duration::{Tick, duration, seconds, words};
+pub use number::{number, ratio};
+pub use percent::{percent, percent_number, share, whole_percent};
+pub use ranges::ranges;
