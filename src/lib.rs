@@ -46,11 +46,12 @@ pub use facade::{
 };
 pub use stochc_compiler as compiler;
 pub use stochc_control as control;
-pub use stochc_ensemble as ensemble;
+pub use stochc_experiments as experiments;
 pub use stochc_files as files;
 pub use stochc_ir as ir;
 pub use stochc_lsp as lsp;
 pub use stochc_planner as planner;
 pub use stochc_report as report;
+pub use stochc_results as results;
 pub use stochc_runtime as runtime;
 pub use stochc_text as text;

@@ -2,7 +2,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use stochc_ensemble::{Manifest, Progress, Snapshot, time_left};
+use stochc_results::{Manifest, Progress, Snapshot, time_left};
 use stochc_text::words;
 
 /// How far some work is.

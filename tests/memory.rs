@@ -9,13 +9,13 @@ use peak_alloc::PeakAlloc;
 use stochc::compiler::diagnostic::Code;
 use stochc::compiler::emit::{structure_json, structure_text};
 use stochc::compiler::{Checked, Limits, check};
-use stochc::ensemble::{
-    ComparisonTally, Destination, EnsembleProgram, Folder, Manifest, Progress, RunCancelled,
-    RunWatch, run,
-};
+use stochc::experiments::ComparisonTally;
 use stochc::ir::Json;
 use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 use stochc::report::ensemble_report::{Figures, Input, ReportLocation, report};
+use stochc::results::{
+    Destination, EnsembleProgram, Folder, Manifest, Progress, RunCancelled, RunWatch, run,
+};
 use stochc_runtime::{Model, Settings};
 
 #[global_allocator]

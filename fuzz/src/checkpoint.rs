@@ -8,10 +8,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use stochc_ensemble::{CHECKPOINTS, verify};
 use stochc_files::checksum::{crc32, sealed};
 use stochc_ir::Executable;
 use stochc_ir::table::PhaseId;
+use stochc_results::CHECKPOINTS;
+use stochc_results::integrity::verify;
 use stochc_runtime::{Model, Settings, Watch};
 
 /// Number of ticks of a resumed run.
@@ -88,7 +89,7 @@ pub fn read(bytes: &[u8]) {
             };
             let (folder, path) = &*PLACE;
             std::fs::write(path, file).expect("it can be written");
-            let files = verify::verify(folder.path()).expect("there is a manifest");
+            let files = verify(folder.path()).expect("there is a manifest");
             assert!(files.iter().any(|file| file.name.ends_with(".state")));
             return;
         }

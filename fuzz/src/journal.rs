@@ -5,8 +5,8 @@
 //! are added.
 use std::sync::LazyLock;
 
-use stochc_ensemble::Folder;
 use stochc_files::checksum::sealed;
+use stochc_results::Folder;
 
 static PLACE: LazyLock<(tempfile::TempDir, String)> = LazyLock::new(super::folder);
 

@@ -11,8 +11,8 @@ pub mod voxels;
 use std::path::PathBuf;
 
 use stochc_compiler::{Limits, Program, check};
-use stochc_ensemble::Manifest;
 use stochc_ir::Executable;
+use stochc_results::Manifest;
 use stochc_runtime::Settings;
 
 /// Program with two phases, a release, and few blocks.
@@ -30,7 +30,7 @@ fn program() -> Executable {
 
 /// Returns an ensemble of the program.
 fn ensemble() -> Manifest {
-    let program = stochc_ensemble::EnsembleProgram::new("a", Vec::new(), program());
+    let program = stochc_results::EnsembleProgram::new("a", Vec::new(), program());
     let settings = Settings {
         max_ticks: Some(1000),
         ..Settings::default()

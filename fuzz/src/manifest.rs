@@ -1,7 +1,7 @@
 //! Reads arbitrary text as a manifest. A valid one must survive writing and reading.
 use std::sync::LazyLock;
 
-use stochc_ensemble::Manifest;
+use stochc_results::Manifest;
 
 static OTHER: LazyLock<Manifest> = LazyLock::new(super::ensemble);
 

@@ -7,9 +7,9 @@ use std::sync::LazyLock;
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
-use stochc_ensemble::recording::{Outline, Recording};
 use stochc_files::checksum::crc32;
 use stochc_ir::table::Tables;
+use stochc_results::recording::{Outline, Recording};
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| super::program().tables);
 

@@ -3,14 +3,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
-use stochc::ensemble::recording::Selection;
-use stochc::ensemble::shards::{prepare as cut, status as status_of};
-use stochc::ensemble::sweep::Axis;
-use stochc::ensemble::{
-    EnsembleProgram, Interval, JournalError, Manifest, Records, Resume, each_row_group,
-    record_json, table_metadata, tables_of,
-};
 use stochc::exit::{Exit, Failure};
+use stochc::experiments::sweep::Axis;
 use stochc::host::Host;
 use stochc::ir::scene::warnings::Stepping;
 use stochc::operations::chosen_run::{ChosenRun, choose, median_run};
@@ -19,6 +13,12 @@ use stochc::operations::results::{ensemble_results, read};
 use stochc::operations::runs::{made_again, try_out_all};
 use stochc::operations::{export, replay, report as pages, shard as pieces, sweep};
 use stochc::report::figures::{self, Figures, Medium};
+use stochc::results::recording::Selection;
+use stochc::results::shards::{prepare as cut, status as status_of};
+use stochc::results::{
+    EnsembleProgram, Interval, JournalError, Manifest, Records, Resume, each_row_group,
+    record_json, table_metadata, tables_of,
+};
 
 use super::call::call;
 use super::host::Caller;

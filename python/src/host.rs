@@ -7,9 +7,9 @@ use std::time::Duration;
 
 use stochc::compiler::Checked;
 use stochc::diagnostics::{drawn, values};
-use stochc::ensemble::clock::now;
 use stochc::host::Host;
 use stochc::progress::WorkProgress;
+use stochc::results::now;
 
 /// Width of drawings \[columns\].
 pub const WIDTH: usize = 100;

@@ -7,7 +7,6 @@ use pyo3::types::PyBytes;
 use stochc::compiler::emit::{built_structure, structure_text};
 use stochc::compiler::{Checked, LintLevels, Program};
 use stochc::diagnostics::{CheckDocument, drawn};
-use stochc::ensemble::{EnsembleProgram, Manifest, Source};
 use stochc::exit::Failure;
 use stochc::ir::Executable;
 use stochc::ir::emit::{graph_text, table_text};
@@ -16,6 +15,7 @@ use stochc::operations::kept_text::KeptText;
 use stochc::operations::programs::{accept, is_readable, programs};
 use stochc::operations::summary::status_line;
 use stochc::report::figures::structure;
+use stochc::results::{EnsembleProgram, Manifest, Source};
 use stochc::runtime::Settings;
 
 use super::call::call;

@@ -3,12 +3,12 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use stochc::compiler::{Level, LintLevels};
-use stochc::ensemble::EnsembleProgram;
 use stochc::exit::Failure;
 use stochc::files::bound::folder;
 use stochc::host::Host;
 use stochc::operations::codes::warning;
 use stochc::operations::rates;
+use stochc::results::EnsembleProgram;
 use stochc::runtime::rates::Rates;
 use stochc::runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
 

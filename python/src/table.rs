@@ -14,7 +14,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use serde_json::{Value, json};
-use stochc::ensemble::{ColumnShape, ColumnValues, TableShape};
+use stochc::results::{ColumnShape, ColumnValues, TableShape};
 
 /// Table with rows in one or more batches.
 #[pyclass(frozen, name = "Table", module = "stochc._native")]

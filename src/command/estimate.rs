@@ -1,9 +1,9 @@
 //! `stochc estimate`.
 use clap::Args;
 use serde_json::json;
-use stochc_ensemble::MAX_RUNS;
 use stochc_report::estimate::CompletionEstimate;
 use stochc_report::tables::estimates_to_text;
+use stochc_results::MAX_RUNS;
 
 use super::host::Terminal;
 use super::imports::ImportOptions;

@@ -3,12 +3,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use stochc_ensemble::fit::{Fit, Prior};
-use stochc_ensemble::is_remnant;
+use stochc_experiments::fit::{Fit, Prior};
 use stochc_files::atomic::{self, Replaces};
 use stochc_files::disk;
 use stochc_report::figures::fit as fit_figure;
 use stochc_report::tables::fit_to_text;
+use stochc_results::is_remnant;
 use stochc_runtime::{Settings, Substeps};
 
 use super::figures::FigureOptions;

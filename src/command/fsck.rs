@@ -2,9 +2,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::verify::{DAMAGED, FileIntegrity, Integrity, repair, verify};
-use stochc_ensemble::{Folder, FolderError};
 use stochc_files::shell::file as shell_file;
+use stochc_results::DAMAGED;
+use stochc_results::integrity::{FileIntegrity, Integrity, repair, verify};
+use stochc_results::{Folder, FolderError};
 use stochc_text::visible;
 
 use super::terminal::{print, warn};

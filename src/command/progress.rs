@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use stochc_ensemble::clock::now;
+use stochc_results::now;
 use stochc_text::{visible, words};
 
 use super::terminal::{is_dumb, warn};

@@ -2,7 +2,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::Resume;
+use stochc_results::Resume;
 
 use super::ensemble::{self, Ensemble, MakingOptions, input};
 use super::figures::FigureOptions;

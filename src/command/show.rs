@@ -2,8 +2,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use stochc_ensemble::{Contents, Manifest, Records, write_tables};
 use stochc_report::presentation::Presentation;
+use stochc_results::{Contents, Manifest, Records, write_tables};
 use stochc_text::Markup;
 use stochc_text::counted;
 

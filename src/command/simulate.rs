@@ -2,8 +2,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::Resume;
 use stochc_report::figures::Figures;
+use stochc_results::Resume;
 
 use super::ensemble::{self, Ensemble, MakingOptions, ProgramOptions, input};
 use super::host::Terminal;

@@ -3,9 +3,9 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use serde_json::json;
-use stochc_ensemble::{EnsembleProgram, record_json, until};
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
+use stochc_results::{EnsembleProgram, record_json, until};
 use stochc_text::counted;
 use stochc_text::{Tick, seconds, visible};
 

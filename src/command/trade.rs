@@ -3,9 +3,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use stochc_ensemble::MAX_RUNS;
-use stochc_ensemble::trade::FINEST;
+use stochc_experiments::trade::FINEST;
 use stochc_report::tables::trade_to_text;
+use stochc_results::MAX_RUNS;
 use stochc_text::share;
 
 use super::ensemble::{MAX_TICKS, stopped};

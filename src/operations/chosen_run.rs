@@ -2,13 +2,13 @@
 use std::io::{BufReader, ErrorKind, Read, Seek as _};
 use std::path::{Path, PathBuf};
 
-use stochc_ensemble::recording::{EVERY, Outline, Recorder, RecordingError, RecordingHeader, path};
-use stochc_ensemble::{EnsembleProgram, Finished, Manifest, Records, until};
 use stochc_files as files;
 use stochc_files::File;
 use stochc_files::atomic::Draft;
 use stochc_files::budget::RECORDING;
 use stochc_ir::record::RunRecord;
+use stochc_results::recording::{EVERY, Outline, Recorder, RecordingError, RecordingHeader, path};
+use stochc_results::{EnsembleProgram, Finished, Manifest, Records, until};
 use stochc_runtime::RunError;
 use stochc_runtime::observe::Observer;
 
@@ -72,7 +72,7 @@ pub fn median_run(
 ) -> Result<u64, Failure> {
     let names: Vec<_> = manifest.programs.iter().map(|it| &*it.name).collect();
     let program = index(&names, program, "folder").map_err(Failure::usage)?;
-    let median = stochc_ensemble::median_run(finished, program).map_err(Failure::usage)?;
+    let median = stochc_experiments::median_run(finished, program).map_err(Failure::usage)?;
     median.ok_or_else(|| {
         let name = names[program];
         Failure::usage(format!(

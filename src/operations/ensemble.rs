@@ -4,13 +4,13 @@ use std::time::Duration;
 
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::{Level, LintLevels};
-use stochc_ensemble::recording::Selection;
-use stochc_ensemble::{
+use stochc_ir::scene::warnings::{SceneWarning, Stepping, scene_warnings};
+use stochc_report::figures::Figures;
+use stochc_results::recording::Selection;
+use stochc_results::{
     Destination, EnsembleProgram, Folder, FolderState, Interval, Manifest, Progress, Results,
     Resume, RunCancelled, RunWatch, check_stored, run as run_all,
 };
-use stochc_ir::scene::warnings::{SceneWarning, Stepping, scene_warnings};
-use stochc_report::figures::Figures;
 use stochc_runtime::RunError;
 use stochc_text::visible;
 

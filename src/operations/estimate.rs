@@ -2,8 +2,8 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_report::estimate::{CompletionEstimate, Method, PhaseEstimate, Share};
+use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::rates::{Rates, estimate};
 use stochc_runtime::{Model, Settings};
 

@@ -2,15 +2,16 @@
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
-use stochc_ensemble::fit::{
+use stochc_experiments::completion_time;
+use stochc_experiments::fit::{
     Design, Emulator, Fit, FittedProgram, MeasuredTimes, Measurement, Observed, Posterior, Prior,
     Simulated, Unit,
 };
-use stochc_ensemble::{CpuForecast, EnsembleProgram, Manifest, completion_time};
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::describe::terms;
+use stochc_results::{CpuForecast, EnsembleProgram, Manifest};
 use stochc_runtime::Settings;
 use stochc_text::number;
 

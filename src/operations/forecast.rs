@@ -1,5 +1,5 @@
 //! The CPU time that runs will take, before they are made.
-use stochc_ensemble::{CpuForecast, EnsembleProgram, Manifest, forecast_cpu_time};
+use stochc_results::{CpuForecast, EnsembleProgram, Manifest, forecast_cpu_time};
 use stochc_runtime::rates::{Rates, estimate};
 use stochc_text::words;
 

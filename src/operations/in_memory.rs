@@ -1,5 +1,5 @@
 //! Ensembles that are made for what they say, and kept nowhere.
-use stochc_ensemble::{
+use stochc_results::{
     Destination, Manifest, Progress, Results, RunCancelled, RunWatch, run as run_all,
 };
 

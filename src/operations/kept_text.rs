@@ -1,6 +1,6 @@
 //! The texts that are kept with a program, compiled again for what is about the text.
 use stochc_compiler::{Checked, LintLevels, Program};
-use stochc_ensemble::{EnsembleProgram, Varied};
+use stochc_results::{EnsembleProgram, Varied};
 
 use super::programs::recompile;
 

@@ -1,9 +1,8 @@
 //! As many runs as it takes to know means well enough.
 use std::path::Path;
 
-use stochc_ensemble::{
-    Comparison, ComparisonTally, Manifest, ProgramSummary, Records, Resume, survey,
-};
+use stochc_experiments::{Comparison, ComparisonTally, ProgramSummary};
+use stochc_results::{Manifest, Records, Resume, survey};
 use stochc_text::percent;
 use stochc_text::{listed, visible};
 

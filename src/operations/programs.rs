@@ -3,10 +3,10 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use stochc_compiler::{Checked, LintLevels};
-use stochc_ensemble::{EnsembleProgram, Source, Varied};
 use stochc_files::programs::{executables, not_a_file, programs as in_folders};
 use stochc_ir::Executable;
 use stochc_ir::scene::scalars::ScalarChange;
+use stochc_results::{EnsembleProgram, Source, Varied};
 
 use crate::exit::{Exit, Failure};
 use crate::host::Host;

@@ -1,11 +1,11 @@
 //! Rates for `--model rate`: those of files, or measured now.
 use std::path::{Path, PathBuf};
 
-use stochc_ensemble::calibration::{Calibration, PROGRAMS, profile};
-use stochc_ensemble::{EnsembleProgram, Manifest};
+use stochc_experiments::calibration::{Calibration, PROGRAMS, profile};
 use stochc_files::budget::RATES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
+use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Settings;
 use stochc_runtime::rates::Rates;
 use stochc_runtime::world::rate::RateWorld;

@@ -3,10 +3,10 @@ use std::io;
 use std::path::Path;
 use std::sync::Mutex;
 
-use stochc_ensemble::recording::{self, Recorder, RecordingHeader, Selection, path};
-use stochc_ensemble::{EnsembleProgram, Manifest, Records};
 use stochc_files::atomic::{Draft, Replaces, make_own_folder};
 use stochc_ir::record::RunRecord;
+use stochc_results::recording::{self, Recorder, RecordingHeader, Selection, path};
+use stochc_results::{EnsembleProgram, Manifest, Records};
 use stochc_runtime::{RunError, Watch};
 
 use crate::exit::Failure;

@@ -3,10 +3,10 @@ use std::io::{self, Seek as _, Write};
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
-use stochc_ensemble::EnsembleProgram;
-use stochc_ensemble::recording::Outline;
 use stochc_files::atomic::{Draft, Replaces, begins_with};
 use stochc_report::replay::{EventLocation, MARK, about, tour, write as write_page};
+use stochc_results::EnsembleProgram;
+use stochc_results::recording::Outline;
 use stochc_text::visible;
 
 use super::chosen_run::ChosenRun;

@@ -3,13 +3,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use stochc_ensemble::{Folder, Manifest, recording};
 use stochc_files::address::address;
 use stochc_files::atomic::{self, Draft, Replaces, begins_with};
 use stochc_files::{budget, disk, open, read_file};
 use stochc_report::ensemble_report::{
     CHAINS, Figures, Input, MARK, Report, ReportError, ReportLocation, report,
 };
+use stochc_results::{Folder, Manifest, recording};
 use stochc_text::visible;
 
 use super::results::read as read_folder;

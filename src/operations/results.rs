@@ -2,11 +2,10 @@
 use std::path::Path;
 
 use serde_json::json;
-use stochc_ensemble::sweep::{Sweep, SweepTally};
-use stochc_ensemble::trade::{Trade, TradeTally};
-use stochc_ensemble::{
-    CaptureSummary, Comparison, ComparisonTally, Contents, EnsembleProgram, Finished, Folder,
-    Manifest, Records, WaitsTally, captures, summary_table,
+use stochc_experiments::sweep::{Sweep, SweepTally};
+use stochc_experiments::trade::{Trade, TradeTally};
+use stochc_experiments::{
+    CaptureSummary, Comparison, ComparisonTally, WaitsTally, captures, summary_table,
 };
 use stochc_files::shell::file as shell_file;
 use stochc_ir::record::Outcome;
@@ -16,6 +15,7 @@ use stochc_report::tables::{
     KNOWN_BIAS, captures_to_text, comparison_to_text, lower_bounds, pairs_to_text,
     published_comparison, published_sweep, sweep_to_text, trade_to_text,
 };
+use stochc_results::{Contents, EnsembleProgram, Finished, Folder, Manifest, Records};
 use stochc_runtime::Model;
 use stochc_text::visible;
 use stochc_text::{Markup, paragraph};

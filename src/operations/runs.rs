@@ -2,13 +2,13 @@
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
-use stochc_ensemble::{Checkpoints, Manifest, RunCancelled, RunWatch, other_build, until};
 use stochc_ir::record::RunRecord;
+use stochc_results::{Checkpoints, Manifest, RunCancelled, RunWatch, other_build, until};
 
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Makes runs of an ensemble, as [`stochc_ensemble::run`] asks for them.
+/// Makes runs of an ensemble, as [`stochc_results::run`] asks for them.
 pub fn made_by(
     manifest: &Manifest,
 ) -> impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync {

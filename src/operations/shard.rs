@@ -1,8 +1,8 @@
 //! Making a piece of an ensemble, and putting the pieces together.
 use std::path::Path;
 
-use stochc_ensemble::Interval;
-use stochc_ensemble::shards::{Piece, ShardError, merge as merge_all};
+use stochc_results::Interval;
+use stochc_results::shards::{Piece, ShardError, merge as merge_all};
 
 use super::runs::{made_again, made_by, threads, warn_of_checkpoints};
 use super::sweep;

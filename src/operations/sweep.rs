@@ -3,11 +3,11 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use stochc_compiler::{LintLevels, Program};
-use stochc_ensemble::sweep::{Axis, MAX_POINTS, Sweep, points as combine};
-use stochc_ensemble::trade::Trade;
-use stochc_ensemble::{Compiled, EnsembleProgram, FurtherFiles, MAX_RUNS, Manifest, Records};
+use stochc_experiments::sweep::{Axis, MAX_POINTS, Sweep, points as combine};
+use stochc_experiments::trade::Trade;
 use stochc_ir::Executable;
 use stochc_report::figures::{Figures, sweep as pictures, trade as trade_picture};
+use stochc_results::{Compiled, EnsembleProgram, FurtherFiles, MAX_RUNS, Manifest, Records};
 use stochc_runtime::Model;
 use stochc_runtime::rates::Rates;
 use stochc_text::visible;

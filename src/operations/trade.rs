@@ -3,10 +3,10 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use stochc_ensemble::recording::EVERY;
-use stochc_ensemble::trade::{Trade, candidates};
-use stochc_ensemble::{EnsembleProgram, Interval, Manifest, Results};
+use stochc_experiments::trade::{Trade, candidates};
 use stochc_report::figures::Figures;
+use stochc_results::recording::EVERY;
+use stochc_results::{EnsembleProgram, Interval, Manifest, Results};
 use stochc_runtime::Settings;
 use stochc_text::visible;
 

@@ -3,8 +3,8 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use stochc_ensemble::clock::now;
 use stochc_report::figures::Figures;
+use stochc_results::now;
 
 use super::report::write_of_one;
 use crate::exit::Failure;

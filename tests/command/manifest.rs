@@ -193,7 +193,7 @@ fn runs_of_another_build_are_told_of_once() {
 #[test]
 fn a_run_that_comes_out_differently_ends_the_resuming() {
     let folder = tempfile::tempdir().unwrap();
-    let this = stochc::ensemble::this_build();
+    let this = stochc::results::this_build();
     for (build, more) in [(&this[..], &[][..]), ("other", &["--mixed-builds"])] {
         let out = made_by(folder.path(), &[build]);
         let journal = path(out.as_ref(), "journal.jsonl");

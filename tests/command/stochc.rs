@@ -99,7 +99,7 @@ pub fn contains(whole: &serde_json::Value, part: &serde_json::Value) -> bool {
 
 /// The tables of a folder of results.
 pub fn tables(folder: &str) -> Vec<Vec<u8>> {
-    let names = stochc::ensemble::tables().into_iter();
+    let names = stochc::results::tables().into_iter();
     let files = names.map(|table| Path::new(folder).join(format!("{}.parquet", table.name)));
     files.map(|file| std::fs::read(file).unwrap()).collect()
 }

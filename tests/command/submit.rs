@@ -423,7 +423,7 @@ fn what_cannot_be_submitted_is_refused() {
     // Another build.
     let manifest = Path::new(&out).join("manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
-    let build = stochc::ensemble::this_build();
+    let build = stochc::results::this_build();
     fs::write(&manifest, text.replace(&build, "0123456789abcdef")).unwrap();
     fs::remove_file(Path::new(&out).join("checksums.json")).unwrap();
     refused(&[&out], "0123456789abcdef");

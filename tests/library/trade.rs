@@ -1,10 +1,10 @@
 //! Trades from runs that were made up: numbers, order, text and picture.
-use stochc::ensemble::trade::{Convergence, Trade};
-use stochc::ensemble::{ChosenSetting, EnsembleProgram, Finished, Manifest, Records};
+use stochc::experiments::trade::{Convergence, Trade};
 use stochc::ir::record::{Limit, Outcome, RunRecord};
 use stochc::ir::table::PhaseId;
 use stochc::report::figures;
 use stochc::report::tables::trade_to_text;
+use stochc::results::{ChosenSetting, EnsembleProgram, Finished, Manifest, Records};
 use stochc::runtime::Settings;
 
 /// Ticks after which runs are stopped, which takes longer than any.

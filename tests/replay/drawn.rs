@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
-use stochc::ensemble::recording::Recording;
 use stochc::ir::table::Tables;
+use stochc::results::recording::Recording;
 use stochc::runtime::observe::ObservedEvent;
 use stochc::runtime::world::Body;
 use stochc::text::palette::{DARK, LIGHT, Theme, phase};

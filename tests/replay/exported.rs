@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::{Field, RowAccessor as _};
 use serde_json::Value;
-use stochc::ensemble::recording::Frame;
+use stochc::results::recording::Frame;
 use stochc::runtime::observe::ObservedEvent;
 
 use crate::folder::{PROGRAM, Results, stochc};

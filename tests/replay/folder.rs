@@ -2,8 +2,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use stochc::ensemble::recording::{Recording, path};
 use stochc::ir::table::Tables;
+use stochc::results::recording::{Recording, path};
 
 /// A program whose structure grows and is taken apart again.
 pub const PROGRAM: &str = "examples/five_tower_reconfigured.sa";

@@ -2,7 +2,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use stochc::ensemble::recording::Recording;
+use stochc::results::recording::Recording;
 use stochc::runtime::observe::ObservedEvent;
 use stochc::runtime::world::FreeBond;
 use stochc::text::palette::{DARK, LIGHT};

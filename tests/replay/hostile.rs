@@ -24,7 +24,7 @@ pub fn check(browser: &mut impl Page) {
     let page = results.page(0);
     // The compiler takes no such names; a manifest that somebody has edited may have them.
     let manifest = std::fs::read_to_string(results.path().join("manifest.json")).unwrap();
-    let mut manifest = stochc::ensemble::Manifest::from_json(&manifest).unwrap();
+    let mut manifest = stochc::results::Manifest::from_json(&manifest).unwrap();
     manifest.stochc = HOSTILE.to_owned();
     let program = &mut manifest.programs[0];
     program.name = HOSTILE.to_owned();

@@ -3,9 +3,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use stochc::ensemble::recording::Recording;
 use stochc::ir::Face;
 use stochc::ir::table::Tables;
+use stochc::results::recording::Recording;
 use stochc::runtime::world::Body;
 
 use crate::browser::{Browser, browser};

@@ -1,9 +1,9 @@
 //! Recordings in a folder of results, made at once or afterwards.
 use std::fs;
 
-use stochc::ensemble::recording::{Recording, TimedEvent};
 use stochc::files::checksum::sealed;
 use stochc::ir::table::PhaseId;
+use stochc::results::recording::{Recording, TimedEvent};
 use stochc::runtime::observe::ObservedEvent;
 
 use crate::folder::{PROGRAM, Results, SWARM, stochc};

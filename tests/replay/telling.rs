@@ -1,6 +1,6 @@
 //! Two runs in one page, a tour of one, and what is taken along.
 use serde_json::{Value, json};
-use stochc::ensemble::recording::Recording;
+use stochc::results::recording::Recording;
 use stochc::text::palette::{DARK, LIGHT};
 
 use crate::browser::{Browser, browser};

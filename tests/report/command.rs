@@ -2,8 +2,8 @@
 use std::fs;
 use std::path::Path;
 
-use stochc::ensemble::Manifest;
 use stochc::files::checksum::sealed;
+use stochc::results::Manifest;
 
 use crate::stochc::{command, path, said, stochc_with};
 

@@ -1,9 +1,9 @@
 //! Figures on screens and in print: nothing is cut or hidden, and every axis says what it shows.
 use std::sync::Arc;
 
-use stochc::ensemble::Time;
-use stochc::ensemble::statistics::Observation;
-use stochc::ensemble::sweep::{Sweep, SweepPoint, SweptNumber, SweptValue};
+use stochc::experiments::Time;
+use stochc::experiments::statistics::Observation;
+use stochc::experiments::sweep::{Sweep, SweepPoint, SweptNumber, SweptValue};
 use stochc::report::ensemble_report::{FigureFormat, Figures, Input, Medium, Report};
 use stochc::report::figures;
 

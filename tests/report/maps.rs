@@ -4,9 +4,9 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
-use stochc::ensemble::recording::{Recording, path as recording_path};
-use stochc::ensemble::{Finished, Folder, Records};
 use stochc::report::figures::Medium;
+use stochc::results::recording::{Recording, path as recording_path};
+use stochc::results::{Finished, Folder, Records};
 
 use crate::layout::check;
 use crate::sample::{fields, parsed};

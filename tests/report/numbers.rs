@@ -1,8 +1,8 @@
 //! What the tables say, against sums done by hand.
-use stochc::ensemble::statistics::{Observation, Runs, compare};
-use stochc::ensemble::{Finished, Manifest, Records};
+use stochc::experiments::statistics::{Observation, Runs, compare};
 use stochc::ir::record::Outcome;
 use stochc::ir::table::PhaseId;
+use stochc::results::{Finished, Manifest, Records};
 
 use crate::sample::{Waits, file, five, manifest, record, report_of, rows};
 

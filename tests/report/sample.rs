@@ -3,13 +3,13 @@ use std::collections::BTreeMap;
 
 use roxmltree::{Document, ParsingOptions};
 use stochc::compiler::{Limits, LintLevels};
-use stochc::ensemble::{EnsembleProgram, Finished, Manifest, Source};
 use stochc::ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
 };
 use stochc::ir::table::{PhaseId, RoleId};
 use stochc::ir::{Cell, Executable, Face};
 use stochc::report::ensemble_report::{CHAINS, Figures, Input, Report, ReportLocation, report};
+use stochc::results::{EnsembleProgram, Finished, Manifest, Source};
 use stochc::runtime::{Model, Settings};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.

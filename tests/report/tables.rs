@@ -5,8 +5,8 @@ use std::path::Path;
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
-use stochc::ensemble::Time;
-use stochc::ensemble::statistics::{Observation, Summary};
+use stochc::experiments::Time;
+use stochc::experiments::statistics::{Observation, Summary};
 
 use crate::sample::fields;
 use crate::stochc::{path, stochc_with};

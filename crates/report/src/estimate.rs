@@ -1,8 +1,9 @@
 //! When a program will be complete, by rates.
 use serde::Serialize;
-use stochc_ensemble::statistics::{Observation, Summary};
-use stochc_ensemble::{EnsembleProgram, completion_time, phase_time};
+use stochc_experiments::statistics::{Observation, Summary};
+use stochc_experiments::{completion_time, phase_time};
 use stochc_ir::record::RunRecord;
+use stochc_results::EnsembleProgram;
 use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
 
 use crate::analysis::critical_path::{critical_path, moments};

@@ -1,7 +1,8 @@
 //! How programs and times are shown.
 use std::str::FromStr;
 
-use stochc_ensemble::{EnsembleProgram, TimeUnit};
+use stochc_experiments::TimeUnit;
+use stochc_results::EnsembleProgram;
 
 /// The name of a program, and the text that tables and figures have for it.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,10 +1,8 @@
 //! Tables derived from runs.
-use stochc::ensemble::statistics::{KaplanMeier, TimeSample};
-use stochc::ensemble::{
-    ColumnShape, ColumnValues, Comparison, FilledTable, Manifest, Records, TableShape,
-    completion_time, summary_table,
-};
 use stochc::exit::Failure;
+use stochc::experiments::statistics::{KaplanMeier, TimeSample};
+use stochc::experiments::{Comparison, completion_time, summary_table};
+use stochc::results::{ColumnShape, ColumnValues, FilledTable, Manifest, Records, TableShape};
 
 use super::super::table::PythonTable;
 

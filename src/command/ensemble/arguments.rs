@@ -3,8 +3,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use stochc_ensemble::recording::{EVERY, Selection};
-use stochc_ensemble::{Interval, MAX_RUNS};
+use stochc_results::recording::{EVERY, Selection};
+use stochc_results::{Interval, MAX_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
 use stochc_text::share;
 

@@ -1,9 +1,10 @@
 //! The completion curves under the results of an ensemble, on a terminal.
 use std::path::Path;
 
-use stochc_ensemble::statistics::{KaplanMeier, TimeSample};
-use stochc_ensemble::{EnsembleProgram, JournalError, Manifest, Records, completion_time};
+use stochc_experiments::completion_time;
+use stochc_experiments::statistics::{KaplanMeier, TimeSample};
 use stochc_files::shell::file as shell_file;
+use stochc_results::{EnsembleProgram, JournalError, Manifest, Records};
 use stochc_text::{Strip, strips};
 use stochc_text::{Tick, visible};
 

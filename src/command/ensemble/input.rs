@@ -1,10 +1,10 @@
 //! Programs, a manifest or a results folder to an ensemble that is ready to run.
 use std::path::Path;
 
-use stochc_ensemble::sweep::Axis;
-use stochc_ensemble::{MANIFEST, Manifest, check_manifest, survey, this_build};
+use stochc_experiments::sweep::Axis;
 use stochc_files::budget::MANIFEST as MAX_MANIFEST;
 use stochc_files::read_file;
+use stochc_results::{MANIFEST, Manifest, check_manifest, survey, this_build};
 use stochc_runtime::Model;
 use stochc_text::visible;
 

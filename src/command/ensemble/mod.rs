@@ -5,9 +5,9 @@ pub mod input;
 
 use std::path::Path;
 
-use stochc_ensemble::{Manifest, Resume};
 use stochc_report::figures::Figures;
 use stochc_report::presentation::Presentation;
+use stochc_results::{Manifest, Resume};
 
 pub use arguments::{MAX_TICKS, MAX_UNTIL, MakingOptions, ProgramOptions, RUNS};
 

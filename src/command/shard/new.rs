@@ -2,10 +2,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::MAX_RUNS;
-use stochc_ensemble::shards::{Prepared, prepare};
-use stochc_ensemble::sweep::Axis;
+use stochc_experiments::sweep::Axis;
 use stochc_files::shell::file as shell_file;
+use stochc_results::MAX_RUNS;
+use stochc_results::shards::{Prepared, prepare};
 use stochc_text::visible;
 
 use super::super::ensemble::{ProgramOptions, RUNS, input, judge};

@@ -2,7 +2,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::Interval;
+use stochc_results::Interval;
 use stochc_text::visible;
 
 use super::super::host::Terminal;

@@ -3,8 +3,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
-use stochc_ensemble::shards::{PieceState, ShardStatus, status};
 use stochc_files::shell::file as shell_file;
+use stochc_results::shards::{PieceState, ShardStatus, status};
 use stochc_text::{ranges, visible};
 
 use super::super::run_options::JsonOption;

@@ -13,9 +13,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use stochc_compiler::diagnostic::Severity;
 use stochc_compiler::{Limits, LintLevels};
-use stochc_ensemble::clock::now;
 use stochc_grammar::Cancellation;
 use stochc_planner::{LoosePart, Objective, PlanSearch, TargetError, listed_cells};
+use stochc_results::now;
 use stochc_text::counted;
 use stochc_text::visible;
 

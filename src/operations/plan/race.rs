@@ -5,10 +5,11 @@
 use std::cmp::Ordering::Less;
 use std::sync::atomic::Ordering;
 
-use stochc_ensemble::statistics::{Summary, quantile};
-use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
+use stochc_experiments::completion_time;
+use stochc_experiments::statistics::{Summary, quantile};
 use stochc_ir::record::RunRecord;
 use stochc_planner::{BuildPlan, Objective, RaceTimes, race_to_text};
+use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Settings;
 
 use super::PlanOptions;

@@ -2,7 +2,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use stochc_ensemble::EnsembleProgram;
+use stochc_results::EnsembleProgram;
 
 use super::super::chosen_run::choose;
 use super::super::kept_text::KeptText;

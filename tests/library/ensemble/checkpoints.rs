@@ -3,9 +3,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc::ensemble::shards::{Piece, merge, prepare};
-use stochc::ensemble::verify::{repair, verify};
-use stochc::ensemble::{
+use stochc::results::integrity::{repair, verify};
+use stochc::results::shards::{Piece, merge, prepare};
+use stochc::results::{
     CHECKPOINTS, Destination, Folder, Interval, Manifest, Progress, RunCancelled, RunWatch,
 };
 use stochc_ir::record::RunRecord;
@@ -103,7 +103,7 @@ fn a_damaged_checkpoint_is_moved_aside_and_its_run_begins_anew() {
             stopped(folder.path(), &manifest);
             put(&checkpoint(folder.path()), damaged);
             let health = verify(folder.path()).unwrap();
-            let is_told = |file: &stochc::ensemble::verify::FileIntegrity| {
+            let is_told = |file: &stochc::results::integrity::FileIntegrity| {
                 file.name.ends_with(".state") && file.health.is_damaged()
             };
             assert!(health.iter().any(is_told), "{at}");

@@ -2,8 +2,8 @@
 use std::fs;
 use std::path::Path;
 
-use stochc::ensemble::verify::{Integrity, repair, verify};
-use stochc::ensemble::{Folder, FolderError};
+use stochc::results::integrity::{Integrity, repair, verify};
+use stochc::results::{Folder, FolderError};
 
 use crate::ensemble::world::{bytes, complete, manifest, put};
 
@@ -297,7 +297,7 @@ fn a_refused_extension_changes_nothing() {
     let resumed = Folder::open(
         folder.path(),
         &manifest(6),
-        stochc::ensemble::Resume::MixedBuilds,
+        stochc::results::Resume::MixedBuilds,
     );
     assert_eq!(resumed.unwrap().damage().len(), 1);
     assert_eq!(fs::read_to_string(&path).unwrap(), spoilt);

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
-use stochc::ensemble::shards::{Piece, ShardError, merge, prepare};
-use stochc::ensemble::verify::repair;
-use stochc::ensemble::{
+use stochc::results::integrity::repair;
+use stochc::results::shards::{Piece, ShardError, merge, prepare};
+use stochc::results::{
     Destination, Folder, FolderError, Manifest, Records, RunCancelled, RunWatch,
 };
 use stochc_files::disk::{Call, CallDecision, Double, replace_by, restore};

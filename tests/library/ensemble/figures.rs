@@ -1,8 +1,9 @@
 //! The table that compares programs, and the figures behind it.
 use insta::{assert_json_snapshot, assert_snapshot};
-use stochc::ensemble::statistics::{Test, median};
-use stochc::ensemble::{Comparison, Destination, Finished, Manifest, WaitsTally, captures};
+use stochc::experiments::statistics::{Test, median};
+use stochc::experiments::{Comparison, WaitsTally, captures};
 use stochc::report::tables::{captures_to_text, comparison_to_text};
+use stochc::results::{Destination, Finished, Manifest};
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::Settings;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use stochc::ensemble::{Destination, Folder, FolderState};
+use stochc::results::{Destination, Folder, FolderState};
 use stochc_ir::record::Outcome;
 
 use crate::ensemble::world::{bytes, complete, manifest, put, run_on, simulate};

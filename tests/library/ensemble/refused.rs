@@ -3,8 +3,8 @@ use std::fs;
 use std::path::Path;
 
 use insta::assert_snapshot;
-use stochc::ensemble::verify::verify;
-use stochc::ensemble::{Folder, Manifest};
+use stochc::results::integrity::verify;
+use stochc::results::{Folder, Manifest};
 use stochc_runtime::Settings;
 
 use crate::ensemble::world::{complete, manifest, program, put};

@@ -7,11 +7,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use stochc::ensemble::shards::{
+use stochc::results::integrity::{Integrity, repair, verify};
+use stochc::results::shards::{
     MAX_SHARDS, Piece, PieceState, Prepared, ShardError, merge, prepare, status,
 };
-use stochc::ensemble::verify::{Integrity, repair, verify};
-use stochc::ensemble::{Destination, Folder, FolderError, Manifest, this_build};
+use stochc::results::{Destination, Folder, FolderError, Manifest, this_build};
 use stochc_files::checksum::sealed;
 use stochc_ir::record::RunRecord;
 

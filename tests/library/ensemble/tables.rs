@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::{Value, json};
-use stochc::ensemble::{Destination, Finished, Folder, Varied, tables};
+use stochc::results::{Destination, Finished, Folder, Varied, tables};
 use stochc_ir::record::{Limit, Origin, Outcome};
 use stochc_ir::table::PhaseId;
 

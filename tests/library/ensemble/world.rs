@@ -3,7 +3,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use stochc::ensemble::{
+use stochc::results::{
     Destination, EnsembleError, EnsembleProgram, Folder, Interval, Manifest, Progress, Results,
     RunCancelled, RunWatch, Source, run,
 };
@@ -281,7 +281,7 @@ pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
 
 /// All tables, to the byte.
 pub fn bytes(path: &Path) -> Vec<Vec<u8>> {
-    let names = stochc::ensemble::tables().into_iter();
+    let names = stochc::results::tables().into_iter();
     let files = names.map(|table| path.join(format!("{}.parquet", table.name)));
     files.map(|file| std::fs::read(file).unwrap()).collect()
 }

@@ -1,8 +1,8 @@
 //! The captures and releases of a program, in the order of its dependency graph.
-use stochc_ensemble::EnsembleProgram;
 use stochc_ir::graph::{Dependency, EventAction, EventGraph, EventId};
 use stochc_ir::record::{BondRecord, WaitRecord};
 use stochc_ir::table::PhaseId;
+use stochc_results::EnsembleProgram;
 
 /// All events of a program, but for blocks that are attached by hand, which never waited.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Whether two programs take the same time, for every pair of a report.
-use stochc_ensemble::statistics::Runs;
-use stochc_ensemble::{ComparedProgram, PairwiseTest, TimeUnit, pairwise_tests as compare};
+use stochc_experiments::statistics::Runs;
+use stochc_experiments::{ComparedProgram, PairwiseTest, TimeUnit, pairwise_tests as compare};
 
 use super::reported_program::ReportedProgram;
 

@@ -1,14 +1,14 @@
 //! One program of one folder, and what its runs tell, one after the other.
 use std::io;
 
-use stochc_ensemble::statistics::{Observation, Status, TimeSample};
-use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
-use stochc_ensemble::{
-    EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_status,
-    completion_time, phase_time, sort_by_time,
+use stochc_experiments::statistics::{Observation, Status, TimeSample};
+use stochc_experiments::sweep::{PointTally, Sweep, SweepTally};
+use stochc_experiments::{
+    TimeUnit, WaitsTally, completion_status, completion_time, phase_time, sort_by_time,
 };
 use stochc_ir::record::{BondRecord, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
+use stochc_results::{EnsembleProgram, JournalError, Manifest, Records};
 use stochc_text::{Tick, number};
 
 use crate::presentation::Presentation;
@@ -440,5 +440,5 @@ impl Dots {
 /// The last time that was seen of any run of any program, in the unit of a clock.
 pub fn last_seen(programs: &[ReportedProgram<'_>], clock: TimeUnit) -> f64 {
     let times = programs.iter().flat_map(|it| it.times_by(clock));
-    stochc_ensemble::last_seen(times)
+    stochc_experiments::last_seen(times)
 }

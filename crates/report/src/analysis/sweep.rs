@@ -2,8 +2,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value as Json, json};
-use stochc_ensemble::TimeUnit;
-use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptNumber, SweptValue};
+use stochc_experiments::TimeUnit;
+use stochc_experiments::sweep::{Sweep, SweepPoint, SweptNumber, SweptValue};
 use stochc_ir::scene::scalars::scalars;
 
 use super::reported_program::ReportedProgram;

@@ -1,5 +1,5 @@
 //! The captures of a program in figures: how long each was waited for, and how much that mattered.
-use stochc_ensemble::{Repetitions, Time, Waits};
+use stochc_experiments::{Repetitions, Time, Waits};
 use stochc_ir::graph::EventAction;
 use stochc_ir::table::{PhaseId, RoleId};
 

@@ -1,8 +1,8 @@
 //! The figures as tables of comma-separated values, for other programs.
-use stochc_ensemble::resampling::Ratio;
-use stochc_ensemble::statistics::{KaplanMeier, Observation, Test};
-use stochc_ensemble::sweep::Sweep;
-use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
+use stochc_experiments::resampling::Ratio;
+use stochc_experiments::statistics::{KaplanMeier, Observation, Test};
+use stochc_experiments::sweep::Sweep;
+use stochc_experiments::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
 use crate::analysis::critical_path::SegmentKind;

@@ -10,7 +10,7 @@ mod page;
 use std::io::Write;
 use std::time::Duration;
 
-use stochc_ensemble::trade::Trade;
+use stochc_experiments::trade::Trade;
 
 use crate::analysis::maps::Maps;
 use crate::analysis::reported_program::ReportedProgram;

@@ -1,7 +1,7 @@
 //! A run in words: its critical path.
-use stochc_ensemble::EnsembleProgram;
 use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
+use stochc_results::EnsembleProgram;
 use stochc_text::{Tick, escaped, number, whole_percent};
 
 use super::html::{code, name};

@@ -1,5 +1,6 @@
 //! The shares of runs of an ensemble that are not complete, over time.
-use stochc_ensemble::{JournalError, Manifest, Records, TimeUnit, completion_time};
+use stochc_experiments::{TimeUnit, completion_time};
+use stochc_results::{JournalError, Manifest, Records};
 
 use super::{SurvivalCurve, incomplete, survival};
 use crate::svg::{Colours, Drawing, Medium, PlotAxis};

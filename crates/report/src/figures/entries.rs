@@ -1,5 +1,5 @@
 //! Entries into the magnetic field against docking time.
-use stochc_ensemble::statistics::quantile;
+use stochc_experiments::statistics::quantile;
 use stochc_text::{number, visible};
 
 use super::EDGE;

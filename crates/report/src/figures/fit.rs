@@ -1,5 +1,5 @@
 //! What a fit knows of each number, and what it predicts.
-use stochc_ensemble::fit::{Fit, Interval, Prediction, Prior, Unit};
+use stochc_experiments::fit::{Fit, Interval, Prediction, Prior, Unit};
 use stochc_text::number;
 
 use super::EDGE;

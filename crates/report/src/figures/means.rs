@@ -1,5 +1,5 @@
 //! Mean times to completion side by side.
-use stochc_ensemble::Time;
+use stochc_experiments::Time;
 use stochc_text::number;
 
 use super::EDGE;

@@ -1,8 +1,8 @@
 //! Where captured blocks came from.
 use std::collections::BTreeMap;
 
-use stochc_ensemble::EnsembleProgram;
 use stochc_ir::table::RoleId;
+use stochc_results::EnsembleProgram;
 
 use super::EDGE;
 use crate::analysis::waits::ReportedCapture;

@@ -1,5 +1,5 @@
 //! Shares of runs that are not complete, over time.
-use stochc_ensemble::statistics::{KaplanMeier, Observation, SurvivalPoint};
+use stochc_experiments::statistics::{KaplanMeier, Observation, SurvivalPoint};
 use stochc_text::{number, percent_number};
 
 use super::EDGE;

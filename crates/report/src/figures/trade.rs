@@ -1,6 +1,6 @@
 //! A trade as a picture: what a run costs against how far it is off.
 use crate::text::{relative, relative_size};
-use stochc_ensemble::trade::{CLOSE, CandidateResult, Convergence, Trade};
+use stochc_experiments::trade::{CLOSE, CandidateResult, Convergence, Trade};
 use stochc_runtime::{Model, Precision};
 use stochc_text::{percent, seconds};
 

@@ -1,7 +1,7 @@
 //! What a page has to know besides the recording.
 use serde_json::{Value, json};
-use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_ir::emit::{graph_json, table_json};
+use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Substeps;
 use stochc_text::visible;
 

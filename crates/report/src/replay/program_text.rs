@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde_json::{Value, json};
-use stochc_ensemble::Source;
+use stochc_results::Source;
 
 /// Where an event is written.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! What decided how long a run took, as steps that a page goes through.
 use serde_json::{Value, json};
-use stochc_ensemble::EnsembleProgram;
 use stochc_ir::record::RunRecord;
+use stochc_results::EnsembleProgram;
 
 use crate::analysis::events::Events;
 use crate::analysis::reported_program::FinishedRun;

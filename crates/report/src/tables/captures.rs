@@ -1,5 +1,5 @@
 //! The captures of a program as text, a row for each.
-use stochc_ensemble::CaptureSummary;
+use stochc_experiments::CaptureSummary;
 use stochc_text::{Tick, percent};
 
 use super::comparison::{mean, ticks};

@@ -1,5 +1,5 @@
 //! A comparison as text, in the layout of the paper's Tables I and II.
-use stochc_ensemble::{Comparison, Pair, ProgramSummary, Time};
+use stochc_experiments::{Comparison, Pair, ProgramSummary, Time};
 use stochc_text::Tick;
 
 use crate::text::sentence;

@@ -1,5 +1,5 @@
 //! A fit as text.
-use stochc_ensemble::fit::{Fit, Interval, Marginal, Observed, Prediction, Prior, Unit};
+use stochc_experiments::fit::{Fit, Interval, Marginal, Observed, Prediction, Prior, Unit};
 use stochc_text::{number, percent, percent_number};
 
 use stochc_text::{TextColumn, TextTable, paragraph};

@@ -1,6 +1,6 @@
 //! Tables for papers: each figure once, in one unit.
-use stochc_ensemble::sweep::Sweep;
-use stochc_ensemble::{Comparison, ProgramSummary, Time};
+use stochc_experiments::sweep::Sweep;
+use stochc_experiments::{Comparison, ProgramSummary, Time};
 use stochc_text::number;
 
 use super::comparison::{NEVER_COMPLETES, pair_sentences};

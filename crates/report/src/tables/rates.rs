@@ -1,6 +1,6 @@
 //! The rates of a scene as text.
-use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_ir::{Cell, Face};
+use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Model;
 use stochc_runtime::rates::{GUESS_ERROR, Neighbourhood, Parameters, Rates};
 use stochc_text::visible;

@@ -1,5 +1,5 @@
 //! A sweep as text, a row for each point.
-use stochc_ensemble::sweep::{Sweep, SweepPoint};
+use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::{number, percent};
 
 use super::comparison::{NEVER_COMPLETES, mean, ticks};

@@ -1,6 +1,6 @@
 //! A trade as text.
 use crate::text::relative;
-use stochc_ensemble::trade::{
+use stochc_experiments::trade::{
     CLOSE, CandidateResult, Convergence, ProgramResult, Reference, Trade, Verdict,
 };
 use stochc_text::{Tick, percent, ratio, seconds, visible};

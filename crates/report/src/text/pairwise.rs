@@ -1,6 +1,6 @@
 //! What a test of two programs found, in words.
-use stochc_ensemble::PairwiseResult;
-use stochc_ensemble::statistics::{Difference, Longer, SIGNIFICANT, Test};
+use stochc_experiments::PairwiseResult;
+use stochc_experiments::statistics::{Difference, Longer, SIGNIFICANT, Test};
 use stochc_text::number;
 
 /// The sentence on two programs; `names` as they are to stand in it.

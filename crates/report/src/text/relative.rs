@@ -1,5 +1,5 @@
 //! Relative differences as percentages.
-use stochc_ensemble::statistics::Relative;
+use stochc_experiments::statistics::Relative;
 
 /// A relative difference and half of its interval: `-4.0 ± 3.1 %`.
 pub fn relative(difference: &Relative) -> String {

@@ -1,7 +1,7 @@
 //! Scripts and `sbatch` commands of an ensemble.
 use std::path::PathBuf;
 
-use stochc_ensemble::slurm::{
+use stochc_results::slurm::{
     SlurmEnsemble, SlurmLimits, indices, merge_script, shards_script, tasks,
 };
 

@@ -6,10 +6,10 @@ mod slurm;
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use stochc_ensemble::clock::now;
-use stochc_ensemble::shards::{ShardError, merge};
-use stochc_ensemble::slurm::{FoundShards, Opened, Queue, SlurmEnsemble, job_number, tasks};
 use stochc_files::shell::file as shell_file;
+use stochc_results::now;
+use stochc_results::shards::{ShardError, merge};
+use stochc_results::slurm::{FoundShards, Opened, Queue, SlurmEnsemble, job_number, tasks};
 use stochc_text::visible_lines;
 use stochc_text::{visible, words};
 

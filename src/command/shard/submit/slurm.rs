@@ -3,8 +3,8 @@ use std::ffi::OsStr;
 use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 
-use stochc_ensemble::slurm::{FORMAT, Queue, SlurmEnsemble, SlurmLimits};
 use stochc_files::shell::visible;
+use stochc_results::slurm::{FORMAT, Queue, SlurmEnsemble, SlurmLimits};
 
 /// Message of a command of Slurm that is not installed or failed.
 #[derive(Debug)]

@@ -7,13 +7,13 @@ mod tally;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 
-use stochc_ensemble::recording::{Places, RecordingError, each_places};
-use stochc_ensemble::resampling::{Ratio, Replicates, weights};
-use stochc_ensemble::{Finished, JournalError};
+use stochc_experiments::resampling::{Ratio, Replicates, weights};
 use stochc_ir::Cell;
 use stochc_ir::graph::EventAction;
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
+use stochc_results::recording::{Places, RecordingError, each_places};
+use stochc_results::{Finished, JournalError};
 use stochc_runtime::Model;
 
 use self::structure_membership::{PlaceQuery, StructureMembership, wanted};

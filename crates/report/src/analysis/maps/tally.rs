@@ -1,7 +1,7 @@
 //! Counts by place, and sums of them over runs.
 use std::collections::BTreeMap;
 
-use stochc_ensemble::resampling::{Ratio, Replicates};
+use stochc_experiments::resampling::{Ratio, Replicates};
 
 /// What a run adds to sums over runs.
 #[derive(Clone, Debug, Default)]

@@ -1,5 +1,5 @@
 //! What several parts of the page say alike.
-use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
+use stochc_experiments::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::address::address;
 use stochc_text::{Tick, escaped, number};
 

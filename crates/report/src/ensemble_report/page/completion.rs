@@ -1,5 +1,5 @@
 //! When runs completed: curves, means, differences.
-use stochc_ensemble::{PairwiseResult, PairwiseTest, Time};
+use stochc_experiments::{PairwiseResult, PairwiseTest, Time};
 use stochc_text::number;
 
 use super::common::{figures, show, tick};

@@ -1,7 +1,7 @@
 //! What was run, how to run it again, and how to read the page.
-use stochc_ensemble::{ChosenSetting, EnsembleProgram};
 use stochc_files::shell;
 use stochc_ir::scene::describe;
+use stochc_results::{ChosenSetting, EnsembleProgram};
 use stochc_runtime::{Precision, Settings};
 use stochc_text::number;
 
@@ -116,7 +116,7 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
 }
 
 /// Returns the command line that makes an ensemble. `None` if its settings are not all combinations of some values.
-pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> Option<String> {
+pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
     let axes = manifest.axes();
     let chosen = setting_axes(manifest)?;
     let is_sweep = !(axes.is_empty() && chosen.is_empty());
@@ -172,7 +172,7 @@ pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> Option<String> {
 }
 
 /// Returns the settings that a sweep varies, with their values. `None` if the sweep is not all combinations of them.
-fn setting_axes(manifest: &stochc_ensemble::Manifest) -> Option<Vec<(&str, Vec<&str>)>> {
+fn setting_axes(manifest: &stochc_results::Manifest) -> Option<Vec<(&str, Vec<&str>)>> {
     let mut points: Vec<&[ChosenSetting]> = Vec::new();
     for program in &manifest.programs {
         if !points.contains(&&program.chosen[..]) {

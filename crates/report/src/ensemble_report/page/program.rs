@@ -1,6 +1,6 @@
 //! One program: its phases, captures, where its blocks came from, and single runs.
-use stochc_ensemble::Time;
-use stochc_ensemble::statistics::Observation;
+use stochc_experiments::Time;
+use stochc_experiments::statistics::Observation;
 use stochc_files::shell;
 use stochc_text::{escaped, number, percent};
 

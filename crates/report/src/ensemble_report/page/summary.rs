@@ -1,5 +1,5 @@
 //! What comes first: the page in a few sentences.
-use stochc_ensemble::statistics::{Observation, Status};
+use stochc_experiments::statistics::{Observation, Status};
 use stochc_text::whole_percent;
 
 use super::Parts;

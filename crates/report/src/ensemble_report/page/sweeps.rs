@@ -1,5 +1,5 @@
 //! What was varied, and what became of the times.
-use stochc_ensemble::sweep::{Sweep, SweepPoint};
+use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::series;
 use stochc_text::{number, percent};
 

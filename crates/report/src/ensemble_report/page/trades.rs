@@ -1,6 +1,6 @@
 //! Cost and accuracy of the settings of a sweep.
 use crate::text::relative;
-use stochc_ensemble::trade::{CandidateResult, Trade};
+use stochc_experiments::trade::{CandidateResult, Trade};
 use stochc_text::{escaped, percent, ratio, seconds};
 
 use super::Parts;

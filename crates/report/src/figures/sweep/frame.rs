@@ -1,5 +1,5 @@
 //! What figures over a number that was varied have in common.
-use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptValue};
+use stochc_experiments::sweep::{Sweep, SweepPoint, SweptValue};
 use stochc_text::number;
 
 use crate::figures::EDGE;

@@ -1,5 +1,5 @@
 //! Mean times over two numbers that were varied, as a map.
-use stochc_ensemble::sweep::{SweepPoint, SweptValue};
+use stochc_experiments::sweep::{SweepPoint, SweptValue};
 use stochc_text::number;
 
 use super::frame::Panel;

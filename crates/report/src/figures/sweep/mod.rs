@@ -5,7 +5,7 @@ mod share;
 mod times;
 
 use frame::Panel;
-use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptValue};
+use stochc_experiments::sweep::{Sweep, SweepPoint, SweptValue};
 
 use crate::svg::{Drawing, Medium};
 

@@ -1,5 +1,5 @@
 //! The share of runs that completed over a number that was varied.
-use stochc_ensemble::sweep::SweepPoint;
+use stochc_experiments::sweep::SweepPoint;
 use stochc_text::percent_number;
 
 use super::frame::{AxesFrame, Panel, YScale, aside, description};

@@ -1,6 +1,6 @@
 //! Mean times over a number that was varied.
-use stochc_ensemble::Time;
-use stochc_ensemble::sweep::SweepPoint;
+use stochc_experiments::Time;
+use stochc_experiments::sweep::SweepPoint;
 use stochc_text::number;
 
 use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, description};

@@ -1,0 +1,102 @@
+//! What a run says of a time: the one place where outcomes become observations.
+use stochc_ir::record::{Limit, Outcome, RunRecord};
+
+use crate::statistics::{Observation, Status};
+use stochc_results::{JournalError, Records};
+
+/// The time to completion of a run in ticks; a failed run has none.
+///
+/// It is censored where the run reached its limit of ticks. A run that the timeout of a phase has ended never completes: the
+/// timeout ends just those that are slow, so that the others do not stand for it.
+pub fn completion_time(record: &RunRecord) -> Option<Observation> {
+    Some(Observation {
+        time: record.ticks as f64,
+        status: completion_status(&record.outcome)?,
+    })
+}
+
+/// What the end of a run says of all that it had not reached; `None`: it failed.
+pub fn completion_status(outcome: &Outcome) -> Option<Status> {
+    match outcome {
+        Outcome::Completed => Some(Status::Completed),
+        Outcome::TimedOut { by, .. } => Some(match by {
+            Limit::Timeout => Status::Competing,
+            Limit::MaxTicks => Status::Censored,
+        }),
+        Outcome::Failed { .. } => None,
+    }
+}
+
+/// Sorts runs by their times to completion, the fastest first. A stopped run is slower than every
+/// run that completed before it was stopped.
+pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
+    runs.sort_by(|(_, a), (_, b)| {
+        let times = a.at_risk_until().total_cmp(&b.at_risk_until());
+        times.then(b.is_completed().cmp(&a.is_completed()))
+    });
+}
+
+/// Returns the number of the program's run with the median time to completion. `None` if no run
+/// has a time.
+///
+/// # Errors
+/// If the runs cannot be read again.
+pub fn median_run(finished: &Records, program: usize) -> Result<Option<u64>, JournalError> {
+    let mut times = Vec::new();
+    let keys = finished.keys().filter(|&(of, _)| of == program);
+    finished.try_each_of(keys, |done| {
+        times.extend(completion_time(&done.record).map(|time| (done.record.run, time)));
+        Ok::<(), JournalError>(())
+    })?;
+    sort_by_time(&mut times);
+    let middle = times.len().saturating_sub(1) / 2;
+    Ok(times.get(middle).map(|&(run, _)| run))
+}
+
+/// The time of a phase in ticks, censored where the run was stopped in it; `None`: the run failed or did not reach it.
+pub fn phase_time(record: &RunRecord, phase: usize) -> Option<Observation> {
+    match &record.outcome {
+        Outcome::Failed { .. } => None,
+        outcome => match record.phase_ticks.get(phase) {
+            Some(&ticks) => Some(Observation::completed(ticks as f64)),
+            None if record.phase_ticks.len() == phase && *outcome != Outcome::Completed => {
+                let before: u64 = record.phase_ticks.iter().sum();
+                let cut = record.ticks.saturating_sub(before);
+                Some(Observation::censored(cut as f64))
+            }
+            None => None,
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::record::{Limit, Outcome, RunRecord};
+    use stochc_ir::table::PhaseId;
+
+    use super::{completion_time, phase_time};
+    use crate::statistics::Observation;
+
+    /// Stopped in its second phase, after 30 ticks of it.
+    #[test]
+    fn a_timeout_ends_a_run_for_ever_and_the_limit_of_ticks_only_hides_its_time() {
+        let stopped = |by| {
+            let phase = PhaseId(1);
+            RunRecord {
+                phase_ticks: vec![70],
+                ..RunRecord::without_bonds(0, Outcome::TimedOut { phase, by }, 100)
+            }
+        };
+        let [timeout, limit] = [Limit::Timeout, Limit::MaxTicks].map(stopped);
+        assert_eq!(
+            completion_time(&timeout),
+            Some(Observation::competing(100.0))
+        );
+        assert_eq!(completion_time(&limit), Some(Observation::censored(100.0)));
+        for run in [timeout, limit] {
+            assert_eq!(phase_time(&run, 0), Some(Observation::completed(70.0)));
+            assert_eq!(phase_time(&run, 1), Some(Observation::censored(30.0)));
+            assert_eq!(phase_time(&run, 2), None);
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! What is known of a number before: it is between two values, each as likely as any other.
+use stochc_ir::scene::Scene;
+
+use crate::sweep::{common, digits, logarithmic, number, value, varied};
+use stochc_results::Varied;
+
+/// A number of a scene and its range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prior {
+    /// Its name, such as `bond.pull`.
+    pub of: String,
+    /// The lower end, in `unit`.
+    pub from: f64,
+    /// The upper end, in `unit`.
+    pub to: f64,
+    /// As it was given; empty: none.
+    pub unit: String,
+    /// Whether its logarithm is evenly distributed, and not the number itself.
+    pub is_logarithmic: bool,
+    /// Whether it can only be whole: known of a number of a [scene](Prior::of_scene).
+    pub is_whole: bool,
+}
+
+/// From the least to the most of whole numbers that a polynomial can go by.
+const MIN_SPAN: f64 = 4.0;
+
+impl Prior {
+    /// Reads `NAME=FROM..TO`, such as `bond.pull=2..12 N` or `drag.rate=0.1..10 /s log`.
+    ///
+    /// # Errors
+    /// In words; whether a scene has the number is another matter.
+    pub fn parse(text: &str) -> Result<Prior, String> {
+        let wrong = "write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`";
+        let (name, range) = text.split_once('=').ok_or(wrong)?;
+        let (range, is_logarithmic) = logarithmic(range);
+        let (from, to) = range.split_once("..").ok_or(wrong)?;
+        if name.trim().is_empty() || to.contains('/') && to.rsplit('/').next().is_some_and(is_count)
+        {
+            return Err(wrong.to_owned());
+        }
+        let ends = [value(from)?, value(to)?];
+        let unit = common(&ends)?;
+        let [from, to] = ends.map(|(end, _)| end);
+        if from >= to || !(from.is_finite() && to.is_finite()) {
+            return Err(format!(
+                "`{from}..{to}` is no range: the first end has to be the lower one"
+            ));
+        }
+        if is_logarithmic && from <= 0.0 {
+            return Err("a range with `log` is of values above 0".to_owned());
+        }
+        Ok(Prior {
+            of: name.trim().to_owned(),
+            from,
+            to,
+            unit,
+            is_logarithmic,
+            is_whole: false,
+        })
+    }
+
+    /// The same as a number of a scene.
+    ///
+    /// # Errors
+    /// In words, when the scene has no such number, may not have one of the ends as its value, or there are too few whole
+    /// numbers between them.
+    pub fn of_scene(self, scene: &Scene) -> Result<Prior, String> {
+        let number = number(scene, &self.of)?;
+        for end in [self.from, self.to] {
+            varied(number, end, &self.unit)?;
+        }
+        if number.is_whole() && self.to - self.from < MIN_SPAN {
+            return Err(format!(
+                "`{}` is a whole number, and a fit needs a range of five of them at least; `stochc sweep` tries a few",
+                self.of
+            ));
+        }
+        Ok(Prior {
+            is_whole: number.is_whole(),
+            ..self
+        })
+    }
+
+    /// The value at a part of the prior's probability, 0 to 1, in `unit`.
+    pub fn value(&self, share: f64) -> f64 {
+        if self.is_logarithmic {
+            self.from * (self.to / self.from).powf(share)
+        } else {
+            self.from + (self.to - self.from) * share
+        }
+    }
+
+    /// The part of the prior's probability below a value.
+    fn share(&self, value: f64) -> f64 {
+        let share = if self.is_logarithmic {
+            (value / self.from).ln() / (self.to / self.from).ln()
+        } else {
+            (value - self.from) / (self.to - self.from)
+        };
+        share.clamp(0.0, 1.0)
+    }
+
+    /// The share at which there is a value that the number may have, nearest to `share`.
+    pub fn possible(&self, share: f64) -> f64 {
+        if self.is_whole {
+            self.share(self.value(share).round())
+        } else {
+            share
+        }
+    }
+
+    /// An interval of shares, up to values that the number may have.
+    pub fn outward(&self, (low, high): (f64, f64)) -> (f64, f64) {
+        if self.is_whole {
+            (
+                self.share(self.value(low).floor()),
+                self.share(self.value(high).ceil()),
+            )
+        } else {
+            (low, high)
+        }
+    }
+
+    /// An interval of shares with enough values in it for a polynomial.
+    pub fn surroundings(&self, ends: (f64, f64)) -> (f64, f64) {
+        let (low, high) = self.outward(ends);
+        if !self.is_whole {
+            return (low, high);
+        }
+        let [from, to] = [low, high].map(|share| self.value(share).round());
+        let lacking = (MIN_SPAN - (to - from)).max(0.0);
+        let from = (from - (lacking / 2.0).ceil()).max(self.from);
+        let to = to.max(from + MIN_SPAN).min(self.to);
+        (self.share((to - MIN_SPAN).min(from)), self.share(to))
+    }
+
+    /// The value there, for a scene.
+    ///
+    /// # Errors
+    /// In words, when the scene has no such number, or may not have this value of it.
+    pub fn varied(&self, share: f64, scene: &Scene) -> Result<Varied, String> {
+        self.varied_to(self.value(share), scene)
+    }
+
+    /// A value in `unit`, for a scene.
+    ///
+    /// # Errors
+    /// See [`Prior::varied`].
+    pub fn varied_to(&self, said: f64, scene: &Scene) -> Result<Varied, String> {
+        let number = number(scene, &self.of)?;
+        let said = if number.is_whole() {
+            said.round()
+        } else {
+            digits(said, 7)
+        };
+        varied(number, said, &self.unit)
+    }
+}
+
+/// `6`, which a sweep would read as a number of values.
+fn is_count(text: &str) -> bool {
+    !text.trim().is_empty() && text.trim().chars().all(|c| c.is_ascii_digit())
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_compiler::scene::built_in;
+
+    use super::*;
+
+    #[test]
+    fn a_range_is_read_with_its_unit() {
+        let prior = Prior::parse("bond.pull = 2..12 N").unwrap();
+        assert_eq!((prior.from, prior.to, &*prior.unit), (2.0, 12.0, "N"));
+        assert!((prior.value(0.25) - 4.5).abs() < 1e-12);
+        let prior = Prior::parse("free=50..5000 log").unwrap();
+        assert!(prior.is_logarithmic);
+        let scene = built_in("hemisphere").unwrap();
+        let varied = prior.varied(0.5, &scene).unwrap();
+        assert_eq!((varied.of.as_str(), varied.said), ("free", 500.0));
+    }
+
+    #[test]
+    fn whole_numbers_are_simulated_and_told_as_such() {
+        let scene = built_in("hemisphere").unwrap();
+        let of = |text: &str| Prior::parse(text).unwrap().of_scene(&scene);
+        for text in ["free=8..20", "free=8..2000 log"] {
+            let prior = of(text).unwrap();
+            for share in [0.0, 0.03, 0.49, 0.77, 1.0] {
+                let value = prior.value(prior.possible(share));
+                assert!((value - prior.value(share).round()).abs() < 1e-9, "{value}");
+                for (low, high) in [(share, share), (0.3 * share, 0.5 + 0.5 * share)] {
+                    let (below, above) = prior.outward((low, high));
+                    assert!(below <= low && high <= above, "{text} {low} {high}");
+                    let (from, to) = prior.surroundings((low, high));
+                    assert!(from <= below && above <= to, "{text} {low} {high}");
+                    let span = prior.value(to) - prior.value(from);
+                    assert!((0.0..=1.0).contains(&from) && to <= 1.0 && span > 3.999);
+                }
+            }
+        }
+        for text in [
+            "free=8..9",
+            "free=8.5..60",
+            "free=8..60.5",
+            "free=50..53 log",
+        ] {
+            let told = of(text).unwrap_err();
+            assert!(told.contains("whole number"), "{text}: {told}");
+        }
+        let pull = of("bond.pull=2..3 N").unwrap();
+        assert_eq!(
+            (pull.possible(0.123), pull.outward((0.1, 0.2))),
+            (0.123, (0.1, 0.2))
+        );
+    }
+
+    #[test]
+    fn what_is_no_range_is_refused() {
+        for text in [
+            "free",
+            "free=5",
+            "free=9..5",
+            "free=0..5 log",
+            "=1..2",
+            "free=50..600/6",
+            "tick=1 ms..2 s",
+        ] {
+            assert!(Prior::parse(text).is_err(), "{text}");
+        }
+        let scene = built_in("hemisphere").unwrap();
+        let told = Prior::parse("frei=1..2")
+            .unwrap()
+            .varied(0.5, &scene)
+            .unwrap_err();
+        assert!(told.contains("free"), "{told}");
+    }
+}

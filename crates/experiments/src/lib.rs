@@ -1,0 +1,20 @@
+//! Analysis of ensembles: comparison, sweeps, trades of accuracy for speed, calibration and fits.
+//!
+//! Everything here is a function of a manifest and its runs.
+pub mod calibration;
+mod captures;
+mod comparison;
+pub mod fit;
+pub mod resampling;
+pub mod statistics;
+mod summary_tables;
+pub mod sweep;
+pub mod trade;
+
+pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, captures};
+pub use comparison::{
+    ComparedProgram, Comparison, ComparisonTally, Pair, PairwiseResult, PairwiseTest, PhaseTime,
+    ProgramSummary, Time, TimeUnit, completion_status, completion_time, last_seen, median_run,
+    pairwise_tests, phase_time, sort_by_time,
+};
+pub use summary_tables::{summary_table, sweep_table};

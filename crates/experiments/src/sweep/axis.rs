@@ -1,0 +1,372 @@
+//! What the command line says of one number: `free=50..600/6 log`.
+use stochc_ir::scene::schema::SchemaNumber;
+use stochc_ir::scene::units::WrittenQuantity;
+
+use stochc_results::{ChosenSetting, Varied};
+
+/// Values of one axis at most.
+const MAX: u32 = 400;
+
+/// A scene parameter or a setting, and the values that it gets one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// The name of the number, as it was given.
+    pub name: String,
+    values: AxisValues,
+    /// Of all values; empty: none.
+    unit: String,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum AxisValues {
+    /// `50,100,300`, or a single one.
+    List(Vec<f64>),
+    /// `50..600/6`: evenly spaced, both ends included.
+    Even { from: f64, to: f64, n: u32 },
+    /// `50..600/6 log`: each the same multiple of the one before.
+    Geometric { from: f64, to: f64, n: u32 },
+    /// `model=rigid,rapier`: values of a setting.
+    Settings(Vec<ChosenSetting>),
+}
+
+impl Axis {
+    /// Reads `NAME=VALUES`.
+    ///
+    /// # Errors
+    /// In words; whether the scene has the number, and may give it these values, is another matter.
+    pub fn parse(text: &str) -> Result<Axis, String> {
+        let (name, values) = text
+            .split_once('=')
+            .filter(|(name, _)| !name.trim().is_empty())
+            .ok_or("write NAME=VALUES, such as `free=50..600/6` or `bond.pull=2,4,8 N`")?;
+        let name = name.trim();
+        if ChosenSetting::is_name(name) {
+            let chosen = settings(name, values)?;
+            return Ok(Axis {
+                name: name.to_owned(),
+                values: AxisValues::Settings(chosen),
+                unit: String::new(),
+            });
+        }
+        let (spaced, is_geometric) = logarithmic(values);
+        let (values, unit) = match spaced.split_once("..") {
+            Some((from, rest)) => range(from, rest, is_geometric)?,
+            None if is_geometric => {
+                return Err("`log` spaces a range: write `a..b/n log`".into());
+            }
+            None => list(spaced)?,
+        };
+        Ok(Axis {
+            name: name.to_owned(),
+            values,
+            unit,
+        })
+    }
+
+    /// Returns the values of a setting. `None`: the axis is a scene parameter.
+    pub fn settings(&self) -> Option<&[ChosenSetting]> {
+        match &self.values {
+            AxisValues::Settings(chosen) => Some(chosen),
+            AxisValues::List(_) | AxisValues::Even { .. } | AxisValues::Geometric { .. } => None,
+        }
+    }
+
+    /// The values for a number of a scene, each with its unit.
+    ///
+    /// # Errors
+    /// In words, when they are none that the number may have, not whole where they have to be, or
+    /// one comes twice.
+    pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, String> {
+        let mut out: Vec<Varied> = Vec::new();
+        for said in self.said(number)? {
+            let varied = varied(number, said, &self.unit)?;
+            if out.iter().any(|other| other.value == varied.value) {
+                return Err(format!(
+                    "`{}` is {} twice; ask for fewer values",
+                    number.name(),
+                    varied.value()
+                ));
+            }
+            out.push(varied);
+        }
+        Ok(out)
+    }
+
+    fn said(&self, number: &SchemaNumber) -> Result<Vec<f64>, String> {
+        Ok(match self.values {
+            AxisValues::Settings(_) => {
+                return Err(format!(
+                    "`{}` is a setting, not a scene parameter",
+                    self.name
+                ));
+            }
+            AxisValues::List(ref values) => values.clone(),
+            AxisValues::Even { from, to, n } => {
+                let values: Vec<f64> = (0..n).map(|i| even(from, to, n, i)).collect();
+                let broken = values.iter().find(|value| value.fract() != 0.0);
+                if let (true, Some(broken)) = (number.is_whole(), broken) {
+                    return Err(not_whole(number.name(), (from, to, n), *broken));
+                }
+                values
+            }
+            AxisValues::Geometric { from, to, n } => {
+                let round = |value: f64| {
+                    if number.is_whole() {
+                        value.round()
+                    } else {
+                        digits(value, 4)
+                    }
+                };
+                let inner = (1..n - 1).map(|i| {
+                    let share = f64::from(i) / f64::from(n - 1);
+                    round(from * (to / from).powf(share))
+                });
+                std::iter::once(from).chain(inner).chain([to]).collect()
+            }
+        })
+    }
+}
+
+/// Reads the values of a setting, each once.
+fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, String> {
+    let mut chosen: Vec<ChosenSetting> = Vec::new();
+    for value in values.split(',') {
+        let value = ChosenSetting::new(name, value.trim())?;
+        if chosen.contains(&value) {
+            return Err(format!("`{}` is given twice", value.text()));
+        }
+        chosen.push(value);
+    }
+    Ok(chosen)
+}
+
+/// Values without the word `log` behind them, and whether it was there.
+pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
+    let values = values.trim();
+    match values.strip_suffix("log") {
+        Some(before) if before.ends_with(char::is_whitespace) => (before.trim_end(), true),
+        _ => (values, false),
+    }
+}
+
+/// A number of a scene with a value in a unit.
+///
+/// # Errors
+/// In words, when the number may not have it.
+pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, String> {
+    let given = format!("{said} {unit}");
+    let mut quantity = WrittenQuantity::parse(&given)?.to_si();
+    // Zero is the same in every unit.
+    if said == 0.0 && unit.is_empty() {
+        quantity.1 = number.kind.dimension;
+    }
+    let value = number.accept(quantity).map_err(|error| error.to_string())?;
+    Ok(Varied {
+        of: number.name().to_owned(),
+        value,
+        said,
+        unit: unit.to_owned(),
+    })
+}
+
+fn even(from: f64, to: f64, n: u32, i: u32) -> f64 {
+    match i {
+        0 => from,
+        i if i == n - 1 => to,
+        i => digits(from + (to - from) * (f64::from(i) / f64::from(n - 1)), 12),
+    }
+}
+
+/// A value with so many digits that count: `0.30000000000000004` is not what anybody means.
+pub(crate) fn digits(value: f64, n: usize) -> f64 {
+    let rounded = format!("{value:.*e}", n - 1).parse();
+    rounded.unwrap_or(value)
+}
+
+/// Why evenly spaced values will not do, and how many would.
+fn not_whole(name: &str, (from, to, n): (f64, f64, u32), broken: f64) -> String {
+    let whole = |n: &u32| (1..n - 1).all(|i| even(from, to, *n, i).fract() == 0.0);
+    let ends = from.fract() == 0.0 && to.fract() == 0.0;
+    let mut fitting: Vec<u32> = (2..=60).filter(|n| ends && whole(n)).collect();
+    fitting.sort_by_key(|other| other.abs_diff(n));
+    fitting.truncate(4);
+    fitting.sort_unstable();
+    let way_out = match fitting[..] {
+        [] => "give whole ends".to_owned(),
+        _ => {
+            let fitting: Vec<String> = fitting.iter().map(u32::to_string).collect();
+            format!("{} values are all whole", fitting.join(", "))
+        }
+    };
+    format!(
+        "`{name}` is a whole number, and {n} values from {from} to {to} are not all: {} is one; \
+         {way_out}, `log` rounds, or give a list",
+        digits(broken, 6)
+    )
+}
+
+/// `50..600/6`, split at its dots.
+fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, String), String> {
+    let count = rest.rsplit_once('/').and_then(|(to, n)| {
+        let n = n.trim();
+        let is_number = !n.is_empty() && n.chars().all(|c| c.is_ascii_digit());
+        is_number.then_some((to, n))
+    });
+    let Some((to, n)) = count else {
+        return Err(format!(
+            "how many values from `{}` to `{}`? write `a..b/n`, such as `50..600/6`",
+            from.trim(),
+            rest.trim()
+        ));
+    };
+    let n = (n.parse().ok())
+        .filter(|n| (2..=MAX).contains(n))
+        .ok_or_else(|| format!("a range is of 2 to {MAX} values, not {n}"))?;
+    let (first, last) = (value(from)?, value(to)?);
+    let unit = common(&[first.clone(), last.clone()])?;
+    let (from, to) = (first.0, last.0);
+    if !is_geometric {
+        return Ok((AxisValues::Even { from, to, n }, unit));
+    }
+    if from > 0.0 && to > 0.0 {
+        Ok((AxisValues::Geometric { from, to, n }, unit))
+    } else {
+        Err("a range with `log` is of values above 0".into())
+    }
+}
+
+fn list(text: &str) -> Result<(AxisValues, String), String> {
+    let values: Vec<_> = text.split(',').map(value).collect::<Result<_, _>>()?;
+    let unit = common(&values)?;
+    let values = values.into_iter().map(|(number, _)| number);
+    Ok((AxisValues::List(values.collect()), unit))
+}
+
+/// A number, and its unit as text.
+pub(crate) fn value(text: &str) -> Result<(f64, String), String> {
+    let WrittenQuantity { value, unit, .. } = WrittenQuantity::parse(text)?;
+    Ok((value, unit.to_owned()))
+}
+
+/// The unit of the last value, which is that of those that have none.
+pub(crate) fn common(values: &[(f64, String)]) -> Result<String, String> {
+    let unit = values.last().map_or("", |(_, unit)| unit);
+    let other = values.iter().find(|(_, it)| !it.is_empty() && it != unit);
+    match other {
+        Some((_, other)) => Err(format!(
+            "one unit for all values, not `{other}` and `{unit}`; the last value's is that of all"
+        )),
+        None => Ok(unit.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_compiler::scene::built_in;
+    use stochc_ir::scene::scalars::find;
+
+    use super::*;
+
+    /// The values that an axis gives the default scene: in its unit, and in SI units.
+    fn values(text: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
+        let axis = Axis::parse(text)?;
+        let scene = built_in("hemisphere").unwrap();
+        let scalar = find(&scene, &axis.name).map_err(|error| error.to_string())?;
+        let values = axis.values(scalar)?;
+        let said = values.iter().map(|varied| varied.said).collect();
+        Ok((said, values.iter().map(|varied| varied.value).collect()))
+    }
+
+    fn told(text: &str) -> String {
+        values(text).unwrap_err()
+    }
+
+    #[test]
+    fn values_are_spaced_evenly_by_ratio_or_listed() {
+        let said = |text: &str| values(text).unwrap().0;
+        assert_eq!(said("free=50..550/6"), [50., 150., 250., 350., 450., 550.]);
+        assert_eq!(
+            said("bond.pull = 2 .. 12 N / 5"),
+            [2.0, 4.5, 7.0, 9.5, 12.0]
+        );
+        assert_eq!(said("bond.pull=0.1..0.4 N/4"), [0.1, 0.2, 0.3, 0.4]);
+        assert_eq!(said("contact.friction=1..0/3"), [1.0, 0.5, 0.0]);
+        assert_eq!(said("enclosure.wall=1..100 N/m/3 log"), [1.0, 10.0, 100.0]);
+        assert_eq!(said("enclosure.wall=1..3 N/m/3 log"), [1.0, 1.732, 3.0]);
+        assert_eq!(said("free=50..600/4 log"), [50.0, 114.0, 262.0, 600.0]);
+        assert_eq!(said("free=50,100,300"), [50.0, 100.0, 300.0]);
+        assert_eq!(said("tick=10 ms"), [10.0]);
+    }
+
+    #[test]
+    fn units_are_kept_and_values_are_in_si() {
+        let (said, si) = values("block.side=10,20,25 cm").unwrap();
+        assert_eq!((said, si), (vec![10., 20., 25.], vec![0.1, 0.2, 0.25]));
+        assert_eq!(values("tick=10ms,20ms").unwrap().1, [0.01, 0.02]);
+        assert_eq!(values("contact.damping=5 N s/m").unwrap().1, [5.0]);
+    }
+
+    #[test]
+    fn whole_numbers_stay_whole() {
+        assert_eq!(
+            told("free=50..600/7"),
+            "`free` is a whole number, and 7 values from 50 to 600 are not all: 141.667 is one; \
+             2, 3, 6, 11 values are all whole, `log` rounds, or give a list"
+        );
+        assert!(told("free=50.5..600/2").contains("give whole ends"));
+        assert!(told("free=50,60.5").contains("must be a whole number from 0"));
+        assert!(told("free=1..4/9 log").contains("twice"));
+    }
+
+    #[test]
+    fn settings_are_listed() {
+        let axis = Axis::parse("substeps = 1, 2/8").unwrap();
+        let values: Vec<&str> = axis
+            .settings()
+            .unwrap()
+            .iter()
+            .map(|it| it.value())
+            .collect();
+        assert_eq!(values, ["1", "2/8"]);
+        assert_eq!(Axis::parse("free=5").unwrap().settings(), None);
+        for (text, reason) in [
+            ("model=rigid,rapid", "`model=rapid`: give one of `rigid`"),
+            ("substeps=1,2,1", "`substeps=1` is given twice"),
+            ("precision=", "give one of"),
+        ] {
+            let told = Axis::parse(text).unwrap_err();
+            assert!(told.contains(reason), "{text}: {told}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_told_with_a_way_out() {
+        for (text, reason) in [
+            ("free", "write NAME=VALUES"),
+            ("=5", "write NAME=VALUES"),
+            ("free=", "is no value"),
+            ("free=50..600", "how many values from `50` to `600`?"),
+            ("bond.pull=2..12 N/m", "how many values"),
+            ("free=50..600/1", "2 to 400 values"),
+            ("free=50..600/100000000000000", "2 to 400 values"),
+            ("free=..600/3", "is no value"),
+            ("free=50,,60", "is no value"),
+            ("free=0..600/3 log", "above 0"),
+            ("free=50,60 log", "`log` spaces a range"),
+            (
+                "block.side=20cm..1m/3",
+                "one unit for all values, not `cm` and `m`",
+            ),
+            ("bond.pull=3 newton", "did you mean `N`?"),
+            (
+                "bond.pull=3 m",
+                "`bond.pull` is a force, such as `15 N`, not a length",
+            ),
+            ("free=50,50", "`free` is 50 twice"),
+            ("free=50..50/3", "`free` is 50 twice"),
+            ("fre=50", "did you mean `free`?"),
+        ] {
+            assert!(told(text).contains(reason), "{text}: {}", told(text));
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! All combinations of the values of several axes.
+use stochc_ir::scene::Scene;
+use stochc_ir::scene::scalars::find;
+use stochc_ir::scene::schema::SchemaNumber;
+
+use super::Axis;
+use stochc_results::{ChosenSetting, Varied};
+
+/// Programs that an ensemble may have by sweeping.
+pub const MAX_POINTS: usize = 400;
+
+/// A value for every axis of a sweep.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Point {
+    /// Scene parameters.
+    pub varied: Vec<Varied>,
+    /// Settings.
+    pub chosen: Vec<ChosenSetting>,
+}
+
+impl Point {
+    fn with_number(&self, value: &Varied) -> Point {
+        let mut point = self.clone();
+        point.varied.push(value.clone());
+        point
+    }
+
+    fn with_setting(&self, value: &ChosenSetting) -> Point {
+        let mut point = self.clone();
+        point.chosen.push(value.clone());
+        point
+    }
+}
+
+/// The points of a scene, the last axis first to change; each has a value for every axis.
+///
+/// # Errors
+/// In words, when the scene has no such number or may not have such a value, and when there are more
+/// than [`MAX_POINTS`].
+pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, String> {
+    let mut all = vec![Point::default()];
+    let mut seen: Vec<&str> = Vec::new();
+    for axis in axes {
+        let longer: Vec<Point> = if let Some(chosen) = axis.settings() {
+            first_time(&mut seen, &axis.name)?;
+            few(all.len(), chosen.len())?;
+            let with = |point: &Point| chosen.iter().map(|it| point.with_setting(it)).collect();
+            all.iter().flat_map::<Vec<Point>, _>(with).collect()
+        } else {
+            let scalar = number(scene, &axis.name)?;
+            first_time(&mut seen, scalar.name())?;
+            let values = axis.values(scalar)?;
+            few(all.len(), values.len())?;
+            let with = |point: &Point| values.iter().map(|it| point.with_number(it)).collect();
+            all.iter().flat_map::<Vec<Point>, _>(with).collect()
+        };
+        all = longer;
+    }
+    Ok(all)
+}
+
+/// Rejects an axis that was there before.
+fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), String> {
+    if seen.contains(&name) {
+        return Err(format!("`{name}` is swept twice"));
+    }
+    seen.push(name);
+    Ok(())
+}
+
+/// Rejects so many points with so many further values each.
+fn few(points: usize, values: usize) -> Result<(), String> {
+    let count = points.saturating_mul(values);
+    if count <= MAX_POINTS {
+        Ok(())
+    } else {
+        Err(format!(
+            "these are {count} points or more, and {MAX_POINTS} is the most; ask for fewer values"
+        ))
+    }
+}
+
+/// The number of a scene that has this name.
+///
+/// # Errors
+/// In words, with the names that it has.
+pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, String> {
+    find(scene, name).map_err(|error| match error.has() {
+        [] => error.to_string(),
+        has => format!("{error} (it has {})", has.join(", ")),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_compiler::scene::built_in;
+
+    use super::*;
+
+    fn combined(axes: &[&str]) -> Result<Vec<String>, String> {
+        let axes: Vec<Axis> = axes.iter().map(|axis| Axis::parse(axis).unwrap()).collect();
+        let points = points(&axes, &built_in("hemisphere").unwrap())?;
+        let text = |point: Point| {
+            let numbers = point.varied.iter().map(Varied::text);
+            let settings = point.chosen.iter().map(ChosenSetting::text);
+            numbers.chain(settings).collect::<Vec<_>>().join(" ")
+        };
+        Ok(points.into_iter().map(text).collect())
+    }
+
+    #[test]
+    fn every_value_meets_every_other() {
+        assert_eq!(
+            combined(&["free=50,60", "agitation=1..2 m/s/2"]).unwrap(),
+            [
+                "free=50 agitation.speed=1 m/s",
+                "free=50 agitation.speed=2 m/s",
+                "free=60 agitation.speed=1 m/s",
+                "free=60 agitation.speed=2 m/s"
+            ]
+        );
+        assert_eq!(
+            combined(&["substeps=1,2", "free=50,60"]).unwrap(),
+            [
+                "free=50 substeps=1",
+                "free=60 substeps=1",
+                "free=50 substeps=2",
+                "free=60 substeps=2"
+            ]
+        );
+        let told = combined(&["model=rigid", "model=rate"]).unwrap_err();
+        assert_eq!(told, "`model` is swept twice");
+    }
+
+    #[test]
+    fn too_many_points_and_names_twice_are_refused() {
+        assert!(combined(&["free=1..400/400"]).is_ok());
+        let told = combined(&["free=1..400/400", "tick=1,2 ms"]).unwrap_err();
+        assert!(told.contains("800 points"), "{told}");
+        let told = combined(&["agitation=1 m/s", "agitation.speed=2 m/s"]).unwrap_err();
+        assert_eq!(told, "`agitation.speed` is swept twice");
+        let told = combined(&["gravitty=1"]).unwrap_err();
+        assert!(told.contains("it has tick, block.side"), "{told}");
+    }
+}

@@ -1,0 +1,145 @@
+//! The trade of some programs: the content of `trade.json`, tables and figures.
+use serde::Serialize;
+use serde_json::json;
+use stochc_runtime::Settings;
+
+use super::convergence::{Convergence, Doubling};
+use super::ranking::{Ranked, Verdict};
+use crate::statistics::Relative;
+use stochc_results::Manifest;
+
+/// Version of the layout of `trade.json`.
+const FORMAT: u32 = 1;
+
+/// Programs at many settings. Times are in ticks, costs in seconds of CPU time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Trade {
+    /// Ticks after which a run was stopped. `None`: runs were not stopped.
+    pub max_ticks: Option<u64>,
+    /// Programs that were run.
+    pub programs: Vec<TradedProgram>,
+    /// Setting that the others are compared with.
+    pub reference: Option<Reference>,
+    /// Settings, in the order of the sweep.
+    pub candidates: Vec<CandidateResult>,
+    /// Which setting to use, in a few sentences.
+    pub advice: String,
+}
+
+/// A program.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TradedProgram {
+    /// Name of the program, without settings.
+    pub name: String,
+    /// Length of a tick of its scene \[s\].
+    pub tick: f64,
+}
+
+/// The candidate that the others are compared with.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reference {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Whether the reference has converged to within 10 %. Undecided if the limit of ticks stopped runs of the last
+    /// doubling.
+    pub convergence: Convergence,
+    /// The largest change of a mean by the last doubling that its interval does not exclude. `None`: nothing is
+    /// excluded.
+    pub bound: Option<f64>,
+    /// All doublings that lead to the reference.
+    pub doublings: Vec<Doubling>,
+}
+
+/// A setting.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CandidateResult {
+    /// Name in tables.
+    pub name: String,
+    /// Options of `simulate`.
+    pub options: String,
+    /// The settings in full.
+    pub settings: Settings,
+    /// CPU time of a run: the mean of the programs' medians \[s\]. `None`: some program has no runs.
+    pub cost: Option<f64>,
+    /// The same as a multiple of the reference's.
+    pub cost_ratio: Option<f64>,
+    /// The largest bias of any program. `None`: some program has no bias.
+    pub worst: Option<Relative>,
+    /// The largest bias of any program that its interval does not exclude. `None`: nothing is excluded, for example
+    /// because the limit of ticks stopped runs.
+    pub bound: Option<f64>,
+    /// Whether the setting is Pareto-optimal: no cheaper one has a smaller bound.
+    pub front: bool,
+    /// Whether it orders two programs the wrong way.
+    pub reversed: bool,
+    /// Its conclusion about the order of each pair of programs.
+    pub ranking: Vec<Ranked>,
+    /// For each program.
+    pub programs: Vec<ProgramResult>,
+}
+
+/// A program at a setting.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ProgramResult {
+    /// Finished runs, the sum of the next four.
+    pub runs: usize,
+    /// Runs that completed the structure.
+    pub completed: usize,
+    /// Runs that a timeout of the program ended.
+    pub timed_out: usize,
+    /// Runs that reached the limit of ticks: their times are right-censored.
+    pub censored: usize,
+    /// Runs whose physics broke down.
+    pub failed: usize,
+    /// Mean time to completion \[ticks\]; with censored runs, of min(time, horizon).
+    pub mean: Option<f64>,
+    /// Half the width of its 95 % interval.
+    pub half_width: Option<f64>,
+    /// With censored runs: up to here the mean counts.
+    pub horizon: Option<f64>,
+    /// The mean over the reference's, less one.
+    pub bias: Option<Relative>,
+    /// Median CPU time of a run \[s\].
+    pub cost: Option<f64>,
+    /// CPU time of a tick \[s\].
+    pub cost_of_tick: Option<f64>,
+}
+
+impl Trade {
+    /// Returns the text of `trade.json`.
+    pub fn to_json(&self, manifest: &Manifest) -> String {
+        let mut value = json!(self);
+        value["format"] = FORMAT.into();
+        value["stochc"] = json!(manifest.stochc);
+        value["ensemble"] = manifest.identity().into();
+        format!("{value:#}\n")
+    }
+
+    /// Returns how many runs of a program the limit of ticks stopped, among those of the reference and of its last
+    /// doubling.
+    pub(crate) fn reference_runs_at_limit(&self, program: usize) -> usize {
+        let own = self.reference_candidate();
+        let own = own.map_or(0, |candidate| candidate.programs[program].censored);
+        let doublings = self.reference.as_ref().map(|it| &it.doublings[..]);
+        let last = doublings.and_then(<[Doubling]>::last);
+        last.map_or(own, |last| last.censored[program])
+    }
+
+    /// The candidate that others are compared with.
+    pub fn reference_candidate(&self) -> Option<&CandidateResult> {
+        self.candidates.get(self.reference.as_ref()?.candidate)
+    }
+}
+
+impl CandidateResult {
+    /// The pairs that it orders the wrong way.
+    pub fn reversals(&self) -> impl Iterator<Item = &Ranked> {
+        let reversed = |pair: &&Ranked| pair.verdict == Verdict::Reversed;
+        self.ranking.iter().filter(reversed)
+    }
+
+    /// Whether something that the scene has is left out.
+    pub fn reduced(&self) -> bool {
+        self.settings.reduction.is_some()
+    }
+}

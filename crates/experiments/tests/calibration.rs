@@ -1,0 +1,88 @@
+//! Runs whose rates are known give them back.
+use std::ops::ControlFlow;
+
+use stochc_compiler::scene::built_in;
+use stochc_compiler::{Limits, check};
+use stochc_experiments::calibration::{Calibration, PROGRAMS};
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Tables;
+use stochc_runtime::rates::{Parameters, Rates};
+use stochc_runtime::{Model, Settings, run};
+
+fn tables(text: &str) -> Tables {
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let checked = check("program.sa", &mut reader, Limits::default());
+    let program = checked
+        .programs
+        .into_iter()
+        .next()
+        .expect("it has a program");
+    program
+        .into_executable()
+        .expect("nothing is wrong in it")
+        .tables
+}
+
+/// What is found from runs by rates that differ from the usual ones.
+fn found(scene: &Scene, truth: &Rates, runs: u64) -> Rates {
+    let settings = Settings {
+        rates: vec![truth.clone()],
+        max_ticks: Some(60_000),
+        ..Settings::new(Model::Rate, 1)
+    };
+    let mut calibration = Calibration::new(scene, truth.profile.clone());
+    let mut watch = |_, _| ControlFlow::Continue(());
+    for (place, (_, text)) in PROGRAMS.into_iter().enumerate() {
+        let tables = tables(text);
+        for number in 0..runs {
+            let record = run(&tables, scene, &settings, place as u64, number, &mut watch);
+            calibration.observe(&record.expect("it runs"));
+        }
+    }
+    calibration
+        .rates(&settings, 0)
+        .expect("there are many captures")
+}
+
+#[test]
+fn the_parameters_of_the_law_are_found_again() {
+    let scene = built_in("hemisphere").expect("it is built in");
+    let mut truth = Rates::built_in(&scene).expect("they are shipped").clone();
+    // Away from what the prior holds for usual.
+    let off = [
+        0.7, 0.2, 0.0, -0.2, 0.2, 0.2, -0.2, 0.4, -0.3, -0.9, 0.2, -0.4, 1.2, 0.1, 0.2, 0.2, -0.3,
+    ];
+    for (parameter, off) in truth.parameters.0.iter_mut().zip(off) {
+        *parameter += off;
+    }
+    let rates = found(&scene, &truth, 60);
+    for (i, parameter) in Parameters::ALL.iter().enumerate() {
+        let error = rates.covariance[i * (Parameters::COUNT + 1)].sqrt();
+        let (value, expected) = (rates.parameters.0[i], truth.parameters.0[i]);
+        assert!(error < 0.3, "{}: ± {error}", parameter.name);
+        // Ticks are whole, and the law's times are not: that is some thousandths of a docking time.
+        let allowed = 4.0 * error + 0.02;
+        assert!(
+            (value - expected).abs() < allowed,
+            "{}: {value} ± {error}, not {expected}",
+            parameter.name
+        );
+    }
+    // What follows from them is known better than they are.
+    let (x, y) = (rates.parameters.0[0], truth.parameters.0[0]);
+    assert!((x - y).abs() < 0.25, "{x} {y}");
+    let same = rates
+        .head_starts
+        .iter()
+        .find(|it| it.squared_distance == 0)
+        .expect("programs have such");
+    assert!(same.probability > 0.9, "{same:?}");
+}
+
+#[test]
+fn too_few_captures_are_not_enough() {
+    let scene = built_in("hemisphere").expect("it is built in");
+    let calibration = Calibration::new(&scene, vec![1.0]);
+    let error = calibration.rates(&Settings::default(), 0).unwrap_err();
+    assert_eq!(error.captures, 0);
+}

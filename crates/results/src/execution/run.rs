@@ -1,0 +1,241 @@
+//! The whole road of an ensemble: what is left to do, doing it, keeping it.
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use stochc_ir::record::RunRecord;
+
+use crate::execution::thread_time;
+use crate::execution::{PendingRun, PendingRuns};
+use crate::execution::{Progress, RunWatch};
+use crate::execution::{RunCancelled, attempt, execute};
+use crate::journal::Journal;
+use crate::records::LineLocation;
+use crate::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, Records};
+
+/// Where the runs of an ensemble go.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one of them in a process"
+)]
+#[derive(Debug)]
+pub enum Destination<'a> {
+    /// Nowhere: they are gone with the process.
+    Memory(&'a Manifest),
+    /// Into a folder, which may hold some already; it is released in the end.
+    Folder(Folder),
+}
+
+impl Destination<'_> {
+    /// How many runs there are already.
+    pub fn kept(&self) -> u64 {
+        match self {
+            Destination::Memory(_) => 0,
+            Destination::Folder(folder) => folder.kept().len() as u64,
+        }
+    }
+}
+
+/// What there is in the end.
+#[derive(Debug)]
+pub struct Results {
+    /// Finished runs; those that were there before included.
+    pub finished: Records,
+    /// Whether these are all of the manifest's runs; if not, it was stopped.
+    pub complete: bool,
+}
+
+/// Why an ensemble came to no end.
+#[derive(Debug, thiserror::Error)]
+pub enum EnsembleError {
+    /// Finished runs cannot be kept; what the journal holds is safe.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The tables cannot be written; the journal holds every finished run.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// A run does not come out as it is stored.
+    #[error(
+        "run {run} of `{program}` does not come out as it is in the folder, so that other runs are not added to it; go on \
+         with the `stochc` that made it, on a machine of the same kind, or choose another folder"
+    )]
+    Differs {
+        /// The name of its program.
+        program: String,
+        /// Its number.
+        run: u64,
+    },
+}
+
+/// Makes the shortest run of a folder again, before others are added to it; whether it comes out as it was, or `stop`
+/// came before.
+///
+/// # Errors
+/// [`EnsembleError::Differs`]; the folder is as it was then.
+pub fn check_stored(
+    folder: &Folder,
+    simulate: impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled>,
+) -> Result<(), EnsembleError> {
+    check_again(folder.manifest(), folder.shortest(), simulate)
+}
+
+/// Makes a `known` run again.
+pub(crate) fn check_again(
+    manifest: &Manifest,
+    known: Option<&Finished>,
+    simulate: impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled>,
+) -> Result<(), EnsembleError> {
+    let Some(known) = known else {
+        return Ok(());
+    };
+    match simulate(known.program, known.record.run) {
+        Ok(record) if record != known.record => Err(EnsembleError::Differs {
+            program: manifest.programs[known.program].name.clone(),
+            run: record.run,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Does the runs of an ensemble that are not done yet, and writes its tables.
+///
+/// `simulate` gets the index of a program, the number of a run, and a [`RunWatch`] to call once a
+/// tick. It has to be a pure function of the first two, so that neither threads nor interruptions
+/// nor their order change a byte of the tables. A panic in it fails that one run. `progress` is to be a new one of
+/// the same manifest, and says how many threads there are; `stop` is set by somebody else to stop at the next tick.
+///
+/// # Errors
+/// Only those of the file system: never with [`Destination::Memory`].
+pub fn run(
+    destination: Destination,
+    progress: &Progress,
+    stop: &AtomicBool,
+    simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
+) -> Result<Results, EnsembleError> {
+    match destination {
+        Destination::Memory(manifest) => {
+            let all = Mutex::new(Vec::new());
+            let keep = |done| {
+                all.lock()
+                    .expect("nobody panics while it is held")
+                    .push(done);
+                Ok::<(), Infallible>(())
+            };
+            let pending = PendingRuns::all(manifest, 0..manifest.total(), None);
+            let Ok(()) = new_runs(pending, (progress, None), stop, simulate, keep);
+            let all = all.into_inner().expect("every thread has ended well");
+            Ok(Results::from_records(manifest, all.into()))
+        }
+        Destination::Folder(mut folder) => {
+            folder.leave_foul_lines()?;
+            progress.keep(folder.kept())?;
+            let (manifest, kept) = (folder.manifest(), folder.kept());
+            let pending = PendingRuns::all(manifest, 0..manifest.total(), Some(kept));
+            let finished = match pending.left {
+                0 => None,
+                _ => {
+                    let journal = folder.journal()?;
+                    let on = (progress, folder.checkpoints().map(Arc::as_ref));
+                    let places = journaled(pending, (journal, 0), on, stop, simulate)?;
+                    Some(folder.records([kept.places(), &places].concat())?)
+                }
+            };
+            let known = finished.as_ref().unwrap_or(kept);
+            folder.clear_checkpoints(known)?;
+            folder.write_tables(known)?;
+            let (manifest, kept) = folder.close();
+            Ok(Results::from_records(&manifest, finished.unwrap_or(kept)))
+        }
+    }
+}
+
+impl Results {
+    fn from_records(manifest: &Manifest, finished: Records) -> Results {
+        Results {
+            complete: finished.len() as u64 == manifest.total(),
+            finished,
+        }
+    }
+}
+
+/// Makes runs, and has each in a journal at once, which is file number `file` of their places.
+pub(crate) fn journaled(
+    pending: PendingRuns,
+    (journal, file): (Journal, u32),
+    (progress, checkpoints): (&Progress, Option<&Checkpoints>),
+    stop: &AtomicBool,
+    simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
+) -> Result<Vec<LineLocation>, JournalError> {
+    let places = Mutex::new(Vec::new());
+    let keep = |done: Finished| {
+        let place = done.at(file, journal.append(&done)?);
+        if let Some(checkpoints) = checkpoints {
+            checkpoints.remove(done.program, done.record.run, || journal.sync())?;
+        }
+        let mut places = places.lock().expect("nobody panics while it is held");
+        places.push(place);
+        Ok(())
+    };
+    let on = (progress, checkpoints);
+    let done: Result<(), JournalError> = new_runs(pending, on, stop, simulate, keep);
+    // The writer knows better what went wrong than those whom it left alone.
+    journal.close()?;
+    done?;
+    Ok(places.into_inner().expect("every thread has ended well"))
+}
+
+/// Makes runs, and has each kept at once; the first error of that stops the others.
+fn new_runs<E: Send>(
+    pending: PendingRuns,
+    (progress, checkpoints): (&Progress, Option<&Checkpoints>),
+    stop: &AtomicBool,
+    simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
+    keep: impl Fn(Finished) -> Result<(), E> + Sync,
+) -> Result<(), E> {
+    let left = pending.left;
+    let jobs = Mutex::new(pending.iter());
+    let next = || {
+        let mut jobs = jobs.lock().expect("nobody panics while it is held");
+        if progress.is_over() {
+            None
+        } else {
+            jobs.next()
+        }
+    };
+    let threads = usize::try_from(left).map_or(progress.threads(), |it| progress.threads().min(it));
+    let broken = AtomicBool::new(false);
+    let first = Mutex::new(None);
+    execute(threads, stop, next, |thread, job| {
+        if broken.load(Ordering::Relaxed) {
+            return ControlFlow::Break(());
+        }
+        let PendingRun { program, run } = job;
+        let watch = progress.begin(thread, job, [stop, &broken], checkpoints);
+        let begun = thread_time();
+        let make = || attempt(run, || simulate(program, run, &watch), || watch.last());
+        let mut record = make();
+        if watch.begins_anew(record.as_ref()) {
+            record = make();
+        }
+        let is_measured = progress.measures_cpu && !watch.is_continued();
+        let cpu = is_measured.then(|| thread_time().saturating_sub(begun));
+        let finished = record.map(|record| Finished {
+            program,
+            record,
+            cpu: cpu.map(|cpu| cpu.as_micros() as f64 / 1e6),
+        });
+        progress.end(thread, finished.as_ref());
+        let Some(finished) = finished else {
+            return ControlFlow::Break(());
+        };
+        if let Err(error) = keep(finished) {
+            broken.store(true, Ordering::Relaxed);
+            let mut first = first.lock().expect("nobody panics while it is held");
+            first.get_or_insert(error);
+        }
+        ControlFlow::Continue(())
+    });
+    let error = first.into_inner().expect("every thread has ended well");
+    error.map_or(Ok(()), Err)
+}

@@ -1,0 +1,74 @@
+//! How long the rest of an ensemble will take.
+use std::time::Duration;
+
+use crate::execution::{ProgramProgress, Snapshot};
+
+/// The time left, if ticks go on at the rate seen in `elapsed`; `None`: no run has finished yet.
+///
+/// A program's runs are taken to need as many ticks as its finished ones did on average, or as
+/// those of all programs while it has none.
+pub fn time_left(snapshot: &Snapshot, elapsed: Duration) -> Option<Duration> {
+    let programs = &snapshot.totals.programs;
+    let overall = mean(
+        programs.iter().map(|pace| pace.done).sum(),
+        (programs.iter()).fold(0, |sum, pace| pace.ticks.saturating_add(sum)),
+    )?;
+    let ticks: f64 = programs.iter().map(|pace| ticks_left(pace, overall)).sum();
+    if snapshot.ticks_here == 0 {
+        return None;
+    }
+    let seconds = ticks * elapsed.as_secs_f64() / snapshot.ticks_here as f64;
+    Duration::try_from_secs_f64(seconds).ok()
+}
+
+fn ticks_left(pace: &ProgramProgress, overall: f64) -> f64 {
+    let mean = mean(pace.done, pace.ticks).unwrap_or(overall);
+    (mean * pace.left as f64 - pace.under_way as f64).max(0.0)
+}
+
+fn mean(runs: u64, ticks: u64) -> Option<f64> {
+    (runs > 0).then(|| ticks as f64 / runs as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::execution::Totals;
+
+    fn pace(done: u64, ticks: u64, left: u64, under_way: u64) -> ProgramProgress {
+        ProgramProgress {
+            done,
+            ticks,
+            left,
+            under_way,
+        }
+    }
+
+    #[test]
+    fn runs_of_a_slow_program_count_for_more() {
+        let snapshot = Snapshot {
+            totals: Totals {
+                programs: vec![pace(2, 200, 1, 40), pace(1, 1000, 2, 0)],
+                ..Totals::default()
+            },
+            ticks_here: 1240,
+            ..Snapshot::default()
+        };
+        // 100 - 40 ticks of the first program and 2000 of the second, at 124 a second.
+        let left = time_left(&snapshot, Duration::from_secs(10)).unwrap();
+        assert_eq!(left, Duration::from_secs_f64(2060.0 / 124.0));
+    }
+
+    #[test]
+    fn before_the_first_finished_run_nothing_is_promised() {
+        let snapshot = Snapshot {
+            totals: Totals {
+                programs: vec![pace(0, 0, 5, 900)],
+                ..Totals::default()
+            },
+            ticks_here: 900,
+            ..Snapshot::default()
+        };
+        assert_eq!(time_left(&snapshot, Duration::from_secs(10)), None);
+    }
+}

@@ -1,0 +1,48 @@
+//! A line of a journal, written and read.
+use std::io::{self, BufRead, Read as _};
+
+use serde::Serialize;
+use stochc_files::budget;
+use stochc_files::checksum::{self, LineIntegrity};
+
+use crate::journal::JournalError;
+use crate::records::Finished;
+
+/// A line of a journal, with its checksum.
+pub(crate) fn line(of: &impl Serialize) -> String {
+    let json = serde_json::to_string(of).expect("a record is plain data");
+    checksum::sealed(json) + "\n"
+}
+
+/// Reads the next line with its end, or what there is of it; how many bytes.
+///
+/// # Errors
+/// Those of the file, and of a line of `most` bytes.
+pub(crate) fn read_line(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
+    let count = file.take(most).read_until(b'\n', line)? as u64;
+    if count < most {
+        Ok(count)
+    } else {
+        let size = budget::size(most);
+        Err(budget::too_large(&format!("a line of {size} or more")))
+    }
+}
+
+/// Reads a line again that has been sound, and how many bytes it has; `line` is where it is kept meanwhile.
+///
+/// # Errors
+/// [`JournalError::Changed`] where it is no such line.
+pub(crate) fn read_at(
+    file: &mut impl BufRead,
+    most: u64,
+    line: &mut Vec<u8>,
+) -> Result<(Finished, u64), JournalError> {
+    line.clear();
+    let bytes = read_line(file, most, line)?;
+    let text = line.strip_suffix(b"\n").ok_or(JournalError::Changed)?;
+    if checksum::check(text) == LineIntegrity::Damaged {
+        return Err(JournalError::Changed);
+    }
+    let finished = serde_json::from_slice(text).map_err(|_| JournalError::Changed)?;
+    Ok((finished, bytes))
+}

@@ -1,0 +1,178 @@
+//! Settings that a sweep has chosen: `--vary substeps=1,2,4`.
+use serde::{Deserialize, Serialize};
+use stochc_runtime::{Model, Precision, Reduction, Settings, Substeps};
+
+/// Settings that a sweep may vary, as options of `simulate`.
+const NAMES: [&str; 5] = [
+    "model",
+    "substeps",
+    "solver-iterations",
+    "precision",
+    "without",
+];
+
+/// Value of `without` that leaves nothing out.
+const NOTHING: &str = "none";
+
+/// Most solver iterations of a step.
+const MAX_ITERATIONS: u32 = 1000;
+
+/// A setting that a sweep has chosen for one of its points.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChosenSetting {
+    /// The option of `simulate`, such as `substeps`.
+    of: String,
+    /// Its value, such as `2/8`.
+    value: String,
+}
+
+impl ChosenSetting {
+    /// Returns whether a sweep may vary a setting of this name.
+    pub fn is_name(name: &str) -> bool {
+        NAMES.contains(&name)
+    }
+
+    /// Chooses a value for a setting.
+    ///
+    /// # Errors
+    /// Why the setting cannot have the value, in words.
+    pub fn new(of: &str, value: &str) -> Result<ChosenSetting, String> {
+        let chosen = ChosenSetting {
+            of: of.to_owned(),
+            value: value.to_owned(),
+        };
+        chosen.apply(&mut Settings::default()).map(|()| chosen)
+    }
+
+    /// Returns the settings as choices, the model first. Everything usual is left out except the steps.
+    pub fn all_of(settings: &Settings) -> Vec<ChosenSetting> {
+        let model = settings.model;
+        let steps = model.has_places().then(|| settings.steps().to_string());
+        let iterations = settings.solver_iterations.map(|it| it.to_string());
+        let is_double = settings.precision != Precision::default();
+        let precision = is_double.then(|| settings.precision.name().to_owned());
+        let reduction = settings.reduction.map(|it| it.name().to_owned());
+        let values = [
+            Some(model.name().to_owned()),
+            steps,
+            iterations,
+            precision,
+            reduction,
+        ];
+        let values = NAMES.into_iter().zip(values);
+        let chosen = |(of, value): (&str, Option<String>)| {
+            value.map(|value| ChosenSetting {
+                of: of.to_owned(),
+                value,
+            })
+        };
+        values.filter_map(chosen).collect()
+    }
+
+    /// Returns the place of the setting in the order of [`ChosenSetting::all_of`].
+    pub fn place(&self) -> usize {
+        let place = NAMES.iter().position(|it| *it == self.of);
+        place.unwrap_or(NAMES.len())
+    }
+
+    /// Name of the setting, such as `substeps`.
+    pub fn of(&self) -> &str {
+        &self.of
+    }
+
+    /// Value of the setting, such as `2/8`.
+    pub fn value(&self) -> &str {
+        &self.value
+    }
+
+    /// Returns name and value, such as `substeps=2/8`.
+    pub fn text(&self) -> String {
+        format!("{}={}", self.of, self.value)
+    }
+
+    /// Changes settings to the chosen value.
+    ///
+    /// # Errors
+    /// Why the setting cannot have the value, in words.
+    pub(super) fn apply(&self, settings: &mut Settings) -> Result<(), String> {
+        match &*self.of {
+            "model" => settings.model = self.named(&Model::ALL, Model::name)?,
+            "substeps" => {
+                let steps: Substeps = (self.value.parse())
+                    .map_err(|reason| format!("`{}`: {reason}", self.text()))?;
+                (settings.substeps, settings.away) = (steps.near, steps.away);
+            }
+            "solver-iterations" => {
+                let iterations = self.value.parse().ok();
+                let iterations = iterations.filter(|it| (1..=MAX_ITERATIONS).contains(it));
+                settings.solver_iterations = Some(iterations.ok_or_else(|| {
+                    format!(
+                        "`{}`: give a number from 1 to {MAX_ITERATIONS}",
+                        self.text()
+                    )
+                })?);
+            }
+            "precision" => settings.precision = self.named(&Precision::ALL, Precision::name)?,
+            "without" if self.value == NOTHING => settings.reduction = None,
+            "without" => settings.reduction = Some(self.named(&Reduction::ALL, Reduction::name)?),
+            other => return Err(format!("a sweep has no setting `{other}`")),
+        }
+        Ok(())
+    }
+
+    /// Finds the value among those that a setting may have.
+    fn named<T: Copy>(&self, all: &[T], name: fn(T) -> &'static str) -> Result<T, String> {
+        let found = all.iter().find(|&&it| name(it) == self.value);
+        found.copied().ok_or_else(|| {
+            let names: Vec<String> = all.iter().map(|&it| format!("`{}`", name(it))).collect();
+            format!("`{}`: give one of {}", self.text(), names.join(", "))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_change_settings_and_are_read_back() {
+        let written = [
+            ("model", "rigid"),
+            ("substeps", "2/8"),
+            ("solver-iterations", "30"),
+            ("precision", "double"),
+            ("without", "corners"),
+        ];
+        let chosen = written.map(|(of, value)| ChosenSetting::new(of, value).unwrap());
+        let mut settings = Settings::new(Model::Rapier, 1);
+        for choice in &chosen {
+            choice.apply(&mut settings).unwrap();
+        }
+        let expected = Settings {
+            solver_iterations: Some(30),
+            precision: Precision::Double,
+            reduction: Some(Reduction::Corners),
+            ..Settings::default()
+        };
+        assert_eq!(settings, expected);
+        assert_eq!(ChosenSetting::all_of(&settings), chosen);
+        let nothing = ChosenSetting::new("without", "none").unwrap();
+        nothing.apply(&mut settings).unwrap();
+        assert_eq!(settings.reduction, None);
+    }
+
+    #[test]
+    fn values_that_a_setting_cannot_have_are_rejected() {
+        for (of, value, reason) in [
+            ("model", "rigit", "give one of `rigid`, `rapier`, `rate`"),
+            ("substeps", "3/8", "say from 1 to"),
+            ("solver-iterations", "0", "a number from 1 to 1000"),
+            ("precision", "half", "`single`, `double`"),
+            ("without", "gravity", "`rotation`"),
+            ("threads", "2", "no setting `threads`"),
+        ] {
+            let told = ChosenSetting::new(of, value).unwrap_err();
+            assert!(told.contains(reason), "{told}");
+        }
+    }
+}

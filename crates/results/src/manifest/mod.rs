@@ -1,0 +1,527 @@
+//! What has to be known to rerun an ensemble exactly.
+mod chosen;
+mod stored;
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use stochc_estimate::{LowerBoundReasons, ProgramParts, Rates};
+use stochc_ir::graph::EventGraph;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::{Phase, PhaseId, Role, RoleId, Tables};
+use stochc_ir::{Executable, JamRisk, sha256};
+use stochc_runtime::{Model, Settings};
+
+pub use chosen::ChosenSetting;
+
+use super::build::this_build;
+
+/// Version of the layout of a results folder. No other version is read.
+pub const FORMAT: u32 = 1;
+
+/// Everything that an ensemble depends on; `manifest.json` in its folder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifest {
+    /// Version of the `stochc` that simulates.
+    pub stochc: String,
+    /// How runs are computed.
+    pub settings: Settings,
+    /// The seed of every draw; the number of the run and of the program's scene do the rest.
+    pub seed: u64,
+    /// Runs of each program; may grow, so that it is no part of the identity.
+    pub runs: u64,
+    /// The builds that made its runs ([`super::this_build`]), the first one first. No part of the
+    /// identity.
+    pub builds: Vec<String>,
+    /// The programs, in the order of the command line.
+    pub programs: Vec<EnsembleProgram>,
+}
+
+/// One program of an ensemble.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnsembleProgram {
+    /// What tables call it; unique within its manifest.
+    pub name: String,
+    /// What its blocks know; the points of a sweep may share it.
+    pub compiled: Arc<Compiled>,
+    /// The world it runs in.
+    pub scene: Scene,
+    /// The numbers of this world that are not those of the sources, in the order of the sweep that
+    /// chose them; empty: all are.
+    pub varied: Vec<Varied>,
+    /// Settings that a sweep has chosen for it; the others are those of the manifest.
+    pub chosen: Vec<ChosenSetting>,
+    /// Its file, followed by every file that it imports; empty: it was compiled elsewhere.
+    pub sources: Vec<Source>,
+}
+
+/// A program without its world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compiled {
+    /// What every block knows.
+    pub tables: Tables,
+    /// What waits for what.
+    pub graph: EventGraph,
+    /// Reasons why blocks may jam. The rate model leaves them out.
+    pub jam_risks: Vec<JamRisk>,
+    /// SHA-256 of the tables, in hexadecimal.
+    digest: String,
+}
+
+/// A number of a scene that a sweep has chosen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Varied {
+    /// Its name, such as `bond.pull`.
+    pub of: String,
+    /// Its value in SI units.
+    pub value: f64,
+    /// Its value in `unit`.
+    pub said: f64,
+    /// The unit that the user has given it in; empty: none.
+    pub unit: String,
+}
+
+/// A file that a program was read from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// As it was given; no part of the identity.
+    pub path: String,
+    /// All of it.
+    pub text: String,
+}
+
+/// Runs of each program, at most.
+pub const MAX_RUNS: u64 = 10_000_000;
+
+/// Programs that are compared with each other, at most: each pair of them is.
+pub const MAX_PROGRAMS: usize = 1_000;
+
+/// The part of a manifest that decides what a run with a given number does.
+#[derive(Serialize)]
+struct Identity<'a> {
+    format: u32,
+    stochc: &'a str,
+    settings: Settings,
+    seed: u64,
+    programs: Vec<ProgramIdentity<'a>>,
+}
+
+#[derive(Serialize)]
+struct ProgramIdentity<'a> {
+    name: &'a str,
+    tables: &'a str,
+    scene: &'a Scene,
+    varied: &'a [Varied],
+    #[serde(skip_serializing_if = "<[ChosenSetting]>::is_empty")]
+    chosen: &'a [ChosenSetting],
+    texts: Vec<&'a str>,
+}
+
+impl Manifest {
+    /// A manifest of this version and build of `stochc`.
+    ///
+    /// Programs of the same name are told apart by a number: `tower`, `tower (2)`.
+    pub fn new(
+        settings: Settings,
+        seed: u64,
+        runs: u64,
+        programs: Vec<EnsembleProgram>,
+    ) -> Manifest {
+        let mut manifest = Manifest {
+            stochc: env!("CARGO_PKG_VERSION").to_owned(),
+            settings,
+            seed,
+            runs,
+            builds: vec![this_build()],
+            programs,
+        };
+        for i in 1..manifest.programs.len() {
+            let (earlier, rest) = manifest.programs.split_at_mut(i);
+            let taken = |name: &str| earlier.iter().any(|program| program.name == name);
+            let name = rest[0].name.clone();
+            let mut copy = 2;
+            while taken(&rest[0].name) {
+                rest[0].name = format!("{name} ({copy})");
+                copy += 1;
+            }
+        }
+        manifest
+    }
+
+    /// Runs of all programs together.
+    pub fn total(&self) -> u64 {
+        self.runs.saturating_mul(self.programs.len() as u64)
+    }
+
+    /// What is told to somebody who asks for a run that is not asked for here.
+    pub fn no_such_run(&self, run: u64) -> String {
+        match self.runs {
+            1 => format!("run {run} is not there: the only run is 0"),
+            runs => format!("run {run} is not among runs 0..{}", runs.saturating_sub(1)),
+        }
+    }
+
+    /// SHA-256, in hexadecimal, of all that decides what a run does.
+    ///
+    /// Paths, the number of runs and the number of threads are no part of it.
+    pub fn identity(&self) -> String {
+        let identity = Identity {
+            format: FORMAT,
+            stochc: &self.stochc,
+            settings: self.settings.resolved(),
+            seed: self.seed,
+            programs: self
+                .programs
+                .iter()
+                .map(EnsembleProgram::identity)
+                .collect(),
+        };
+        sha256(&identity)
+    }
+
+    /// SHA-256, in hexadecimal, of all that decides what runs of one of its programs do.
+    ///
+    /// Its text where that means the same, what it is called in the ensemble, and the programs beside it are no part of it; the names in its tables and of its scene
+    /// are.
+    pub fn runs_identity(&self, program: &EnsembleProgram) -> String {
+        sha256(&(
+            &self.stochc,
+            self.settings_of(program).resolved(),
+            self.seed,
+            program.compiled.digest(),
+            &program.scene,
+        ))
+    }
+
+    /// What keeps runs of `other` from going on in an ensemble of `self`, in words; empty: nothing.
+    pub fn differences(&self, other: &Manifest) -> Vec<String> {
+        let mut found = Vec::new();
+        let mut compare = |what: &str, there: &str, here: &str| {
+            if there != here {
+                found.push(format!("{what} is `{there}` there and `{here}` here"));
+            }
+        };
+        let number = |n: u64| n.to_string();
+        compare("the version", &self.stochc, &other.stochc);
+        compare("the seed", &number(self.seed), &number(other.seed));
+        for (what, there, here) in self.settings.differences(&other.settings) {
+            compare(what, &there, &here);
+        }
+        let names = |of: &Manifest| {
+            let names: Vec<_> = of.programs.iter().map(|p| p.name.as_str()).collect();
+            names.join(", ")
+        };
+        compare("the list of programs", &names(self), &names(other));
+        for (there, here) in self.programs.iter().zip(&other.programs) {
+            if there.name == here.name {
+                found.extend(there.difference(here));
+            }
+        }
+        found
+    }
+
+    /// Holds it against what can be run, kept and compared.
+    ///
+    /// # Errors
+    /// In words, when nothing is to be run, or more than can be kept and compared.
+    pub fn within_limits(&self) -> Result<(), String> {
+        if self.programs.is_empty() || self.runs == 0 {
+            return Err("it has no programs, or no runs".to_owned());
+        }
+        if self.runs > MAX_RUNS {
+            let runs = self.runs;
+            return Err(format!(
+                "{runs} runs of each program; at most {MAX_RUNS} are possible"
+            ));
+        }
+        let mut together: BTreeMap<String, usize> = BTreeMap::new();
+        for program in &self.programs {
+            *together.entry(program.point()).or_default() += 1;
+        }
+        match together.into_values().max() {
+            Some(count) if count > MAX_PROGRAMS => Err(format!(
+                "{count} programs that are all compared with each other; at most {MAX_PROGRAMS} are possible"
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the settings of the runs of one of its programs.
+    ///
+    /// # Panics
+    /// If the program was given a setting that [`ChosenSetting::new`] rejects.
+    pub fn settings_of(&self, program: &EnsembleProgram) -> Cow<'_, Settings> {
+        if program.chosen.is_empty() {
+            return Cow::Borrowed(&self.settings);
+        }
+        let mut settings = self.settings.clone();
+        for chosen in &program.chosen {
+            let applied = chosen.apply(&mut settings);
+            applied.expect("settings are checked when they are chosen or read");
+        }
+        if settings.model != Model::Rate {
+            settings.rates.clear();
+        }
+        Cow::Owned(settings)
+    }
+
+    /// Returns whether runs of some program use this model.
+    pub fn uses(&self, model: Model) -> bool {
+        let mut programs = self.programs.iter();
+        programs.any(|program| self.settings_of(program).model == model)
+    }
+
+    /// Returns whether a sweep varies settings.
+    pub fn varies_settings(&self) -> bool {
+        self.programs.iter().any(|it| !it.chosen.is_empty())
+    }
+
+    /// Returns the axes of a sweep.
+    pub fn swept(&self) -> SweepAxes<'_> {
+        let mut settings: Vec<&str> = Vec::new();
+        for chosen in self.programs.iter().flat_map(|program| &program.chosen) {
+            if !settings.contains(&chosen.of()) {
+                settings.push(chosen.of());
+            }
+        }
+        SweepAxes {
+            numbers: self.axes(),
+            settings,
+        }
+    }
+
+    /// The numbers of the scene that a sweep varies, in its order; empty: it is no sweep.
+    pub fn axes(&self) -> &[Varied] {
+        let mut programs = self.programs.iter().map(|program| &program.varied[..]);
+        programs
+            .find(|varied| !varied.is_empty())
+            .unwrap_or_default()
+    }
+}
+
+/// The axes of a sweep.
+#[derive(Clone, Debug, Default)]
+pub struct SweepAxes<'a> {
+    /// Scene parameters.
+    pub numbers: &'a [Varied],
+    /// Names of settings.
+    pub settings: Vec<&'a str>,
+}
+
+impl Varied {
+    /// Its value as the user has given it, such as `4.5 N`.
+    pub fn value(&self) -> String {
+        match &*self.unit {
+            "" => self.said.to_string(),
+            unit => format!("{} {unit}", self.said),
+        }
+    }
+
+    /// Name and value, such as `bond.pull=4.5 N`.
+    pub fn text(&self) -> String {
+        format!("{}={}", self.of, self.value())
+    }
+
+    /// What its column is called in tables, such as `scene_bond_pull`.
+    pub fn column(&self) -> String {
+        format!("scene_{}", self.of.replace('.', "_"))
+    }
+}
+
+impl EnsembleProgram {
+    /// What a sweep has chosen, as it is told behind the program's name: ` [free=50, tick=10 ms]`.
+    pub fn point(&self) -> String {
+        let numbers = self.varied.iter().map(Varied::text);
+        bracketed(numbers.chain(self.chosen.iter().map(ChosenSetting::text)))
+    }
+
+    /// Returns whether it is a point of a sweep.
+    pub fn is_point(&self) -> bool {
+        !(self.varied.is_empty() && self.chosen.is_empty())
+    }
+
+    /// Returns the name without the scene parameters of its point.
+    pub fn name_without_numbers(&self) -> String {
+        let settings = bracketed(self.chosen.iter().map(ChosenSetting::text));
+        self.name.replace(&self.point(), &settings)
+    }
+
+    /// Returns the name without the settings of its point.
+    pub fn name_without_settings(&self) -> String {
+        let numbers = bracketed(self.varied.iter().map(Varied::text));
+        self.name.replace(&self.point(), &numbers)
+    }
+
+    /// Returns the program as a point with these settings.
+    #[must_use]
+    pub fn at(&self, chosen: &[ChosenSetting]) -> EnsembleProgram {
+        let mut point = EnsembleProgram {
+            chosen: chosen.to_vec(),
+            ..self.clone()
+        };
+        point.name += &point.point();
+        point
+    }
+
+    /// Returns the value of a setting that a sweep has chosen for it.
+    pub fn chosen_value(&self, of: &str) -> Option<&str> {
+        let mut chosen = self.chosen.iter();
+        chosen.find(|it| it.of() == of).map(ChosenSetting::value)
+    }
+
+    /// What a sweep has chosen for one of its axes, in the axis' unit; `None`: the program is no point of it.
+    pub fn on_axis(&self, axis: &Varied) -> Option<f64> {
+        let mut varied = self.varied.iter();
+        let here = varied.find(|varied| varied.of == axis.of && varied.unit == axis.unit);
+        here.map(|varied| varied.said)
+    }
+
+    /// A compiled program, whose texts are its file and then all that it imports.
+    pub fn new(name: &str, sources: Vec<Source>, executable: Executable) -> EnsembleProgram {
+        let Executable {
+            tables,
+            scene,
+            graph,
+            jam_risks,
+        } = executable;
+        EnsembleProgram {
+            name: name.to_owned(),
+            compiled: Arc::new(Compiled::new(tables, graph, jam_risks)),
+            scene,
+            varied: Vec::new(),
+            chosen: Vec::new(),
+            sources,
+        }
+    }
+
+    /// Returns what the estimate reads.
+    pub fn parts(&self) -> ProgramParts<'_> {
+        ProgramParts {
+            tables: &self.compiled.tables,
+            graph: &self.compiled.graph,
+            scene: &self.scene,
+            jam_risks: &self.compiled.jam_risks,
+        }
+    }
+
+    /// Returns the reasons why its times by rates are lower bounds.
+    pub fn lower_bound(&self, rates: &Rates) -> LowerBoundReasons {
+        let blocks = self.compiled.graph.largest_structure();
+        LowerBoundReasons::new(&self.compiled.jam_risks, rates, blocks)
+    }
+
+    /// What its blocks know.
+    pub fn tables(&self) -> &Tables {
+        &self.compiled.tables
+    }
+
+    /// The name of its assembly.
+    pub fn assembly(&self) -> &str {
+        &self.tables().assembly
+    }
+
+    /// Captures in the program, or blocks of an aggregate: the paper's "total units involved".
+    pub fn captures(&self) -> u64 {
+        let tables = self.tables();
+        tables.aggregate.map_or(tables.captures() as u64, u64::from)
+    }
+
+    /// Its phases, by [`PhaseId`].
+    pub fn phases(&self) -> &[Phase] {
+        &self.tables().phases
+    }
+
+    /// Its roles, by [`RoleId`].
+    pub fn roles(&self) -> &[Role] {
+        &self.tables().roles
+    }
+
+    /// The name of a phase; `?` for one that the program does not have.
+    pub fn phase(&self, phase: PhaseId) -> &str {
+        self.phases()
+            .get(phase.0 as usize)
+            .map_or("?", |phase| &phase.name)
+    }
+
+    /// Whether the blocks of a phase are attached by hand before the first tick.
+    pub fn is_planted(&self, phase: PhaseId) -> bool {
+        self.phases()
+            .get(phase.0 as usize)
+            .is_some_and(|phase| phase.planted)
+    }
+
+    /// The name of a role; `?` for one that the program does not have.
+    pub fn role(&self, role: RoleId) -> &str {
+        self.roles()
+            .get(role.0 as usize)
+            .map_or("?", |role| &role.name)
+    }
+
+    /// SHA-256, in hexadecimal, of its text, all that it imports, and its scene; paths, and what
+    /// tables call it, are no part of it.
+    pub fn hash(&self) -> String {
+        sha256(&ProgramIdentity {
+            name: "",
+            ..self.identity()
+        })
+    }
+
+    fn identity(&self) -> ProgramIdentity<'_> {
+        ProgramIdentity {
+            name: &self.name,
+            tables: &self.compiled.digest,
+            scene: &self.scene,
+            varied: &self.varied,
+            chosen: &self.chosen,
+            texts: self.sources.iter().map(|s| s.text.as_str()).collect(),
+        }
+    }
+
+    fn difference(&self, other: &EnsembleProgram) -> Option<String> {
+        let (there, here) = (self.identity(), other.identity());
+        let what = if there.texts != here.texts {
+            "the text"
+        } else if there.scene != here.scene || there.varied != here.varied {
+            "the scene"
+        } else if there.chosen != here.chosen {
+            "the setting"
+        } else if self.assembly() != other.assembly() {
+            "the assembly"
+        } else if there.tables != here.tables {
+            "what the compiler makes"
+        } else {
+            return None;
+        };
+        Some(format!("{what} of `{}` has changed", self.name))
+    }
+}
+
+/// Returns the values of a point as they follow the name of its program.
+fn bracketed(values: impl Iterator<Item = String>) -> String {
+    let values: Vec<String> = values.collect();
+    if values.is_empty() {
+        String::new()
+    } else {
+        format!(" [{}]", values.join(", "))
+    }
+}
+
+impl Compiled {
+    /// Tables and the graph that they come from.
+    pub fn new(tables: Tables, graph: EventGraph, jam_risks: Vec<JamRisk>) -> Compiled {
+        let digest = sha256(&tables);
+        Compiled {
+            tables,
+            graph,
+            jam_risks,
+            digest,
+        }
+    }
+
+    /// SHA-256 of the tables, in hexadecimal: programs are the same if it is.
+    pub fn digest(&self) -> &str {
+        &self.digest
+    }
+}

@@ -1,0 +1,118 @@
+//! Rows of runs, and the columns that all tables have.
+use stochc_ir::record::{Limit, Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
+
+use super::column::TableDefinition;
+use crate::manifest::SweepAxes;
+use crate::{EnsembleProgram, Finished, Manifest};
+
+/// The run that a row belongs to.
+#[derive(Clone, Copy)]
+pub(super) struct RunContext<'a> {
+    pub manifest: &'a Manifest,
+    pub program: &'a EnsembleProgram,
+    pub record: &'a RunRecord,
+}
+
+impl RunContext<'_> {
+    /// Returns ticks of the run in seconds of its scene.
+    pub fn seconds(&self, ticks: u64) -> f64 {
+        ticks as f64 * self.program.scene.tick
+    }
+}
+
+/// Something in a run.
+pub(super) struct RunRow<'a, T> {
+    pub run: RunContext<'a>,
+    pub of: T,
+}
+
+/// The rows of all runs, in the order of the runs.
+pub(super) fn rows<'a, T, I: IntoIterator<Item = T>>(
+    manifest: &'a Manifest,
+    finished: &'a [Finished],
+    of: impl Fn(RunContext<'a>) -> I,
+) -> Vec<RunRow<'a, T>> {
+    let runs = finished.iter().map(|done| RunContext {
+        manifest,
+        program: &manifest.programs[done.program],
+        record: &done.record,
+    });
+    let rows = runs.flat_map(|run| of(run).into_iter().map(move |of| RunRow { run, of }));
+    rows.collect()
+}
+
+/// Begins a table with the columns of the run and of the axes of a sweep.
+pub(super) fn keyed<'a, T: 'a>(
+    name: &'static str,
+    row: &'static str,
+    axes: &SweepAxes<'_>,
+) -> TableDefinition<'a, RunRow<'a, T>> {
+    let mut table = TableDefinition::<RunRow<'a, T>>::new(name, row);
+    table.text(
+        "program",
+        "name of the program in the ensemble; of a sweep with its values",
+        |row| row.run.program.name.as_str(),
+    );
+    table.integer(
+        "run",
+        "number of the run, from 0; runs of one number have the same draws in all programs",
+        |row| row.run.record.run,
+    );
+    for axis in axes.numbers {
+        let meaning = format!("`{}` of the scene, which the sweep varies", axis.of);
+        let here = axis.clone();
+        let get = move |row: &RunRow<'a, T>| row.run.program.on_axis(&here);
+        let column = table.real(axis.column(), meaning, get);
+        column.unit(axis.unit.clone());
+        column.null("the program is no point of the sweep");
+    }
+    for &of in &axes.settings {
+        let name = of.to_owned();
+        let meaning = format!("the setting `{of}`, which the sweep varies");
+        let get = move |row: &RunRow<'a, T>| row.run.program.chosen_value(&name);
+        let column = table.text(setting_column(of), meaning, get);
+        column.null("the setting is that of the ensemble");
+    }
+    table
+}
+
+/// Returns the name of the column of a setting, such as `setting_solver_iterations`.
+pub fn setting_column(of: &str) -> String {
+    format!("setting_{}", of.replace('-', "_"))
+}
+
+/// Adds the columns of the phase of a row.
+pub(super) fn add_phase<'a, T: 'a>(
+    table: &mut TableDefinition<'a, RunRow<'a, T>>,
+    of: impl Fn(&T) -> PhaseId + Copy + 'a,
+) {
+    table.text("phase", "name of the phase", move |row| {
+        row.run.program.phase(of(&row.of))
+    });
+    table.integer(
+        "phase_number",
+        "index of the phase in the program, from 0",
+        move |row| u64::from(of(&row.of).0),
+    );
+    table.truth(
+        "by_hand",
+        "whether the blocks of this phase are attached by hand before the first tick",
+        move |row| row.run.program.is_planted(of(&row.of)),
+    );
+}
+
+/// How a run ended, in a word.
+pub(super) fn outcome(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome::Completed => "completed",
+        Outcome::TimedOut {
+            by: Limit::Timeout, ..
+        } => "timed_out",
+        Outcome::TimedOut {
+            by: Limit::MaxTicks,
+            ..
+        } => "censored",
+        Outcome::Failed { .. } => "failed",
+    }
+}

@@ -1,0 +1,281 @@
+//! Reading recordings.
+use std::io::Read;
+
+use serde::Deserializer as _;
+use serde::de::{Error as _, SeqAccess, Visitor};
+use serde_json::value::RawValue;
+use stochc_files::budget::{self, RECORDING_EVENT, RECORDING_PART, RECORDING_WHOLE};
+use stochc_ir::record::RunRecord;
+use stochc_ir::table::Tables;
+
+use super::chunk::PoseChunk;
+use super::events::{Seeds, TimedEvent};
+use super::format::{
+    DONE, EVENTS, POSES, RecordingError, RecordingHeader, inflate, read_header, read_section,
+};
+use crate::records::RecordValidator;
+use crate::{Finished, Manifest};
+
+/// What a recording is of, and what came of the run.
+#[derive(Clone, Debug)]
+pub struct Outline {
+    header: RecordingHeader,
+    record: RunRecord,
+}
+
+/// A whole recording in memory: its events, and its places in chunks.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    outline: Outline,
+    chunks: Vec<PoseChunk>,
+    events: Vec<TimedEvent>,
+}
+
+/// What a recording holds, as it is read.
+enum Content {
+    Places(PoseChunk),
+    Event(TimedEvent),
+}
+
+/// Where all blocks were at a tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// When.
+    pub tick: u64,
+    /// For each block x, y, z \[side\] and the quaternion x, y, z, w, which takes its own
+    /// directions to the structure's.
+    pub places: Vec<[f64; 7]>,
+}
+
+impl Outline {
+    /// Reads and checks all of a recording of a program with these `tables`, part by part.
+    ///
+    /// # Errors
+    /// When it is none, of another version, cut short or damaged.
+    pub fn read(from: impl Read, tables: &Tables) -> Result<Outline, RecordingError> {
+        walk(from, tables, &mut |_, _| Ok(()))
+    }
+
+    /// What came of the run.
+    pub fn record(&self) -> &RunRecord {
+        &self.record
+    }
+
+    /// Whether it is that of a run of an ensemble: the one that is `known`, or one that its program can have had.
+    pub fn is_of(
+        &self,
+        manifest: &Manifest,
+        known: Option<&Finished>,
+        program: usize,
+        run: u64,
+    ) -> bool {
+        self.header.ensemble == manifest.identity()
+            && (self.header.program, self.header.run) == (program, run)
+            && match known {
+                Some(known) => known.record == self.record,
+                None => {
+                    let validator = RecordValidator::new(manifest);
+                    validator.inconsistency(program, &self.record).is_none()
+                }
+            }
+    }
+}
+
+/// Where all blocks were at a tick, as long as it is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Places<'a> {
+    chunk: &'a PoseChunk,
+    frame: usize,
+    bodies: usize,
+}
+
+impl Places<'_> {
+    /// When.
+    pub fn tick(&self) -> u64 {
+        self.chunk.ticks[self.frame]
+    }
+
+    /// How many free blocks there are, numbered from 0.
+    pub fn bodies(&self) -> usize {
+        self.bodies
+    }
+
+    /// x, y and z of a block \[side\], from the centre of the plate's upper side.
+    pub fn place(&self, body: usize) -> [f64; 3] {
+        let [x, y, z, ..] = self.chunk.place(body, self.frame, self.bodies);
+        [x, y, z]
+    }
+}
+
+/// Goes through a recording of a program with these `tables`, and shows all places to `each`, in the order of time and without
+/// holding more than a part of them. Whether all of it is sound is known at the end alone.
+///
+/// # Errors
+/// Those of [`Outline::read`].
+pub fn each_places(
+    from: impl Read,
+    tables: &Tables,
+    each: &mut dyn FnMut(&Places<'_>),
+) -> Result<Outline, RecordingError> {
+    let mut last = None;
+    walk(from, tables, &mut |header, content| {
+        let Content::Places(chunk) = content else {
+            return Ok(());
+        };
+        if last > chunk.ticks.first().copied() {
+            return Err(RecordingError::Damaged(
+                "its places are not in the order of time",
+            ));
+        }
+        last = chunk.ticks.last().copied();
+        for frame in 0..chunk.ticks.len() {
+            let bodies = header.bodies as usize;
+            each(&Places {
+                chunk: &chunk,
+                frame,
+                bodies,
+            });
+        }
+        Ok(())
+    })
+}
+
+/// Reads a recording, and gives what it holds to `each`, in its order.
+fn walk(
+    mut from: impl Read,
+    tables: &Tables,
+    each: &mut dyn FnMut(&RecordingHeader, Content) -> Result<(), RecordingError>,
+) -> Result<Outline, RecordingError> {
+    let header = read_header(&mut from)?;
+    let seeds = Seeds::new(tables);
+    let most = budget::record(tables.captures() as u64);
+    // The last tick with places, and of anything.
+    let (mut last, mut latest) = (None, 0);
+    loop {
+        let Some((tag, payload)) = read_section(&mut from, most.max(RECORDING_PART))? else {
+            return Err(RecordingError::CutShort(last));
+        };
+        match tag {
+            POSES => {
+                let chunk = PoseChunk::from_bytes(&payload, header.bodies)?;
+                last = chunk.ticks.last().copied();
+                latest = latest.max(last.unwrap_or(0));
+                each(&header, Content::Places(chunk))?;
+            }
+            EVENTS => {
+                const EVENT_LIST: &str = "its events";
+                let json = inflate(&payload, RECORDING_PART, EVENT_LIST)?;
+                let mut broken = None;
+                let mut row = |row: &RawValue| {
+                    let event = seeds.event(row)?;
+                    latest = latest.max(event.tick);
+                    each(&header, Content::Event(event))
+                        .map_err(|error| broken = Some(error))
+                        .ok()
+                };
+                let mut rows = serde_json::Deserializer::from_slice(&json);
+                let read = rows
+                    .deserialize_seq(EventListVisitor(&mut row))
+                    .and_then(|()| rows.end());
+                match (read, broken) {
+                    (Ok(()), _) => {}
+                    (Err(_), Some(error)) => return Err(error),
+                    (Err(_), None) => return Err(RecordingError::Damaged(EVENT_LIST)),
+                }
+            }
+            DONE => {
+                const RECORD: &str = "its record";
+                let json = inflate(&payload, most, RECORD)?;
+                let record: RunRecord =
+                    serde_json::from_slice(&json).map_err(|_| RecordingError::Damaged(RECORD))?;
+                if latest > record.ticks {
+                    return Err(RecordingError::Damaged("something happens after its end"));
+                }
+                if from.read(&mut [0])? > 0 {
+                    return Err(RecordingError::Damaged("something follows its end"));
+                }
+                return Ok(Outline { header, record });
+            }
+            _ => return Err(RecordingError::Damaged("a part of an unknown kind")),
+        }
+    }
+}
+
+/// Takes the rows of a list one by one; `None`: one does not make sense.
+struct EventListVisitor<'a>(&'a mut dyn FnMut(&RawValue) -> Option<()>);
+
+impl<'de> Visitor<'de> for EventListVisitor<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a list of events")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<(), A::Error> {
+        while let Some(row) = rows.next_element::<&RawValue>()? {
+            if row.get().len() > RECORDING_EVENT || (self.0)(row).is_none() {
+                return Err(A::Error::custom("no event"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Recording {
+    /// Reads all of a recording of a program with these `tables` into memory.
+    ///
+    /// # Errors
+    /// Those of [`Outline::read`], and of one that is too large for that.
+    pub fn read(from: impl Read, tables: &Tables) -> Result<Recording, RecordingError> {
+        let (mut chunks, mut events, mut size) = (Vec::new(), Vec::new(), 0);
+        let outline = walk(from, tables, &mut |_, content| {
+            size += match &content {
+                Content::Places(chunk) => chunk.numbers.len() * 2 + chunk.ticks.len() * 8,
+                Content::Event(_) => size_of::<TimedEvent>(),
+            } as u64;
+            match content {
+                _ if size > RECORDING_WHOLE => return Err(RecordingError::TooLarge),
+                Content::Places(chunk) => chunks.push(chunk),
+                Content::Event(event) => events.push(event),
+            }
+            Ok(())
+        })?;
+        Ok(Recording {
+            outline,
+            chunks,
+            events,
+        })
+    }
+
+    /// What it is of.
+    pub fn header(&self) -> &RecordingHeader {
+        &self.outline.header
+    }
+
+    /// All that happened, in its order.
+    pub fn events(&self) -> &[TimedEvent] {
+        &self.events
+    }
+
+    /// The record of the run.
+    pub fn record(&self) -> &RunRecord {
+        &self.outline.record
+    }
+
+    /// All places that were kept, in the order of time.
+    pub fn frames(&self) -> impl Iterator<Item = Frame> + '_ {
+        let bodies = self.header().bodies as usize;
+        self.chunks.iter().flat_map(move |chunk| {
+            chunk
+                .ticks
+                .iter()
+                .enumerate()
+                .map(move |(frame, &tick)| Frame {
+                    tick,
+                    places: (0..bodies)
+                        .map(|body| chunk.place(body, frame, bodies))
+                        .collect(),
+                })
+        })
+    }
+}

@@ -1,0 +1,35 @@
+//! A finished run of an ensemble.
+use serde::{Deserialize, Serialize};
+use stochc_ir::record::RunRecord;
+
+use crate::records::LineLocation;
+
+/// A run of one of the ensemble's programs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Finished {
+    /// An index into the manifest's programs.
+    pub program: usize,
+    /// How it went.
+    pub record: RunRecord,
+    /// CPU time of the run \[s\]. It is measured in sweeps over settings, in runs that are not continued from a checkpoint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cpu: Option<f64>,
+}
+
+/// Two runs are equal if they went the same way. Their CPU time differs from machine to machine.
+impl PartialEq for Finished {
+    fn eq(&self, other: &Finished) -> bool {
+        (self.program, &self.record) == (other.program, &other.record)
+    }
+}
+
+impl Finished {
+    pub(crate) fn at(&self, file: u32, at: u64) -> LineLocation {
+        LineLocation {
+            program: u32::try_from(self.program).expect("a manifest has few programs"),
+            run: self.record.run,
+            file,
+            at,
+        }
+    }
+}

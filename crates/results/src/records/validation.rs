@@ -1,0 +1,113 @@
+//! What a record can say, and what no run of its program can have done.
+use stochc_ir::record::{Origin, Outcome, RunRecord};
+use stochc_ir::table::{PhaseId, RoleId};
+
+use crate::Manifest;
+use crate::records::ProgramEvents;
+
+/// Checks what records claim against the programs of a manifest.
+pub(crate) struct RecordValidator<'m> {
+    manifest: &'m Manifest,
+    programs: Vec<ProgramEvents<'m>>,
+}
+
+impl<'m> RecordValidator<'m> {
+    pub fn new(manifest: &'m Manifest) -> RecordValidator<'m> {
+        let programs = manifest.programs.iter();
+        RecordValidator {
+            manifest,
+            programs: programs.map(ProgramEvents::new).collect(),
+        }
+    }
+
+    /// Returns why a record is not of a run of the manifest. `None`: it may be.
+    pub fn inconsistency(&self, number: usize, record: &RunRecord) -> Option<String> {
+        let Some(program) = self.manifest.programs.get(number) else {
+            return Some(format!("there is no program {number}"));
+        };
+        if record.run >= self.manifest.runs {
+            return Some(self.manifest.no_such_run(record.run));
+        }
+        let ticks = record.ticks;
+        match self.manifest.settings.max_ticks {
+            Some(limit) if ticks > limit => {
+                return Some(format!("{ticks} ticks are beyond `--max-ticks` ({limit})"));
+            }
+            _ => {}
+        }
+        if times(record).any(|tick| tick > ticks) {
+            return Some("something happens after its end".to_owned());
+        }
+        let phases = program.phases().len();
+        let is_phase = |phase: PhaseId| (phase.0 as usize) < phases;
+        if record.phase_ticks.len() > phases || !phases_of(record).all(is_phase) {
+            return Some("its program has no such phase".to_owned());
+        }
+        let free = program.scene.free.count;
+        if bodies(record).any(|body| body >= free) {
+            return Some("its scene has no such block".to_owned());
+        }
+        // An aggregate has no roles, and no blocks that take one.
+        if program.tables().aggregate.is_some() {
+            return None;
+        }
+        let is_role = |role: RoleId| (role.0 as usize) < program.roles().len();
+        if !roles(record).all(is_role) {
+            return Some("its program has no such role".to_owned());
+        }
+        let order = self.programs[number].check(record);
+        order.err().map(str::to_owned)
+    }
+}
+
+/// All times of a record, but that of its end.
+fn times(record: &RunRecord) -> impl Iterator<Item = u64> {
+    let bonds = record.bonds.iter();
+    let phases = record
+        .phase_ticks
+        .iter()
+        .try_fold(0u64, |sum, &ticks| sum.checked_add(ticks));
+    (bonds.flat_map(|bond| [bond.magnetized, bond.docked]))
+        .chain(record.waiting.iter().map(|wait| wait.magnetized))
+        .chain(record.releases.iter().map(|release| release.tick))
+        .chain(record.unplanned_bonds.iter().map(|bond| bond.tick))
+        .chain([phases.unwrap_or(u64::MAX)])
+}
+
+fn phases_of(record: &RunRecord) -> impl Iterator<Item = PhaseId> {
+    let end = match record.outcome {
+        Outcome::Completed => None,
+        Outcome::TimedOut { phase, .. } | Outcome::Failed { phase, .. } => Some(phase),
+    };
+    (record.bonds.iter().map(|bond| bond.phase))
+        .chain(record.waiting.iter().map(|wait| wait.phase))
+        .chain(record.releases.iter().map(|release| release.phase))
+        .chain(record.unplanned_bonds.iter().map(|bond| bond.phase))
+        .chain(end)
+}
+
+fn bodies(record: &RunRecord) -> impl Iterator<Item = u32> {
+    (record.bonds.iter().map(|bond| bond.body))
+        .chain(record.releases.iter().map(|release| release.body))
+        .chain(record.unplanned_bonds.iter().map(|bond| bond.body))
+}
+
+fn roles(record: &RunRecord) -> impl Iterator<Item = RoleId> {
+    let origins = record.bonds.iter().filter_map(|bond| match bond.origin {
+        Origin::Free => None,
+        Origin::Released { role, .. } => Some(role),
+    });
+    (record
+        .bonds
+        .iter()
+        .flat_map(|bond| [bond.parent, bond.child]))
+    .chain(
+        record
+            .waiting
+            .iter()
+            .flat_map(|wait| [wait.parent, wait.child]),
+    )
+    .chain(record.releases.iter().flat_map(|it| [it.parent, it.child]))
+    .chain(record.unplanned_bonds.iter().map(|bond| bond.parent))
+    .chain(origins)
+}

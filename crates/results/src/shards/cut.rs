@@ -1,0 +1,217 @@
+//! Into how many pieces an ensemble is cut, and which runs each of them has.
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use stochc_files::atomic::make_own_folder;
+use stochc_files::budget::SHARDS as SHARDS_BUDGET;
+use stochc_files::checksum::{self, LineIntegrity, Sum};
+use stochc_files::read_file;
+
+use super::{MAX_SHARDS, ShardError};
+use crate::build::other_build;
+use crate::folder::{JOURNAL, SHARDS, SHARDS_FILE};
+use crate::folder::{replace, survey, write_checksums};
+use crate::journal::line as journal_line;
+use crate::journal::{self, JournalHeader, PieceHeader};
+use crate::{Folder, FolderError, Manifest, Resume, this_build};
+
+/// How an ensemble is cut; `shards.json` in its folder.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Cut {
+    /// The identity of the ensemble.
+    ensemble: String,
+    /// Runs of each program.
+    pub runs: u64,
+    /// How many pieces there are.
+    pub shards: u64,
+}
+
+/// What [`prepare`] has found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prepared {
+    /// Nothing, and has made the folder.
+    New,
+    /// The same ensemble, cut in the same way.
+    Already,
+}
+
+/// Makes the folder of an ensemble at `path`, and cuts it into so many pieces.
+///
+/// # Errors
+/// Every error leaves what is there as it was.
+pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared, ShardError> {
+    let cut = Cut {
+        ensemble: manifest.identity(),
+        runs: manifest.runs,
+        shards,
+    };
+    let runs = manifest.total();
+    if shards == 0 || shards > MAX_SHARDS.min(runs) {
+        let asked = shards;
+        return Err(ShardError::Uncuttable { asked, runs });
+    }
+    if let Some(stored) = survey(path)? {
+        same_build(path, &stored)?;
+        if let Some(there) = Cut::read(path)?
+            && there != cut
+            && there.ensemble == cut.ensemble
+        {
+            return Err(ShardError::OtherCut {
+                path: path.to_owned(),
+                there: there.shards,
+                runs: there.runs,
+            });
+        }
+    }
+    let mut folder = Folder::open_cut(path, manifest, Resume::SameBuild)?;
+    let is_cut = Cut::read(path)?.is_some();
+    if !folder.kept().is_empty() && !is_cut {
+        return Err(ShardError::HoldsRuns {
+            path: path.to_owned(),
+            done: folder.kept().len(),
+        });
+    }
+    if is_cut {
+        return Ok(Prepared::Already);
+    }
+    folder.leave_foul_lines()?;
+    folder.write_manifest()?;
+    let pieces = path.join(SHARDS);
+    make_own_folder(&pieces).map_err(FolderError::at(pieces))?;
+    cut.write(path)?;
+    Ok(Prepared::New)
+}
+
+/// Refuses runs of this build in the ensemble of another.
+pub(crate) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderError> {
+    if stored.builds == [this_build()] {
+        Ok(())
+    } else {
+        Err(FolderError::OtherBuildOfPieces {
+            path: path.to_owned(),
+            reason: other_build(&stored.builds)
+                .unwrap_or_else(|| "several builds have made it".to_owned()),
+        })
+    }
+}
+
+impl Cut {
+    /// Reads the manifest of a folder and how it is cut.
+    ///
+    /// # Errors
+    /// When there is no ensemble, or it is not cut.
+    pub(crate) fn require(path: &Path) -> Result<(Manifest, Cut), ShardError> {
+        let manifest = survey(path)?.ok_or_else(|| FolderError::Absent(path.to_owned()))?;
+        let Some(cut) = Cut::read(path)? else {
+            let identity = manifest.identity();
+            let stored = journal::read(&path.join(JOURNAL), &manifest, &identity)?;
+            let (done, total) = (stored.finished.len() as u64, manifest.total());
+            if done < total && path.join(SHARDS).exists() {
+                return Err(unreadable(path, "it is not there"));
+            }
+            let path = path.to_owned();
+            return Err(ShardError::NotCut { path, done, total });
+        };
+        if (&cut.ensemble, cut.runs) != (&manifest.identity(), manifest.runs) {
+            return Err(unreadable(path, "it belongs to another ensemble"));
+        }
+        if cut.shards == 0 || cut.shards > MAX_SHARDS.min(manifest.total()) {
+            return Err(unreadable(path, "it says an impossible number of pieces"));
+        }
+        Ok((manifest, cut))
+    }
+
+    /// Reads it in a folder; `None`: it is not cut.
+    pub(crate) fn read(path: &Path) -> Result<Option<Cut>, ShardError> {
+        let bytes = match read_file(&path.join(SHARDS_FILE), SHARDS_BUDGET) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(unreadable(path, &error.to_string())),
+        };
+        let line = bytes.strip_suffix(b"\n").unwrap_or_default();
+        match (checksum::check(line), serde_json::from_slice(line)) {
+            (LineIntegrity::Sound, Ok(cut)) => Ok(Some(cut)),
+            _ => Err(unreadable(path, "it is damaged")),
+        }
+    }
+
+    /// Writes it into the folder of its ensemble, and the checksums of both.
+    pub(crate) fn write(&self, path: &Path) -> Result<(), FolderError> {
+        let text = journal_line(self);
+        replace(path, SHARDS_FILE, text.as_bytes())?;
+        let sum = Sum::from_bytes(text.as_bytes());
+        write_checksums(path, &[(SHARDS_FILE.to_owned(), sum)])
+    }
+
+    /// The jobs of a piece, of so many in `total`: as many as every other piece has, or one fewer.
+    pub(super) fn jobs(&self, total: u64, piece: u64) -> Range<u64> {
+        let begin = |piece: u64| {
+            let share = u128::from(piece) * u128::from(total) / u128::from(self.shards);
+            u64::try_from(share).unwrap_or(u64::MAX)
+        };
+        begin(piece)..begin(piece + 1)
+    }
+
+    /// The first line of a piece that this build makes.
+    pub(super) fn header(&self, build: &str, number: u64) -> JournalHeader {
+        let piece = PieceHeader {
+            number,
+            of: self.shards,
+            runs: self.runs,
+            build: build.to_owned(),
+        };
+        JournalHeader::of_piece(&self.ensemble, piece)
+    }
+}
+
+/// The build that makes all pieces of an ensemble.
+pub(super) fn build(manifest: &Manifest) -> &str {
+    match &manifest.builds[..] {
+        [build] => build,
+        _ => "several",
+    }
+}
+
+/// Where a whole piece is.
+pub(super) fn piece_file(path: &Path, number: u64) -> PathBuf {
+    path.join(SHARDS).join(format!("{number}.jsonl"))
+}
+
+fn unreadable(path: &Path, reason: &str) -> ShardError {
+    ShardError::Unreadable {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+    }
+}
+
+/// Whether the journal has all runs, so that the pieces are no longer wanted.
+pub(super) fn is_joined(path: &Path, manifest: &Manifest) -> Result<bool, ShardError> {
+    let stored = journal::read(&path.join(JOURNAL), manifest, &manifest.identity())?;
+    Ok(stored.finished.len() as u64 == manifest.total())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn every_job_is_in_one_piece(total in 1u64..500, shards in 1u64..500) {
+            let shards = shards.min(total);
+            let cut = Cut { ensemble: String::new(), runs: total, shards };
+            let mut next = 0;
+            for piece in 0..shards {
+                let jobs = cut.jobs(total, piece);
+                let size = jobs.end - jobs.start;
+                prop_assert_eq!(jobs.start, next);
+                prop_assert!(size == total / shards || size == total.div_ceil(shards));
+                next = jobs.end;
+            }
+            prop_assert_eq!(next, total);
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Putting pieces together.
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use stochc_files::atomic::{Draft, Replaces, remove_own, sync_folder};
+use stochc_files::disk;
+
+use super::ShardError;
+use super::cut::{Cut, build, is_joined, piece_file};
+use super::piece::{PieceFile, in_folder, read};
+use crate::checkpoint;
+use crate::folder::lock;
+use crate::folder::slurm_folder;
+use crate::folder::{JOURNAL, SHARDS, SHARDS_FILE};
+use crate::journal::JournalHeader;
+use crate::journal::line as journal_line;
+use crate::{Folder, FolderError, Further, Manifest, Resume};
+
+/// Puts the pieces of a folder together, and gives how many runs they have: it is then as if it had never been cut.
+///
+/// Killed at any time, it comes to the same end when it is called again.
+///
+/// # Errors
+/// When a piece is missing, damaged, or of something else; the folder is as it was then.
+pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
+    let (_, cut) = Cut::require(path)?;
+    let lock = lock(path)?;
+    // Again, now that nobody else can change the answer.
+    let (manifest, _) = Cut::require(path)?;
+    if !is_joined(path, &manifest)? {
+        join(path, &manifest, &cut)?;
+    }
+    drop(lock);
+    let folder = Folder::open_cut(path, &manifest, Resume::MixedBuilds)?.with(further);
+    folder.write_tables(folder.kept())?;
+    checkpoint::clear(path, |_, _| false).map_err(|source| in_folder(path, source))?;
+    clear(path, &cut).map_err(|source| in_folder(path, source))?;
+    Ok(manifest.total())
+}
+
+/// Writes the journal.
+fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
+    let io = FolderError::at(path.join(JOURNAL));
+    let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(&io)?;
+    let header = JournalHeader::new(&manifest.identity());
+    draft
+        .write_all(journal_line(&header).as_bytes())
+        .map_err(&io)?;
+    let (mut missing, mut foreign) = (Vec::new(), Vec::new());
+    for number in 0..cut.shards {
+        let file = piece_file(path, number);
+        let (header, jobs) = (
+            cut.header(build(manifest), number),
+            cut.jobs(manifest.total(), number),
+        );
+        // Without all of them there is nothing to write.
+        let is_wanted = missing.is_empty() && foreign.is_empty();
+        let found = read(&file, &header, manifest, &jobs, |line| {
+            if is_wanted {
+                draft.write_all(line)?;
+                draft.write_all(b"\n")
+            } else {
+                Ok(())
+            }
+        })?;
+        match found {
+            PieceFile::Whole => {}
+            PieceFile::Nothing | PieceFile::Damaged(_) => missing.push(number),
+            PieceFile::Foreign(what) => foreign.push((number, what)),
+        }
+    }
+    let path = path.to_owned();
+    if !foreign.is_empty() {
+        let pieces = foreign;
+        return Err(ShardError::Foreign { path, pieces });
+    }
+    if !missing.is_empty() {
+        return Err(ShardError::Missing {
+            path,
+            pieces: missing,
+            of: cut.shards,
+        });
+    }
+    Ok(draft.keep().map_err(io)?)
+}
+
+/// Removes the pieces, and at last what says that there are any.
+fn clear(path: &Path, cut: &Cut) -> io::Result<()> {
+    remove_own(&path.join(SHARDS), |name| is_ours(name, cut))?;
+    slurm_folder::clear(path)?;
+    disk::remove(&path.join(SHARDS_FILE))?;
+    sync_folder(path)
+}
+
+/// Whether a file is a piece, or what was left of making one.
+fn is_ours(name: &str, cut: &Cut) -> bool {
+    let Some((number, what)) = name.split_once('.') else {
+        return false;
+    };
+    let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    let is_piece = is_number && number.parse().is_ok_and(|number: u64| number < cut.shards);
+    is_piece && (what == "jsonl" || what.starts_with("part-") || what.starts_with("draft-"))
+}

@@ -1,0 +1,407 @@
+//! Making one piece.
+use std::io::{self, Write as _};
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use stochc_files as files;
+use stochc_files::atomic::{Draft, Replaces, make_own_folder, move_aside, new_own, sync_folder};
+use stochc_files::disk;
+use stochc_ir::record::RunRecord;
+
+use super::ShardError;
+use super::cut::{Cut, is_joined, piece_file, same_build};
+use crate::execution::{PendingRuns, job, number as job_number};
+use crate::execution::{check_again, journaled};
+use crate::folder::{DAMAGED, SHARDS};
+use crate::journal::line as journal_line;
+use crate::journal::{self, Journal, JournalHeader, Shortest};
+use crate::records::LineLocation;
+use crate::records::RecordValidator;
+use crate::records::Records;
+use crate::{
+    CHECKPOINTS, Checkpoints, EnsembleError, Finished, FolderError, Interval, JournalError,
+    Manifest, Progress, RunCancelled, RunWatch, this_build,
+};
+
+/// A piece that this process makes.
+#[derive(Debug)]
+pub struct Piece {
+    path: PathBuf,
+    manifest: Manifest,
+    number: u64,
+    header: JournalHeader,
+    jobs: Range<u64>,
+    is_made: bool,
+    /// Runs of it that others have made who did not come to its end.
+    kept: Records,
+    shortest: Option<Finished>,
+    checkpoints: Option<Checkpoints>,
+}
+
+/// What the file of a piece is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum PieceFile {
+    Nothing,
+    Whole,
+    /// Why, in words that go on with the name of the piece.
+    Damaged(String),
+    /// What it is, in such words.
+    Foreign(String),
+}
+
+impl Piece {
+    /// Piece number `number` of the ensemble at `path`, which is looked through for what there is of it.
+    ///
+    /// # Errors
+    /// Every error leaves the folder as it was.
+    pub fn open(path: &Path, number: u64) -> Result<Piece, ShardError> {
+        let (manifest, cut) = Cut::require(path)?;
+        same_build(path, &manifest)?;
+        if number >= cut.shards {
+            let last = cut.shards - 1;
+            return Err(ShardError::NoSuchPiece { number, last });
+        }
+        let (header, jobs) = (
+            cut.header(&this_build(), number),
+            cut.jobs(manifest.total(), number),
+        );
+        let file = piece_file(path, number);
+        let look = || read(&file, &header, &manifest, &jobs, |_| Ok(()));
+        let mut found = look()?;
+        // `merge` may have been stopped when it had begun to remove them.
+        let is_joined = found != PieceFile::Whole && is_joined(path, &manifest)?;
+        if matches!(found, PieceFile::Damaged(_)) && !is_joined {
+            // Somebody else who makes it may have put a whole one there by now.
+            found = look()?;
+        }
+        let is_made = found == PieceFile::Whole || is_joined;
+        let is_damaged = matches!(found, PieceFile::Damaged(_)) && !is_joined;
+        if let PieceFile::Foreign(what) = found {
+            return Err(ShardError::Foreign {
+                path: path.to_owned(),
+                pieces: vec![(number, what)],
+            });
+        }
+        let mut piece = Piece {
+            path: path.to_owned(),
+            is_made,
+            kept: Records::default(),
+            shortest: None,
+            checkpoints: None,
+            manifest,
+            number,
+            header,
+            jobs,
+        };
+        if !piece.is_made {
+            piece.collect()?;
+        }
+        if is_damaged {
+            set_aside(&file, &path.join(DAMAGED)).map_err(|source| in_folder(path, source))?;
+        }
+        Ok(piece)
+    }
+
+    /// Has the states of runs under way kept, and has those go on of which there is one.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn with_checkpoints(mut self, every: Interval) -> Result<Piece, ShardError> {
+        let programs = self.manifest.programs.len() as u64;
+        let wants = |program: usize, run: u64| {
+            let number = job_number(program, run, programs);
+            let is_of_it = number.is_some_and(|number| self.jobs.contains(&number));
+            is_of_it && !self.is_made && !self.kept.contains(program, run)
+        };
+        let opened = Checkpoints::open(&self.path, &self.manifest, every, wants);
+        let io = FolderError::at(self.path.join(CHECKPOINTS));
+        self.checkpoints = Some(opened.map_err(io)?);
+        Ok(self)
+    }
+
+    /// The states of its runs, if they are kept.
+    pub fn checkpoints(&self) -> Option<&Checkpoints> {
+        self.checkpoints.as_ref()
+    }
+
+    /// What the whole ensemble depends on.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Whether it is there.
+    pub fn is_made(&self) -> bool {
+        self.is_made
+    }
+
+    /// How many runs it has, and how many of them are done.
+    pub fn runs(&self) -> (u64, u64) {
+        let all = self.jobs.end - self.jobs.start;
+        let done = if self.is_made {
+            all
+        } else {
+            self.kept.len() as u64
+        };
+        (all, done)
+    }
+
+    /// The progress of its runs alone, on so many threads.
+    pub fn progress(&self, threads: NonZeroUsize) -> Progress {
+        Progress::of_jobs(&self.manifest, &self.jobs, threads)
+    }
+
+    /// Makes the shortest run that there is of it again, as [`check_stored`](crate::check_stored) does.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Differs`].
+    pub fn check_stored(
+        &self,
+        simulate: impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled>,
+    ) -> Result<(), EnsembleError> {
+        check_again(&self.manifest, self.shortest.as_ref(), simulate)
+    }
+
+    /// Makes what there is not of it, as [`run`](crate::run) does; whether it is whole, or was stopped.
+    ///
+    /// # Errors
+    /// Those of the file system; runs that are done stay.
+    pub fn make(
+        &self,
+        progress: &Progress,
+        stop: &AtomicBool,
+        simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
+    ) -> Result<bool, ShardError> {
+        if self.is_made {
+            return Ok(true);
+        }
+        progress.keep(&self.kept)?;
+        let pending = PendingRuns::all(&self.manifest, self.jobs.clone(), Some(&self.kept));
+        if pending.left == 0 {
+            return self.finish(&self.kept).map(|()| true);
+        }
+        let folder = self.path.join(SHARDS);
+        let io = |source| in_folder(&self.path, source);
+        // Whoever has copied the folder may have left it out.
+        make_own_folder(&folder).map_err(io)?;
+        let part = new_own(&folder, &format!("{}.part-", self.number)).map_err(io)?;
+        sync_folder(&folder).map_err(io)?;
+        let of_part = |error| match error {
+            JournalError::Io(source) => FolderError::at(&part)(source),
+            error => FolderError::Journal(error),
+        };
+        let journal = Journal::open(&part, &self.header, 0).map_err(of_part)?;
+        let file = self.kept.files();
+        let on = (progress, self.checkpoints());
+        let places = journaled(pending, (journal, file), on, stop, simulate).map_err(of_part)?;
+        let opened = files::open(&part).map_err(io)?;
+        let most = journal::most_line(&self.manifest);
+        let all = self.kept.and(&places, opened, most).map_err(io)?;
+        if (all.len() as u64) < self.jobs.end - self.jobs.start {
+            return Ok(false);
+        }
+        self.finish(&all)?;
+        // What was killed in between is left to `merge`.
+        disk::remove(&part).map_err(io)?;
+        Ok(true)
+    }
+
+    /// Gives the piece its name; of several who come to this, each writes the same.
+    fn finish(&self, all: &Records) -> Result<(), ShardError> {
+        let io = |source| in_folder(&self.path, source);
+        let file = piece_file(&self.path, self.number);
+        let mut draft = Draft::new(&file, Replaces::Same).map_err(io)?;
+        let header = journal_line(&self.header);
+        draft.write_all(header.as_bytes()).map_err(io)?;
+        let programs = self.manifest.programs.len() as u64;
+        let jobs = self.jobs.clone().map(|number| job(number, programs));
+        let keys = jobs.map(|job| (job.program, job.run));
+        all.try_each_of(keys, |done| {
+            draft.write_all(journal_line(done).as_bytes())?;
+            Ok::<_, JournalError>(())
+        })?;
+        Ok(draft.keep().map_err(io)?)
+    }
+
+    /// Finds the runs of the piece that others have made.
+    fn collect(&mut self) -> Result<(), ShardError> {
+        let (mut places, mut parts) = (Vec::new(), Vec::new());
+        let mut shortest = Shortest::default();
+        let most = journal::most_line(&self.manifest);
+        let programs = self.manifest.programs.len() as u64;
+        let validator = RecordValidator::new(&self.manifest);
+        for part in parts_of(&self.path, self.number).map_err(|it| in_folder(&self.path, it))? {
+            let number = parts.len() as u32;
+            let read = journal::read_lines(&part, &self.header, most, |line| {
+                let Ok(done) = journal::run(line.text, &validator) else {
+                    return;
+                };
+                let place = job_number(done.program, done.record.run, programs);
+                if place.is_some_and(|place| self.jobs.contains(&place)) {
+                    places.push(done.at(number, line.at));
+                    shortest.offer(done);
+                }
+            });
+            let read = match read {
+                Ok(_) => files::open(&part),
+                Err(_) => Err(io::ErrorKind::NotFound.into()),
+            };
+            match read {
+                Ok(opened) => parts.push(opened),
+                // It is of something else, or gone: its owner has come to the end of the piece.
+                Err(_) => places.retain(|place: &LineLocation| place.file != number),
+            }
+        }
+        self.shortest = shortest.0;
+        self.kept = Records::at(places, parts, most);
+        Ok(())
+    }
+}
+
+/// Reads the file of a piece and holds it against what it should be; `each` is shown the lines of its runs.
+///
+/// # Errors
+/// Those of `each`.
+pub(super) fn read(
+    file: &Path,
+    header: &JournalHeader,
+    manifest: &Manifest,
+    jobs: &Range<u64>,
+    mut each: impl FnMut(&[u8]) -> io::Result<()>,
+) -> Result<PieceFile, ShardError> {
+    match identify(file, header)? {
+        PieceFile::Whole => {}
+        other => return Ok(other),
+    }
+    let programs = manifest.programs.len() as u64;
+    let mut next = jobs.start;
+    let (mut wrong, mut broken) = (None, None);
+    let most = journal::most_line(manifest);
+    let validator = RecordValidator::new(manifest);
+    let lines = journal::read_lines(file, header, most, |line| {
+        if wrong.is_some() || broken.is_some() {
+            return;
+        }
+        let number = line.number;
+        match journal::run(line.text, &validator) {
+            Err(reason) => wrong = Some(format!("is damaged: its line {number} {reason}")),
+            Ok(done) => {
+                let expected = job(next, programs);
+                let is_next = (done.program, done.record.run) == (expected.program, expected.run);
+                if next < jobs.end && is_next {
+                    broken = each(line.text).err()
+                } else {
+                    wrong = Some(format!("is damaged: its line {number} is another run"))
+                }
+                next += 1;
+            }
+        }
+    });
+    if let Some(error) = broken {
+        return Err(JournalError::Io(error).into());
+    }
+    Ok(match (lines, wrong) {
+        // Somebody else has moved it since its first line was read.
+        (Err(JournalError::Io(error)), _) if error.kind() == io::ErrorKind::NotFound => {
+            PieceFile::Nothing
+        }
+        (Err(JournalError::Io(error)), _) => unreadable(error)?,
+        (Err(error), _) => PieceFile::Damaged(format!("cannot be read: {error}")),
+        (_, Some(wrong)) => PieceFile::Damaged(wrong),
+        _ if next < jobs.end => PieceFile::Damaged(format!(
+            "is damaged: it has {} of {} runs",
+            next - jobs.start,
+            jobs.end - jobs.start
+        )),
+        _ => PieceFile::Whole,
+    })
+}
+
+/// What the first line of a piece says of it.
+///
+/// # Errors
+/// Those of the file system, which may be others the next time.
+pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<PieceFile, JournalError> {
+    let found = match journal::read_header(file) {
+        Ok(Some(found)) => found,
+        Ok(None) => {
+            let what = "is damaged: its first line is not what was written";
+            return Ok(PieceFile::Damaged(what.to_owned()));
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(PieceFile::Nothing),
+        Err(error) => return unreadable(error),
+    };
+    if found.ensemble != header.ensemble {
+        return Ok(PieceFile::Foreign("belongs to another manifest".to_owned()));
+    }
+    Ok(match (&found.piece, &header.piece) {
+        (Some(there), Some(here)) if there == here => PieceFile::Whole,
+        (Some(there), Some(here))
+            if (there.number, there.of, there.runs) == (here.number, here.of, here.runs) =>
+        {
+            PieceFile::Foreign(format!(
+                "was made by another build of `stochc` ({}, and that of the manifest is {})",
+                there.build, here.build
+            ))
+        }
+        (Some(there), _) => PieceFile::Foreign(format!(
+            "is in fact piece {} of {}, for {} runs of each program",
+            there.number, there.of, there.runs
+        )),
+        (None, _) => PieceFile::Foreign("is in fact the journal of a whole ensemble".to_owned()),
+    })
+}
+
+/// Moves a damaged piece to the others, unless somebody else who makes it has moved it.
+fn set_aside(file: &Path, damaged: &Path) -> io::Result<()> {
+    match move_aside(file, damaged) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        moved => moved.map(drop),
+    }
+}
+
+/// What cannot be read, unless it is the system that says so.
+fn unreadable(error: io::Error) -> Result<PieceFile, JournalError> {
+    match error.raw_os_error() {
+        Some(_) => Err(error.into()),
+        None => Ok(PieceFile::Damaged(format!("cannot be read: {error}"))),
+    }
+}
+
+/// The files of runs of a piece that is not whole, sorted by name.
+pub(super) fn parts_of(path: &Path, number: u64) -> io::Result<Vec<PathBuf>> {
+    let prefix = format!("{number}.part-");
+    let mut parts = Vec::new();
+    let entries = match disk::list(&path.join(SHARDS)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        listed => listed?,
+    };
+    for entry in entries {
+        let name = entry.file_name().unwrap_or_default();
+        if name.to_string_lossy().starts_with(&prefix) {
+            parts.push(entry);
+        }
+    }
+    parts.sort();
+    Ok(parts)
+}
+
+pub(super) fn in_folder(path: &Path, source: io::Error) -> FolderError {
+    FolderError::at(path.join(SHARDS))(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_that_somebody_else_has_moved_is_no_failure() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, damaged) = (folder.path().join("0"), folder.path().join(DAMAGED));
+        std::fs::File::create(&file).unwrap();
+        set_aside(&file, &damaged).unwrap();
+        set_aside(&file, &damaged).unwrap();
+        assert!(damaged.join("0").exists() && !file.exists());
+    }
+}

@@ -1,0 +1,149 @@
+//! What there is of the pieces.
+use std::collections::BTreeMap;
+use std::io::{self, BufRead as _, BufReader};
+use std::path::Path;
+
+use serde::Serialize;
+use stochc_files as files;
+use stochc_files::disk;
+
+use super::ShardError;
+use super::cut::{Cut, build, is_joined, piece_file};
+use super::piece::{PieceFile, identify, in_folder, read};
+use crate::Manifest;
+use crate::folder::SHARDS;
+use crate::integrity::{FileIntegrity, Integrity};
+
+/// All pieces of an ensemble.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ShardStatus {
+    /// How many there are.
+    pub shards: u64,
+    /// Runs of all programs together.
+    pub runs: u64,
+    /// Each of them, by number.
+    pub pieces: Vec<PieceState>,
+}
+
+/// What there is of a piece, by its first line: [`merge`](super::merge()) and [`verify`](crate::integrity::verify) look at all of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "state")]
+pub enum PieceState {
+    /// All of it.
+    Whole,
+    /// So many runs at most, which somebody makes or has made before he was stopped.
+    Begun {
+        /// How many.
+        runs: u64,
+    },
+    /// Nothing.
+    Missing,
+    /// A file that is damaged.
+    Damaged {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A file of something else.
+    Foreign {
+        /// What it is.
+        reason: String,
+    },
+}
+
+impl ShardStatus {
+    /// The numbers of the pieces that are to be made, in their order.
+    pub fn missing(&self) -> impl Iterator<Item = u64> {
+        let pieces = (0..).zip(&self.pieces);
+        let missing = pieces.filter(|(_, state)| **state != PieceState::Whole);
+        missing.map(|(number, _)| number)
+    }
+}
+
+/// Looks what there is of the pieces of an ensemble, at the first line of each.
+///
+/// # Errors
+/// When it is not cut into any, or cannot be read.
+pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
+    let (manifest, cut) = Cut::require(path)?;
+    let begun = begun(path).map_err(|source| in_folder(path, source))?;
+    // `merge` may have been stopped when it had begun to remove them.
+    let is_joined = is_joined(path, &manifest)?;
+    let state = |number: u64| {
+        if is_joined {
+            return Ok(PieceState::Whole);
+        }
+        let header = cut.header(build(&manifest), number);
+        Ok(match identify(&piece_file(path, number), &header)? {
+            PieceFile::Whole => PieceState::Whole,
+            PieceFile::Damaged(reason) => PieceState::Damaged { reason },
+            PieceFile::Foreign(reason) => PieceState::Foreign { reason },
+            PieceFile::Nothing => match begun.get(&number) {
+                Some(&runs) => PieceState::Begun { runs },
+                None => PieceState::Missing,
+            },
+        })
+    };
+    let pieces = (0..cut.shards).map(state);
+    let pieces = pieces.collect::<Result<_, ShardError>>()?;
+    Ok(ShardStatus {
+        shards: cut.shards,
+        runs: manifest.total(),
+        pieces,
+    })
+}
+
+/// Runs in the files of pieces that are not whole, by their numbers.
+fn begun(path: &Path) -> io::Result<BTreeMap<u64, u64>> {
+    let mut begun = BTreeMap::new();
+    let entries = match disk::list(&path.join(SHARDS)) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(begun),
+        Err(error) => return Err(error),
+    };
+    for entry in entries {
+        let number = entry.file_name().and_then(|name| {
+            let (number, what) = name.to_str()?.split_once('.')?;
+            what.starts_with("part-").then(|| number.parse().ok())?
+        });
+        if let Some(number) = number {
+            // The first line says what it is.
+            let lines = lines(&entry).unwrap_or_default().saturating_sub(1);
+            *begun.entry(number).or_default() += lines;
+        }
+    }
+    Ok(begun)
+}
+
+fn lines(file: &Path) -> io::Result<u64> {
+    let mut file = BufReader::with_capacity(1 << 16, files::open(file)?);
+    let mut count = 0;
+    loop {
+        let part = file.fill_buf()?;
+        if part.is_empty() {
+            return Ok(count);
+        }
+        count += part.iter().filter(|byte| **byte == b'\n').count() as u64;
+        let read = part.len();
+        file.consume(read);
+    }
+}
+
+/// Reads the pieces that are there, all of each.
+pub(crate) fn health(path: &Path, manifest: &Manifest, cut: &Cut) -> Vec<FileIntegrity> {
+    let health = |number: u64| {
+        let file = piece_file(path, number);
+        let header = cut.header(build(manifest), number);
+        let jobs = cut.jobs(manifest.total(), number);
+        let health = match read(&file, &header, manifest, &jobs, |_| Ok(())) {
+            Ok(PieceFile::Nothing) => return None,
+            Ok(PieceFile::Whole) => Integrity::Sound,
+            Ok(PieceFile::Damaged(reason) | PieceFile::Foreign(reason)) => {
+                Integrity::Damaged(vec![reason])
+            }
+            Err(error) => Integrity::Damaged(vec![error.to_string()]),
+        };
+        let name = format!("{SHARDS}/{number}.jsonl");
+        Some(FileIntegrity { name, health })
+    };
+    (0..cut.shards).filter_map(health).collect()
+}

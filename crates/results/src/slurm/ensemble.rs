@@ -1,0 +1,172 @@
+//! A sharded ensemble, and its files for Slurm.
+use std::fs::OpenOptions;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use stochc_files as files;
+use stochc_files::atomic::{Replaces, make_own_folder, replace};
+use stochc_files::checksum::crc32;
+use stochc_files::disk::{self, FileLock};
+
+use super::Queue;
+use crate::FolderError;
+use crate::folder::slurm_folder::{self, LOCK, MERGE_SCRIPT, SHARDS_SCRIPT, SLURM};
+use crate::shards::{Cut, PieceState, ShardError, same_build, status};
+
+/// A sharded ensemble, in a folder that all nodes see under the same name.
+#[derive(Clone, Debug)]
+pub struct SlurmEnsemble {
+    /// The folder, as an absolute path.
+    pub path: PathBuf,
+    /// Number of shards.
+    pub shards: u64,
+    /// Name of its job arrays. No other folder has the same.
+    pub name: String,
+}
+
+/// Content of a folder.
+#[derive(Clone, Debug)]
+pub enum Opened {
+    /// A sharded ensemble.
+    Sharded(SlurmEnsemble),
+    /// A merged ensemble, of this number of runs.
+    Merged(u64),
+}
+
+/// Shards that exist.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FoundShards {
+    /// All of them are merged, with this number of runs.
+    Merged(u64),
+    /// All except these.
+    AllBut(Vec<u64>),
+}
+
+/// The lock of the process that submits. Dropping it unlocks.
+///
+/// On a file system without locks every process gets one. Shards that run twice do no harm.
+#[derive(Debug)]
+pub struct SubmitLock {
+    _lock: FileLock,
+}
+
+impl SlurmEnsemble {
+    /// Opens the ensemble in a folder, given as an absolute path.
+    ///
+    /// # Errors
+    /// If it is not sharded, or was made by another build, which could not run its shards here.
+    pub fn open(path: &Path) -> Result<Opened, ShardError> {
+        let (manifest, cut) = match Cut::require(path) {
+            Err(ShardError::NotCut { done, total, .. }) if done == total => {
+                return Ok(Opened::Merged(total));
+            }
+            cut => cut?,
+        };
+        same_build(path, &manifest)?;
+        let identity = manifest.identity();
+        let place = crc32(path.as_os_str().as_encoded_bytes());
+        Ok(Opened::Sharded(SlurmEnsemble {
+            path: path.to_owned(),
+            shards: cut.shards,
+            name: format!("stochc-{}-{place:08x}", &identity[..8]),
+        }))
+    }
+
+    /// Returns the name of its merge jobs.
+    pub fn merge_name(&self) -> String {
+        format!("{}{}", self.name, super::queue::MERGE)
+    }
+
+    /// Returns which shards exist, judged by the first line of each.
+    ///
+    /// # Errors
+    /// If a shard's file belongs to something else. No job would replace it.
+    pub fn find_shards(&self) -> Result<FoundShards, ShardError> {
+        let status = match status(&self.path) {
+            Err(ShardError::NotCut { done, total, .. }) if done == total => {
+                return Ok(FoundShards::Merged(total));
+            }
+            status => status?,
+        };
+        let states = (0..).zip(&status.pieces);
+        let foreign = states.filter_map(|(number, state)| match state {
+            PieceState::Foreign { reason } => Some((number, reason.clone())),
+            _ => None,
+        });
+        let pieces: Vec<_> = foreign.collect();
+        if pieces.is_empty() {
+            return Ok(FoundShards::AllBut(status.missing().collect()));
+        }
+        Err(ShardError::Foreign {
+            path: self.path.clone(),
+            pieces,
+        })
+    }
+
+    /// Reads the jobs of this ensemble from the output of `squeue`.
+    pub fn queue(&self, output: &str) -> Queue {
+        Queue::read(output, &self.name)
+    }
+
+    /// Makes the folder for Slurm and locks it. Returns `None` if another process has the lock.
+    ///
+    /// # Errors
+    /// If the file system reports one.
+    pub fn lock(&self) -> Result<Option<SubmitLock>, ShardError> {
+        make_own_folder(&self.path.join(SLURM)).map_err(self.io(""))?;
+        let mut options = OpenOptions::new();
+        let options = options.create(true).truncate(false).write(true);
+        let file = files::open_own(&self.file(LOCK), options).map_err(self.io(LOCK))?;
+        let lock = file.try_lock().map_err(self.io(LOCK))?;
+        Ok(lock.map(|lock| SubmitLock { _lock: lock }))
+    }
+
+    /// Removes the folder for Slurm of a merged ensemble.
+    ///
+    /// # Errors
+    /// If the file system reports one.
+    pub fn clear(&self) -> Result<(), ShardError> {
+        Ok(slurm_folder::clear(&self.path).map_err(self.io(""))?)
+    }
+
+    /// Returns whether an array was submitted, as far as its script tells.
+    pub fn was_submitted(&self) -> bool {
+        disk::look(&self.file(SHARDS_SCRIPT)).is_ok()
+    }
+
+    /// Returns whether a failed task or merge job has left a log.
+    pub fn has_logs(&self) -> bool {
+        let entries = disk::list(&self.path.join(SLURM)).unwrap_or_default();
+        let is_log = |entry: &PathBuf| entry.extension().is_some_and(|it| it == "log");
+        entries.iter().any(is_log)
+    }
+
+    /// Writes the scripts of an array and of a merge job, and returns their paths.
+    ///
+    /// # Errors
+    /// If the file system reports one.
+    pub fn write_scripts(&self, shards: &str, merge: &str) -> Result<[PathBuf; 2], ShardError> {
+        let write = |name: &str, text: &str| {
+            let file = self.file(name);
+            replace(&file, text.as_bytes(), Replaces::Ordinary).map_err(self.io(name))?;
+            Ok::<_, FolderError>(file)
+        };
+        Ok([write(SHARDS_SCRIPT, shards)?, write(MERGE_SCRIPT, merge)?])
+    }
+
+    /// Removes the script of an array that Slurm has refused.
+    ///
+    /// # Errors
+    /// If the file system reports one.
+    pub fn remove_shards_script(&self) -> Result<(), ShardError> {
+        Ok(disk::remove(&self.file(SHARDS_SCRIPT)).map_err(self.io(SHARDS_SCRIPT))?)
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.path.join(SLURM).join(name)
+    }
+
+    fn io(&self, name: &str) -> impl Fn(io::Error) -> FolderError {
+        FolderError::at(self.file(name))
+    }
+}
