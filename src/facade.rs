@@ -6,11 +6,9 @@ use std::path::PathBuf;
 use stochc_compiler::{Checked, Limits, LintLevels, Program};
 use stochc_ir::Executable;
 use stochc_ir::record::RunRecord;
-use stochc_ir::scene::scalars::ScalarChange;
 use stochc_runtime::{RunError, Settings};
 
 use crate::diagnostics::{Format, show};
-use crate::model_check;
 use crate::reader::DiskReader;
 
 /// Checks a file of the disk and all it imports, and compiles its assemblies.
@@ -22,7 +20,7 @@ pub fn check(path: &str) -> Checked {
 
 /// [`check`], with levels for the warnings that the files say nothing of.
 ///
-/// Small programs are tried [in every order of events](model_check) as well.
+/// Small programs are tried [in every order of events](stochc_compiler::model_check) as well.
 pub fn check_with(path: &str, levels: &LintLevels) -> Checked {
     check_within(path, levels, &[])
 }
@@ -33,40 +31,7 @@ pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Che
     let mut reader = DiskReader::new(path, None, further);
     let limits = Limits::default();
     let mut checked = stochc_compiler::check_with(path, &mut reader, limits, levels);
-    model_check::try_out(&mut checked);
-    checked
-}
-
-/// [`check`], from a text that imports nothing; findings call it `name`.
-///
-/// ```
-/// let checked = stochc::check_text("pair.sa", "assembly pair { seed plate 1 x 1 { M at (0, 0) }\nphase grow { N.up -> A } }");
-/// assert!(checked.has_errors());
-/// assert_eq!(checked.diagnostics[0].code.name(), "unknown-name");
-/// ```
-pub fn check_text(name: &str, text: &str) -> Checked {
-    check_texts(&[(name, text)], &LintLevels::default(), "", &[])
-}
-
-/// [`check_with`], from texts instead of the disk, the program's own first; with other numbers for the scene of the
-/// assembly of a name.
-pub fn check_texts(
-    texts: &[(&str, &str)],
-    levels: &LintLevels,
-    assembly: &str,
-    changes: &[ScalarChange],
-) -> Checked {
-    let mut reader = |path: &str| {
-        let found = texts.iter().find(|(name, _)| *name == path);
-        found
-            .map(|(_, text)| text.as_bytes().to_vec())
-            .ok_or("it is not among the texts".to_owned())
-    };
-    let root = texts.first().map_or("", |(name, _)| name);
-    let limits = Limits::default();
-    let mut checked =
-        stochc_compiler::check_changed(root, &mut reader, limits, levels, assembly, changes);
-    model_check::try_out(&mut checked);
+    stochc_compiler::model_check::try_out(&mut checked);
     checked
 }
 

@@ -35,16 +35,12 @@ pub mod exit;
 mod facade;
 pub mod fix;
 pub mod host;
-pub mod model_check;
 pub mod operations;
-pub mod planning;
 pub mod progress;
 mod reader;
 
-pub use facade::{
-    CompileError, check, check_text, check_texts, check_with, check_within, compile, simulate,
-};
-pub use stochc_compiler as compiler;
+pub use facade::{CompileError, check, check_with, check_within, compile, simulate};
+pub use stochc_compiler::{self as compiler, check_text, check_texts};
 pub use stochc_control as control;
 pub use stochc_experiments as experiments;
 pub use stochc_files as files;

@@ -21,7 +21,7 @@ use crate::operations::plan::{
     SeedPlate, is_right_at, plan, read,
 };
 use crate::operations::time;
-use crate::planning::Planned;
+use stochc_planner::Planned;
 
 /// What `plan` is given.
 #[derive(Debug, Args)]

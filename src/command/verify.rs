@@ -16,9 +16,9 @@ use super::levels::LevelOptions;
 use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
-use crate::model_check::{MISTAKE, expected, shortest};
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 use crate::operations::summary::status_line;
+use stochc_compiler::model_check::{MISTAKE, expected, shortest};
 
 /// Random orders of events for a program with too many orders.
 const SCHEDULES: u64 = 1_000;

@@ -12,8 +12,9 @@ use stochc_runtime::world::rate::RateWorld;
 use stochc_text::visible;
 
 use super::in_memory::all_runs;
+use crate::check_text;
 use crate::exit::{Exit, Failure};
-use crate::facade::{check_text, compile};
+use crate::facade::compile;
 use crate::host::Host;
 
 /// What is simulated if nothing is said: some 30 s of processor time in the default scene.

@@ -71,7 +71,7 @@ impl Sample {
             for program in &mut checked.programs {
                 program.tables = program.tables.as_ref().map(without_news);
             }
-            stochc::model_check::try_out(&mut checked);
+            stochc::compiler::model_check::try_out(&mut checked);
         }
         checked
     }

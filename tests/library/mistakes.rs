@@ -22,7 +22,7 @@ fn no_mistake_of_the_compiler_reaches_a_user() {
         }
         checked.diagnostics.clear();
         checked.programs[0].tables = Some(mutant);
-        stochc::model_check::try_out(&mut checked);
+        stochc::compiler::model_check::try_out(&mut checked);
         let [diagnostic] = &checked.diagnostics[..] else {
             panic!("{mistake}: {:?}", checked.diagnostics);
         };

@@ -25,6 +25,7 @@ mod disassembly;
 mod emit;
 mod explanation;
 mod free_space;
+mod goal;
 mod grid;
 mod hardware;
 mod limits;
@@ -47,6 +48,10 @@ pub use baseline::Baseline;
 pub use capture::Capture;
 pub use emit::{Naming, PLANNED_MARK, continuation, declaration, draft, program};
 pub use explanation::{explanation, race_to_text};
+pub use goal::{
+    Completion, ExistingStructure, Goal, LargerScene, NotCompleted, Planned, Repair, Unplanned,
+    untrue_claims,
+};
 pub use hardware::Hardware;
 pub use limits::{FARTHEST, MAX_CELLS};
 pub use makespan::{Objective, PlanEstimate};

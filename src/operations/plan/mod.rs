@@ -23,9 +23,9 @@ use super::programs::verdict;
 use super::rates::of_files_for;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
-use crate::planning::{Completion, Goal, Planned, Unplanned, untrue_claims};
 use crate::progress::WorkProgress;
 use crate::reader::DiskReader;
+use stochc_planner::{Completion, Goal, Planned, Unplanned, untrue_claims};
 
 pub use budget::Budget;
 pub use offset::Offset;

@@ -17,7 +17,7 @@ use crate::check_text;
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::in_memory::all_runs;
-use crate::planning::Planned;
+use stochc_planner::Planned;
 
 /// Fewest runs of a plan in a race. The first round has as many.
 pub const MIN_RACE: u64 = 8;

@@ -11,7 +11,7 @@ use super::super::results::read;
 use super::{NotPlanned, PlanOptions, placed, refused, target};
 use crate::exit::Failure;
 use crate::host::Host;
-use crate::planning::{Completion, ExistingStructure, Goal, NotCompleted};
+use stochc_planner::{Completion, ExistingStructure, Goal, NotCompleted};
 
 /// The end of a run, from which the rest is planned.
 #[derive(Clone, Copy, Debug)]

@@ -9,7 +9,7 @@ use super::super::programs::verdict;
 use super::{PlanOptions, PlanScope, target};
 use crate::exit::Failure;
 use crate::host::Host;
-use crate::planning::Goal;
+use stochc_planner::Goal;
 
 /// Puts a goal into the scene of the options.
 ///

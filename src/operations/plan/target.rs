@@ -14,7 +14,7 @@ use super::super::programs::{is_readable, verdict};
 use super::{PlanOptions, refused};
 use crate::exit::Failure;
 use crate::host::Host;
-use crate::planning::Goal;
+use stochc_planner::Goal;
 
 /// The target of these options.
 pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {

@@ -9,7 +9,7 @@ mod shapes;
 use std::path::{Path, PathBuf};
 
 use stochc::planner::{BuildPlan, PlanSearch, layers};
-use stochc::planning::{Goal, Planned, Unplanned};
+use stochc::planner::{Goal, Planned, Unplanned};
 use stochc_ir::Cell;
 
 /// The shapes of the bench, sorted by name.

@@ -1,7 +1,7 @@
 //! What plans promise, held against the graph that the compiler makes of their programs.
 use stochc::check_text;
 use stochc::ir::graph::{EventAction, EventGraph, EventId, GraphEvent};
-use stochc::planning::Goal;
+use stochc::planner::Goal;
 use stochc_ir::{Cell, Face};
 
 use crate::planner::{files, goal, named, tried};

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use stochc::ir::Cell;
 use stochc::ir::table::Plate;
 use stochc::planner::TargetError;
-use stochc::planning::{Goal, Unplanned};
+use stochc::planner::{Goal, Unplanned};
 
 use crate::planner::{cells, tried};
 

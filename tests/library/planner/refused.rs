@@ -1,8 +1,8 @@
 //! What cannot be built is refused, with what would help.
 use stochc::ir::Cell;
 use stochc::ir::table::Plate;
+use stochc::planner::{Goal, Unplanned};
 use stochc::planner::{TargetError, layers};
-use stochc::planning::{Goal, Unplanned};
 
 use crate::planner::{named, tried};
 

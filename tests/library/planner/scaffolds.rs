@@ -5,7 +5,7 @@ use stochc::ir::record::Outcome;
 use stochc::ir::table::Plate;
 use stochc::ir::{Cell, Face};
 use stochc::planner::PlanSearch;
-use stochc::planning::{Goal, Planned};
+use stochc::planner::{Goal, Planned};
 use stochc::runtime::{Model, Settings};
 
 use crate::planner::named;

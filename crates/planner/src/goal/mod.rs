@@ -8,6 +8,10 @@ mod scenes;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::OnceLock;
 
+use crate::{
+    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, ScaffoldTrial,
+    Target, TargetError, baseline_plans, declaration, draft, plan, program,
+};
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{EventId, PlanSeed, ProgramPlan};
 use stochc_compiler::scene::{DEFAULT, is_built_in};
@@ -18,17 +22,13 @@ use stochc_grammar::{Symbols, print};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
-use stochc_planner::{
-    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, ScaffoldTrial,
-    Target, TargetError, baseline_plans, declaration, draft, plan, program,
-};
 
-use crate::check_text;
-pub(crate) use completion::untrue_claims;
+pub use completion::untrue_claims;
 pub use completion::{Completion, NotCompleted};
 pub use larger_scene::LargerScene;
 pub use repair::{ExistingStructure, Repair};
 use scenes::WrittenScenes;
+use stochc_compiler::check_text;
 
 /// What is to be built, on what, and where.
 #[derive(Clone, Debug)]

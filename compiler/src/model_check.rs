@@ -4,13 +4,14 @@
 //! are explored on every check, and `verify` goes on where that ends.
 use std::fmt::Write as _;
 
-use stochc_compiler::diagnostic::{Code, Diagnostic};
-use stochc_compiler::{Checked, Program};
 use stochc_control::explore::{
     Exploration, ExplorationBounds, Faults, Meant, ProgramGoals, Violation,
 };
 use stochc_ir::graph::{Dependency, EventGraph, EventId};
 use stochc_ir::table::Tables;
+
+use crate::checked::{Checked, Program};
+use crate::diagnostic::{Code, Diagnostic};
 
 /// Captures and releases of a program that is explored on every check, at most.
 const MAX_EVENTS: usize = 500;

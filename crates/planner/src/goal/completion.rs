@@ -2,6 +2,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
+use crate::{
+    ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation, plan,
+};
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::placed_blocks::placed_blocks;
 use stochc_compiler::plan::EventKind;
@@ -14,12 +17,9 @@ use stochc_grammar::{format, is_comment};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
-use stochc_planner::{
-    ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation, plan,
-};
 
 use super::{Planned, Unplanned, estimate};
-use crate::check_texts;
+use stochc_compiler::check_texts;
 
 /// What is missing in a program.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! Parts of a goal that are attached to nothing that can capture: left out, or held by further blocks.
 use std::collections::BTreeSet;
 
+use crate::{LoosePart, Target, TargetError, declaration};
 use stochc_ir::Cell;
-use stochc_planner::{LoosePart, Target, TargetError, declaration};
 
 use super::{Goal, Repair};
 

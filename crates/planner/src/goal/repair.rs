@@ -1,11 +1,11 @@
 //! The rest of a run: what stands at its end is there at the beginning, and what is missing is planned.
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::ExistingBlock;
 use stochc_compiler::{Checked, DeclaredShapes, Program};
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::{RoleId, Tables};
 use stochc_ir::{Cell, Face};
-use stochc_planner::ExistingBlock;
 
 use super::Goal;
 use super::completion::existing;

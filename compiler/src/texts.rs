@@ -1,0 +1,41 @@
+//! Checks of texts in memory.
+use stochc_ir::scene::scalars::ScalarChange;
+
+use crate::checked::Checked;
+use crate::expand::Limits;
+use crate::lint_levels::LintLevels;
+use crate::model_check;
+use crate::program::check_changed;
+
+/// Checks a text that imports nothing. Diagnostics call it `name`.
+///
+/// ```
+/// let checked = stochc_compiler::check_text("pair.sa", "assembly pair { seed plate 1 x 1 { M at (0, 0) }\nphase grow { N.up -> A } }");
+/// assert!(checked.has_errors());
+/// assert_eq!(checked.diagnostics[0].code.name(), "unknown-name");
+/// ```
+pub fn check_text(name: &str, text: &str) -> Checked {
+    check_texts(&[(name, text)], &LintLevels::default(), "", &[])
+}
+
+/// Checks texts in memory, the program's own first, with `changes` to the scene of `assembly`.
+///
+/// Explores small programs [in every order of events](model_check), too.
+pub fn check_texts(
+    texts: &[(&str, &str)],
+    levels: &LintLevels,
+    assembly: &str,
+    changes: &[ScalarChange],
+) -> Checked {
+    let mut reader = |path: &str| {
+        let found = texts.iter().find(|(name, _)| *name == path);
+        found
+            .map(|(_, text)| text.as_bytes().to_vec())
+            .ok_or("it is not among the texts".to_owned())
+    };
+    let root = texts.first().map_or("", |(name, _)| name);
+    let limits = Limits::default();
+    let mut checked = check_changed(root, &mut reader, limits, levels, assembly, changes);
+    model_check::try_out(&mut checked);
+    checked
+}
