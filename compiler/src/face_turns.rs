@@ -141,7 +141,7 @@ pub fn straight(graph: &DependencyGraph, unneeded: &FxHashSet<EdgeIndex>) -> Dep
 ///
 /// `order` is one in which everything can happen. The search is bounded. Edges may be missing
 /// beyond the bound, and if captures of a choice wait for others with a choice.
-pub fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
+pub(crate) fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
     let is_choice = |id: EventId| {
         let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
         edges.any(|edge| edge.weight().is_choice())

@@ -65,7 +65,7 @@ pub use expand::Limits;
 pub use fix::{Fixed, fix};
 pub use lint_levels::{Allowed, Level, LintLevels};
 pub use load::{Module, join as join_import, lone_returns, without_dots};
-pub use program::{Stage, check, check_cancellable, check_changed, check_observed, check_with};
+pub use program::{Stage, check, check_cancellable, check_observed, check_with};
 pub use proof::Proof;
 pub use reader::Reader;
 pub use shape::cells as shape_cells;

@@ -119,7 +119,7 @@ impl Timeout {
     const MAX_TICKS: f64 = 9e15;
 
     /// Returns the time of a quantity, if it is positive.
-    pub fn from_quantity(quantity: &Quantity) -> Option<Timeout> {
+    pub(crate) fn from_quantity(quantity: &Quantity) -> Option<Timeout> {
         let (value, dimension) = to_si(quantity);
         match dimension {
             Dimension::TICKS
@@ -133,12 +133,12 @@ impl Timeout {
     }
 
     /// Whether a quantity is in ticks.
-    pub fn is_in_ticks(quantity: &Quantity) -> bool {
+    pub(crate) fn is_in_ticks(quantity: &Quantity) -> bool {
         to_si(quantity).1 == Dimension::TICKS
     }
 
     /// Whether a quantity is in ticks or in a unit of time.
-    pub fn is_a_time(quantity: &Quantity) -> bool {
+    pub(crate) fn is_a_time(quantity: &Quantity) -> bool {
         [Dimension::TICKS, Dimension::TIME].contains(&to_si(quantity).1)
     }
 
@@ -208,7 +208,7 @@ pub struct NameKey {
 
 impl NameKey {
     /// Largest number of indices of a name.
-    pub const MAX_INDICES: usize = 3;
+    pub(crate) const MAX_INDICES: usize = 3;
 
     /// Returns the same name in another scope.
     #[must_use]
@@ -273,7 +273,7 @@ impl Roles {
     }
 
     /// Returns the scope of an instance, new or known.
-    pub fn intern_scope(&mut self, key: NameKey) -> u32 {
+    pub(crate) fn intern_scope(&mut self, key: NameKey) -> u32 {
         let next = self.scope_keys.len() as u32 + 1;
         let scope = *self.scopes.entry(key).or_insert(next);
         if scope == next {

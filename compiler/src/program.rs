@@ -63,7 +63,7 @@ pub fn check_with(
 }
 
 /// As [`check_with`], with other scene parameters for one of the assemblies.
-pub fn check_changed(
+pub(crate) fn check_changed(
     path: &str,
     reader: &mut dyn Reader,
     limits: Limits,

@@ -23,7 +23,7 @@ use crate::plan::{
 };
 use crate::{FileId, SourceLocation, Sources};
 pub use declared_items::{DeclaredItems, Patterns, Shapes};
-pub use probe::Probe;
+pub(crate) use probe::Probe;
 use scope::{BoundValue, Scope};
 use stochc_ir::table::{Plate, RoleId};
 
@@ -108,7 +108,7 @@ pub type Expanded<'a> = (ProgramPlan, Shapes<'a>);
 /// # Errors
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
-pub fn expand<'a>(
+pub(crate) fn expand<'a>(
     declarations: &Declarations<'a>,
     assembly: (FileId, &'a Assembly),
     sources: &Sources,

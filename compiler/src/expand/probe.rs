@@ -7,7 +7,7 @@ use crate::plan::NameKey;
 
 /// A place of the text, and the blocks that are found to be meant there.
 #[derive(Debug, Default)]
-pub struct Probe {
+pub(crate) struct Probe {
     /// The file and a byte of it; `None`: no place at all.
     pub at: Option<(FileId, u32)>,
     /// The names, in the order in which the program is written out, each once.
@@ -27,7 +27,12 @@ impl Probe {
     }
 
     /// Notes the blocks of a part of the text.
-    pub fn note_span(&mut self, file: FileId, span: Span, keys: impl Iterator<Item = NameKey>) {
+    pub(crate) fn note_span(
+        &mut self,
+        file: FileId,
+        span: Span,
+        keys: impl Iterator<Item = NameKey>,
+    ) {
         let Some((probed, at)) = self.at else { return };
         if probed != file || !(span.start..=span.end).contains(&at) {
             return;

@@ -17,4 +17,4 @@ pub use comparison::{
     ProgramSummary, Time, TimeUnit, completion_status, completion_time, last_seen, median_run,
     pairwise_tests, phase_time, sort_by_time,
 };
-pub use summary_tables::{summary_table, sweep_table};
+pub use summary_tables::summary_table;

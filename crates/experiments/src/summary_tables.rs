@@ -126,7 +126,7 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
 }
 
 /// Returns a row for each point of a sweep, with a column for each axis.
-pub fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
+pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
     fn time(point: &SweepPoint, of: impl Fn(&Time) -> Option<f64>) -> Option<f64> {
         point.time.as_ref().and_then(of)
     }

@@ -28,7 +28,7 @@ const fn any(bytes: u64) -> ReadBudget {
 /// Program. Positions in it have 32 bits.
 pub const PROGRAM: ReadBudget = any(4 * GIB);
 /// File of compiled programs.
-pub const EXECUTABLE: ReadBudget = json(4 * GIB);
+pub(crate) const EXECUTABLE: ReadBudget = json(4 * GIB);
 /// Manifest of an ensemble.
 pub const MANIFEST: ReadBudget = json(4 * GIB);
 /// Checksums of a folder.

@@ -81,7 +81,7 @@ fn in_words(error: io::Error) -> io::Error {
 
 /// Opens a regular file with other options than [`open`]. The file may be missing if `options`
 /// create it.
-pub fn open_with(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+pub(crate) fn open_with(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     open_flagged(path, options, FOLLOW)
 }
 

@@ -55,7 +55,7 @@ pub use goal::{
 pub use hardware::Hardware;
 pub use limits::{FARTHEST, MAX_CELLS};
 pub use makespan::{Objective, PlanEstimate};
-pub use plan::{Alternative, BuildPlan, Plans, RaceTimes, baseline_plans, plan};
+pub use plan::{Alternative, BuildPlan, Plans, RaceTimes, plan};
 pub use precedence::Why;
 pub use rate_law::{CellState, Moment, RateLaw};
 pub use scaffold::{Dismantling, HandOver, Mast};

@@ -118,7 +118,7 @@ pub fn plan(
 }
 
 /// Returns the baseline plans. Their access paths are not checked.
-pub fn baseline_plans(
+pub(crate) fn baseline_plans(
     target: &Target,
     hardware: Hardware,
     waits: &RateLaw<'_>,
@@ -168,7 +168,7 @@ impl BuildPlan {
     }
 
     /// Iterates over the same captures mutably.
-    pub fn all_captures_mut(&mut self) -> impl Iterator<Item = &mut Capture> {
+    pub(crate) fn all_captures_mut(&mut self) -> impl Iterator<Item = &mut Capture> {
         let rest = self.dismantling.iter_mut().flat_map(|it| &mut it.captures);
         self.captures.iter_mut().chain(rest)
     }

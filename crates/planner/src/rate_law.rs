@@ -57,7 +57,7 @@ const STEPS: f64 = 100.0;
 impl<'a> RateLaw<'a> {
     /// Returns the model of a scene: given rates, built-in rates or an uncalibrated estimate.
     /// Otherwise typical rates, which can only rank plans.
-    pub fn for_scene(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
+    pub(crate) fn for_scene(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
         RateLaw {
             has_passable_gaps: Rates::pass_gaps(scene),
             ..RateLaw::new(Rates::known_or_guessed(known, scene))

@@ -9,6 +9,7 @@ use crate::corridor::Corridors;
 use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
 use crate::hardware::Hardware;
+use crate::limits::SMALL;
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::rate_law::RateLaw;
 use crate::schedule::Schedule;
@@ -166,9 +167,6 @@ const MAX_FIRST: u64 = 1500;
 /// Initial relative tolerance for continuing from worse schedules. Smaller for large targets, where
 /// a single change matters less.
 const TOLERANCE: f64 = 0.02;
-
-/// Largest number of sites of a small target.
-pub const SMALL: usize = 12;
 
 /// Returns the best schedule of a target.
 ///

@@ -62,7 +62,7 @@ impl Target {
     /// # Errors
     ///
     /// As [`Target::new`], and if no cell is missing.
-    pub fn with_existing(
+    pub(crate) fn with_existing(
         mut cells: Vec<Cell>,
         (mut existing, mut released): (Vec<ExistingBlock>, Vec<ExistingBlock>),
         plate: Plate,
@@ -121,7 +121,7 @@ impl Target {
 
     /// Returns the target for use after other captures.
     #[must_use]
-    pub fn behind_others(self) -> Target {
+    pub(crate) fn behind_others(self) -> Target {
         Target {
             is_at_rest: false,
             ..self
@@ -168,7 +168,7 @@ impl Target {
     }
 
     /// Returns whether a capturing block of the plate is under a cell.
-    pub fn is_on_seed(&self, cell: Cell) -> bool {
+    pub(crate) fn is_on_seed(&self, cell: Cell) -> bool {
         cell.z == 1 && self.has_seed(cell.x, cell.y)
     }
 

@@ -312,7 +312,7 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
         let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
         let limits = crate::Limits::default();
         let levels = crate::LintLevels::default();
-        crate::check_changed("a.sa", &mut reader, limits, &levels, "a", &changes)
+        crate::program::check_changed("a.sa", &mut reader, limits, &levels, "a", &changes)
     };
     let timeout = |changes: &[(&str, f64)]| {
         let checked = checked(changes);

@@ -12,12 +12,14 @@ mod observed;
 mod posterior;
 mod prior;
 mod result;
+mod simulated;
 mod statistics;
 
 pub use data::{DataError, MeasuredTimes, PileUp, Unit};
 pub use design::Design;
-pub use emulator::{Emulator, EmulatorPrediction, Simulated};
+pub use emulator::{Emulator, EmulatorPrediction};
 pub use observed::Observed;
 pub use posterior::{Marginal, Posterior};
 pub use prior::Prior;
 pub use result::{Fit, FittedProgram, Interval, Measurement, Prediction};
+pub use simulated::Simulated;

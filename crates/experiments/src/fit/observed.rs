@@ -25,7 +25,7 @@ pub struct Observed {
 
 impl Observed {
     /// Returns what is known of a program from its mean and standard deviation.
-    pub fn from_summary(n: usize, mean: f64, sd: f64) -> Observed {
+    pub(crate) fn from_summary(n: usize, mean: f64, sd: f64) -> Observed {
         Observed {
             n,
             stopped: 0,

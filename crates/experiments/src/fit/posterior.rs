@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::Prior;
-use super::emulator::is_within;
+use super::simulated::is_within;
 use crate::statistics::quantile;
 
 /// Draws that the posterior is known by.

@@ -1,7 +1,7 @@
 //! The figures by which simulated times are compared with measured ones.
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
-use super::emulator::Simulated;
+use super::simulated::Simulated;
 
 /// Statistics of a sample of times, and how well they are known.
 ///

@@ -27,7 +27,7 @@ pub use runs::Runs;
 pub use sample::TimeSample;
 pub(crate) use share::share_interval;
 pub use summary::{Summary, median};
-pub use survival::{KaplanMeier, RestrictedMean, SurvivalPoint};
+pub use survival::{KaplanMeier, SurvivalPoint};
 
 /// A time, known or cut short.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -48,7 +48,7 @@ pub struct SurvivalPoint {
 
 /// The mean of min(time, horizon).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RestrictedMean {
+pub(crate) struct RestrictedMean {
     /// A lower bound of the mean, in the unit of the times.
     pub mean: f64,
     /// Times count up to here.

@@ -2,7 +2,7 @@
 use serde_json::json;
 
 use super::Sweep;
-use crate::sweep_table;
+use crate::summary_tables::sweep_table;
 use stochc_results::Manifest;
 
 /// Version of the format of `sweep.json`.

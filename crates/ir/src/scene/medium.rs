@@ -28,7 +28,7 @@ const CUBE: f64 = 0.660_678;
 
 impl Fluid {
     /// Returns the added mass of a cube \[kg\].
-    pub fn taken_along(&self, side: f64) -> f64 {
+    pub(crate) fn taken_along(&self, side: f64) -> f64 {
         let displaced = self.density.unwrap_or(0.0) * side.powi(3);
         self.added_mass.unwrap_or(0.0) * displaced
     }

@@ -8,9 +8,10 @@ mod scenes;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::OnceLock;
 
+use crate::plan::baseline_plans;
 use crate::{
     Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, ScaffoldTrial,
-    Target, TargetError, baseline_plans, declaration, draft, plan, program,
+    Target, TargetError, declaration, draft, plan, program,
 };
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{EventId, PlanSeed, ProgramPlan};

@@ -2,7 +2,7 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use crate::search::SMALL;
+use crate::limits::SMALL;
 
 /// Priorities of all sites of a job.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +42,7 @@ impl Priorities {
     }
 
     /// Returns the urgency of a site with this tail \[ticks\].
-    pub fn urgency(&self, site: u32, tail: f32) -> f32 {
+    pub(crate) fn urgency(&self, site: u32, tail: f32) -> f32 {
         tail * (0.5 + self.keys[site as usize])
     }
 

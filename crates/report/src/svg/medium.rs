@@ -19,7 +19,7 @@ impl Medium {
     /// Height of type in print \[pt\].
     pub const POINTS: f64 = 7.0;
     /// The narrowest and the widest figure in print \[mm\].
-    pub const WIDTHS: (f64, f64) = (80.0, 300.0);
+    const WIDTHS: (f64, f64) = (80.0, 300.0);
 
     /// Points in a unit of a drawing: a browser's pixel is three quarters of one.
     pub(crate) fn unit(self) -> f64 {

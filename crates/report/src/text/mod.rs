@@ -5,4 +5,5 @@ mod relative;
 
 pub use event_label::event_labels;
 pub use pairwise::{method, probability, sentence};
-pub use relative::{relative, relative_size};
+pub use relative::relative;
+pub(crate) use relative::relative_size;

@@ -11,7 +11,7 @@ pub fn relative(difference: &Relative) -> String {
 }
 
 /// The size of a relative difference: `4.0 ± 3.1 %`.
-pub fn relative_size(difference: &Relative) -> String {
+pub(crate) fn relative_size(difference: &Relative) -> String {
     relative(&Relative {
         value: difference.value.abs(),
         ..*difference

@@ -7,8 +7,8 @@ pub(crate) mod slurm_folder;
 
 pub(crate) use checksums::FolderChecksums;
 pub use error::FolderError;
-pub use names::{CHECKPOINTS, DAMAGED, MANIFEST, RECORDINGS};
-pub(crate) use names::{CHECKSUMS_FILE, JOURNAL, SHARDS, SHARDS_FILE};
+pub use names::{CHECKPOINTS, DAMAGED, MANIFEST};
+pub(crate) use names::{CHECKSUMS_FILE, JOURNAL, RECORDINGS, SHARDS, SHARDS_FILE};
 pub use results_folder::{
     Contents, Folder, FolderState, Further, FurtherFiles, Resume, check_manifest, is_remnant,
     survey, write_tables,

@@ -11,7 +11,7 @@ pub(crate) const SHARDS_FILE: &str = "shards.json";
 /// The folder within it for pieces.
 pub(crate) const SHARDS: &str = "shards";
 /// The folder within it for recordings.
-pub const RECORDINGS: &str = "recordings";
+pub(crate) const RECORDINGS: &str = "recordings";
 /// The folder within it for checkpoints.
 pub const CHECKPOINTS: &str = "checkpoints";
 /// The folder within it to which damaged files are moved.

@@ -1,0 +1,25 @@
+//! Simulated times at points of the design.
+
+/// The times of a program at a point of the design.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulated {
+    /// The point: a share of the prior for every number.
+    pub at: Vec<f64>,
+    /// Times to completion, in the unit of the data.
+    pub times: Vec<f64>,
+    /// Runs that did not complete.
+    pub incomplete: usize,
+}
+
+impl Simulated {
+    /// Whether the point is in a box, given by its lower and upper ends.
+    pub fn is_within(&self, ends: &[(f64, f64)]) -> bool {
+        is_within(&self.at, ends)
+    }
+}
+
+/// Whether a point is in a box, given by its lower and upper ends.
+pub(super) fn is_within(at: &[f64], ends: &[(f64, f64)]) -> bool {
+    let mut sides = at.iter().zip(ends);
+    sides.all(|(at, (low, high))| (*low..=*high).contains(at))
+}
