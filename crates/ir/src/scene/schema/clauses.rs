@@ -142,13 +142,13 @@ pub static CLAUSES: [SchemaEntry; 12] = [
     SchemaEntry::new("enclosure", &[
         SchemaPart::OneOf { noun: "enclosure", of: &[
             SchemaEntry::new("hemisphere", &[])
-                .means("a half ball on a solid floor, around the centre of the plate")
+                .means("a hemisphere on a solid floor, around the centre of the plate")
                 .is(|s| matches!(s.enclosure, Some(Enclosure::Hemisphere { .. })))
                 .make(|s| s.enclosure = Some(Enclosure::Hemisphere { radius: UNSAID, wall: UNSAID }))
                 .equations(&[&HEMISPHERE]),
             SchemaEntry::new("sphere", &[])
-                .means("a ball that the floor cuts off where the plate just fills the cut; without a plate it \
-                        touches the floor")
+                .means("a sphere, cut off by the floor so that the plate just fills the cut; without a plate \
+                        it touches the floor")
                 .is(|s| matches!(s.enclosure, Some(Enclosure::Sphere { .. })))
                 .make(|s| s.enclosure = Some(Enclosure::Sphere { radius: UNSAID, wall: UNSAID }))
                 .equations(&[&SPHERE]),
@@ -165,7 +165,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         field!(FLUID_VISCOSITY).otherwise("no such drag"),
         field!(FLUID_ADDED_MASS).otherwise("0"),
     ] FieldGroup::Any { needed: "viscosity", help: "add it, or `density`: a fluid with neither does nothing" })
-        .means("what the blocks float in; one field at least")
+        .means("medium of the blocks; at least one field")
         .absent(NoTerm("blocks float in nothing that could take them along"))
         .make(|s| s.fluid = Some(Fluid { density: None, viscosity: None, added_mass: None }))
         .equations(&[&WAKE, &STOKES, &ADDED]),
@@ -176,7 +176,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             field!(STIR_FORCE).otherwise("the power is not known"),
             field!(STIR_FOLLOW),
         ])
-            .means("a ring of rods turns about the vertical axis and takes the fluid along; needs a `fluid`")
+            .means("a ring of rods turns about the vertical axis and carries the fluid along; needs a `fluid`")
             .make(|s| {
                 let stir = Stir { radius: UNSAID, rate: UNSAID, force: None, follow: UNSAID };
                 s.flow = Some(Flow::Stir(stir));
@@ -187,7 +187,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             .make(|s| s.flow = Some(Flow::Jets(Jets { count: 0, flow: UNSAID, nozzle: UNSAID })))
             .equations(&[&JETS]),
     ])
-    .absent(NoTermWhere("the fluid is at rest on the average", |s| s.fluid.is_some())),
+    .absent(NoTermWhere("the fluid is at rest on average", |s| s.fluid.is_some())),
     kinds!("agitation" [
         braces!("kicks" [field(&KICKS_MAX, &[SchemaPart::Range { low: &KICKS_MIN, high: &KICKS_MAX }])])
             .means("an impulse through the centre of every free block, once a tick")
@@ -200,10 +200,10 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             field!(EDDY_TIME).otherwise("length over speed"),
             field!(EDDY_VERTICAL).otherwise(VERTICAL.1),
         ] FieldGroup::Either(&STRENGTH))
-            .means("eddies of the fluid, which take blocks along; needs a `fluid`")
+            .means("eddies of the fluid, which carry blocks along; needs a `fluid`")
             .equations(&[&EDDIES]),
         braces!("brownian" [field!(TEMPERATURE)])
-            .means("the heat of the fluid, which balances its viscous drag; needs a `viscosity`")
+            .means("thermal motion, which balances the viscous drag; needs a `viscosity`")
             .make(|s| s.agitation = Some(Agitation::Brownian { temperature: UNSAID }))
             .equations(&[&HEAT]),
     ])
@@ -245,7 +245,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         braces!("suction" [
             field!(HEAD), field!(SUPPLY), field!(VALVE), field!(PASSAGE), field!(SEAL), field(&ANCHOR, &ANCHORING),
         ])
-            .means("an open face draws fluid, and blocks with it; one that closes the face is held")
+            .means("an open face draws fluid and blocks; a block that closes it is held")
             .make(|s| {
                 let pump = Pump { head: UNSAID, supply: UNSAID, valve: UNSAID, passage: UNSAID };
                 s.bond = Some(Bond::Suction { pump, seal: UNSAID, anchor: UNSAID_ANCHOR });
@@ -254,7 +254,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
     ])
     .absent(NoTerm("nothing is ever captured")),
     braces!("messages" [field!(HOP), field!(LOSS).absent(NoTerm("no message is lost"))])
-        .means("what a message costs")
+        .means("duration and loss of messages")
         .absent(NoTerm("a message arrives in the tick in which it is sent"))
         .make(|s| s.messages = Some(Messages { hop: 0, loss: None }))
         .equations(&[&HOPS, &LOSSES]),
@@ -284,8 +284,8 @@ static ANCHORING: [SchemaPart; 4] = [
     SchemaPart::Number(&ANCHOR),
     SchemaPart::Then(&field!(ANCHOR_TILT).otherwise(TILT.1)),
     SchemaPart::Then(&SchemaEntry::new("sampled", &[])
-        .means("tested at the end of each tick only; a fast block may jump over the anchoring distance")
-        .otherwise("tested all along the way of each step")
+        .means("tested at the end of each tick only; fast blocks may jump over the anchoring distance")
+        .otherwise("tested along the whole path of each step")
         .is(|s| s.bond.as_ref().is_some_and(|bond| bond.anchor().sampled))
         .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().sampled = true; })),
 ];

@@ -37,27 +37,27 @@ macro_rules! numbers {
 
 // Names; kind and range; symbol and label of a value; meaning; location in a scene.
 numbers! {
-    TICK ["tick"] TIME Positive, "τ" "tick": "the scene's clock: kicks fall, messages travel and times are told in ticks", |s| Some((&mut s.tick).into());
+    TICK ["tick"] TIME Positive, "τ" "tick": "clock of the scene: random impulses act, messages travel and times are counted in ticks", |s| Some((&mut s.tick).into());
 
     BLOCK_SIDE ["block.side"] LENGTH Positive, "a" "side": "the edge of a cube", |s| Some((&mut s.block.side).into());
     BLOCK_MASS ["block.mass"] MASS Positive, "m" "mass": "of a cube, spread evenly", |s| Some((&mut s.block.mass).into());
     BLOCK_FACES ["block.faces"] NUMBER Whole(1, 5), "" "faces magnetized at a time": "faces that a block magnetizes at a time", |s| Some((&mut s.block.faces).into());
 
-    FREE ["free"] NUMBER Whole(0, 10_000_000), "N" "free blocks": "blocks that float at the beginning", |s| Some((&mut s.free.count).into());
+    FREE ["free"] NUMBER Whole(0, 10_000_000), "N" "free blocks": "free blocks at the beginning", |s| Some((&mut s.free.count).into());
     FREE_RING ["free.ring"] LENGTH Positive, "s" "radius of the circle": "of the circle through the blocks' centres", |s| of!(&mut s.free.arrangement, Arrangement::Ring { radius } => radius);
 
     ENCLOSURE_RADIUS ["enclosure.radius"] LENGTH Positive, "R" "radius": "of the shell", |s| of!(s.enclosure.as_mut()?, Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. } => radius);
-    ENCLOSURE_WALL ["enclosure.wall"] STIFFNESS Positive, "k" "wall": "of the elastic shell, force per depth", |s| of!(s.enclosure.as_mut()?, Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. } => wall);
+    ENCLOSURE_WALL ["enclosure.wall"] STIFFNESS Positive, "k" "wall": "of the elastic shell: force per depth", |s| of!(s.enclosure.as_mut()?, Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. } => wall);
 
     GRAVITY ["gravity"] ACCELERATION Positive, "g" "gravity": "downward; a fluid with a density bears blocks up", |s| Some(s.gravity.as_mut()?.into());
 
     FLUID_DENSITY ["fluid.density"] DENSITY Positive, "ρ" "density": "for buoyancy, and for drag that grows with the square of the speed", |s| Some(Term(&mut s.fluid.as_mut()?.density));
     FLUID_VISCOSITY ["fluid.viscosity"] VISCOSITY Positive, "η" "viscosity": "for drag that grows with the speed", |s| Some(Term(&mut s.fluid.as_mut()?.viscosity));
-    FLUID_ADDED_MASS ["fluid.added_mass"] NUMBER AtLeast(0.0), "C" "added mass": "mass of fluid that an accelerating block takes along, over the mass that it displaces; a cube's is 0.64; needs a `density`", |s| Some(Term(&mut s.fluid.as_mut()?.added_mass));
+    FLUID_ADDED_MASS ["fluid.added_mass"] NUMBER AtLeast(0.0), "C" "added mass": "mass of fluid that an accelerating block carries along, over the displaced mass; 0.64 for a cube; needs a `density`", |s| Some(Term(&mut s.fluid.as_mut()?.added_mass));
 
     STIR_RADIUS ["flow.radius"] LENGTH Positive, "r" "radius of the ring": "of the ring", |s| of!(s.flow.as_mut()?, Flow::Stir(stir) => &mut stir.radius);
-    STIR_RATE ["flow.rate" "flow"] TURNS AtLeast(0.0), "Ω" "rate of the ring": "how fast the ring turns, counterclockwise seen from above", |s| of!(s.flow.as_mut()?, Flow::Stir(stir) => &mut stir.rate);
-    STIR_FORCE ["flow.force"] FORCE Positive, "F" "force on the ring": "on the ring, along its way; only tells the power, F r Ω", |s| of!(s.flow.as_mut()?, Flow::Stir(stir) => Term(&mut stir.force));
+    STIR_RATE ["flow.rate" "flow"] TURNS AtLeast(0.0), "Ω" "rate of the ring": "rotation of the ring, counterclockwise seen from above", |s| of!(s.flow.as_mut()?, Flow::Stir(stir) => &mut stir.rate);
+    STIR_FORCE ["flow.force"] FORCE Positive, "F" "force on the ring": "on the ring, along its path; only determines the reported power, F r Ω", |s| of!(s.flow.as_mut()?, Flow::Stir(stir) => Term(&mut stir.force));
     STIR_FOLLOW ["flow.follow"] NUMBER Between(0.0, 1.0), "f" "part of it that the fluid takes": "speed of the fluid at the ring over that of the ring", |s| of!(s.flow.as_mut()?, Flow::Stir(stir) => &mut stir.follow);
     JETS_COUNT ["flow.count"] NUMBER Whole(1, 64), "J" "jets": "of the tubes", |s| of!(s.flow.as_mut()?, Flow::Jets(jets) => &mut jets.count);
     JETS_FLOW ["flow.flow" "flow"] FLOW Positive, "Q" "flow through all": "through all of them together", |s| of!(s.flow.as_mut()?, Flow::Jets(jets) => &mut jets.flow);
@@ -68,15 +68,15 @@ numbers! {
     EDDY_SPEED ["agitation.speed" "agitation"] SPEED Positive, "σ" "rms speed in a level direction": "rms in each level direction", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(Turbulence { strength: Strength::Speed(speed), .. }) => speed);
     EDDY_INTENSITY ["agitation.intensity" "agitation"] NUMBER AtLeast(0.0), "" "part of the speed of the flow": "the same, as a part of the speed of the `flow`: of the ring's rods, or at a tube's end", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(Turbulence { strength: Strength::Intensity(part), .. }) => part);
     EDDY_LENGTH ["agitation.length"] LENGTH Positive, "ℓ" "size of an eddy": "size of an eddy, half a wave length", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(eddies) => &mut eddies.length);
-    EDDY_TIME ["agitation.time"] TIME Positive, "T" "time of an eddy": "in which an eddy is forgotten", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(eddies) => Optional(&mut eddies.time));
+    EDDY_TIME ["agitation.time"] TIME Positive, "T" "time of an eddy": "memory of an eddy", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(eddies) => Optional(&mut eddies.time));
     EDDY_VERTICAL ["agitation.vertical"] NUMBER Between(0.01, 100.0), "α" "vertical over level speed": "vertical rms speed over that of a level direction", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(eddies) => &mut eddies.vertical);
     TEMPERATURE ["agitation.temperature" "agitation"] TEMPERATURE Positive, "T" "temperature": "of the fluid", |s| of!(s.agitation.as_mut()?, Agitation::Brownian { temperature } => temperature);
 
     DRAG_RATE ["drag.rate" "drag"] RATE Positive, "γ" "rate": "v' = -γ v", |s| Some((&mut s.drag.as_mut()?.rate).into());
 
-    CONTACT_RESTITUTION ["contact.restitution"] NUMBER Between(0.0, 1.0), "e" "restitution": "of a rigid contact, which lets nothing overlap: 0 is inelastic, 1 elastic", |s| of!(&mut s.contact.as_mut()?.law, ContactLaw::Rigid { restitution } => restitution);
+    CONTACT_RESTITUTION ["contact.restitution"] NUMBER Between(0.0, 1.0), "e" "restitution": "of a rigid contact without overlap: 0 is inelastic, 1 elastic", |s| of!(&mut s.contact.as_mut()?.law, ContactLaw::Rigid { restitution } => restitution);
     CONTACT_STIFFNESS ["contact.stiffness"] STIFFNESS Positive, "k" "stiffness": "of a compliant contact, force per depth of overlap", |s| of!(&mut s.contact.as_mut()?.law, ContactLaw::Compliant { stiffness, .. } => stiffness);
-    CONTACT_DAMPING ["contact.damping"] DAMPING AtLeast(0.0), "c" "damping": "the same, force per speed at which the depth grows; not without `stiffness`", |s| of!(&mut s.contact.as_mut()?.law, ContactLaw::Compliant { damping, .. } => damping);
+    CONTACT_DAMPING ["contact.damping"] DAMPING AtLeast(0.0), "c" "damping": "the same, force per speed of overlap; requires `stiffness`", |s| of!(&mut s.contact.as_mut()?.law, ContactLaw::Compliant { damping, .. } => damping);
     CONTACT_FRICTION ["contact.friction"] NUMBER AtLeast(0.0), "μ" "friction": "Coulomb's coefficient", |s| Some((&mut s.contact.as_mut()?.friction).into());
 
     PULL ["bond.pull"] FORCE AtLeast(0.0), "F" "pull": "on the nearest face of each free block in reach of a magnetized one", |s| of!(s.bond.as_mut()?, Bond::Attract { pull, .. } => &mut pull.force);
@@ -86,15 +86,15 @@ numbers! {
     HOLD ["bond.hold"] FORCE Positive, "F" "hold": "between two faces that touch", |s| of!(s.bond.as_mut()?, Bond::Reject { magnets, .. } => &mut magnets.hold);
     DEPTH ["bond.depth"] LENGTH Positive, "δ" "depth": "of opposite magnets when their faces touch; twice as far, the force is a sixteenth", |s| of!(s.bond.as_mut()?, Bond::Reject { magnets, .. } => &mut magnets.depth);
     REACH ["bond.within"] LENGTH Positive, "r" "reach": "between the centres of two faces; farther, there is no force", |s| of!(s.bond.as_mut()?, Bond::Reject { magnets, .. } => &mut magnets.within);
-    IMPULSE ["bond.impulse"] IMPULSE AtLeast(0.0), "J" "impulse": "that a rejected block gets along the normal of the face", |s| of!(s.bond.as_mut()?, Bond::Reject { impulse, .. } => impulse);
+    IMPULSE ["bond.impulse"] IMPULSE AtLeast(0.0), "J" "impulse": "impulse of a rejected block along the normal of the face", |s| of!(s.bond.as_mut()?, Bond::Reject { impulse, .. } => impulse);
     HEAD ["bond.head"] PRESSURE Positive, "H" "head": "that the pump can make", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.head);
     SUPPLY ["bond.supply"] RESISTANCE AtLeast(0.0), "R_s" "supply": "from the plate to the pump", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.supply);
     VALVE ["bond.valve"] RESISTANCE Positive, "R_v" "valve": "through an open face", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.valve);
-    PASSAGE ["bond.passage"] RESISTANCE AtLeast(0.0), "R_p" "passage": "from a block to the one that holds it", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.passage);
+    PASSAGE ["bond.passage"] RESISTANCE AtLeast(0.0), "R_p" "passage": "from a block to its parent", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.passage);
     SEAL ["bond.seal"] LENGTH Positive, "s" "seal": "between the centres of two faces; closer, a block feels the pressure on its face", |s| of!(s.bond.as_mut()?, Bond::Suction { seal, .. } => seal);
     ANCHOR ["bond.anchor"] LENGTH Positive, "d" "anchoring distance": "a block is anchored when the two faces are closer", |s| Some((&mut s.bond.as_mut()?.anchor_mut().within).into());
-    ANCHOR_TILT ["bond.anchor.tilt"] ANGLE Acute, "α" "tilt": "and when they are less than this from facing each other", |s| Some((&mut s.bond.as_mut()?.anchor_mut().tilt).into());
+    ANCHOR_TILT ["bond.anchor.tilt"] ANGLE Acute, "α" "tilt": "and their normals are less than this from opposite", |s| Some((&mut s.bond.as_mut()?.anchor_mut().tilt).into());
 
     HOP ["messages.hop" "messages"] TICKS Whole(0, 1_000_000), "h" "hop": "from a block to its parent or child", |s| Some((&mut s.messages.as_mut()?.hop).into());
-    LOSS ["messages.loss"] NUMBER Between(0.0, 0.99), "p" "loss": "chance that a hop gets lost, and that its acknowledgement does; either is mended by another hop, 2 h + 1 ticks after the one before", |s| Some(Optional(&mut s.messages.as_mut()?.loss));
+    LOSS ["messages.loss"] NUMBER Between(0.0, 0.99), "p" "loss": "probability that a hop is lost, and that its acknowledgement is; the sender repeats it 2 h + 1 ticks later", |s| Some(Optional(&mut s.messages.as_mut()?.loss));
 }
