@@ -9,10 +9,10 @@ use std::collections::BinaryHeap;
 use stochc_grammar::Cancellation;
 
 use crate::TargetError;
-use crate::free_space::{FreeSpace, WayIn};
-use crate::grid::shifted;
-use crate::sites::{NONE, Sites};
-use crate::support::Support;
+use crate::space::free_space::{FreeSpace, WayIn};
+use crate::space::grid::shifted;
+use crate::space::sites::{NONE, Sites};
+use crate::space::support::Support;
 
 /// Construction order with its access paths.
 #[derive(Clone, Debug)]
@@ -213,7 +213,7 @@ mod tests {
     use stochc_ir::{Cell, Face};
 
     use super::*;
-    use crate::target::held;
+    use crate::target::structure::held;
 
     /// Returns the cells of a cube of `size` cells.
     fn cube(low: Cell, size: i32) -> impl Iterator<Item = Cell> {

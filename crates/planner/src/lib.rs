@@ -17,50 +17,35 @@
 //! let floating = cells.into_iter().map(|cell| stochc_ir::Cell::new(cell.x, cell.y, cell.z + 1));
 //! assert!(Target::new(floating.collect(), plate, None, 300).is_err());
 //! ```
-mod baseline;
-mod capture;
-mod corridor;
-mod crowding;
 mod disassembly;
 mod emit;
-mod explanation;
-mod free_space;
 mod goal;
-mod grid;
-mod hardware;
-mod limits;
-mod makespan;
 mod plan;
-mod precedence;
-mod rate_law;
 mod scaffold;
 mod scaffold_search;
-mod schedule;
 mod scheduling;
 mod search;
-mod sites;
-mod support;
+mod space;
 mod target;
-mod target_error;
-mod voxels;
+mod timing;
 
-pub use baseline::Baseline;
-pub use capture::Capture;
 pub use emit::{Naming, PLANNED_MARK, continuation, declaration, draft, program};
-pub use explanation::{explanation, race_to_text};
 pub use goal::{
     Completion, ExistingStructure, Goal, LargerScene, NotCompleted, Planned, Repair, Unplanned,
     untrue_claims,
 };
-pub use hardware::Hardware;
-pub use limits::{FARTHEST, MAX_CELLS};
-pub use makespan::{Objective, PlanEstimate};
-pub use plan::{Alternative, BuildPlan, Plans, RaceTimes, plan};
-pub use precedence::Why;
-pub use rate_law::{CellState, Moment, RateLaw};
+pub use plan::baseline::Baseline;
+pub use plan::build_plan::{Alternative, BuildPlan, Plans, RaceTimes, plan};
+pub use plan::capture::Capture;
+pub use plan::explanation::{explanation, race_to_text};
 pub use scaffold::{Dismantling, HandOver, Mast};
 pub use scaffold_search::{NoScaffolds, ScaffoldTrial};
 pub use search::PlanSearch;
-pub use target::{ExistingBlock, Target};
-pub use target_error::{LoosePart, TargetError, listed_cells};
-pub use voxels::{UnreadableVoxels, VoxelScene, layers, magica_voxel};
+pub use target::error::{LoosePart, TargetError, listed_cells};
+pub use target::hardware::Hardware;
+pub use target::limits::{FARTHEST, MAX_CELLS};
+pub use target::structure::{ExistingBlock, Target};
+pub use target::voxels::{UnreadableVoxels, VoxelScene, layers, magica_voxel};
+pub use timing::makespan::{Objective, PlanEstimate};
+pub use timing::precedence::Why;
+pub use timing::rate_law::{CellState, Moment, RateLaw};

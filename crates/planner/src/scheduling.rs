@@ -1,7 +1,7 @@
 //! List scheduling on mean waiting times: selects the cell that opens next.
 //!
 //! The most urgent eligible cell opens. Its predecessors must be present, a neighbour must have a
-//! face available, and no open face may [jam with it](crate::crowding).
+//! face available, and no open face may [jam with it](crate::space::crowding).
 mod phase;
 mod priorities;
 mod serial;
@@ -12,16 +12,16 @@ use std::collections::BinaryHeap;
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
 
-use crate::corridor::Corridors;
-use crate::crowding::Crowding;
 use crate::disassembly::Disassembly;
-use crate::hardware::Hardware;
-use crate::makespan::{PlanEstimate, Samples};
-use crate::precedence::Waiting;
-use crate::rate_law::{CellState, Moment, RateLaw};
 use crate::scaffold::{SitePart, SiteRoles};
-use crate::schedule::Schedule;
-use crate::sites::{NONE, Sites};
+use crate::space::corridor::Corridors;
+use crate::space::crowding::Crowding;
+use crate::space::sites::{NONE, Sites};
+use crate::target::hardware::Hardware;
+use crate::timing::makespan::{PlanEstimate, Samples};
+use crate::timing::precedence::Waiting;
+use crate::timing::rate_law::{CellState, Moment, RateLaw};
+use crate::timing::schedule::Schedule;
 use phase::SchedulePhase;
 pub use priorities::Priorities;
 
@@ -467,7 +467,7 @@ pub(crate) fn with_job<T>(
     look: impl FnOnce(&SchedulingJob<'_>) -> T,
 ) -> T {
     let sites = Sites::new(target);
-    let spaces = [2, 1].map(|side| crate::free_space::FreeSpace::new(&sites, side));
+    let spaces = [2, 1].map(|side| crate::space::free_space::FreeSpace::new(&sites, side));
     let keys = vec![0.5; sites.len()];
     let disassembly = crate::disassembly::disassemble(&sites, spaces, &keys, Cancellation::NEVER);
     let disassembly = disassembly.unwrap();

@@ -5,16 +5,16 @@ use rand_chacha::ChaCha8Rng;
 use stochc_grammar::Cancellation;
 
 use crate::TargetError;
-use crate::corridor::Corridors;
 use crate::disassembly::{Disassembly, disassemble};
-use crate::free_space::FreeSpace;
-use crate::hardware::Hardware;
-use crate::limits::SMALL;
-use crate::makespan::{Objective, PlanEstimate, Samples};
-use crate::rate_law::RateLaw;
-use crate::schedule::Schedule;
 use crate::scheduling::{Priorities, SchedulingJob, WAIT};
-use crate::sites::Sites;
+use crate::space::corridor::Corridors;
+use crate::space::free_space::FreeSpace;
+use crate::space::sites::Sites;
+use crate::target::hardware::Hardware;
+use crate::target::limits::SMALL;
+use crate::timing::makespan::{Objective, PlanEstimate, Samples};
+use crate::timing::rate_law::RateLaw;
+use crate::timing::schedule::Schedule;
 
 /// Settings of the search.
 #[derive(Clone, Copy)]

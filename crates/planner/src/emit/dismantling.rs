@@ -5,7 +5,7 @@ use stochc_ir::{Cell, Face};
 
 use super::loop_nest::{COUNTERS, MIN};
 use super::statement::{Called, NameWords};
-use crate::capture::Capture;
+use crate::plan::capture::Capture;
 use crate::scaffold::{Dismantling, HandOver, Mast};
 
 /// Returns the captures of the phase. Handed-over blocks come first, so that no other capture takes

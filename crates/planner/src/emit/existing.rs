@@ -5,8 +5,8 @@ use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
 use super::statement::{Called, NameWords};
-use crate::capture::Capture;
-use crate::target::{ExistingBlock, Target};
+use crate::plan::capture::Capture;
+use crate::target::structure::{ExistingBlock, Target};
 
 /// Returns the pre-attached blocks, each after its parent.
 pub fn planted(target: &Target) -> Vec<Capture> {

@@ -14,11 +14,11 @@ use stochc_grammar::{FormatError as Unreadable, format};
 use stochc_ir::Cell;
 use stochc_text::counted;
 
-use crate::capture::Capture;
-use crate::plan::BuildPlan;
-use crate::precedence::Why;
-use crate::target::Target;
-use crate::target_error::listed_cells;
+use crate::plan::build_plan::BuildPlan;
+use crate::plan::capture::Capture;
+use crate::target::error::listed_cells;
+use crate::target::structure::Target;
+use crate::timing::precedence::Why;
 use existing::{name_of, planted, write_releases};
 use repetition::{Repeated, repeated};
 pub use shape::declaration;

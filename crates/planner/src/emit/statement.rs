@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
 use super::loop_nest::Indices;
-use crate::capture::Capture;
+use crate::plan::capture::Capture;
 
 /// Kind of block name, indexed by cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -3,7 +3,8 @@ use stochc_ir::Cell;
 use stochc_ir::table::Plate;
 
 use super::*;
-use crate::{PlanSearch, RateLaw, plan};
+use crate::plan::build_plan::plan;
+use crate::{PlanSearch, RateLaw};
 
 fn written(cells: Vec<Cell>) -> String {
     let plate = Plate {

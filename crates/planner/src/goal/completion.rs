@@ -2,9 +2,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use crate::{
-    ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation, plan,
-};
+use crate::plan::build_plan::plan;
+use crate::{ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation};
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::placed_blocks::placed_blocks;
 use stochc_compiler::plan::EventKind;

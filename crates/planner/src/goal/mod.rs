@@ -8,10 +8,10 @@ mod scenes;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::OnceLock;
 
-use crate::plan::baseline_plans;
+use crate::plan::build_plan::{baseline_plans, plan};
 use crate::{
     Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, ScaffoldTrial,
-    Target, TargetError, declaration, draft, plan, program,
+    Target, TargetError, declaration, draft, program,
 };
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{EventId, PlanSeed, ProgramPlan};

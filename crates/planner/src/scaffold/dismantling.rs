@@ -4,7 +4,7 @@ use serde::Serialize;
 use stochc_ir::{Cell, Face};
 
 use super::{MastPiece, Scaffolding};
-use crate::capture::Capture;
+use crate::plan::capture::Capture;
 
 /// Second phase of a plan with scaffolds.
 #[derive(Clone, Debug, Serialize)]

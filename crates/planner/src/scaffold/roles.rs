@@ -2,7 +2,7 @@
 use stochc_ir::{Cell, Face};
 
 use super::Scaffolding;
-use crate::sites::{NONE, Sites};
+use crate::space::sites::{NONE, Sites};
 
 /// Role of a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

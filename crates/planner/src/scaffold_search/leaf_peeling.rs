@@ -2,8 +2,8 @@
 use std::collections::BTreeSet;
 
 use crate::disassembly::Disassembly;
-use crate::free_space::{FreeSpace, WayIn};
-use crate::sites::{NONE, Sites};
+use crate::space::free_space::{FreeSpace, WayIn};
+use crate::space::sites::{NONE, Sites};
 
 /// Disassembles a target: removes the leaf that comes last, preferring leaves with a wide access
 /// path.

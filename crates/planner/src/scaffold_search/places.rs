@@ -5,9 +5,9 @@ use stochc_ir::{Cell, Face};
 use super::NoScaffolds;
 use crate::Target;
 use crate::scaffold::{MastPiece, Scaffolding, SiteRoles};
-use crate::schedule::Schedule;
 use crate::scheduling::WAIT;
-use crate::sites::{NONE, Sites};
+use crate::space::sites::{NONE, Sites};
+use crate::timing::schedule::Schedule;
 
 /// Final parent and capture time of each cell of the target.
 pub struct GrowthSchedule {

@@ -2,7 +2,7 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use crate::limits::SMALL;
+use crate::target::limits::SMALL;
 
 /// Priorities of all sites of a job.
 #[derive(Clone, Debug, PartialEq)]

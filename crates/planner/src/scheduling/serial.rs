@@ -15,10 +15,10 @@ use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
 
 use super::{Priorities, SchedulingJob};
-use crate::crowding::Crowding;
-use crate::rate_law::{CellState, Moment};
-use crate::schedule::Schedule;
-use crate::sites::NONE;
+use crate::space::crowding::Crowding;
+use crate::space::sites::NONE;
+use crate::timing::rate_law::{CellState, Moment};
+use crate::timing::schedule::Schedule;
 
 /// Largest number of sites for serial schedules, whose cost grows fast.
 const MAX_SERIAL: usize = 400;
@@ -194,7 +194,7 @@ mod tests {
 
     use super::super::with_job;
     use super::*;
-    use crate::target::held;
+    use crate::target::structure::held;
 
     proptest! {
         #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]

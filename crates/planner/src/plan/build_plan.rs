@@ -2,21 +2,21 @@
 use serde::Serialize;
 use stochc_ir::Cell;
 
-use crate::baseline::Baseline;
-use crate::capture::Capture;
-use crate::free_space::WayIn;
-use crate::hardware::Hardware;
-use crate::makespan::{PlanEstimate, Samples};
-use crate::precedence::Waiting;
-use crate::rate_law::RateLaw;
+use crate::plan::baseline::Baseline;
+use crate::plan::capture::Capture;
 use crate::scaffold::{Dismantling, SitePart, SiteRoles};
 use crate::scaffold_search::{
     NoScaffolds, ScaffoldTrial, Scaffolded, may_have_scaffolds, scaffolded,
 };
-use crate::schedule::Schedule;
 use crate::scheduling::SchedulingJob;
 use crate::search::{FoundSchedule, PlanSearch, search};
-use crate::sites::Sites;
+use crate::space::free_space::WayIn;
+use crate::space::sites::Sites;
+use crate::target::hardware::Hardware;
+use crate::timing::makespan::{PlanEstimate, Samples};
+use crate::timing::precedence::Waiting;
+use crate::timing::rate_law::RateLaw;
+use crate::timing::schedule::Schedule;
 use crate::{Target, TargetError};
 
 /// Plan: an order of captures that builds a target.

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use stochc_ir::Cell;
 
 use super::{VoxelScene, magica_voxel};
-use crate::voxels::UnreadableVoxels;
+use crate::target::voxels::UnreadableVoxels;
 
 /// The chunks of a file.
 #[derive(Clone, Default)]

@@ -4,11 +4,11 @@ use std::collections::BinaryHeap;
 
 use stochc_ir::Face;
 
-use crate::hardware::Hardware;
-use crate::precedence::Waiting;
-use crate::rate_law::{CellState, Moment, RateLaw};
-use crate::schedule::Schedule;
-use crate::sites::{NONE, Sites};
+use crate::space::sites::{NONE, Sites};
+use crate::target::hardware::Hardware;
+use crate::timing::precedence::Waiting;
+use crate::timing::rate_law::{CellState, Moment, RateLaw};
+use crate::timing::schedule::Schedule;
 
 /// Plan without a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -8,7 +8,7 @@
 //! corner around a target cell count as jamming. Faces that share only a corner do not interfere.
 use stochc_ir::Face;
 
-use crate::sites::{NONE, Sites};
+use crate::space::sites::{NONE, Sites};
 
 /// Rules for faces that must not be open together.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Connection of the standing blocks to the plate.
 use std::collections::VecDeque;
 
-use crate::sites::{MIDDLE, NONE, Sites, across, place};
+use crate::space::sites::{MIDDLE, NONE, Sites, across, place};
 use stochc_ir::Face;
 
 /// Standing blocks, with a level for each site: 1 on a seed, otherwise above that of a neighbour.
@@ -208,7 +208,7 @@ mod tests {
     use stochc_ir::table::Plate;
 
     use super::*;
-    use crate::target::held;
+    use crate::target::structure::held;
 
     /// Returns whether all standing sites except one are connected to the plate.
     fn hangs_together(sites: &Sites<'_>, support: &Support, without: u32) -> bool {

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face, offsets_within};
 
 use crate::Target;
-use crate::grid::{Grid, shifted};
+use crate::space::grid::{Grid, shifted};
 
 /// Number of no site.
 pub const NONE: u32 = u32::MAX;

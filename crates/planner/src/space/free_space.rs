@@ -2,8 +2,8 @@
 use stochc_estimate::{beside_gap, gap_entrances};
 use stochc_ir::{Cell, Face};
 
-use crate::grid::{Grid, shifted};
-use crate::sites::{NONE, Sites};
+use crate::space::grid::{Grid, shifted};
+use crate::space::sites::{NONE, Sites};
 
 /// Positions of a cube of size one or two, by its low corner, that are reachable from outside.
 #[derive(Clone, Debug)]

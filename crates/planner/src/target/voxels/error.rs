@@ -2,7 +2,7 @@
 use stochc_text::{counted, listed};
 use thiserror::Error;
 
-use crate::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};
+use crate::target::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};
 
 /// Reason why a file contains no valid target.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]

@@ -124,7 +124,7 @@ impl fmt::Display for TargetError {
             TargetError::TooFar(cell) => write!(
                 f,
                 "the cell {cell} is too far away: coordinates go to {}",
-                crate::limits::FARTHEST
+                crate::target::limits::FARTHEST
             ),
             TargetError::BelowPlate(below) => write!(
                 f,

@@ -8,9 +8,9 @@ use rustc_hash::FxHashMap;
 use stochc_estimate::LowerBoundReasons;
 use stochc_ir::Cell;
 
-use crate::precedence::Waiting;
-use crate::schedule::Schedule;
-use crate::sites::Sites;
+use crate::space::sites::Sites;
+use crate::timing::precedence::Waiting;
+use crate::timing::schedule::Schedule;
 
 /// Objective of a plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
-use crate::limits::{FARTHEST, MAX_CELLS};
-use crate::target_error::{LoosePart, TargetError};
+use crate::target::error::{LoosePart, TargetError};
+use crate::target::limits::{FARTHEST, MAX_CELLS};
 
 /// Largest number of cells visited in the search for one bridge, and in all searches of a target.
 const MAX_BRIDGE_STEPS: usize = 200_000;

@@ -11,7 +11,7 @@ mod tests;
 use stochc_ir::Cell;
 
 use super::{UnreadableVoxels, at_the_plate};
-use crate::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};
+use crate::target::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};
 use bytes::Bytes;
 use graph::{Instance, SceneGraph};
 use placement::Placement;

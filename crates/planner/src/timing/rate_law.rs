@@ -9,7 +9,7 @@ use stochc_estimate::{
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 
-use crate::grid::shifted;
+use crate::space::grid::shifted;
 
 /// State of a cell when a nearby face opens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

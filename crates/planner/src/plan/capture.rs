@@ -2,7 +2,7 @@
 use serde::Serialize;
 use stochc_ir::{Cell, Face};
 
-use crate::precedence::Why;
+use crate::timing::precedence::Why;
 
 /// Capture of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 use stochc_ir::{Cell, CellBounds};
 use stochc_text::counted;
 
-use crate::baseline::Baseline;
-use crate::capture::Capture;
-use crate::plan::{Alternative, BuildPlan, RaceTimes};
-use crate::precedence::Why;
-use crate::target_error::listed_cells;
+use crate::plan::baseline::Baseline;
+use crate::plan::build_plan::{Alternative, BuildPlan, RaceTimes};
+use crate::plan::capture::Capture;
+use crate::target::error::listed_cells;
+use crate::timing::precedence::Why;
 
 /// Largest number of critical captures in the explanation.
 const MAX_TOLD: usize = 6;

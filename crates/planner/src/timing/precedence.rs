@@ -1,8 +1,8 @@
 //! Dependencies of a schedule, and the ones that a program must state.
 
-use crate::hardware::Hardware;
-use crate::schedule::Schedule;
-use crate::sites::Sites;
+use crate::space::sites::Sites;
+use crate::target::hardware::Hardware;
+use crate::timing::schedule::Schedule;
 
 /// Dependencies by position in the opening order.
 #[derive(Clone, Debug)]

@@ -13,8 +13,8 @@ use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
 
 use crate::disassembly::Disassembly;
-use crate::free_space::WayIn;
-use crate::sites::{NONE, Sites};
+use crate::space::free_space::WayIn;
+use crate::space::sites::{NONE, Sites};
 
 /// Sites that wait to keep access paths open.
 #[derive(Clone, Debug)]

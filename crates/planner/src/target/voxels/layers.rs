@@ -2,7 +2,7 @@
 use stochc_ir::Cell;
 
 use super::{UnreadableVoxels, at_the_plate};
-use crate::limits::MAX_CELLS;
+use crate::target::limits::MAX_CELLS;
 
 /// Reads cells drawn as text.
 ///

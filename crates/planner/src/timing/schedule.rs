@@ -1,8 +1,8 @@
 //! Opening order of cells, with their parents.
 use stochc_ir::Face;
 
-use crate::hardware::Hardware;
-use crate::sites::{NONE, Sites};
+use crate::space::sites::{NONE, Sites};
+use crate::target::hardware::Hardware;
 
 /// Schedule: an order with parents.
 #[derive(Clone, Debug)]
