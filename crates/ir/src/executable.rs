@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::graph::EventGraph;
+use crate::json::strict::{StrictJsonError, strict_json};
 use crate::scene::Scene;
-use crate::strict_json::{StrictJsonError, strict_json};
 use crate::table::Tables;
 
 /// Version of the file format. No other version is read.

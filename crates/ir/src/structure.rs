@@ -1,6 +1,6 @@
 //! Structure of a program after each phase, for drawing.
 use crate::Cell;
-use crate::plate::Plate;
+use crate::table::plate::Plate;
 
 /// Structures at the ends of all phases.
 #[derive(Clone, Debug, PartialEq)]

@@ -22,7 +22,7 @@ pub use substeps::{Substeps, takes_local_steps};
 use serde::{Deserialize, Serialize};
 
 use crate::Cell;
-use crate::plate::Plate;
+use crate::table::plate::Plate;
 
 /// World of free blocks around a seed plate, or without one.
 ///

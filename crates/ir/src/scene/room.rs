@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::groups::BlockUnits;
 use super::{Arrangement, Scene};
-use crate::plate::Plate;
+use crate::table::plate::Plate;
 
 /// Smallest distance of a centre from the ground and from the shell \[block lengths\].
 pub const MARGIN: f64 = 1.0;

@@ -8,6 +8,7 @@
 //! block can see: its own faces, and messages. The runtime needs no other program.
 mod hardware;
 mod in_scene;
+pub(crate) mod plate;
 mod stored;
 
 use std::ops::RangeInclusive;
@@ -17,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::BondKind;
 use crate::{Cell, Face};
 
-pub use crate::plate::Plate;
+pub use crate::table::plate::Plate;
 
 /// Name that blocks take in turn: an index into [`Tables::roles`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

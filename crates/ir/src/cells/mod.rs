@@ -1,0 +1,4 @@
+//! Cells and faces of the lattice.
+pub(crate) mod cell;
+pub(crate) mod cell_bounds;
+pub(crate) mod face;
