@@ -2,8 +2,8 @@
 use serde_json::Value;
 
 use super::jobs::JobId;
-use super::programs::CheckedProgram;
 use super::wire::{Incoming, RequestFailure};
+use crate::workspace::programs::CheckedProgram;
 
 /// Event of the server.
 pub enum ServerEvent {

@@ -17,26 +17,14 @@
 //! # Ok(())
 //! # }
 //! ```
-mod actions;
-mod analysis;
 mod client_process;
-mod definition;
-mod diagnostics;
-mod documents;
 mod event;
-mod formatting;
-mod hover;
+mod features;
 mod jobs;
-mod position;
-mod programs;
-mod reads;
-mod rename;
 mod requests;
-mod scene;
 mod server;
-mod symbols;
-mod uri;
 mod wire;
+mod workspace;
 
 use std::io::{BufReader, Write};
 use std::sync::mpsc;

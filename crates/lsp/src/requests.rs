@@ -12,12 +12,13 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use stochc_compiler::{Cancellation, FileId};
 
-use super::analysis::Analysis;
-use super::definition::{self, named_at};
-use super::documents::Documents;
-use super::position::{Encoding, LineIndex};
 use super::wire::{Reason, RequestFailure};
-use super::{actions, formatting, hover, rename, scene, symbols, uri};
+use crate::features::definition::{self, named_at};
+use crate::features::{actions, formatting, hover, rename, scene, symbols};
+use crate::workspace::analysis::Analysis;
+use crate::workspace::documents::Documents;
+use crate::workspace::position::{Encoding, LineIndex};
+use crate::workspace::uri;
 
 fn params<T: DeserializeOwned>(params: Value) -> Result<T, RequestFailure> {
     serde_json::from_value(params)

@@ -10,16 +10,16 @@ use gen_lsp_types::Diagnostic as LspDiagnostic;
 use serde_json::{Value, json};
 use stochc_files::bound;
 
-use super::analysis::Analysis;
 use super::client_process;
-use super::documents::Documents;
 use super::event::{Done, ServerEvent};
 use super::jobs::{JobId, JobTrigger, Jobs};
-use super::position::Encoding;
-use super::programs::{Knowledge, Programs};
 use super::requests::{self, Needs, Notification, Query, RequestContext, RequestHandler};
-use super::uri;
 use super::wire::{self, ClientMessage, Incoming, Reason, RequestFailure};
+use crate::workspace::analysis::Analysis;
+use crate::workspace::documents::Documents;
+use crate::workspace::position::Encoding;
+use crate::workspace::programs::{Knowledge, Programs};
+use crate::workspace::uri;
 
 /// Idle time before a changed text is checked in the background.
 const PAUSE: Duration = Duration::from_millis(120);

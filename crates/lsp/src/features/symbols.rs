@@ -3,7 +3,7 @@ use gen_lsp_types::{DocumentSymbol, SymbolKind};
 use stochc_compiler::{Span, Symbols};
 use stochc_grammar::tree::{Item, ItemKind};
 
-use super::position::LineIndex;
+use crate::workspace::position::LineIndex;
 
 /// Returns the declarations of a file, with nested ones.
 pub fn symbols(items: &[Item], words: &Symbols, lines: &LineIndex<'_>) -> Vec<DocumentSymbol> {

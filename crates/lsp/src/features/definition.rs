@@ -7,7 +7,7 @@ use stochc_compiler::source_map::{Ancestry, blocks_at};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, SourceLocation};
 use stochc_grammar::tree::ItemKind;
 
-use super::analysis::Analysis;
+use crate::workspace::analysis::Analysis;
 
 /// Returns the declarations of the name at a byte: for a block, its seed or captures.
 ///

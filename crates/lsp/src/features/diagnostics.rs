@@ -7,8 +7,8 @@ use gen_lsp_types::{
 };
 use stochc_compiler::diagnostic::{Diagnostic, Severity, visible};
 
-use super::analysis::Analysis;
-use super::documents::Documents;
+use crate::workspace::analysis::Analysis;
+use crate::workspace::documents::Documents;
 
 /// Returns the diagnostics of a program by file path, always including its own file.
 pub fn of(

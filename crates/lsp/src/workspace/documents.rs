@@ -142,7 +142,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::position::LineIndex;
+    use crate::workspace::position::LineIndex;
 
     fn partial(range: Range, text: &str) -> Change {
         Change::TextDocumentContentChangePartial(TextDocumentContentChangePartial {

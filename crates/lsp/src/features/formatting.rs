@@ -6,8 +6,8 @@ use similar::{DiffOp, TextDiff};
 use stochc_compiler::{FileId, Span, lone_returns};
 use stochc_grammar::{FormatError, format};
 
-use super::position::LineIndex;
-use super::wire::RequestFailure;
+use crate::wire::RequestFailure;
+use crate::workspace::position::LineIndex;
 
 /// Time limit for an exact comparison. After it, edits may cover more lines than necessary.
 const PATIENCE: Duration = Duration::from_secs(1);

@@ -8,10 +8,10 @@ use stochc_compiler::{Cancellation, Checked, Limits, SourceLocation, check_cance
 use stochc_grammar::{Symbols, parse_cancellable};
 use stochc_ir::scene::Scene;
 
-use super::analysis::Analysis;
 use super::definition::{FileRange, everywhere};
-use super::documents::Documents;
-use super::wire::RequestFailure;
+use crate::wire::RequestFailure;
+use crate::workspace::analysis::Analysis;
+use crate::workspace::documents::Documents;
 
 /// Returns the name at a byte of a program's own file, if it can be changed.
 ///

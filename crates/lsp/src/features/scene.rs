@@ -5,7 +5,7 @@ use stochc_compiler::{FileId, SourceLocation, Span};
 use stochc_grammar::tree::ItemKind;
 use stochc_ir::scene::schema::SchemaEntry;
 
-use super::analysis::Analysis;
+use crate::workspace::analysis::Analysis;
 
 /// Completion kind of keywords in the protocol.
 const KEYWORD: u32 = 14;

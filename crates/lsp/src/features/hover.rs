@@ -12,8 +12,8 @@ use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
 use stochc_text::counted;
 
-use super::analysis::Analysis;
 use super::scene;
+use crate::workspace::analysis::Analysis;
 
 /// Largest numbers of blocks described in full, and of blocks listed.
 const MAX_DESCRIBED: usize = 3;

@@ -8,11 +8,11 @@ use stochc_compiler::{Cancellation, Reader};
 use stochc_files::bound::{ImportFolders, identity};
 
 use super::analysis::Analysis;
-use super::diagnostics;
 use super::documents::Documents;
-use super::jobs::{JobId, JobTrigger, Jobs};
 use super::position::Encoding;
 use super::reads::Reads;
+use crate::features::diagnostics;
+use crate::jobs::{JobId, JobTrigger, Jobs};
 
 /// Diagnostics by file path.
 pub type DiagnosticsByFile = BTreeMap<String, Vec<LspDiagnostic>>;

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use gen_lsp_types::{CodeAction, CodeActionKind, TextEdit, Uri, WorkspaceEdit};
 use stochc_compiler::diagnostic::{Diagnostic, Fix};
 
-use super::analysis::Analysis;
 use super::diagnostics::lsp_diagnostic;
-use super::documents::Documents;
+use crate::workspace::analysis::Analysis;
+use crate::workspace::documents::Documents;
 
 /// Returns the fixes of diagnostics between two bytes of a program's file.
 pub fn actions(
@@ -58,8 +58,8 @@ mod tests {
     use stochc_compiler::diagnostic::{Code, Edit};
     use stochc_compiler::{Cancellation, SourceLocation, Span};
 
-    use super::super::position::Encoding;
     use super::*;
+    use crate::workspace::position::Encoding;
 
     #[test]
     fn a_finding_with_a_fix_is_offered_where_it_stands() {

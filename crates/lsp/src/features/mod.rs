@@ -1,0 +1,9 @@
+//! Answers to requests, one feature per module.
+pub(crate) mod actions;
+pub(crate) mod definition;
+pub(crate) mod diagnostics;
+pub(crate) mod formatting;
+pub(crate) mod hover;
+pub(crate) mod rename;
+pub(crate) mod scene;
+pub(crate) mod symbols;
