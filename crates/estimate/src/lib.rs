@@ -17,38 +17,25 @@
 //! let beside_a_wall = |cell: Cell| tower(cell) || cell.x == 1;
 //! assert!(wait(&beside_a_wall) < wait(&tower));
 //! ```
-mod accessibility;
 mod cost;
-mod docking_time;
-mod first_guess;
-mod gap;
-mod head_start;
-mod interaction;
-mod inverse;
-mod law;
-mod lower_bound;
-mod neighbourhood;
-mod rates;
-mod rivals;
-mod surroundings;
-mod times;
-mod wait;
+mod geometry;
+mod waits;
 
-pub use accessibility::{offsets, sees};
 pub use cost::{CaptureCost, Cost, PhaseCost, ProgramParts, estimate, estimate_without_timeouts};
-pub use docking_time::STAGES;
-pub use first_guess::GUESS_ERROR;
-pub use gap::{beside_gap, gap_entrances};
-pub use head_start::{HeadStart, HeadStarts, ReleaseNearby, relative};
-pub use interaction::Interaction;
-pub use law::{Parameter, Parameters, Surroundings};
-pub use lower_bound::{LowerBoundReason, LowerBoundReasons};
-pub use neighbourhood::{Neighbourhood, SIGHT};
-pub use rates::{Coverage, FORMAT, Rates, density_in};
-pub use rivals::{Rivalry, Rivals, rivalry, rivals};
-pub use surroundings::{around, feature_cells};
-pub use times::{Times, quantile};
-pub use wait::Wait;
+pub use geometry::accessibility::{offsets, sees};
+pub use geometry::gap::{beside_gap, gap_entrances};
+pub use geometry::interaction::Interaction;
+pub use geometry::neighbourhood::{Neighbourhood, SIGHT};
+pub use geometry::rivals::{Rivalry, Rivals, rivalry, rivals};
+pub use geometry::surroundings::{around, feature_cells};
+pub use waits::docking_time::STAGES;
+pub use waits::first_guess::GUESS_ERROR;
+pub use waits::head_start::{HeadStart, HeadStarts, ReleaseNearby, relative};
+pub use waits::law::{Parameter, Parameters, Surroundings};
+pub use waits::lower_bound::{LowerBoundReason, LowerBoundReasons};
+pub use waits::rates::{Coverage, FORMAT, Rates, density_in};
+pub use waits::times::{Times, quantile};
+pub use waits::wait::Wait;
 
 /// Digest of this crate's sources. Two builds with equal digests compute equal results.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

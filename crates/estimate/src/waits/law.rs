@@ -1,8 +1,8 @@
 //! Rate law: waiting times from the surroundings of an open face.
 use serde::{Deserialize, Serialize};
 
-use crate::rivals::Rivals;
-use crate::wait::Wait;
+use crate::geometry::rivals::Rivals;
+use crate::waits::wait::Wait;
 
 /// Surroundings that determine a waiting time.
 #[derive(Clone, Copy, Debug, PartialEq)]

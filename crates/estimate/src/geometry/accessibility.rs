@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use crate::neighbourhood::{CELLS, Neighbourhood, SIGHT, all, place};
+use crate::geometry::neighbourhood::{CELLS, Neighbourhood, SIGHT, all, place};
 
 /// Grid points across the sphere around a face.
 const ACROSS: usize = 16;

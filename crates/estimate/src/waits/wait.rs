@@ -3,8 +3,8 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::docking_time::{STAGES, docked, summed, when_summed};
-use crate::inverse::{about_when_summed, bounds};
+use crate::waits::docking_time::{STAGES, docked, summed, when_summed};
+use crate::waits::inverse::{about_when_summed, bounds};
 
 /// Waiting time of an open face in constant surroundings.
 ///

@@ -3,10 +3,10 @@ use std::sync::LazyLock;
 
 use stochc_ir::{Cell, Face};
 
-use crate::accessibility::{in_reach, unobstructed};
-use crate::law::Surroundings;
-use crate::neighbourhood::Neighbourhood;
-use crate::rivals::{Rivals, rivals};
+use crate::geometry::accessibility::{in_reach, unobstructed};
+use crate::geometry::neighbourhood::Neighbourhood;
+use crate::geometry::rivals::{Rivals, rivals};
+use crate::waits::law::Surroundings;
 
 /// Returns the surroundings of the face open to `cell` in direction `way`. `near` are the blocked
 /// cells, and `open` returns the direction of the face open to a cell.
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn no_other_cells_are_looked_at() {
         for way in Face::ALL {
-            let all = crate::neighbourhood::all();
+            let all = crate::geometry::neighbourhood::all();
             let blocked = all.filter(|offset| !feature_cells(way).is_blocked(*offset));
             let mut near = Neighbourhood::EMPTY;
             blocked.for_each(|offset| near.block(offset));

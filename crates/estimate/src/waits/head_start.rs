@@ -4,7 +4,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::scene::groups::kick;
 use stochc_ir::{Cell, Face};
 
-use crate::accessibility::RADIUS;
+use crate::geometry::accessibility::RADIUS;
 
 /// Capture of a block that was released near an open face.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -146,7 +146,7 @@ mod tests {
     use stochc_ir::scene::Agitation;
 
     use super::*;
-    use crate::rates::Rates;
+    use crate::waits::rates::Rates;
 
     #[test]
     fn blocks_that_are_let_go_leave_the_sooner_the_faster_they_are() {

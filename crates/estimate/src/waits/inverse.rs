@@ -2,7 +2,7 @@
 //! of Newton steps with an exponential each.
 use std::sync::LazyLock;
 
-use crate::docking_time::{docked, when_summed};
+use crate::waits::docking_time::{docked, when_summed};
 
 /// Parts per binade of values, as a number of leading mantissa bits.
 const PART_BITS: u32 = 5;

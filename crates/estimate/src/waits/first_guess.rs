@@ -5,9 +5,9 @@ use std::ops::RangeInclusive;
 use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
 use stochc_ir::scene::{Bond, Enclosure, Scene};
 
-use crate::accessibility::RADIUS;
-use crate::law::Parameters;
-use crate::rates::Rates;
+use crate::geometry::accessibility::RADIUS;
+use crate::waits::law::Parameters;
+use crate::waits::rates::Rates;
 
 /// Errors of estimated mean waiting times relative to calibrated ones (docs/validation/rates.md): the rms
 /// factor and the largest factor, both rounded up.

@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face, strict_json};
 
-use crate::head_start::{HeadStart, HeadStarts};
-use crate::law::{Parameters, Surroundings};
-use crate::neighbourhood::Neighbourhood;
-use crate::rivals::Rivals;
-use crate::surroundings::{around, blocked_around};
-use crate::wait::Wait;
+use crate::geometry::neighbourhood::Neighbourhood;
+use crate::geometry::rivals::Rivals;
+use crate::geometry::surroundings::{around, blocked_around};
+use crate::waits::head_start::{HeadStart, HeadStarts};
+use crate::waits::law::{Parameters, Surroundings};
+use crate::waits::wait::Wait;
 
 /// Capture rates of a scene, with their origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,7 +63,7 @@ const AHEAD: usize = 10;
 const SLOWEST_GAP: f64 = -0.7;
 
 /// Rates of built-in scenes, written by `stochc calibrate SCENE --out`.
-const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
+const BUILT_IN: [&str; 1] = [include_str!("../data/hemisphere.rates")];
 
 /// Returns the density of a [`profile`](Rates::profile) at a layer of cells. Constant above the
 /// last one.

@@ -5,7 +5,7 @@
 //! ([`Rates::passes_gaps`](crate::Rates::passes_gaps)).
 use stochc_ir::{Cell, Face};
 
-use crate::surroundings::aside;
+use crate::geometry::surroundings::aside;
 
 /// Returns the cells next to an open cell, perpendicular to `way`, above the ground. In a gap they
 /// are empty: blocks there sometimes cause jams, the ground does not.

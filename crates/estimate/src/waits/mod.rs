@@ -1,0 +1,10 @@
+//! Waiting times of open faces and their rates.
+pub(crate) mod docking_time;
+pub(crate) mod first_guess;
+pub(crate) mod head_start;
+pub(crate) mod inverse;
+pub(crate) mod law;
+pub(crate) mod lower_bound;
+pub(crate) mod rates;
+pub(crate) mod times;
+pub(crate) mod wait;
