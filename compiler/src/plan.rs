@@ -9,7 +9,7 @@ use stochc_ir::table::{Plate, RoleId};
 use stochc_ir::{Cell, Face};
 
 use crate::SourceLocation;
-use crate::units::to_si;
+use crate::expand::units::to_si;
 
 /// An expanded program.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 use std::collections::BTreeMap;
 
 use super::{Edit, Fix};
-use crate::reader::Reader;
+use crate::sources::reader::Reader;
 use crate::{FileId, Sources};
 
 /// Fixes of one file that do not overlap.
@@ -153,7 +153,7 @@ impl Reader for ChangedReader<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::load::load;
+    use crate::sources::load::load;
     use crate::{Cancellation, SourceLocation, Span};
 
     fn fix(edits: &[(u32, u32, &str)]) -> Fix {

@@ -3,6 +3,8 @@ mod change;
 mod code;
 mod fix;
 mod graphical;
+pub(crate) mod layer_picture;
+pub(crate) mod lint_levels;
 mod parameter_hint;
 mod repeat;
 mod row_hint;

@@ -9,10 +9,10 @@ use stochc_ir::structure::{BuiltBlock, BuiltPhase, BuiltStructure};
 use stochc_ir::{Cell, CellBounds, Json};
 use stochc_text::counted;
 
-use crate::layout::Layout;
-use crate::placed_blocks::{PlacedBlock, placed_blocks};
 use crate::plan::ProgramPlan;
-use crate::shape::MAX_CELLS;
+use crate::shapes::layout::Layout;
+use crate::shapes::placed_blocks::{PlacedBlock, placed_blocks};
+use crate::shapes::shape::MAX_CELLS;
 
 /// The block in a cell.
 fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {

@@ -4,11 +4,13 @@ mod arguments;
 mod arithmetic;
 mod declared_items;
 mod doubt;
+pub(crate) mod members;
 mod place;
 mod probe;
 mod scope;
 mod seeds;
 mod statement;
+pub(crate) mod units;
 mod unknown;
 mod uses;
 

@@ -6,7 +6,7 @@ use stochc_text::suggest::{Suggestion, nearest};
 use super::scope::BoundValue;
 use super::{Expander, Pass};
 use crate::diagnostic::{self, Code, Diagnostic, Fix};
-use crate::members::members;
+use crate::expand::members::members;
 use crate::names::ValueKind;
 use crate::plan::NameKey;
 

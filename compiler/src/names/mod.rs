@@ -5,7 +5,7 @@
 //! expansion, the warnings of unused declarations and the editor use it.
 //!
 //! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`. Only the expansion can
-//! distinguish them ([`crate::source_map`]). A name that can stand for several definitions joins
+//! distinguish them ([`crate::sources::source_map`]). A name that can stand for several definitions joins
 //! them into one, such as a number of an assembly that is used by a pattern.
 mod declared;
 mod definitions;
@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::Tree;
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
-use crate::checked::Checked;
+use crate::check::checked::Checked;
 use crate::{FileId, SourceLocation};
 use declared::DeclaredNames;
 

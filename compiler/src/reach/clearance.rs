@@ -12,7 +12,7 @@ use super::descendants::{DescendantIndex, Descendants};
 use super::moving_cube::MovingCube;
 use super::path_search::SearchOutcome;
 use super::{Cell, EventId, ReachAnalysis, before};
-use crate::graph::LocatedDependency;
+use crate::dependencies::graph::LocatedDependency;
 use crate::plan::EventKind;
 
 /// A capture whose block must enter through a one-block gap.

@@ -6,7 +6,7 @@ use rustc_hash::FxHashSet;
 use super::EventId;
 use super::descendants::DescendantIndex;
 use super::reachable::Dismantled;
-use crate::graph::DependencyGraph;
+use crate::dependencies::graph::DependencyGraph;
 
 /// A phase with captures whose cells can be closed.
 pub struct ClosablePhase<'a> {

@@ -8,7 +8,7 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 
 use super::SearchEffort;
-use crate::graph::DependencyGraph;
+use crate::dependencies::graph::DependencyGraph;
 use crate::plan::EventId;
 
 /// The order among the events of one phase.

@@ -60,14 +60,15 @@ use stochc_grammar::tree::Assembly;
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::Cell;
 
+use crate::blocks::liveness::Liveness;
+use crate::dependencies::face_turns;
+use crate::dependencies::graph::DependencyGraph;
+use crate::dependencies::order::Order;
 use crate::diagnostic::{Code, Diagnostic, report};
 use crate::expand::Patterns;
-use crate::graph::DependencyGraph;
-use crate::layout::Layout;
-use crate::liveness::Liveness;
-use crate::order::Order;
 use crate::plan::{EventId, EventKind, ProgramPlan};
-use crate::{FileId, Sources, face_turns};
+use crate::shapes::layout::Layout;
+use crate::{FileId, Sources};
 use trial::Proposal;
 pub use trial::Trial;
 

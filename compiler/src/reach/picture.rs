@@ -1,6 +1,6 @@
 //! One layer of the structure as text.
 use super::Cell;
-use crate::layer_picture::layer_picture;
+use crate::diagnostic::layer_picture::layer_picture;
 
 /// Cells shown to each side of the one in question.
 const REACH: i32 = 4;

@@ -6,8 +6,8 @@ use super::moving_cube::MovingCube;
 use super::occupancy::Has;
 use super::path_search::SearchOutcome;
 use super::{EventId, ReachAnalysis, after, all_before, before};
-use crate::face_turns::is_ready;
-use crate::graph::DependencyGraph;
+use crate::dependencies::face_turns::is_ready;
+use crate::dependencies::graph::DependencyGraph;
 
 /// Order in which the blocks of a phase can be removed again, the last block first.
 ///

@@ -5,7 +5,7 @@ use super::descendants::DescendantIndex;
 use super::moving_cube::MovingCube;
 use super::path_search::SearchOutcome;
 use super::{Cell, EventId, ReachAnalysis, after};
-use crate::face_turns::is_ready;
+use crate::dependencies::face_turns::is_ready;
 
 /// A capture that may wait for ever.
 pub struct BlockedCapture {

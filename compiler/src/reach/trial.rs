@@ -3,8 +3,8 @@ use super::closable_phase::ClosablePhase;
 use super::edit::CaptureStatement;
 use super::{EventId, ReachAnalysis, ReportedError};
 use crate::SourceLocation;
+use crate::check::trial::OF_AN_EVENT;
 use crate::diagnostic::{Code, Fix};
-use crate::trial::OF_AN_EVENT;
 
 /// Checks the files with changes of the program's own file. Returns its errors, sorted and not
 /// merged. Returns `None` if the changes overlap.

@@ -1,7 +1,10 @@
 //! Scenes as they are written: read, built in, and changed.
 mod builtin;
 mod change;
+pub(crate) mod declared_scenes;
 mod read;
+pub(crate) mod scene_check;
+pub(crate) mod scenes;
 #[cfg(test)]
 mod tests;
 mod words;

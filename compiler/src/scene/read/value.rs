@@ -9,7 +9,7 @@ use stochc_grammar::Span;
 
 use super::{ClauseContent, SceneReader, span};
 use crate::diagnostic::{Code, Diagnostic, Edit, Fix, report};
-use crate::units::to_si;
+use crate::expand::units::to_si;
 
 impl<'a> SceneReader<'a, '_> {
     /// A value for a number.

@@ -9,8 +9,8 @@ use stochc_ir::scene::units::WrittenQuantity;
 use stochc_ir::scene::{Agitation, Scene};
 
 use crate::diagnostic::Code;
+use crate::expand::units::to_si;
 use crate::scene::{BUILT_IN, built_in, read};
-use crate::units::to_si;
 use crate::{FileId, Sources};
 
 /// Scenes that between them have every term of the model; a new term belongs in one of them.
@@ -312,7 +312,7 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
         let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
         let limits = crate::Limits::default();
         let levels = crate::LintLevels::default();
-        crate::program::check_changed("a.sa", &mut reader, limits, &levels, "a", &changes)
+        crate::check::program::check_changed("a.sa", &mut reader, limits, &levels, "a", &changes)
     };
     let timeout = |changes: &[(&str, f64)]| {
         let checked = checked(changes);

@@ -3,7 +3,7 @@ use stochc_grammar::tree::{ItemKind, Term};
 use stochc_grammar::{Symbols, parse};
 use stochc_ir::scene::units::{BASES, Dimension, PREFIXES, WrittenQuantity};
 
-use crate::units::to_si;
+use crate::expand::units::to_si;
 
 /// What the grammar makes of a text that is nothing but a value.
 fn in_scene(text: &str) -> Option<(f64, Dimension)> {

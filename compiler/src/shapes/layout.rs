@@ -4,8 +4,8 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
+use crate::blocks::liveness::{Holder, Liveness};
 use crate::diagnostic::{Code, Diagnostic, Fix, named, report, row_hint};
-use crate::liveness::{Holder, Liveness};
 use crate::plan::{EventId, EventKind, ProgramPlan};
 use crate::{SourceLocation, Sources};
 

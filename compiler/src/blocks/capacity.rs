@@ -4,12 +4,12 @@ use stochc_ir::scene::room::NoRoom;
 use stochc_ir::scene::{BondKind, Enclosure, Scene};
 use stochc_text::counted;
 
-use crate::block_demand::first_beyond;
+use crate::blocks::block_demand::first_beyond;
+use crate::dependencies::graph::DependencyGraph;
+use crate::dependencies::order::Order;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::graph::DependencyGraph;
-use crate::layout::Layout;
-use crate::order::Order;
 use crate::plan::{EventKind, ProgramPlan};
+use crate::shapes::layout::Layout;
 
 /// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
 pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {

@@ -14,7 +14,7 @@ use petgraph::graph::{EdgeIndex, NodeIndex};
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::graph::{DependencyGraph, LocatedDependency};
+use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::EventId;
 
 /// Whether enough edges into an event are met, if the events in `has` have happened.

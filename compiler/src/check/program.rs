@@ -8,21 +8,24 @@ use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::warnings::Stepping;
 use stochc_ir::scene::{BondKind, Scene};
 
-use crate::checked::{Checked, Program};
+use crate::blocks::{capacity, liveness, unplanned_bonds, unused};
+use crate::check::checked::{Checked, Program};
+use crate::check::{short_timeout, trial};
+use crate::dependencies::{face_turns, graph, order};
+use crate::diagnostic::lint_levels::{FileLevels, LintLevels};
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};
+use crate::emit::lower;
 use crate::expand::{
     Declarations, DeclaredItems, ExpansionBounds, Limits, duplicate, expand, expand_aggregate,
 };
-use crate::lint_levels::{FileLevels, LintLevels};
-use crate::load::{Loaded, load};
 use crate::names::{Keep, Names};
 use crate::plan::ProgramPlan;
-use crate::reader::Reader;
-use crate::scenes::Scenes;
-use crate::{
-    FileId, SourceLocation, Sources, capacity, face_turns, graph, layout, liveness, lower, order,
-    reach, scene, scene_check, shape, short_timeout, trial, unplanned_bonds, unused,
-};
+use crate::scene::scene_check;
+use crate::scene::scenes::Scenes;
+use crate::shapes::{layout, shape};
+use crate::sources::load::{Loaded, load};
+use crate::sources::reader::Reader;
+use crate::{FileId, SourceLocation, Sources, reach, scene};
 
 /// A stage of a check, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

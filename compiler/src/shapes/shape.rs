@@ -6,12 +6,12 @@ use stochc_grammar::tree::{Expr, ExprKind, Shape, Subscript};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::{Cell, CellBounds};
 
+use crate::diagnostic::layer_picture::layer_picture;
 use crate::diagnostic::{Code, Diagnostic, Severity, is_full, meant, report};
 use crate::expand::Shapes;
-use crate::layer_picture::layer_picture;
-use crate::layout::Layout;
 use crate::names::Names;
 use crate::plan::ProgramPlan;
+use crate::shapes::layout::Layout;
 use crate::{FileId, SourceLocation};
 
 /// Largest number of cells of a shape, and of blocks of all claimed shapes.

@@ -6,13 +6,13 @@ use stochc_ir::scene::Scene;
 use stochc_ir::scene::warnings::SceneWarning;
 use stochc_ir::table::Tables;
 
+use crate::dependencies::graph::DependencyGraph;
+use crate::dependencies::order::Order;
 use crate::diagnostic::Diagnostic;
-use crate::graph::DependencyGraph;
-use crate::layout::Layout;
-use crate::lint_levels::Allowed;
-use crate::load::Module;
-use crate::order::Order;
+use crate::diagnostic::lint_levels::Allowed;
 use crate::plan::ProgramPlan;
+use crate::shapes::layout::Layout;
+use crate::sources::load::Module;
 use crate::{FileId, Sources};
 
 /// Result of checking a file.

@@ -5,9 +5,9 @@ use petgraph::visit::EdgeRef as _;
 use stochc_grammar::{Cancellation, Cancelled};
 
 use crate::SourceLocation;
-use crate::layout::Layout;
-use crate::liveness::Liveness;
+use crate::blocks::liveness::Liveness;
 use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::shapes::layout::Layout;
 
 /// Events and their dependencies.
 ///

@@ -7,7 +7,7 @@ use stochc_grammar::{
 use stochc_text::visible;
 
 use crate::diagnostic::{Code, Diagnostic, Edit, Fix, removal, report};
-use crate::reader::Reader;
+use crate::sources::reader::Reader;
 use crate::{FileId, SourceLocation, Sources};
 
 /// A parsed file.

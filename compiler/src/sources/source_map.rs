@@ -4,11 +4,11 @@ use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::table::RoleId;
 
+use crate::check::program::declarations;
+use crate::dependencies::graph::anchored_by;
 use crate::expand::{ExpansionBounds, Limits, Probe, expand_probed};
-use crate::graph::anchored_by;
 use crate::names::{Keep, Names};
 use crate::plan::{EventId, EventKind};
-use crate::program::declarations;
 use crate::{Checked, FileId, Program};
 
 /// Blocks of one assembly.

@@ -4,7 +4,7 @@ use stochc_ir::Executable;
 use stochc_ir::graph::{self, Edge, EventGraph};
 
 use crate::Program;
-use crate::graph::LocatedDependency;
+use crate::dependencies::graph::LocatedDependency;
 
 impl Program {
     /// The dependency graph without its text; it has no chains if there is a cycle.

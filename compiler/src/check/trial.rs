@@ -7,9 +7,9 @@ use std::collections::{BTreeSet, VecDeque};
 use rustc_hash::FxHashMap;
 use stochc_grammar::Cancelled;
 
-use crate::checked::Checked;
+use crate::check::checked::Checked;
 use crate::diagnostic::{Code, Diagnostic, Severity, TextChange};
-use crate::reader::Reader;
+use crate::sources::reader::Reader;
 use crate::{FileId, Sources};
 
 /// Largest number of further checks of a program.

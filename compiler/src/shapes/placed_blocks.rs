@@ -2,8 +2,8 @@
 use stochc_ir::Cell;
 use stochc_ir::table::RoleId;
 
-use crate::layout::Layout;
 use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::shapes::layout::Layout;
 
 /// A block of the structure, above the plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,11 +4,11 @@ use petgraph::graph::NodeIndex;
 use rustc_hash::FxHashSet;
 use stochc_grammar::{Cancellation, Cancelled};
 
-use crate::face_turns::has_choice;
-use crate::graph::DependencyGraph;
-use crate::layout::Layout;
-use crate::order::Order;
+use crate::dependencies::face_turns::has_choice;
+use crate::dependencies::graph::DependencyGraph;
+use crate::dependencies::order::Order;
 use crate::plan::{EventId, EventKind, PlanPhase, ProgramPlan};
+use crate::shapes::layout::Layout;
 
 /// Edges that are followed in search of a capture that asks for too many.
 const SEARCHED: usize = 5_000_000;

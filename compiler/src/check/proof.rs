@@ -4,8 +4,8 @@ use std::fmt;
 use serde::Serialize;
 use stochc_text::series;
 
-use crate::block_demand::scarce_phase;
-use crate::checked::{Checked, Program};
+use crate::blocks::block_demand::scarce_phase;
+use crate::check::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic};
 
 /// Properties of a program in every order of its captures and releases.

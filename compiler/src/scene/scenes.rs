@@ -4,12 +4,12 @@ use stochc_grammar::tree::Name;
 use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::scene::Scene;
 
-use crate::declared_scenes::{DeclaredScene, of_trees};
 use crate::diagnostic::{Code, Diagnostic, meant, report};
 use crate::expand::duplicate;
-use crate::load::Module;
 use crate::names::{Definition, Names};
+use crate::scene::declared_scenes::{DeclaredScene, of_trees};
 use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
+use crate::sources::load::Module;
 use crate::{FileId, SourceLocation};
 
 /// Scenes that a program may declare so that all are listed where none is meant.

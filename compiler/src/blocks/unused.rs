@@ -6,9 +6,9 @@ use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbols};
 
 use crate::diagnostic::{Code, Diagnostic, Fix, removal, report};
-use crate::load::Module;
 use crate::names::{Definition, Names};
 use crate::scene::DEFAULT;
+use crate::sources::load::Module;
 use crate::{FileId, SourceLocation, Sources};
 
 /// A declaration of the program's file.

@@ -6,7 +6,7 @@ use stochc_ir::scene::warnings::Stepping;
 use stochc_text::suggest::nearest;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, report};
-use crate::load::Module;
+use crate::sources::load::Module;
 use crate::{FileId, SourceLocation, Sources};
 
 /// Level of a warning.

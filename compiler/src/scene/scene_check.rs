@@ -6,8 +6,8 @@ use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, Stepping, scene
 
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic, report};
-use crate::layout::Layout;
 use crate::plan::{EventKind, ProgramPlan};
+use crate::shapes::layout::Layout;
 
 impl From<SceneWarningKind> for Code {
     fn from(kind: SceneWarningKind) -> Code {

@@ -10,7 +10,7 @@ use stochc_control::explore::{
 use stochc_ir::graph::{Dependency, EventGraph, EventId};
 use stochc_ir::table::Tables;
 
-use crate::checked::{Checked, Program};
+use crate::check::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic};
 
 /// Captures and releases of a program that is explored on every check, at most.

@@ -1,12 +1,13 @@
 //! Applies all safe fixes of a file.
 use std::sync::Arc;
 
-use crate::checked::Checked;
+use crate::check::checked::Checked;
+use crate::check::program::check_with;
+use crate::check::trial;
 use crate::diagnostic::TextChange;
-use crate::lint_levels::LintLevels;
-use crate::program::check_with;
-use crate::reader::Reader;
-use crate::{FileId, Limits, trial};
+use crate::diagnostic::lint_levels::LintLevels;
+use crate::sources::reader::Reader;
+use crate::{FileId, Limits};
 
 /// Largest number of rounds. A fix may make another one possible.
 const MAX_ROUNDS: usize = 50;

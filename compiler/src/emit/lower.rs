@@ -6,10 +6,10 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
-use crate::graph::{DependencyGraph, LocatedDependency};
-use crate::layout::Layout;
-use crate::liveness::{Holder, Liveness};
+use crate::blocks::liveness::{Holder, Liveness};
+use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::shapes::layout::Layout;
 
 /// Lowers a program without errors.
 ///

@@ -6,10 +6,10 @@ use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 use stochc_text::listed;
 
+use crate::dependencies::order::Order;
 use crate::diagnostic::{Code, Diagnostic, report};
-use crate::layout::Layout;
-use crate::order::Order;
 use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::shapes::layout::Layout;
 
 /// Largest number of faces that a message names.
 const NAMED: usize = 3;

@@ -7,7 +7,7 @@ use crate::diagnostic::{
     Code, Diagnostic, Fix, Severity, entry, is_full, is_repeated, last_named, meant, named,
     parameter_hint, removal, report,
 };
-use crate::members::members;
+use crate::expand::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
 use crate::{SourceLocation, Sources};
 

@@ -8,10 +8,11 @@ use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 
+use crate::Sources;
+use crate::dependencies::face_turns;
+use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
 use crate::diagnostic::{Code, Diagnostic, Fix, entry};
-use crate::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::{EventId, EventKind, ProgramPlan};
-use crate::{Sources, face_turns};
 
 /// An order in which all events can happen, and its longest chains.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! Checks of texts in memory.
 use stochc_ir::scene::scalars::ScalarChange;
 
-use crate::checked::Checked;
+use crate::check::checked::Checked;
+use crate::check::model_check;
+use crate::check::program::check_changed;
+use crate::diagnostic::lint_levels::LintLevels;
 use crate::expand::Limits;
-use crate::lint_levels::LintLevels;
-use crate::model_check;
-use crate::program::check_changed;
 
 /// Checks a text that imports nothing. Diagnostics call it `name`.
 ///

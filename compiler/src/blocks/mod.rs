@@ -1,0 +1,6 @@
+//! Blocks: their number, their life and their unplanned bonds.
+pub(crate) mod block_demand;
+pub(crate) mod capacity;
+pub(crate) mod liveness;
+pub(crate) mod unplanned_bonds;
+pub(crate) mod unused;

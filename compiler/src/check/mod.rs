@@ -1,0 +1,10 @@
+//! The pipeline of a check and its results.
+pub(crate) mod checked;
+pub(crate) mod executable;
+pub(crate) mod fix;
+pub mod model_check;
+pub(crate) mod program;
+pub(crate) mod proof;
+pub(crate) mod short_timeout;
+pub(crate) mod texts;
+pub(crate) mod trial;

@@ -1,0 +1,5 @@
+//! Source files and places in them.
+pub(crate) mod load;
+pub(crate) mod reader;
+pub(crate) mod source;
+pub mod source_map;
