@@ -143,9 +143,9 @@ def test_a_folder_that_is_deleted_meanwhile(tmp_path: Path) -> None:
     shutil.rmtree(out)
     # What was opened is there still, and what has to be opened again is not.
     assert len(ensemble.runs) == 3
-    with pytest.raises(stochc.UsageError, match="holds no results"):
+    with pytest.raises(stochc.UsageError, match="contains no results"):
         pickle.loads(again)
-    with pytest.raises(stochc.UsageError, match="holds no results"):
+    with pytest.raises(stochc.UsageError, match="contains no results"):
         stochc.report(ensemble)
 
 

@@ -19,7 +19,7 @@ static LISTENS: Mutex<bool> = Mutex::new(false);
 /// # Errors
 /// When somebody else listens already, or the system does not let us.
 pub fn stop_on_interrupt() -> Result<&'static AtomicBool, Failure> {
-    let mut listens = LISTENS.lock().expect("nobody panics while it is held");
+    let mut listens = LISTENS.lock().expect("no panic while it is locked");
     if *listens {
         return Ok(&STOP);
     }

@@ -257,7 +257,7 @@ fn a_recording_that_unpacks_to_gigabytes_is_refused() {
         for command in [&["replay", "--run", "0"][..], &["fsck"]] {
             let said = refused(&[command, &[results.text()]].concat());
             assert!(
-                said.contains("damaged") || said.contains("cut short"),
+                said.contains("damaged") || said.contains("truncated"),
                 "{name}: {said}"
             );
         }

@@ -73,7 +73,7 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
     let last = said(&mut command(&arguments_now));
     assert!([0, 3].contains(&last.status), "{}", last.err);
     assert!(
-        last.err.contains("goes on from its checkpoint at tick"),
+        last.err.contains("resumes from its checkpoint at tick"),
         "{}",
         last.err
     );

@@ -104,5 +104,5 @@ fn a_damaged_manifest_is_not_repaired() {
 fn what_is_no_folder_of_results_is_told_of() {
     let said = stochc_with("fsck", &["tests/fixtures"]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
-    assert!(said.err.contains("holds no results"), "{}", said.err);
+    assert!(said.err.contains("contains no results"), "{}", said.err);
 }

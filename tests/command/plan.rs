@@ -566,7 +566,7 @@ fn a_forged_record_is_left_out() {
         fs::write(&journal, format!("{header}\n{forged}\n")).unwrap();
         for command in ["plan --run 0 --tries 5", "show", "replay --run 0"] {
             let said = stochc_with(command, &[&results]);
-            let told = "says what cannot be";
+            let told = "is not possible";
             assert!(
                 said.err.contains(told),
                 "{command}, {key} {value}: {}",

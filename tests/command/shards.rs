@@ -119,7 +119,7 @@ fn what_cannot_be_is_refused() {
         );
     }
     refused(&shard_new(TOWER), &["--shards", "2"], 2, "--out");
-    refused("shard run", &[&out, "0"], 2, "holds no results");
+    refused("shard run", &[&out, "0"], 2, "contains no results");
     stochc_with(
         &shard_new(TOWER),
         &["--quiet", "--shards", "4", "--out", &out],

@@ -314,7 +314,7 @@ fn what_holds_no_results_is_told_of() {
         let said = stochc_with("show", &[place]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{place}");
         assert!(
-            said.err.contains(&format!("`{place}` holds no results")),
+            said.err.contains(&format!("`{place}` contains no results")),
             "{}",
             said.err
         );

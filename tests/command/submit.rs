@@ -397,7 +397,7 @@ fn what_cannot_be_submitted_is_refused() {
         assert!(said.err.contains(reason), "{arguments:?}: {}", said.err);
     };
     refused(&[&out], "cannot use");
-    refused(&[folder.path().to_str().unwrap()], "holds no results");
+    refused(&[folder.path().to_str().unwrap()], "contains no results");
     stochc_with(&shard_new(TOWER), &["--shards", "4", "--out", &out]);
     for option in [
         "--wait",

@@ -379,7 +379,8 @@ fn a_sweep_that_would_never_end_is_refused() {
     let said = stochc_with(TOWER, &axes);
     assert_eq!(said.status, 2);
     assert!(
-        said.err.contains("500 points or more, and 400 is the most"),
+        said.err
+            .contains("500 or more points, more than the limit of 400"),
         "{}",
         said.err
     );

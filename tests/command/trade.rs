@@ -107,7 +107,7 @@ fn every_setting_is_measured_and_kept() {
     let other = stochc_with(DENSE, &["--out", &out, "--seed", "2"]);
     assert_eq!((other.status, other.out.as_str()), (2, ""));
     assert!(
-        other.err.contains("holds another ensemble"),
+        other.err.contains("contains another ensemble"),
         "{}",
         other.err
     );

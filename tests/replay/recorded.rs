@@ -213,8 +213,8 @@ fn a_recording_that_cannot_be_used_is_told_of() {
         said
     };
     let said = with(&|bytes| bytes.truncate(bytes.len() - 1));
-    assert!(said.contains("cut short after tick"), "{said}");
-    assert!(with(&|bytes| bytes.truncate(13)).contains("cut short"));
+    assert!(said.contains("truncated after tick"), "{said}");
+    assert!(with(&|bytes| bytes.truncate(13)).contains("truncated"));
     assert!(with(&|bytes| bytes.clear()).contains("no recording"));
     assert!(with(&|bytes| bytes[0] = b'x').contains("no recording"));
     assert!(with(&|bytes| bytes[8] = 9).contains("version 9"));
@@ -241,7 +241,7 @@ fn a_program_that_has_changed_is_refused() {
     fs::remove_file(results.path().join("checksums.json")).unwrap();
     let said = error(&results);
     assert!(
-        said.contains("does not belong to `manifest.json`"),
+        said.contains("does not belong to the `manifest.json`"),
         "{said}"
     );
     // Even where the journal says nothing against it, what cannot be run is not.
@@ -289,7 +289,7 @@ fn what_is_asked_wrongly_is_told() {
     );
     let said = stochc("replay --run 0 tests", &[]);
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("holds no results"), "{}", said.err);
+    assert!(said.err.contains("contains no results"), "{}", said.err);
     for line in [
         "replay tests",
         "simulate tests/fixtures/dense.sa --record 0",

@@ -165,7 +165,7 @@ fn what_is_no_results_folder_is_refused() {
     for wrong in ["tests/fixtures", "Cargo.toml", "no/such/folder"] {
         let said = stochc_with("report", &[&out, wrong]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{wrong}");
-        let told = format!("`{wrong}` holds no results; give a folder");
+        let told = format!("`{wrong}` contains no results; give a folder");
         assert!(said.err.contains(&told), "{}", said.err);
     }
     assert_eq!(stochc_with("report", &[]).status, 2, "no folder at all");
@@ -215,7 +215,7 @@ fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     let said = stochc_with("report", &[&out]);
     assert_eq!(said.status, 2);
     assert!(
-        said.err.contains("does not belong to `manifest.json`"),
+        said.err.contains("does not belong to the `manifest.json`"),
         "{}",
         said.err
     );

@@ -1,7 +1,7 @@
-//! How long each capture of a program was waited for, and what captured: over all runs that did not fail.
+//! Waiting time and origin of each capture of a program, over all runs that did not fail.
 //!
-//! A capture that was under way when its run ended counts as a censored wait. Tables and reports have
-//! their figures from here alone.
+//! A capture in progress at the end of its run counts as right-censored. Tables and reports all use
+//! this module.
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -13,27 +13,27 @@ use super::Time;
 use crate::statistics::{KaplanMeier, Mean, Observation, TimeSample, quantile};
 use stochc_results::EnsembleProgram;
 
-/// Which capture of a program.
+/// Identity of a capture in a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CaptureKey {
-    /// The phase it belongs to.
+    /// Phase.
     pub phase: PhaseId,
-    /// The role that magnetizes a face.
+    /// Role of the capturing block.
     pub parent: RoleId,
-    /// The role that is given.
+    /// Role of the captured block.
     pub child: RoleId,
-    /// Which face, in the structure's frame.
+    /// Face of the capturing block, in the structure's frame.
     pub face: Face,
-    /// How often the same has been done before in the phase.
+    /// Number of equal captures before it in the phase.
     pub repetition: u32,
 }
 
-/// Tells captures that a run or a program repeats in a phase from each other.
+/// Counter that distinguishes repeated captures within a phase.
 #[derive(Debug, Default)]
 pub struct Repetitions(BTreeMap<CaptureKey, u32>);
 
 impl Repetitions {
-    /// The key of the next capture, in the order of the program or of the run.
+    /// Returns the key of the next capture, in the order of the program or of the run.
     pub fn next(
         &mut self,
         phase: PhaseId,
@@ -56,32 +56,33 @@ impl Repetitions {
     }
 }
 
-/// What many runs say of a capture.
+/// Statistics of a capture over many runs.
 #[derive(Clone, Debug)]
 pub struct Waits {
-    /// From the magnetizing of the face to the docking \[ticks\], or, censored, to the end of the run.
+    /// Waiting time from magnetizing to capture, or right-censored at the end of the run \[ticks\].
     pub time: Time,
-    /// The tenth and the ninetieth percentile \[ticks\], of a Kaplan-Meier curve if waits are censored; `None`: too few ended.
+    /// 10th and 90th percentile \[ticks\], from a Kaplan-Meier curve if waiting times are censored.
+    /// `None` if too few completed.
     pub spread: Option<(f64, f64)>,
-    /// Entries of blocks into the reach of the pull for each capture, on average; `None`: none was made, or nothing moved.
+    /// Mean entries into the reach of the pull per capture. `None` without captures or motion.
     pub entries: Option<f64>,
-    /// Ticks from the captured block's last entry to its docking, on average.
+    /// Mean time from the captured block's last entry to its capture \[ticks\].
     pub docking: Option<f64>,
-    /// Entries per tick of waiting, censored waits included; `None`: nobody waited, or nothing moved.
+    /// Entries per tick of waiting, including censored waits. `None` without waiting or motion.
     pub entry_rate: Option<f64>,
-    /// Captures of blocks that had never been captured.
+    /// Number of captures of blocks that had never been captured.
     pub free: usize,
-    /// Captures of blocks that had been released before, by their last role.
+    /// Numbers of captures of released blocks, by their last role.
     pub released: Vec<(RoleId, usize)>,
 }
 
-/// The waits for a capture while they are collected.
+/// Partial statistics of a capture.
 #[derive(Clone, Debug, Default)]
 struct CaptureTally {
     times: TimeSample,
     entries: Mean,
     docking: Mean,
-    /// Entries in all waits, also in those that led to nothing.
+    /// Entries in all waiting times, including censored ones.
     all_entries: f64,
     free: usize,
     released: BTreeMap<RoleId, usize>,
@@ -91,7 +92,7 @@ impl CaptureTally {
     fn add(&mut self, bond: &BondRecord) {
         let wait = bond.docked.saturating_sub(bond.magnetized);
         self.times.push(Observation::completed(wait as f64));
-        // Who is captured has come in, but where nothing moves.
+        // A captured block has entered at least once, except in models without motion.
         if bond.entries > 0 {
             self.entries.add(bond.entries.into());
             self.docking.add(bond.docking as f64);
@@ -126,7 +127,7 @@ impl CaptureTally {
     }
 }
 
-/// The tenth and the ninetieth percentile of waits, some of which may be censored.
+/// Returns the 10th and 90th percentile of waiting times, some of which may be censored.
 fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
     if waits.iter().all(|wait| wait.is_completed()) {
         let ended: Vec<f64> = waits.iter().map(|wait| wait.time).collect();
@@ -136,7 +137,7 @@ fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
     curve.quantile(0.1).zip(curve.quantile(0.9))
 }
 
-/// The waits for each capture while runs of one program are told, of which failed ones count nothing.
+/// Partial statistics of all captures of one program. Failed runs are ignored.
 #[derive(Clone, Debug, Default)]
 pub struct WaitsTally(BTreeMap<CaptureKey, CaptureTally>);
 
@@ -158,7 +159,7 @@ impl WaitsTally {
         }
     }
 
-    /// What they say.
+    /// Returns the statistics of each capture.
     pub fn finish(self) -> BTreeMap<CaptureKey, Waits> {
         let waits = self.0.into_iter();
         waits
@@ -167,37 +168,37 @@ impl WaitsTally {
     }
 }
 
-/// A capture of a program, in all runs that did not fail; times are in ticks.
+/// Summary of a capture over all runs that did not fail. Times are in ticks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CaptureSummary {
-    /// The phase's name.
+    /// Name of the phase.
     pub phase: String,
-    /// The phase's index, from 0.
+    /// Index of the phase, from 0.
     pub phase_number: u32,
-    /// The role that magnetized a face.
+    /// Role of the capturing block.
     pub parent: String,
-    /// Which, in the structure's frame.
+    /// Its face, in the structure's frame.
     pub face: Face,
-    /// The role that was given.
+    /// Role of the captured block.
     pub child: String,
-    /// How often the program has done the same before in this phase.
+    /// Number of equal captures before it in the phase.
     pub repetition: u32,
-    /// From the magnetizing of the face to the docking; censored where the run ended before.
+    /// Waiting time from magnetizing to capture, right-censored at the end of the run.
     pub wait: Time,
-    /// Entries of blocks into the reach of the pull for each capture, on average; `None`: none was made.
+    /// Mean entries into the reach of the pull per capture. `None` without captures.
     pub entries: Option<f64>,
-    /// Ticks from the captured block's last entry to its docking, on average.
+    /// Mean time from the captured block's last entry to its capture \[ticks\].
     pub docking: Option<f64>,
-    /// Entries per tick of waiting, of all waits together; `None`: nobody waited.
+    /// Entries per tick of waiting, over all waiting times. `None` without waiting.
     pub entry_rate: Option<f64>,
-    /// How many captured blocks had held which role before, sorted by role; the others were free.
+    /// Numbers of captured blocks by their former role, sorted by role. All others were free.
     pub released: Vec<(String, usize)>,
 }
 
-/// The captures of a program, sorted by phase and roles.
+/// Returns the captures of a program, sorted by phase and roles.
 pub fn captures(program: &EnsembleProgram, tally: WaitsTally) -> Vec<CaptureSummary> {
     (tally.finish().into_iter())
-        // What is attached by hand was not waited for.
+        // Pre-attached blocks have no waiting times.
         .filter(|(key, _)| !program.is_planted(key.phase))
         .map(|(key, waits)| CaptureSummary {
             phase: program.phase(key.phase).to_owned(),
@@ -218,7 +219,7 @@ pub fn captures(program: &EnsembleProgram, tally: WaitsTally) -> Vec<CaptureSumm
 }
 
 impl CaptureSummary {
-    /// The capture as one names it: `grow: A.up -> B`.
+    /// Returns the name of the capture: `grow: A.up -> B`.
     pub fn label(&self) -> String {
         let again = match self.repetition {
             0 => String::new(),

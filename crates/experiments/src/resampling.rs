@@ -1,16 +1,20 @@
-//! A bootstrap over runs that needs no run twice: in each sample, every run counts as often as a draw of its own says.
+//! Bootstrap over runs in a single pass: a draw for each run determines its weight in each sample.
 //!
-//! The draws are Poisson's with mean 1, to which the multinomial ones of the common bootstrap come close where there are many
-//! runs (J. A. Hanley and B. MacGibbon, *Computer Methods and Programs in Biomedicine* 83, 2006, 57-62). They are keyed by seed and
-//! run, so that sums are the same in whatever order runs are added, and the same for all that is asked of a run.
+//! Weights are Poisson with mean 1, close to the multinomial weights of the usual bootstrap for
+//! many runs. They are keyed by seed and run, so sums do not depend on the order of runs, and all
+//! statistics of a run use the same weights.
+//!
+//! # Source
+//!
+//! J. A. Hanley and B. MacGibbon, *Computer Methods and Programs in Biomedicine* 83, 57-62 (2006).
 use stochc_runtime::counter_rng::{Draws, Stream, WORDS, unit};
 
 use crate::statistics::quantile;
 
-/// Samples of the bootstrap.
+/// Number of bootstrap samples.
 pub const SAMPLES: usize = 200;
 
-/// How often a run counts in each sample.
+/// Returns the weight of a run in each sample.
 pub fn weights(seed: u64, run: u64) -> [u8; SAMPLES] {
     let mut draws = Draws::new(seed, run, Stream::Resample);
     let mut draws = draws.step(0);
@@ -23,11 +27,11 @@ pub fn weights(seed: u64, run: u64) -> [u8; SAMPLES] {
     weights
 }
 
-/// The number at which the distribution of Poisson with mean 1 reaches a probability below 1.
+/// Returns the quantile of the Poisson distribution with mean 1 at a probability below 1.
 fn poisson(probability: f64) -> u8 {
     let (mut number, mut term) = (0, (-1.0_f64).exp());
     let mut reached = term;
-    // 12 is passed with a probability below 2^-33, and no draw is nearer to 1.
+    // 12 is exceeded with a probability below 2^-33, and no draw is nearer to 1.
     while probability > reached && number < 12 {
         number += 1;
         term /= f64::from(number);
@@ -36,33 +40,33 @@ fn poisson(probability: f64) -> u8 {
     number
 }
 
-/// A sum over runs, as it is and in each sample.
+/// Sum over runs, for the original and for each sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replicates {
     runs: usize,
     sum: f64,
-    /// Empty before the first run.
+    /// Sums of the samples. Empty before the first run.
     samples: Vec<f64>,
 }
 
-/// A sum over another, such as counts over time.
+/// Ratio of two sums, such as counts over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ratio {
-    /// Of all runs.
+    /// Ratio over all runs.
     pub value: f64,
-    /// The middle 95 % of the samples; `None`: of fewer than two runs nobody knows.
+    /// Middle 95 % of the samples. `None` for fewer than two runs.
     pub interval: Option<(f64, f64)>,
 }
 
 impl Ratio {
-    /// Whether half of the interval is no longer than the value.
+    /// Returns whether half of the interval is at most the value.
     pub fn is_certain(&self) -> bool {
         (self.interval).is_some_and(|(low, high)| high - low <= 2.0 * self.value)
     }
 }
 
 impl Replicates {
-    /// Adds what a run has, which counts as often as its [`weights`] say.
+    /// Adds the value of a run with its [`weights`].
     pub fn add(&mut self, much: f64, weights: &[u8]) {
         self.samples.resize(SAMPLES, 0.0);
         self.runs += 1;
@@ -82,7 +86,7 @@ impl Replicates {
         }
     }
 
-    /// This over so many times another; `None`: the other is nothing.
+    /// Returns this sum over `times` another one, or `None` if the other is 0.
     pub fn over(&self, other: &Replicates, times: f64) -> Option<Ratio> {
         if other.sum <= 0.0 {
             return None;
@@ -128,7 +132,7 @@ mod tests {
         }
     }
 
-    /// The means of so many numbers lie within the interval about as often as is said.
+    /// The interval covers the mean with about the stated probability.
     #[test]
     fn intervals_hold_the_mean_in_19_of_20() {
         let ensembles = 400;
@@ -147,7 +151,8 @@ mod tests {
             assert!(low < ratio.value && ratio.value < high);
             inside += u32::from((low..=high).contains(&1.0));
         }
-        // Of the binomial with 0.93 (percentiles of 60 skewed numbers are somewhat short), four standard deviations around.
+        // Binomial with 0.93 (percentiles of 60 skewed numbers are slightly short), within four
+        // standard deviations.
         let share = f64::from(inside) / ensembles as f64;
         assert!((0.87..=0.99).contains(&share), "{share}");
     }

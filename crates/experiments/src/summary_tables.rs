@@ -1,14 +1,14 @@
-//! Tables that sum runs up. They are defined like those of Parquet, and have no files there.
+//! Summary tables. Defined like those of Parquet, but without files.
 use crate::sweep::{Sweep, SweepPoint};
 use crate::{Comparison, ProgramSummary, Time};
 use stochc_results::parquet::setting_column;
 use stochc_results::parquet::{FilledTable, TableDefinition};
 use stochc_results::{EnsembleProgram, Manifest};
 
-/// When a figure of a summary is null.
-const UNKNOWN: &str = "it is not known";
+/// Condition of null values in a summary.
+const UNKNOWN: &str = "unknown";
 
-/// A program and its figures.
+/// Program with its results.
 struct SummaryRow<'a> {
     program: &'a EnsembleProgram,
     summary: &'a ProgramSummary,
@@ -20,7 +20,7 @@ impl SummaryRow<'_> {
     }
 }
 
-/// Returns the figures of each program, with the numbers of the scene that a sweep has chosen for it.
+/// Returns the results of each program, with the scene parameters of a sweep.
 pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> FilledTable<'a> {
     let unit = comparison.time_unit;
     let mut table = TableDefinition::<SummaryRow<'a>>::new("summary", "a program of the ensemble");

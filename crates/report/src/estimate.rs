@@ -1,4 +1,4 @@
-//! When a program will be complete, by rates.
+//! Estimate of the time to completion of a program, from rates.
 use serde::Serialize;
 use stochc_experiments::statistics::{Observation, Summary};
 use stochc_experiments::{completion_time, phase_time};
@@ -9,69 +9,69 @@ use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
 use crate::analysis::critical_path::{critical_path, moments};
 use crate::analysis::events::Events;
 
-/// What is expected of a program.
+/// Expected times of a program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CompletionEstimate {
-    /// The program.
+    /// Name of the program.
     pub program: String,
-    /// What the times are from.
+    /// Method of the estimate.
     pub method: Method,
-    /// Reasons why the times are lower bounds. Empty if they are estimates.
+    /// Reasons for lower bounds. Empty: the times are estimates.
     pub lower_bound: LowerBoundReasons,
-    /// Draws or runs that completed.
+    /// Number of draws or runs that completed.
     pub completed: u64,
-    /// Those that did not: a phase came to its timeout, or a run to its last tick.
+    /// Number of draws or runs that did not complete because of a timeout or the limit of ticks.
     pub incomplete: u64,
-    /// Of the whole program, those that did not complete being slower than all others; `None`: less than a tenth of them completed, or there
-    /// is no block for a capture.
+    /// Times of the whole program. Incomplete draws count as slower than all others. `None`: less
+    /// than a tenth completed, or a capture has no remaining block.
     pub total: Option<Times>,
-    /// Of each phase that is not planted.
+    /// Times of each phase that is not pre-attached.
     pub phases: Vec<PhaseEstimate>,
-    /// Captures and releases, with the part of the time that was waited for each and nothing else: the largest first.
+    /// Captures and releases with their shares of the time, the largest first.
     pub shares: Vec<Share>,
 }
 
-/// What times are from.
+/// Method of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Method {
-    /// Waits, drawn and added up along the dependency graph.
+    /// Sums of drawn waits along the dependency graph.
     Graph {
-        /// What that leaves out.
+        /// Interactions that the sums ignore.
         interaction: Interaction,
-        /// By how much means were off at most, beside runs by the same rates.
+        /// Largest relative error of means, compared with runs by the same rates.
         error: f64,
-        /// Whether nobody has measured the rates of the scene.
+        /// Whether the rates of the scene are uncalibrated.
         is_first_guess: bool,
     },
-    /// Runs by rates that were measured.
+    /// Runs by calibrated rates.
     Runs,
 }
 
-/// What is expected of a phase.
+/// Expected times of a phase.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseEstimate {
-    /// Its name.
+    /// Name of the phase.
     pub name: String,
-    /// In ticks, of those that came to it; `None`: too few of them got to its end, or a run came to its last tick in it sooner than
-    /// others to its end.
+    /// Times of the draws that reached the phase \[ticks\]. `None`: too few completed it, or the
+    /// limit of ticks ended some draws earlier.
     pub times: Option<Times>,
 }
 
-/// What an event decides.
+/// Share of an event in the time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// As the program writes it.
+    /// Text of the event as in the program.
     pub event: String,
-    /// The phase that it is of.
+    /// Name of its phase.
     pub phase: String,
-    /// The part of all time in which nothing but it was waited for.
+    /// Share of the total time in which only this event was waited for.
     pub share: f64,
 }
 
 impl CompletionEstimate {
-    /// From the records of a program's runs by rates.
-    /// `lower_bound`: see [`EnsembleProgram::lower_bound`].
+    /// Estimates from the records of a program's runs by rates. `is_compiled`: no other method was
+    /// possible. `lower_bound`: see [`EnsembleProgram::lower_bound`].
     pub fn of_runs(
         program: &EnsembleProgram,
         records: &[&RunRecord],
@@ -107,7 +107,8 @@ impl CompletionEstimate {
     }
 }
 
-/// What observations come to, in which a run that did not complete is slower than all that did; `None` where that is not known.
+/// Returns the times of observations. Incomplete runs count as slower than all others. `None`: this
+/// is unknown.
 fn times(seen: &[Observation]) -> Option<Times> {
     let times: Vec<f64> = seen.iter().filter_map(|it| it.completed_time()).collect();
     let longest = times.iter().copied().fold(0.0, f64::max);
@@ -116,7 +117,7 @@ fn times(seen: &[Observation]) -> Option<Times> {
     if !seen.iter().all(is_slower) {
         return None;
     }
-    // Student's interval, as that of a table of the same runs.
+    // Student's interval, equal to that in a table of the same runs.
     let half_width = Summary::from_values(&times).and_then(|summary| summary.half_width);
     let times = Times::new(times, never)?;
     Some(Times {
@@ -125,7 +126,7 @@ fn times(seen: &[Observation]) -> Option<Times> {
     })
 }
 
-/// Who was waited for along the critical paths.
+/// Returns the shares of events on the critical paths.
 fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
     let events = Events::new(program);
     let mut ticks = vec![0.0; events.events.len()];

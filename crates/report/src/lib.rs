@@ -1,8 +1,9 @@
-//! What ensembles found, in the forms that people and other programs read.
+//! Presentation of the results of ensembles.
 //!
-//! [`tables`] are text for a terminal, [`figures`] pictures, [`ensemble_report`] a page on ensembles, [`replay`] one that
-//! shows a run again, and [`export`] files for other programs. All are functions of manifests, records and recordings, and write
-//! nothing by themselves.
+//! [`tables`] are text for a terminal, [`figures`] are drawings, [`ensemble_report`] is a page on
+//! ensembles, [`replay`] is a page that replays a run, and [`export`] writes files for other
+//! programs. All are functions of manifests, records and recordings. They do not write to disk by
+//! themselves.
 mod analysis;
 pub mod ensemble_report;
 pub mod estimate;

@@ -1,25 +1,25 @@
-//! How programs and times are shown.
+//! Presentation of programs and times.
 use std::str::FromStr;
 
 use stochc_experiments::TimeUnit;
 use stochc_results::EnsembleProgram;
 
-/// The name of a program, and the text that tables and figures have for it.
+/// Name of a program, with its text in tables and figures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramLabel {
-    /// The program's name in the ensemble, without the values of a sweep.
+    /// Name of the program in the ensemble, without the values of a sweep.
     pub name: String,
-    /// The text in its place.
+    /// Text to show.
     pub text: String,
 }
 
-/// The unit of times and the names of programs in tables and figures.
+/// Unit of times and names of programs in tables and figures.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Presentation {
     /// Whether all times are in seconds. Otherwise they are in ticks if all programs have ticks of
     /// one length.
     pub in_seconds: bool,
-    /// Other names of programs.
+    /// Texts of programs.
     pub labels: Vec<ProgramLabel>,
 }
 
@@ -38,7 +38,7 @@ impl FromStr for ProgramLabel {
 }
 
 impl ProgramLabel {
-    /// Whether a name is that of the program, or of a point of its sweep.
+    /// Returns whether a name is that of the program or of a point of its sweep.
     pub fn is_of(&self, name: &str) -> bool {
         let values = name.strip_prefix(&*self.name);
         values.is_some_and(|values| values.is_empty() || values.starts_with(" ["))
@@ -46,7 +46,7 @@ impl ProgramLabel {
 }
 
 impl Presentation {
-    /// Returns the text for a program or a point of its sweep: its name, if it has no label.
+    /// Returns the text for a program or a point of its sweep. This is its name if it has no label.
     pub fn label(&self, name: &str) -> String {
         let label = self.labels.iter().find(|label| label.is_of(name));
         label.map_or(name.to_owned(), |label| {
@@ -54,7 +54,7 @@ impl Presentation {
         })
     }
 
-    /// Returns the first label that is of none of these programs.
+    /// Returns the first label that belongs to none of these programs.
     pub fn unused<'a>(
         &self,
         programs: impl Iterator<Item = &'a EnsembleProgram> + Clone,

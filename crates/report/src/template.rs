@@ -1,14 +1,15 @@
-//! Pages of HTML with a script: a text with places to fill, and a policy that lets nothing else in.
+//! HTML pages with a script: a template with placeholders, and a restrictive content policy.
 use std::io::{self, Write};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest as _, Sha256};
 
-/// Writes a template, and at each `@NAME@` in it what `put` writes.
+/// Writes a template. For each `@NAME@` in it, `put` writes the content.
 ///
 /// # Errors
-/// Those of `put` and `out`.
+///
+/// Errors of `put` and `out`.
 pub(crate) fn fill<W: Write>(
     template: &str,
     out: &mut W,
@@ -24,7 +25,7 @@ pub(crate) fn fill<W: Write>(
     out.write_all(rest.as_bytes())
 }
 
-/// Returns a policy that allows nothing from elsewhere, and only this script.
+/// Returns a policy that forbids all external resources and allows only this script.
 pub(crate) fn policy(script: &str) -> String {
     let hash = BASE64.encode(Sha256::digest(script.as_bytes()));
     format!(

@@ -1,10 +1,10 @@
-//! Which build of `stochc` made a run.
+//! Build of `stochc` that made a run.
 //!
-//! A version number changes with a release, what a run makes of its tables and its scene with every change of the
-//! protocol, the rates or the runtime. A build is told from others by a digest of their sources, which is the same on every
-//! machine. What the compiler makes of a text is in the manifest.
+//! A version number changes with a release, but results may change with every change of the
+//! protocol, the rates or the runtime. A digest of their sources identifies a build, equally on
+//! every machine. The output of the compiler is in the manifest.
 
-/// The digest of this build: 16 hexadecimal digits.
+/// Returns the digest of this build: 16 hexadecimal digits.
 pub fn this_build() -> String {
     let sources = [
         stochc_ir::SOURCES,
@@ -17,8 +17,7 @@ pub fn this_build() -> String {
     digest
 }
 
-/// What is to be said where this build makes runs that belong to those of others, or makes them again;
-/// `None`: there are no others.
+/// Returns a message if this build adds to or repeats runs of other builds.
 pub fn other_build(builds: &[String]) -> Option<String> {
     let this = this_build();
     let other = builds.iter().find(|&build| *build != this)?;

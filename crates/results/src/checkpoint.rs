@@ -1,8 +1,8 @@
-//! Checkpoints: the states of runs under way, in a folder beside the journal, from which they go on after whatever has
-//! ended the process.
+//! Checkpoints: states of running runs in a folder next to the journal. Runs resume from them after
+//! an interruption of the process.
 //!
-//! A file is a line of JSON with its checksum, the state as [`stochc_ir::state`] writes it, and a checksum (CRC-32) of both.
-//! The line names the build, ensemble, program and run.
+//! A file is a line of JSON with its checksum, the state as written by [`stochc_ir::state`], and a
+//! checksum (CRC-32) of both. The line names the build, ensemble, program and run.
 //!
 //! Runs of models without [`stochc_runtime::Model::has_state`] have no checkpoints.
 use std::cell::Cell;
@@ -27,38 +27,38 @@ use crate::folder::{CHECKPOINTS, DAMAGED};
 use crate::integrity::{FileIntegrity, Integrity};
 use stochc_text::{duration, visible};
 
-/// Of the file.
+/// Version of the file format.
 const VERSION: u32 = 1;
 
-/// How the name of a checkpoint ends.
+/// Suffix of the file name of a checkpoint.
 const SUFFIX: &str = ".state";
-/// Bytes of the first line, fewer than which it has.
+/// Limit on the length of the first line [bytes], exclusive.
 const MAX: u64 = 1 << 12;
-/// Bytes of the checksum at the end.
+/// Length of the checksum at the end [bytes].
 const CHECKSUM: u64 = 4;
 
-/// Ticks between two looks at the clock.
+/// Number of ticks between two readings of the clock.
 const LOOK_EVERY: u32 = 16;
-/// At most one part in so many of a run's time goes into its checkpoints.
+/// Reciprocal of the largest share of a run's time that its checkpoints take.
 const SHARE: u32 = 100;
-/// A run that is told to stop loses less than this, if it is asked for checkpoints at all.
+/// Shortest interval. A stopped run with checkpoints loses at most this time.
 const MIN: Duration = Duration::from_secs(10);
 
-/// How often the state of a run is kept.
+/// Interval of checkpoints of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interval {
-    /// So much time after the last one, or after a hundred times as long as that took.
+    /// This time after the last checkpoint, or a hundred times the duration of writing it.
     ///
-    /// When it is kept changes nothing of a run, so that the clock may decide it: what a kill costs is time.
+    /// Checkpoints never affect results, so the clock may decide: a kill costs only time.
     Time(Duration),
-    /// At every so many ticks, whatever that takes.
+    /// This number of ticks, at any cost.
     Ticks(u64),
-    /// Never.
+    /// No checkpoints.
     Never,
 }
 
 impl Interval {
-    /// Five minutes.
+    /// Default: five minutes.
     pub const DEFAULT: Interval = Interval::Time(Duration::from_secs(300));
 }
 
@@ -85,7 +85,7 @@ impl FromStr for Interval {
         }
         match text.strip_suffix("ticks") {
             Some(ticks) => match ticks.trim_end().parse() {
-                Ok(0) => Err("no ticks are too few".to_owned()),
+                Ok(0) => Err("the interval must be at least one tick".to_owned()),
                 parsed => parsed.map(Interval::Ticks).map_err(|_| wrong()),
             },
             None => duration(text).map(Interval::Time).map_err(|_| wrong()),
@@ -93,10 +93,10 @@ impl FromStr for Interval {
     }
 }
 
-/// A run, by the number of its program and its own.
+/// Run by the index of its program and its number.
 type RunKey = (usize, u64);
 
-/// The first line of a file.
+/// First line of a checkpoint file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct CheckpointHeader {
     checkpoint: u32,
@@ -107,37 +107,38 @@ struct CheckpointHeader {
     tick: u64,
 }
 
-/// What a file is.
+/// Content of a checkpoint file.
 enum CheckpointFile {
-    /// A state of this ensemble by this build: its tick, and where the state begins and ends.
+    /// Valid state of this ensemble by this build: its tick, and its range in the file.
     Sound(u64, [u64; 2]),
-    /// A state of something else; what.
+    /// Valid state of something else, with a description.
     Foreign(&'static str),
-    /// Why.
+    /// Corrupted, with the reason.
     Damaged(String),
 }
 
-/// The checkpoints of an ensemble.
+/// Checkpoints of an ensemble.
 #[derive(Debug)]
 pub struct Checkpoints {
-    /// Of the results.
+    /// Results folder.
     path: PathBuf,
     ensemble: String,
     build: String,
-    /// Of the programs.
+    /// Names of the programs.
     names: Vec<String>,
     interval: Interval,
-    /// The runs of which there is one.
+    /// Runs with a checkpoint.
     there: Mutex<BTreeSet<RunKey>>,
     notes: Mutex<Vec<String>>,
 }
 
 impl Checkpoints {
-    /// Looks through the checkpoints in a folder of results: what is damaged is moved aside. Of runs that nobody `wants` any
-    /// more they are left alone.
+    /// Opens the checkpoints in a results folder and moves corrupted ones aside. Ignores those of
+    /// runs that `wants` rejects.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn open(
         path: &Path,
         manifest: &Manifest,
@@ -166,10 +167,10 @@ impl Checkpoints {
             match checkpoints.identify(key, &opened(&file)?)? {
                 CheckpointFile::Sound(tick, _) => {
                     checkpoints.there().insert(key);
-                    checkpoints.note(format!("{run} goes on from its checkpoint at tick {tick}"));
+                    checkpoints.note(format!("{run} resumes from its checkpoint at tick {tick}"));
                 }
                 CheckpointFile::Foreign(what) => checkpoints.note(format!(
-                    "the checkpoint of {run} is not used, for it is {what}; the run begins anew"
+                    "the checkpoint of {run} is not used because it is {what}; the run restarts"
                 )),
                 CheckpointFile::Damaged(why) => checkpoints.refuse(key, &why)?,
             }
@@ -177,21 +178,21 @@ impl Checkpoints {
         Ok(checkpoints)
     }
 
-    /// Takes out what there is to be told: sentences without their ends.
+    /// Returns and removes the messages so far: sentences without a period.
     pub fn notes(&self) -> Vec<String> {
-        std::mem::take(&mut *self.notes.lock().expect("nobody panics while it is held"))
+        std::mem::take(&mut *self.notes.lock().expect("no panic while it is locked"))
     }
 
     fn note(&self, note: String) {
-        let mut notes = self.notes.lock().expect("nobody panics while it is held");
-        // A disk that is full is so every time.
+        let mut notes = self.notes.lock().expect("no panic while it is locked");
+        // A full disk repeats the same error.
         if !notes.contains(&note) {
             notes.push(note);
         }
     }
 
     fn there(&self) -> std::sync::MutexGuard<'_, BTreeSet<RunKey>> {
-        self.there.lock().expect("nobody panics while it is held")
+        self.there.lock().expect("no panic while it is locked")
     }
 
     fn shown(&self, (program, run): RunKey) -> String {
@@ -202,22 +203,24 @@ impl Checkpoints {
         file(&self.path, key)
     }
 
-    /// Moves a checkpoint aside that nothing can go on from.
+    /// Moves an unusable checkpoint aside.
     fn refuse(&self, key: RunKey, why: &str) -> io::Result<()> {
         self.there().remove(&key);
         let moved = move_aside(&self.file(key), &self.path.join(DAMAGED))?;
         let run = self.shown(key);
         self.note(format!(
-            "the checkpoint of {run} {why}; it is now `{}`, and the run begins anew",
+            "the checkpoint of {run} {why}; it is now `{}`, and the run restarts",
             visible(&moved.to_string_lossy())
         ));
         Ok(())
     }
 
-    /// Removes the checkpoint of a run that is done, after `sync` has made what is known of that survive a loss of power.
+    /// Removes the checkpoint of a finished run, after `sync` has made its record survive a power
+    /// failure.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub(crate) fn remove(
         &self,
         program: usize,
@@ -232,7 +235,7 @@ impl Checkpoints {
         gone(disk::remove(&self.file(key)))
     }
 
-    /// Has the states kept of a run that begins.
+    /// Returns the checkpoints of a run that begins.
     pub(crate) fn of_run(&self, program: usize, run: u64) -> RunCheckpoints<'_> {
         RunCheckpoints {
             all: self,
@@ -269,10 +272,10 @@ impl Checkpoints {
         Ok(CheckpointFile::Foreign(foreign))
     }
 
-    /// Writes a file whole, or leaves the one that is there.
+    /// Writes a checkpoint atomically.
     fn write(&self, (program, run): RunKey, tick: u64, save: &mut Save<'_>) -> io::Result<()> {
         make_own_folder(&self.path.join(CHECKPOINTS))?;
-        // Several machines may make one piece: what each writes is a state of the same run.
+        // Several machines may run one shard. Each writes a valid state of the same run.
         let draft = Draft::new(&self.file((program, run)), Replaces::Same)?;
         let mut draft = Summed::new(draft);
         let header = CheckpointHeader {
@@ -293,24 +296,24 @@ impl Checkpoints {
     }
 }
 
-/// The checkpoints of one run, for as long as a thread makes it.
+/// Checkpoints of one run, for the thread that makes it.
 pub(crate) struct RunCheckpoints<'a> {
     all: &'a Checkpoints,
     key: RunKey,
-    /// That was told last.
+    /// Last reported tick.
     tick: Cell<u64>,
     calls: Cell<u32>,
-    /// When and at which tick it began, or its state was kept last.
+    /// Time and tick of the start or of the last checkpoint.
     since: Cell<(Instant, u64)>,
-    /// How long it has to be since then.
+    /// Required time since then.
     wait: Cell<Duration>,
     is_due: Cell<bool>,
-    /// It has begun with what was kept.
+    /// Whether the run was resumed from a checkpoint.
     has_begun: Cell<bool>,
 }
 
 impl RunCheckpoints<'_> {
-    /// Takes in that a tick begins, and whether the run is told to stop.
+    /// Records that a tick begins, and whether the run is asked to stop.
     pub fn tick(&self, tick: u64, is_stopped: bool) {
         self.tick.set(tick);
         let (then, at) = self.since.get();
@@ -330,12 +333,12 @@ impl RunCheckpoints<'_> {
         self.is_due.get()
     }
 
-    /// A state that is not kept costs no run.
+    /// Writes a checkpoint. Errors become messages and do not stop the run.
     pub fn keep(&self, save: &mut Save<'_>) {
         let (tick, begun) = (self.tick.get(), now());
         if let Err(error) = self.all.write(self.key, tick, save) {
             let run = self.all.shown(self.key);
-            (self.all).note(format!("the state of {run} cannot be kept: {error}"));
+            (self.all).note(format!("cannot write a checkpoint of {run}: {error}"));
         }
         let now = now();
         self.since.set((now, tick));
@@ -344,7 +347,7 @@ impl RunCheckpoints<'_> {
         }
     }
 
-    /// What the run begins with.
+    /// Returns the checkpoint to resume from.
     pub fn begin(&self) -> Option<Box<dyn Read>> {
         if !self.all.there().contains(&self.key) {
             return None;
@@ -363,7 +366,7 @@ impl RunCheckpoints<'_> {
                 self.has_begun.set(true);
                 Some(Box::new(state))
             }
-            // Somebody else has made the run to its end, or has changed it.
+            // Another process has finished the run or changed the file.
             Err(_) => {
                 self.all.there().remove(&self.key);
                 None
@@ -371,12 +374,13 @@ impl RunCheckpoints<'_> {
         }
     }
 
-    /// Takes back that the run began with what was kept, because nothing came of that; whether it did.
+    /// Discards a checkpoint from which the run could not be resumed. Returns whether there was
+    /// one.
     pub fn begins_anew(&self) -> bool {
         if !self.has_begun.replace(false) {
             return false;
         }
-        let why = "is no state of it as it is recorded now";
+        let why = "does not fit its present recording";
         if let Err(error) = self.all.refuse(self.key, why) {
             let run = self.all.shown(self.key);
             (self.all).note(format!("the checkpoint of {run} {why}: {error}"));
@@ -391,7 +395,7 @@ fn file(path: &Path, (program, run): RunKey) -> PathBuf {
         .join(format!("{program}-{run}{SUFFIX}"))
 }
 
-/// The checkpoints in a folder of results, sorted.
+/// Returns the checkpoints in a results folder, sorted.
 fn list(path: &Path) -> io::Result<Vec<(RunKey, PathBuf)>> {
     let of = |path: &Path| {
         let name = path.file_name()?.to_str()?;
@@ -410,7 +414,7 @@ fn opened(file: &Path) -> io::Result<File> {
     open_own(file, OpenOptions::new().read(true))
 }
 
-/// All files beside each other.
+/// Returns all files in the checkpoint folder.
 fn files(path: &Path) -> io::Result<Vec<PathBuf>> {
     match disk::list(&path.join(CHECKPOINTS)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
@@ -418,10 +422,12 @@ fn files(path: &Path) -> io::Result<Vec<PathBuf>> {
     }
 }
 
-/// Removes all checkpoints that nobody `wants`, and what kills have left of some, from a folder in which nobody makes any.
+/// Removes all checkpoints that `wants` rejects, and leftovers, from a folder without running
+/// simulations.
 ///
 /// # Errors
-/// Those of the file system.
+///
+/// Errors of the file system.
 pub(crate) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Result<()> {
     let wanted = list(path)?.into_iter();
     let wanted: BTreeSet<PathBuf> = wanted
@@ -444,7 +450,7 @@ pub(crate) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Resu
     }
 }
 
-/// How the checkpoints of a folder are.
+/// Returns the integrity of a folder's checkpoints.
 pub(crate) fn health(path: &Path) -> Vec<FileIntegrity> {
     let health = |((program, run), file): (RunKey, PathBuf)| {
         let name = format!("{CHECKPOINTS}/{program}-{run}{SUFFIX}");
@@ -468,7 +474,8 @@ pub(crate) fn health(path: &Path) -> Vec<FileIntegrity> {
     }
 }
 
-/// Reads the first line of a file and holds all of it against its checksum; or what is wrong with it.
+/// Reads the first line of a file and checks the checksum of the rest. Returns the reason if it is
+/// invalid.
 fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static str>> {
     let damaged = Ok(Err("is damaged"));
     let bytes = file.metadata()?.len();
@@ -500,7 +507,7 @@ fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static
     }
 }
 
-/// What somebody else has removed is gone as well.
+/// Accepts that another process has already removed a file.
 fn gone(removed: io::Result<()>) -> io::Result<()> {
     match removed {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),

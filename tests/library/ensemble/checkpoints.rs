@@ -80,7 +80,7 @@ fn a_run_that_is_stopped_goes_on_from_there() {
     let notes = resumed(folder.path(), &manifest);
     assert_eq!(
         notes,
-        ["run 2 of `right` goes on from its checkpoint at tick 70"]
+        ["run 2 of `right` resumes from its checkpoint at tick 70"]
     );
     assert!(bytes(folder.path()) == undisturbed(&manifest));
     assert!(!folder.path().join(CHECKPOINTS).exists());
@@ -115,7 +115,7 @@ fn a_damaged_checkpoint_is_moved_aside_and_its_run_begins_anew() {
                 note.contains("of run 2 of `right` is damaged; it is now"),
                 "{note}"
             );
-            assert!(note.ends_with("and the run begins anew"), "{note}");
+            assert!(note.ends_with("and the run restarts"), "{note}");
             assert!(bytes(folder.path()) == tables, "{at}");
             assert!(folder.path().join("damaged/1-2.state").exists());
         }
@@ -146,7 +146,7 @@ fn a_state_that_makes_no_sense_costs_no_run() {
         let notes = resumed(folder.path(), &manifest);
         assert_eq!(notes.len(), 2, "{notes:?}");
         assert!(
-            notes[1].contains("is no state of it as it is recorded now; it is now"),
+            notes[1].contains("does not fit its present recording; it is now"),
             "{notes:?}"
         );
         assert!(bytes(folder.path()) == undisturbed(&manifest));
@@ -222,7 +222,7 @@ fn a_checkpoint_of_something_else_is_not_used() {
         );
         let notes = resumed(folder.path(), &manifest);
         let told = format!(
-            "the checkpoint of run 2 of `right` is not used, for it is {what}; the run begins anew"
+            "the checkpoint of run 2 of `right` is not used because it is {what}; the run restarts"
         );
         assert_eq!(notes, [told]);
         assert!(bytes(folder.path()) == undisturbed(&manifest));
@@ -263,7 +263,7 @@ fn a_piece_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
     let notes = piece.checkpoints().unwrap().notes();
     assert_eq!(
         notes,
-        ["run 2 of `right` goes on from its checkpoint at tick 70"]
+        ["run 2 of `right` resumes from its checkpoint at tick 70"]
     );
     assert!(make(&piece, &simulate));
     // Somebody else has been at it, and was killed.

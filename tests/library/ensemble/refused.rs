@@ -40,7 +40,7 @@ fn content(path: &Path) -> Vec<(String, Vec<u8>)> {
 fn other_files_are_not_touched() {
     let folder = tempfile::tempdir().unwrap();
     put(&folder.path().join("thesis.tex"), "precious");
-    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` holds other files than results; choose an empty or a new folder");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` contains other files; choose an empty or a new folder");
     assert_snapshot!(error(&folder.path().join("thesis.tex"), &manifest(2), true), @"`DIR` is a file; choose another name for the folder");
 }
 
@@ -50,7 +50,7 @@ fn runs_without_a_manifest_are_not_touched() {
     complete(folder.path(), &manifest(2), 1);
     fs::remove_file(folder.path().join("manifest.json")).unwrap();
     let before = content(folder.path());
-    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` holds runs, but its `manifest.json` is gone, without which nobody can read them; put it back, or choose another folder");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` contains runs, but no `manifest.json`, which is needed to read them; restore it, or choose another folder");
     let told = Folder::read(folder.path()).unwrap_err().to_string();
     assert!(told.contains("is gone"), "{told}");
     let told = verify(folder.path()).unwrap_err().to_string();
@@ -78,16 +78,16 @@ fn another_ensemble_is_refused_with_what_differs() {
     other.settings.substeps = 16;
     other.settings.max_ticks = Some(100);
     other.settings.solver_iterations = Some(3);
-    assert_snapshot!(refused(&other), @"`DIR` holds another ensemble: the seed is `18446744073709551615` there and `4` here, the number of substeps is `2/8` there and `2/16` here, the limit of ticks is `none` there and `100` here, `solver-iterations` is `10` there and `3` here; choose another folder, results are never overwritten");
+    assert_snapshot!(refused(&other), @"`DIR` contains another ensemble: the seed is `18446744073709551615` there and `4` here, the number of substeps is `2/8` there and `2/16` here, the limit of ticks is `none` there and `100` here, `solver-iterations` is `10` there and `3` here; choose another folder, because results are never overwritten");
 
     let mut other = manifest(2);
     other.programs[0].sources[0].text.push(' ');
     other.programs[1].scene.tick *= 1.0 + f64::EPSILON;
-    assert_snapshot!(refused(&other), @"`DIR` holds another ensemble: the text of `left` has changed, the scene of `right` has changed; choose another folder, results are never overwritten");
+    assert_snapshot!(refused(&other), @"`DIR` contains another ensemble: the text of `left` has changed, the scene of `right` has changed; choose another folder, because results are never overwritten");
 
     let mut other = manifest(2);
     other.programs.push(program("left"));
-    assert_snapshot!(refused(&Manifest::new(Settings::default(), u64::MAX, 2, other.programs)), @"`DIR` holds another ensemble: the list of programs is `left, right` there and `left, right, left (2)` here; choose another folder, results are never overwritten");
+    assert_snapshot!(refused(&Manifest::new(Settings::default(), u64::MAX, 2, other.programs)), @"`DIR` contains another ensemble: the list of programs is `left, right` there and `left, right, left (2)` here; choose another folder, because results are never overwritten");
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn paths_and_the_number_of_runs_are_no_part_of_the_identity() {
 fn going_on_has_to_be_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(3), 1);
-    assert_snapshot!(error(folder.path(), &manifest(5), false), @"`DIR` holds 6 of the 10 runs of this ensemble; resume it: stochc resume DIR");
+    assert_snapshot!(error(folder.path(), &manifest(5), false), @"`DIR` contains 6 of the 10 runs of this ensemble; resume it: stochc resume DIR");
     assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` is an ensemble of 3 runs of each program, more than the 2 asked for; ask for 3, or choose another folder");
 }
 
@@ -123,7 +123,7 @@ fn a_journal_of_another_ensemble_is_refused() {
     complete(other.path(), &changed, 1);
     let journal = |of: &tempfile::TempDir| of.path().join("journal.jsonl");
     fs::copy(journal(&other), journal(&folder)).unwrap();
-    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to `manifest.json` beside it; move both to where they came from, or choose another folder; if one is damaged, `stochc fsck --repair` may help");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to the `manifest.json` in its folder; move both to where they came from, or choose another folder; if one is damaged, `stochc fsck --repair` may help");
 }
 
 #[test]

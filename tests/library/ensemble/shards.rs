@@ -407,7 +407,7 @@ fn an_ensemble_of_another_build_gets_no_pieces() {
         put(&folder.path().join("manifest.json"), manifest.to_json());
         let told = Piece::open(folder.path(), 0).unwrap_err().to_string();
         assert!(
-            told.contains("make its pieces with the `stochc` that has cut it"),
+            told.contains("run its shards with the `stochc` that split it"),
             "{told}"
         );
         let told = prepare(folder.path(), &self::manifest(RUNS), 2)
@@ -476,7 +476,7 @@ fn what_cannot_be_cut_is_refused() {
     let told = status(&folder.path().join("nothing"))
         .unwrap_err()
         .to_string();
-    assert!(told.contains("holds no results"), "{told}");
+    assert!(told.contains("contains no results"), "{told}");
 }
 
 #[test]

@@ -1,27 +1,30 @@
-//! The free gas, where nobody captures.
+//! Density profile of the free blocks without captures.
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_runtime::Settings;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena as _, SceneError, World as _};
 
-/// Ticks that the blocks need to forget that they began at rest.
+/// Ticks until the initial state at rest is forgotten.
 const WARM_UP: u64 = 500;
 
-/// Ticks that are looked at, and between two looks. Of 4000 ticks the density of a layer is known to some 7 %, of these to 2 %.
+/// Observation time and interval \[ticks\]. The relative error of a layer's density is about 2 %;
+/// with 4000 ticks it would be 7 %.
 const TICKS: u64 = 40_000;
 const EVERY: u64 = 5;
 
-/// Half of the width of the column over the plate that is looked at, in sides.
+/// Half-width of the observed column above the plate \[block lengths\].
 const HALF_WIDTH: f64 = 6.0;
 
-/// Layers of one side that are looked at, at most.
+/// Largest number of observed layers of one block length.
 const LAYERS: usize = 64;
 
-/// The density of free blocks over the plate in each layer of cells, over the mean of the layers that there are.
+/// Returns the density of free blocks above the plate in each layer of cells, relative to the mean
+/// of the layers.
 ///
 /// # Errors
-/// When the scene cannot be set up.
+///
+/// If the scene cannot be set up.
 pub fn profile(scene: &Scene, settings: &Settings, seed: u64) -> Result<Vec<f64>, SceneError> {
     let plate = Plate { width: 3, depth: 3 };
     let mut world = RigidWorld::new(scene, &plate, settings, seed, 0)?;

@@ -1,30 +1,30 @@
-//! What blocks do that are let go near an open face.
+//! Observation of head starts: captures of blocks released near an open face.
 use std::collections::BTreeMap;
 
 use stochc_estimate::{HeadStart, relative};
 
 use super::observation::{History, LATELY, NEAR, WaitingFace};
 
-/// Ticks after which a block that comes back has come by chance.
+/// Ticks after which a returning block counts as any other.
 const LATEST: u64 = 2 * LATELY;
 
-/// Releases of which there have to be so many for a place to count.
+/// Smallest number of releases for a head start.
 const MIN: u32 = 10;
 
-/// Ticks after which a face is no longer a moment late: messages that take no time are there in one.
+/// Largest delay of a late face \[ticks\]. Messages that take no time arrive within one tick.
 const A_MOMENT: u64 = 2;
 
-/// By whether the face was late, and where the block was from the open cell ([`relative`]): how many were let go there, how many docked,
-/// and in how many ticks together.
+/// Tally by lateness of the face and position of the block relative to the open cell
+/// ([`relative`]). Counts releases, captures, and the sum of capture times.
 #[derive(Debug, Default)]
 pub(super) struct HeadStartTally(BTreeMap<(bool, u32, i32), (u32, u32, u64)>);
 
 impl HeadStartTally {
-    /// Takes the releases of a run into account.
+    /// Adds the releases of a run.
     pub fn add(&mut self, history: &History) {
         let released = || history.moves.iter().filter(|it| !it.came);
         for it in released() {
-            // What opens with the release or a moment later, or waits already.
+            // Faces that are open, or open with the release or shortly after.
             let open =
                 |wait: &&WaitingFace| wait.since <= it.tick + A_MOMENT && wait.until > it.tick;
             for wait in history.waits.iter().filter(open) {
@@ -39,7 +39,7 @@ impl HeadStartTally {
                 }
                 let ticks = wait.until - it.tick.max(wait.since);
                 let docked = wait.captured == Some(it.body) && ticks <= LATEST;
-                // Another that was let go with it was faster.
+                // A block released at the same time was faster.
                 let beaten = ticks <= LATEST
                     && released().any(|other| {
                         other.body != it.body
@@ -56,7 +56,7 @@ impl HeadStartTally {
         }
     }
 
-    /// What is known of them.
+    /// Returns the observed head starts.
     pub fn summary(&self) -> Vec<HeadStart> {
         let known = self
             .0

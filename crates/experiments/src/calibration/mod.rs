@@ -1,7 +1,8 @@
-//! From runs with physics to the rates of a scene.
+//! Calibration: rates of a scene from physical runs.
 //!
-//! Programs that grow are simulated ([`PROGRAMS`]), and every wait in them is an observation of the law of [`stochc_estimate`] in surroundings that
-//! change while it lasts. The parameters are those of the greatest likelihood, held near what is usual by a weak prior.
+//! Growing programs are simulated ([`PROGRAMS`]). Every waiting time is an observation of the rate
+//! law of [`stochc_estimate`], in surroundings that change during the wait. The parameters maximize
+//! the likelihood, with a weak prior from typical scenes.
 mod gas;
 mod head_start;
 mod likelihood;
@@ -16,9 +17,10 @@ pub use gas::profile;
 use head_start::HeadStartTally;
 use observation::Observations;
 
-/// Programs to observe: a name and a text each.
+/// Programs to observe: name and source.
 ///
-/// What grows tells more than a block beside a structure that stands: that misleads by 5 to 10 %.
+/// Growing structures are required: single blocks next to a fixed structure give errors of 5 to 10
+/// %.
 pub const PROGRAMS: [(&str, &str); 25] = [
     ("towers", include_str!("programs/towers.sa")),
     ("wall", include_str!("programs/wall.sa")),
@@ -47,7 +49,7 @@ pub const PROGRAMS: [(&str, &str); 25] = [
     ("fin", include_str!("programs/fin.sa")),
 ];
 
-/// What was observed of a scene.
+/// Observations of a scene.
 #[derive(Debug)]
 pub struct Calibration {
     scene: Scene,
@@ -56,10 +58,10 @@ pub struct Calibration {
     head_starts: HeadStartTally,
 }
 
-/// Why there are no rates.
+/// Error: too few captures for rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooFew {
-    /// The captures that were observed.
+    /// Number of observed captures.
     pub captures: u64,
 }
 
@@ -73,11 +75,11 @@ impl std::fmt::Display for TooFew {
     }
 }
 
-/// Captures that a calibration needs.
+/// Smallest number of captures for a calibration.
 const MIN: u64 = 100;
 
 impl Calibration {
-    /// Nothing yet, of a scene with this [`profile`] of its gas.
+    /// Returns an empty calibration of a scene with this [`profile`] of its gas.
     pub fn new(scene: &Scene, profile: Vec<f64>) -> Calibration {
         Calibration {
             scene: scene.clone(),
@@ -87,7 +89,7 @@ impl Calibration {
         }
     }
 
-    /// Takes a run into account.
+    /// Adds a run.
     pub fn observe(&mut self, record: &RunRecord) {
         let history = observation::History::from_record(record);
         self.observations
@@ -95,10 +97,11 @@ impl Calibration {
         self.head_starts.add(&history);
     }
 
-    /// The rates that follow; `settings` and `seed` are those of the runs.
+    /// Returns the rates. `settings` and `seed` are those of the runs.
     ///
     /// # Errors
-    /// If the runs say too little.
+    ///
+    /// If there are too few captures.
     pub fn rates(&self, settings: &Settings, seed: u64) -> Result<Rates, TooFew> {
         let captures = self.observations.captures();
         if captures < MIN {

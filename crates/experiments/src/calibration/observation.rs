@@ -1,28 +1,29 @@
-//! The waits of a run, each with what was around it, piece by piece.
+//! Waiting times of a run, split into intervals of constant surroundings.
 use std::collections::BTreeSet;
 
 use stochc_estimate::{Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees};
 use stochc_ir::record::RunRecord;
 use stochc_ir::{Cell, Face};
 
-/// Squared distance in sides within which a block that is let go has a head start, at most.
+/// Largest squared distance of a release with a head start \[block lengths^2\].
 pub(super) const NEAR: u32 = 8;
 
-/// Ticks after which nothing is made of a block having been let go.
+/// Ticks after which a release has no effect.
 pub(super) const LATELY: u64 = 150;
 
-/// How long a face is watched, at most, in medians of the waits that ended: of exponential waits one of 65,536 is longer.
+/// Largest observation time of a face, in medians of the completed waiting times. One exponential
+/// waiting time of 65,536 is longer.
 const LONGEST: f64 = 16.0;
 
-/// What happened in a run, in the order of time.
+/// Events of a run in order of time.
 #[derive(Debug)]
 pub(super) struct History {
-    /// Blocks that came and went: when, where, which, and whether it came.
+    /// Arrivals and departures of blocks in cells.
     pub moves: Vec<Move>,
     pub waits: Vec<WaitingFace>,
 }
 
-/// A block came into a cell, or left it.
+/// Arrival or departure of a block in a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Move {
     pub tick: u64,
@@ -31,19 +32,19 @@ pub(super) struct Move {
     pub came: bool,
 }
 
-/// A face that was open.
+/// Open face with its waiting time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WaitingFace {
     pub cell: Cell,
     pub way: Face,
     pub since: u64,
     pub until: u64,
-    /// The block that it captured; `None`: the run ended before.
+    /// Captured block. `None` if the run ended first.
     pub captured: Option<u32>,
 }
 
 impl History {
-    /// What a record says.
+    /// Extracts the events of a record.
     pub fn from_record(record: &RunRecord) -> History {
         let mut moves: Vec<Move> = Vec::new();
         let mut waits = Vec::new();
@@ -93,24 +94,25 @@ impl History {
 }
 
 impl WaitingFace {
-    /// Of a cell from the open one, in sides; `None`: beyond all numbers.
+    /// Returns the squared distance of a cell from the open one \[block lengths^2\], or `None` on
+    /// overflow.
     fn squared_distance(&self, cell: Cell) -> Option<u32> {
         relative(self.cell, self.way, cell).map(|(squared, _)| squared)
     }
 }
 
-/// A piece of a wait in which nothing around it changed.
+/// Part of a waiting time with constant surroundings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WaitInterval {
     pub surroundings: Surroundings,
-    /// Ticks since the face was switched on, at the beginning and at the end.
+    /// Start and end, in ticks since the face was switched on.
     pub from: f64,
     pub to: f64,
     /// Whether it ended with the capture.
     pub captured: bool,
 }
 
-/// All that was seen.
+/// All observations.
 #[derive(Debug)]
 pub(super) struct Observations {
     pub pieces: Vec<WaitInterval>,
@@ -135,8 +137,8 @@ impl Observations {
         self.pieces.iter().filter(|piece| piece.captured).count() as u64
     }
 
-    /// The pieces of waits without those in which blocks have jammed, of which the law knows nothing. No face is watched for longer than a
-    /// time that does not depend on when it captures, so that waits by the law are not made shorter by that.
+    /// Returns the intervals without jammed blocks, which the rate law does not cover. The time
+    /// limit does not depend on when a face captures, so it introduces no bias.
     pub fn without_jams(&self) -> Vec<WaitInterval> {
         let mut waits: Vec<f64> = (self.pieces.iter())
             .filter(|piece| piece.captured)
@@ -154,7 +156,7 @@ impl Observations {
             .collect()
     }
 
-    /// Adds the waits of a run, but for those near which a block was let go: it may have come back.
+    /// Adds the waiting times of a run, except those near a release: the released block may return.
     pub fn add(&mut self, history: &History, profile: &[f64], count: u32) {
         for wait in &history.waits {
             let disturbed = history.moves.iter().any(|it| {
@@ -171,7 +173,7 @@ impl Observations {
         }
     }
 
-    /// Adds a wait, cut where something changes in its sight.
+    /// Adds a waiting time, split when its surroundings change.
     fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
         let rivals: Vec<&WaitingFace> = (history.waits.iter())
             .filter(|other| other.since < wait.until && other.until > wait.since)

@@ -1,4 +1,4 @@
-//! The figures that compare programs: what `--json` says, and tables draw.
+//! Comparison of programs, for JSON output and tables.
 use serde::Serialize;
 use stochc_ir::record::{Limit, Outcome};
 use stochc_ir::table::PhaseId;
@@ -8,110 +8,107 @@ use crate::comparison::{completion_time, phase_time};
 use crate::statistics::{Difference, KaplanMeier, Mean, Observation, Runs, Summary, TimeSample};
 use stochc_results::{EnsembleProgram, Finished, Manifest};
 
-/// An ensemble in figures.
+/// Results of an ensemble.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The unit of the programs' times: ticks, unless [`Comparison::in_seconds`] has converted them.
+    /// Unit of the programs' times: ticks, unless converted by [`Comparison::in_seconds`].
     pub time_unit: &'static str,
-    /// One for each program, in the order of the manifest.
+    /// Results of each program, in the order of the manifest.
     pub programs: Vec<ProgramSummary>,
-    /// One for each pair of programs, in the same order; of a sweep, only for different programs at
-    /// the same values.
+    /// Each pair of programs in the same order. In a sweep, only different programs at equal
+    /// values.
     pub pairs: Vec<Pair>,
-    /// The unit of their differences: ticks, or seconds where the programs differ in the length of a
-    /// tick.
+    /// Unit of the differences: ticks, or seconds if the programs have different ticks.
     pub unit: &'static str,
 }
 
-/// The figures of one program.
+/// Results of one program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProgramSummary {
-    /// The program's name in the manifest.
+    /// Name of the program in the manifest.
     pub name: String,
     /// Length of a tick \[s\].
     pub tick: f64,
-    /// How many phases it has.
+    /// Number of phases.
     pub phases: usize,
-    /// How many captures it makes: the paper's "total units involved".
+    /// Number of captures: the paper's "total units involved".
     pub captures: u64,
-    /// How many different blocks a completed run captured, on average; `None`: none completed.
+    /// Mean number of distinct blocks captured by a completed run. `None` if none completed.
     pub blocks_used: Option<f64>,
-    /// Mean of the blocks that docked where nobody expected them, in completed runs; `None`: none did in
-    /// any run.
+    /// Mean number of unplanned captures in completed runs. `None` if no run has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unplanned: Option<f64>,
-    /// Runs asked for.
+    /// Requested runs.
     pub runs: u64,
-    /// Runs finished, the sum of the next four.
+    /// Finished runs, the sum of the next four.
     pub finished: u64,
-    /// Runs that completed the structure.
+    /// Completed runs.
     pub completed: u64,
-    /// Runs that were stopped by the timeout of a phase (a competing event): they never complete, and their times are
+    /// Runs that timed out in a phase, a competing event. They never complete, and their times are
     /// infinite.
     pub timed_out: u64,
-    /// Runs that reached the limit of ticks, `--max-ticks`: their times are right-censored.
+    /// Runs that reached the tick limit, `--max-ticks`. Their times are right-censored.
     pub censored: u64,
-    /// Runs whose physics broke down: no time counts them.
+    /// Failed runs, excluded from all times.
     pub failed: u64,
-    /// Of the whole run.
+    /// Time of the whole run.
     pub time: Option<Time>,
-    /// Of each phase, in their order; a phase nobody reached has none.
+    /// Time of each phase in order. A phase that no run has reached has none.
     pub phase_times: Vec<PhaseTime>,
 }
 
-/// The times of one phase.
+/// Times of one phase.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseTime {
-    /// The phase's name.
+    /// Name of the phase.
     pub name: String,
-    /// The phase's index, from 0; blocks that are attached by hand are a phase, the first one.
+    /// Index of the phase, from 0. Pre-attached blocks form the first one.
     pub number: usize,
-    /// Of the runs that reached it.
+    /// Time of the runs that reached it.
     pub time: Option<Time>,
 }
 
-/// What is known of a time to completion; ticks, except for `cv`.
+/// Statistics of a completion time, in ticks except `cv`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Time {
-    /// Times that were completed.
+    /// Number of completed times.
     pub completed: usize,
-    /// Times that were cut short: timed out or right-censored.
+    /// Number of incomplete times: timed out or right-censored.
     pub incomplete: usize,
-    /// The mean; where any are cut short the mean of min(time, horizon), which is a lower bound.
+    /// Mean. With incomplete times, the mean of min(time, horizon), a lower bound.
     pub mean: f64,
-    /// Half the width of its 95 % confidence interval; `None`: fewer than two were completed.
+    /// Half-width of its 95 % confidence interval. `None` for fewer than two completed times.
     pub half_width: Option<f64>,
-    /// Where any are cut short: up to here the mean counts.
+    /// Upper limit of the times in the mean, with incomplete times.
     pub horizon: Option<f64>,
-    /// The shortest that was completed.
+    /// Shortest completed time.
     pub min: Option<f64>,
-    /// The longest; unknown where any are cut short.
+    /// Longest time. `None` with incomplete times.
     pub max: Option<f64>,
-    /// Standard deviation; unknown where any are cut short.
+    /// Standard deviation. `None` with incomplete times.
     pub sd: Option<f64>,
-    /// The median, of Kaplan and Meier where any are cut short; `None`: fewer than half completed.
+    /// Median, from Kaplan-Meier with incomplete times. `None` if fewer than half completed.
     pub median: Option<f64>,
-    /// Standard deviation / mean; unknown where any are cut short.
+    /// Coefficient of variation. `None` with incomplete times.
     pub cv: Option<f64>,
 }
 
-/// Two programs side by side.
+/// Comparison of two programs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pair {
     /// Name of the first program.
     pub first: String,
     /// Name of the second.
     pub second: String,
-    /// The first's time to completion less the second's; `None`: too few runs, or no spread, to tell, or nothing to
-    /// compare.
+    /// Completion time of the first minus that of the second. `None` if it cannot be determined.
     pub difference: Option<Difference>,
-    /// The same, with the reason where there is none.
+    /// The same, with a reason if there is no difference.
     #[serde(skip)]
     pub verdict: PairwiseResult,
 }
 
 impl Comparison {
-    /// Draws up the figures of finished runs.
+    /// Computes the comparison of finished runs.
     pub fn new<'a>(
         manifest: &Manifest,
         finished: impl IntoIterator<Item = &'a Finished>,
@@ -127,7 +124,7 @@ impl Comparison {
         if self.time_unit == seconds {
             return self;
         }
-        // Differences are in ticks only if the programs have ticks of one length.
+        // Differences are in ticks only if all ticks have the same length.
         let tick = self.programs.first().map_or(1.0, |program| program.tick);
         if self.unit != seconds {
             let differences = self.pairs.iter_mut().flat_map(Pair::differences);
@@ -144,7 +141,7 @@ impl Comparison {
         self
     }
 
-    /// Gives each program the name that `label` returns for its own.
+    /// Renames each program by `label`.
     pub fn relabel(&mut self, label: impl Fn(&str) -> String) {
         let pairs = self.pairs.iter_mut();
         let names = pairs.flat_map(|pair| [&mut pair.first, &mut pair.second]);
@@ -163,7 +160,7 @@ impl Pair {
     }
 }
 
-/// A comparison while runs are told, sorted by program and run: of each it keeps a few bytes for its times.
+/// Partial comparison, for runs in the order of program and number. Keeps a few bytes per run.
 #[derive(Debug)]
 pub struct ComparisonTally<'a> {
     manifest: &'a Manifest,
@@ -171,7 +168,7 @@ pub struct ComparisonTally<'a> {
     programs: Vec<ProgramTally>,
 }
 
-/// What the runs of a program have told.
+/// Partial results of a program.
 #[derive(Clone, Debug, Default)]
 struct ProgramTally {
     finished: u64,
@@ -181,13 +178,13 @@ struct ProgramTally {
     blocks: Mean,
     unplanned: Mean,
     is_any_unplanned: bool,
-    /// By their numbers, in ticks.
+    /// Times by run number, in ticks.
     times: Vec<(u64, Observation)>,
     phase_times: Vec<TimeSample>,
 }
 
 impl<'a> ComparisonTally<'a> {
-    /// Before the first run.
+    /// Returns a comparison without runs.
     pub fn new(manifest: &'a Manifest) -> ComparisonTally<'a> {
         let tally = |program: &EnsembleProgram| ProgramTally {
             phase_times: vec![TimeSample::default(); program.phases().len()],
@@ -226,7 +223,7 @@ impl<'a> ComparisonTally<'a> {
         }
     }
 
-    /// The figures.
+    /// Returns the comparison.
     pub fn finish(self) -> Comparison {
         let manifest = self.manifest;
         let programs = || manifest.programs.iter().zip(&self.programs);
@@ -270,14 +267,14 @@ impl<'a> ComparisonTally<'a> {
     }
 }
 
-/// The last time that was seen of any run; 0 without runs.
+/// Returns the last observed time of any run; 0 without runs.
 pub fn last_seen(observations: impl IntoIterator<Item = Observation>) -> f64 {
     let times = observations.into_iter().map(|observation| observation.time);
     times.fold(0.0, f64::max)
 }
 
 impl Time {
-    /// Multiplies all figures but `cv` by a factor, to convert their unit.
+    /// Multiplies all values except `cv` by a factor, to convert their unit.
     pub(crate) fn scale(&mut self, factor: f64) {
         self.mean *= factor;
         let others = [
@@ -291,13 +288,17 @@ impl Time {
         others.into_iter().flatten().for_each(|it| *it *= factor);
     }
 
-    /// Sums up times of which some may be cut short; `None`: there are none.
+    /// Computes the statistics of times, some of which may be incomplete. Returns `None` if there
+    /// are none.
     pub fn new(observations: &[Observation]) -> Option<Time> {
         Time::beside(observations, 0.0)
     }
 
-    /// The same beside other samples, of which the last time [seen](last_seen) is `horizon`: if runs never complete and none is censored,
-    /// times count up to there. Who is stopped early would look fast otherwise.
+    /// Computes the statistics together with other samples, whose [last observation](last_seen) is
+    /// `horizon`.
+    ///
+    /// If runs never complete and none is censored, times count up to the horizon. Otherwise runs
+    /// that time out early would look fast.
     pub fn beside(observations: &[Observation], horizon: f64) -> Option<Time> {
         let completed: Vec<f64> = observations
             .iter()
@@ -324,7 +325,8 @@ impl Time {
         let curve = KaplanMeier::new(observations)?;
         let horizon = curve.last().max(horizon);
         let mean = curve.restricted_mean(horizon);
-        // As where all are known: an interval of another kind would jump with the first run that is stopped.
+        // The same kind of interval as for complete times. Another kind would jump with the first
+        // incomplete run.
         let spread = Summary::from_values(&curve.contributions(observations, horizon));
         Some(Time {
             completed: completed.len(),
@@ -351,7 +353,7 @@ impl ProgramTally {
         let times: Vec<Observation> = self.times.iter().map(|&(_, time)| time).collect();
         let time = Time::beside(&times, horizon);
         drop(times);
-        // What is attached by hand takes no time.
+        // Pre-attached blocks take no time.
         let phases = program.phases().iter().enumerate();
         let waited = |(i, _): &(usize, _)| !program.is_planted(PhaseId(*i as u32));
         let phases: Vec<_> = phases.filter(waited).collect();
@@ -386,7 +388,7 @@ impl ProgramTally {
 mod tests {
     use super::*;
 
-    /// The last of five is stopped where it would have completed: mean and interval stay as they are.
+    /// The last of five is stopped at its completion: mean and interval are unchanged.
     #[test]
     fn an_interval_is_of_one_kind_whether_or_not_a_run_is_stopped() {
         let times = [310.0, 420.0, 500.0, 760.0, 980.0];

@@ -1,24 +1,24 @@
-//! Tests of every pair of programs: one for tables, sweeps, reports and trades.
+//! Pairwise tests of programs, for tables, sweeps, reports and trades.
 use std::collections::BTreeMap;
 
 use crate::statistics::{Difference, Runs, compare, correct};
 use stochc_results::{ChosenSetting, EnsembleProgram, Varied};
 
-/// The unit of times where programs are compared.
+/// Unit of times in a comparison of programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUnit {
     /// All scenes have the same tick.
     Ticks,
-    /// They do not, and ticks would compare nothing.
+    /// Ticks differ and are not comparable.
     Seconds,
 }
 
-/// A program that is compared with others.
+/// Program in a comparison.
 #[derive(Clone, Debug)]
 pub struct ComparedProgram<'a> {
-    /// The numbers that a sweep has chosen for it.
+    /// Scene parameters changed by a sweep.
     pub varied: &'a [Varied],
-    /// The settings that a sweep has chosen for it.
+    /// Settings selected by a sweep.
     pub chosen: &'a [ChosenSetting],
     /// What decides its runs ([`Manifest::runs_identity`](stochc_results::Manifest::runs_identity)): programs of one identity have the
     /// same runs; `None`: its runs are its own.
@@ -27,32 +27,32 @@ pub struct ComparedProgram<'a> {
     pub runs: Runs,
 }
 
-/// Two programs side by side.
+/// Test of two programs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairwiseTest {
-    /// Their places among the groups.
+    /// Index of the first program.
     pub first: usize,
-    /// See `first`.
+    /// Index of the second program.
     pub second: usize,
-    /// What is known of their difference.
+    /// Result.
     pub verdict: PairwiseResult,
 }
 
-/// What is known of a difference.
+/// Result of a pairwise test.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PairwiseResult {
-    /// Both are the same runs of the same program.
+    /// Both have the same runs of the same program.
     Same,
-    /// Their runs are those of another pair, which is tested.
+    /// Their runs equal those of another pair, which is tested.
     Repeated,
     /// Too few runs, or no spread.
     Unknown,
-    /// An estimate, its interval and p.
+    /// Estimate with interval and p.
     Known(Difference),
 }
 
 impl TimeUnit {
-    /// The unit that all of these programs have in common.
+    /// Returns the common unit of these programs.
     pub fn common<'a>(programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
         let mut ticks = programs.map(|program| program.scene.tick);
         let first = ticks.next();
@@ -63,7 +63,7 @@ impl TimeUnit {
         }
     }
 
-    /// One tick of a program in this unit.
+    /// Returns the length of a program's tick in this unit.
     pub fn tick(self, program: &EnsembleProgram) -> f64 {
         match self {
             TimeUnit::Ticks => 1.0,
@@ -71,7 +71,7 @@ impl TimeUnit {
         }
     }
 
-    /// As tables write it.
+    /// Returns the unit in tables.
     pub fn unit(self) -> &'static str {
         match self {
             TimeUnit::Ticks => "ticks",
@@ -80,10 +80,10 @@ impl TimeUnit {
     }
 }
 
-/// Compares every side with every other one; of a sweep, only different programs at the same values.
+/// Compares all pairs of programs. In a sweep, only different programs at equal values.
 ///
-/// The same runs are not compared with each other, and of pairs with the same runs one is tested. Each p is
-/// also corrected for the number of pairs that are, and conclusions are drawn from that.
+/// Equal runs are not compared with each other, and of several pairs with the same runs one is
+/// tested. Each p is also corrected for the number of tested pairs, for the conclusions.
 pub fn pairwise_tests(groups: &[ComparedProgram]) -> Vec<PairwiseTest> {
     let mut pairs = Vec::new();
     for (i, first) in groups.iter().enumerate() {
@@ -115,14 +115,15 @@ pub fn pairwise_tests(groups: &[ComparedProgram]) -> Vec<PairwiseTest> {
     found
 }
 
-/// The identities of both, in an order that does not depend on theirs; `None`: one has none.
+/// Returns the identities of both in a canonical order, or `None` if one has none.
 fn identities<'a>(first: &'a ComparedProgram, second: &'a ComparedProgram) -> Option<[&'a str; 2]> {
     let mut both = [first.identity.as_deref()?, second.identity.as_deref()?];
     both.sort_unstable();
     Some(both)
 }
 
-/// Of all pairs of the same runs the one with the most of them, and of several with as many the first.
+/// Selects one of the pairs with the same runs: the one with the most runs, or the first of
+/// several.
 fn tested<'a>(
     groups: &'a [ComparedProgram],
     pairs: &[(usize, usize)],
@@ -159,7 +160,7 @@ mod tests {
         }
     }
 
-    /// Otherwise a folder that is named twice would double every p.
+    /// Otherwise a folder given twice would double every p.
     #[test]
     fn the_same_runs_are_tested_once() {
         let slow = [110.0, 230.0, 320.0, 440.0];
@@ -176,7 +177,7 @@ mod tests {
         let found = pairwise_tests(&groups);
         let verdicts: Vec<_> = found.iter().map(|it| (it.first, it.second)).collect();
         assert_eq!(verdicts, [(0, 1), (0, 2), (1, 2)]);
-        // The pair with more runs counts.
+        // The pair with more runs is selected.
         assert_eq!(found[0].verdict, PairwiseResult::Repeated);
         assert_eq!(found[1].verdict, PairwiseResult::Same);
         assert_eq!(found[2].verdict, PairwiseResult::Known(expected.clone()));

@@ -1,13 +1,13 @@
-//! What a run says of a time: the one place where outcomes become observations.
+//! Conversion of outcomes to observations, for all statistics.
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 
 use crate::statistics::{Observation, Status};
 use stochc_results::{JournalError, Records};
 
-/// The time to completion of a run in ticks; a failed run has none.
+/// Returns the time to completion of a run in ticks. `None`: the run failed.
 ///
-/// It is censored where the run reached its limit of ticks. A run that the timeout of a phase has ended never completes: the
-/// timeout ends just those that are slow, so that the others do not stand for it.
+/// A run that reached its limit of ticks is censored. A run ended by the timeout of a phase never
+/// completes. A timeout ends only slow runs, so the others are not representative for them.
 pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     Some(Observation {
         time: record.ticks as f64,
@@ -15,7 +15,8 @@ pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     })
 }
 
-/// What the end of a run says of all that it had not reached; `None`: it failed.
+/// Returns the status at the end of a run of all events that it did not reach. `None`: the run
+/// failed.
 pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     match outcome {
         Outcome::Completed => Some(Status::Completed),
@@ -27,8 +28,8 @@ pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     }
 }
 
-/// Sorts runs by their times to completion, the fastest first. A stopped run is slower than every
-/// run that completed before it was stopped.
+/// Sorts runs by time to completion, fastest first. A stopped run is slower than all runs that
+/// completed before its stop.
 pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
     runs.sort_by(|(_, a), (_, b)| {
         let times = a.at_risk_until().total_cmp(&b.at_risk_until());
@@ -36,10 +37,11 @@ pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
     });
 }
 
-/// Returns the number of the program's run with the median time to completion. `None` if no run
-/// has a time.
+/// Returns the number of the program's run with the median time to completion. `None`: no run has a
+/// time.
 ///
 /// # Errors
+///
 /// If the runs cannot be read again.
 pub fn median_run(finished: &Records, program: usize) -> Result<Option<u64>, JournalError> {
     let mut times = Vec::new();
@@ -53,7 +55,8 @@ pub fn median_run(finished: &Records, program: usize) -> Result<Option<u64>, Jou
     Ok(times.get(middle).map(|&(run, _)| run))
 }
 
-/// The time of a phase in ticks, censored where the run was stopped in it; `None`: the run failed or did not reach it.
+/// Returns the time of a phase in ticks, censored if the run was stopped in the phase. `None`: the
+/// run failed or did not reach the phase.
 pub fn phase_time(record: &RunRecord, phase: usize) -> Option<Observation> {
     match &record.outcome {
         Outcome::Failed { .. } => None,
@@ -77,7 +80,7 @@ mod tests {
     use super::{completion_time, phase_time};
     use crate::statistics::Observation;
 
-    /// Stopped in its second phase, after 30 ticks of it.
+    /// A run stopped in its second phase, after 30 ticks of this phase.
     #[test]
     fn a_timeout_ends_a_run_for_ever_and_the_limit_of_ticks_only_hides_its_time() {
         let stopped = |by| {

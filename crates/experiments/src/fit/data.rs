@@ -1,4 +1,4 @@
-//! Measured times, from a table of comma-separated values.
+//! Measured times from a table of comma-separated values.
 use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 
@@ -9,10 +9,10 @@ use super::observed::Observed;
 use crate::statistics::Observation;
 use stochc_text::number;
 
-/// A number of a table, at most: of larger ones squares, and their sums, are not known to their digits.
+/// Largest number in a table, so that sums of squares are accurate.
 const MAX: f64 = 1e15;
 
-/// What times are measured in.
+/// Unit of measured times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unit {
@@ -22,48 +22,48 @@ pub enum Unit {
     Seconds,
 }
 
-/// Why a table is not read.
+/// Error of reading a table.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum DataError {
-    /// It has other columns.
+    /// The columns are wrong.
     #[error(
         "its columns are {0}; give `program,ticks` or `program,seconds`, and `stopped` if runs were stopped, with a row for \
          each run, or `program,n,mean_ticks,sd_ticks` (or `_seconds`) with a row for each program"
     )]
     Columns(String),
-    /// A row that is not understood.
+    /// A row is invalid.
     #[error("line {line}: {reason}")]
     Row {
-        /// Of the file, from 1.
+        /// Line in the file, from 1.
         line: u64,
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
-    /// Too few runs of a program.
-    #[error("`{0}` has fewer than two runs, or all took the same time: its spread is not known")]
+    /// A program has too few runs.
+    #[error("`{0}` has fewer than two runs, or all took the same time; its spread is unknown")]
     TooFew(String),
-    /// No row at all.
-    #[error("it holds no times")]
+    /// There are no rows.
+    #[error("it contains no times")]
     Empty,
 }
 
-/// Times of programs, from a table.
+/// Measured times of programs, from a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredTimes {
-    /// The unit of all times.
+    /// Unit of all times.
     pub unit: Unit,
-    /// Each program with its measured times, in the order of the table.
+    /// Programs with their measured times, in the order of the table.
     pub programs: Vec<(String, Observed)>,
-    /// Times that look like those of stopped runs.
+    /// Frequent equal times, which suggest right-censored runs.
     pub pile_ups: Vec<PileUp>,
 }
 
-/// Many completed runs of a program that took exactly the same time.
+/// Many completed runs of a program with exactly the same time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PileUp {
-    /// The program.
+    /// Program.
     pub program: String,
-    /// The time, in the unit of the table.
+    /// Time, in the unit of the table.
     pub time: f64,
     /// Number of runs with this time.
     pub count: usize,
@@ -84,7 +84,7 @@ impl fmt::Display for PileUp {
     }
 }
 
-/// The rows of a table.
+/// Kind of rows of a table.
 #[derive(Clone, Copy, PartialEq)]
 enum Rows {
     Runs { with_stopped: bool },
@@ -92,9 +92,11 @@ enum Rows {
 }
 
 impl MeasuredTimes {
-    /// Reads a table with a row for each run or for each program. `docs/guides/fit.md` lists the columns.
+    /// Reads a table with a row for each run or for each program. `docs/guides/fit.md` lists the
+    /// columns.
     ///
     /// # Errors
+    ///
     /// See [`DataError`].
     pub fn read(bytes: &[u8]) -> Result<MeasuredTimes, DataError> {
         let mut reader = csv::ReaderBuilder::new()
@@ -194,8 +196,8 @@ fn run(record: &StringRecord, with_stopped: bool) -> Result<Observation, String>
     }
 }
 
-/// A time that is much more frequent than others: at least five runs, a twentieth of all, and four times as many as
-/// other times have.
+/// Returns a time that is much more frequent than others: in at least five runs, at least 5 % of
+/// all, and four times as frequent as others.
 fn pile_up(program: &str, runs: &[Observation]) -> Option<PileUp> {
     let completed = runs.iter().filter_map(|run| run.completed_time());
     let mut times: Vec<f64> = completed.collect();
@@ -219,8 +221,10 @@ fn row(error: &csv::Error) -> DataError {
     DataError::Row {
         line: error.position().map_or(1, csv::Position::line),
         reason: match error.kind() {
-            csv::ErrorKind::UnequalLengths { .. } => "it has not a cell for each column".to_owned(),
-            _ => "it is no text".to_owned(),
+            csv::ErrorKind::UnequalLengths { .. } => {
+                "the number of cells differs from the number of columns".to_owned()
+            }
+            _ => "it is not valid text".to_owned(),
         },
     }
 }
@@ -267,7 +271,7 @@ mod tests {
         };
         assert_eq!((found.time, found.count, found.n), (350.0, 20, 60));
         assert_eq!(table("a,350,true\n").pile_ups, []);
-        // Rounded times are equal as well, everywhere.
+        // Rounded times also repeat, but evenly.
         let rows = (0..60).map(|i| format!("a,{}\n", 10 * (1 + i % 6)));
         let rounded = "program,ticks\n".to_owned() + &rows.collect::<String>();
         let found = MeasuredTimes::read(rounded.as_bytes()).unwrap();
@@ -288,9 +292,9 @@ mod tests {
         );
         assert_eq!(
             told("program,ticks\na,1\na\n"),
-            "line 3: it has not a cell for each column"
+            "line 3: the number of cells differs from the number of columns"
         );
-        assert_eq!(told("program,ticks\n"), "it holds no times");
+        assert_eq!(told("program,ticks\n"), "it contains no times");
         assert!(told("program,ticks\na,1\n").contains("fewer than two runs"));
         assert!(told("program,n,mean_ticks,sd_ticks\na,1,2,3\n").contains("number of runs"));
         assert!(

@@ -1,19 +1,24 @@
-//! Points that fill a box evenly (Latin hypercubes: M. D. McKay and others, Technometrics 21 (1979) 239).
+//! Space-filling designs by Latin hypercubes.
+//!
+//! # Source
+//!
+//! M. D. McKay and others, Technometrics 21, 239 (1979).
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// Points of a box within the unit cube: each is a share of the prior for every number.
+/// Points of a box within the unit cube. Each coordinate is a fraction of the prior of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    /// One row for each point.
+    /// Points, one row each.
     pub points: Vec<Vec<f64>>,
 }
 
 impl Design {
-    /// So many points in a box, given by its lower and upper ends; the same for the same seed.
+    /// Returns a Latin hypercube of `number` points in a box with these lower and upper ends. Equal
+    /// seeds give equal points.
     ///
-    /// In each direction, every one of as many slices of equal width as there are points has one of them.
+    /// In each direction, slices of equal width contain one point each.
     pub fn latin_hypercube(ends: &[(f64, f64)], number: usize, seed: u64) -> Design {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut points = vec![vec![0.0; ends.len()]; number];

@@ -1,51 +1,55 @@
-//! Statistics of a program's times as functions of the numbers of its scene.
+//! Emulator: statistics of a program's times as functions of scene parameters.
 use nalgebra::{DMatrix, DVector};
 
 use super::simulated::Simulated;
 use super::statistics::TimeStatistics;
 
-/// The statistics that an [`Emulator`] expects at a point.
+/// Prediction of an [`Emulator`] at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmulatorPrediction {
-    /// Restricted mean, mean square and share of incomplete runs, as `TimeStatistics` defines them.
+    /// Restricted mean, mean square and fraction of incomplete runs, as defined by
+    /// `TimeStatistics`.
     pub of: Vec<f64>,
     /// Variances of their errors.
     pub variance: Vec<f64>,
 }
 
-/// Quadratic polynomials in the numbers, by least squares, for each statistic.
+/// Emulator by quadratic polynomials in the parameters, one for each statistic, fitted by least
+/// squares.
 #[derive(Clone, Debug)]
 pub struct Emulator {
-    /// Middle and half the width of the points, in each direction.
+    /// Centre and half-width of the points in each direction.
     scale: Vec<(f64, f64)>,
-    /// One for each statistic.
+    /// Polynomial of each statistic.
     polynomials: Vec<Polynomial>,
     /// (XᵀX)⁻¹ of the least squares.
     inverse: DMatrix<f64>,
-    /// The leverage of the points on average.
+    /// Mean leverage of the points.
     mean_leverage: f64,
-    /// Covariance of the statistics in a sample of one run. That of n runs is an n-th of it.
+    /// Covariance of the statistics of a single run. That of n runs is 1/n of it.
     unit_covariance: DMatrix<f64>,
 }
 
-/// A quadratic polynomial, fitted to one statistic.
+/// Quadratic polynomial of one statistic.
 #[derive(Clone, Debug)]
 struct Polynomial {
     coefficients: DVector<f64>,
     /// Variance of the residuals.
     residual: f64,
-    /// The part of it that does not come from the scatter of the runs.
+    /// Part of the variance that is not due to scatter of the runs.
     lack_of_fit: f64,
 }
 
 impl Emulator {
-    /// Coefficients of a polynomial in so many numbers.
+    /// Returns the number of coefficients for a number of parameters.
     pub fn terms(numbers: usize) -> usize {
         1 + 2 * numbers + numbers * numbers.saturating_sub(1) / 2
     }
 
-    /// Fits polynomials to the statistics of simulated points, of times cut at a `horizon` if there is one. `None`: there are
-    /// too few points (two more than [`Emulator::terms`] are needed), or they lie in a line.
+    /// Fits polynomials to the statistics of simulated points, with times limited by `horizon`.
+    ///
+    /// Returns `None` if the points are collinear or too few: two more than [`Emulator::terms`] are
+    /// needed.
     pub fn new(points: &[Simulated], horizon: Option<f64>) -> Option<Emulator> {
         let numbers = points.first()?.at.len();
         let known: Vec<(&Simulated, TimeStatistics)> = (points.iter())
@@ -83,7 +87,7 @@ impl Emulator {
         })
     }
 
-    /// What is to be expected at a point.
+    /// Returns the prediction at a point.
     pub fn estimate(&self, at: &[f64]) -> EmulatorPrediction {
         let features = self.features(at);
         let leverage = features.dot(&(&self.inverse * &features));
@@ -93,25 +97,26 @@ impl Emulator {
         }
     }
 
-    /// The terms of the polynomials at a place.
+    /// Returns the terms of the polynomials at a point.
     fn features(&self, at: &[f64]) -> DVector<f64> {
         DVector::from_vec(features(at, &self.scale))
     }
 
-    /// The values of the polynomials, of these terms.
+    /// Returns the values of the polynomials for these terms.
     fn values(&self, features: &DVector<f64>) -> impl Iterator<Item = f64> {
         (self.polynomials.iter()).map(|it| it.coefficients.dot(features))
     }
 
-    /// Variances of the errors where the polynomials have this leverage.
+    /// Returns the variances of the errors at a leverage.
     fn variances(&self, leverage: f64) -> impl Iterator<Item = f64> {
         (self.polynomials.iter()).map(move |it| it.residual * leverage + it.lack_of_fit)
     }
 
-    /// Returns the logarithm of the likelihood of statistics of `n` runs at a point, up to a constant.
+    /// Returns the logarithm of the likelihood of statistics of `n` runs at a point, up to a
+    /// constant.
     ///
-    /// The variance of the polynomials is that of a design's point on average. With that of each place, data that nothing explains
-    /// would be likeliest where least is known.
+    /// Uses the mean variance of the design's points. With local variances, unexplained data would
+    /// be likeliest in poorly known regions.
     pub(crate) fn log_likelihood(&self, measured: Vec<f64>, n: f64) -> impl Fn(&[f64]) -> f64 {
         let errors: Vec<f64> = self.variances(self.mean_leverage).collect();
         let errors = DMatrix::from_diagonal(&DVector::from_vec(errors));
@@ -128,7 +133,7 @@ impl Emulator {
         }
     }
 
-    /// Variances of the statistics of `n` runs, by chance alone.
+    /// Returns the sampling variances of the statistics of `n` runs.
     pub(crate) fn sampling_variances(&self, n: f64) -> Vec<f64> {
         let diagonal = self.unit_covariance.diagonal();
         diagonal.iter().map(|variance| variance / n).collect()
@@ -136,7 +141,8 @@ impl Emulator {
 }
 
 impl Polynomial {
-    /// Fits one of the statistics of all points, whose terms are the rows of the matrix; `inverse` is (XᵀX)⁻¹ of it.
+    /// Fits one of the statistics of all points. The rows of `matrix` are their terms, and
+    /// `inverse` is its (XᵀX)⁻¹.
     fn fit(
         statistics: &[TimeStatistics],
         which: usize,
@@ -158,7 +164,7 @@ impl Polynomial {
     }
 }
 
-/// 1, x, x², and all products of two.
+/// Returns 1, x, x², and all products of two.
 fn features(at: &[f64], scale: &[(f64, f64)]) -> Vec<f64> {
     let x: Vec<f64> = (at.iter().zip(scale))
         .map(|(at, (middle, half))| (at - middle) / half)
@@ -176,7 +182,7 @@ mod tests {
     use super::super::Design;
     use super::*;
 
-    /// Times that fill a gamma distribution of shape 4 by its quantiles, turned by the number of the point.
+    /// Returns quantiles of a gamma distribution of shape 4, permuted by the number of the point.
     fn times(mean: f64, n: usize, turn: usize) -> Vec<f64> {
         use statrs::distribution::{ContinuousCDF as _, Gamma};
         let gamma = Gamma::new(4.0, 4.0 / mean).unwrap();
@@ -207,7 +213,7 @@ mod tests {
             let found = emulator.estimate(&at).of[0];
             assert!((found - law(&at).ln()).abs() < 0.01, "{at:?}: {found}");
         }
-        // Half the coefficient of variation of a gamma distribution of shape 4.
+        // The coefficient of variation of a gamma distribution of shape 4 is one half.
         let spread = emulator.estimate(&[0.5, 0.5]);
         assert!((spread.of[1] - spread.of[0] - 0.5f64.ln()).abs() < 0.05);
         // The variance of the logarithm of a mean is CV² / n.

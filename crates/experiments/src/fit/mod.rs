@@ -1,10 +1,14 @@
-//! Numbers of a scene from measured times: what physical constants do data speak for?
+//! Fits of scene parameters to measured times.
 //!
-//! Bayesian inference with a synthetic likelihood. A simulation has no likelihood that can be written down, but the mean and the
-//! spread of its times can be simulated. Programs are run at points of the prior ([`Design`]); for each program these
-//! statistics are interpolated by a quadratic polynomial in the numbers ([`Emulator`]), which knows its
-//! own error; and the data are held against that ([`Posterior`]): S. N. Wood, Nature 466 (2010) 1102; M. J. Bayarri and others,
-//! Technometrics 49 (2007) 138. Nothing here runs anything: who has points simulated is the caller's.
+//! Bayesian inference with a synthetic likelihood. A simulation has no explicit likelihood, but
+//! mean and spread of its times can be simulated. Programs are simulated at points of the prior
+//! ([`Design`]). For each program, a quadratic polynomial interpolates these statistics and
+//! estimates its own error ([`Emulator`]). The data are compared with it ([`Posterior`]). The
+//! caller runs the simulations.
+//!
+//! # Source
+//!
+//! S. N. Wood, Nature 466, 1102 (2010); M. J. Bayarri and others, Technometrics 49, 138 (2007).
 mod data;
 mod design;
 mod emulator;

@@ -1,30 +1,30 @@
-//! What measured times say of a program, also where runs were stopped.
+//! Statistics of measured times, some of which may be right-censored.
 use crate::statistics::{KaplanMeier, Observation, Summary};
 
-/// The part of the runs that has to be followed up to a horizon.
+/// Required fraction of runs that are observed up to the horizon.
 const FOLLOWED: f64 = 0.5;
 
-/// What was measured of a program's time to completion.
+/// Statistics of a program's measured completion times.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Observed {
-    /// Number of runs, 2 at least.
+    /// Number of runs, at least 2.
     pub n: usize,
-    /// Runs that were stopped before they completed (right-censored).
+    /// Number of right-censored runs.
     pub stopped: usize,
-    /// End of the times that count, in the unit of the table. `None`: all times count.
+    /// Upper limit of the times that count, in the unit of the table. `None` if all count.
     pub horizon: Option<f64>,
-    /// Their mean, each time cut at the horizon.
+    /// Mean of the times, each limited by the horizon.
     pub mean: f64,
-    /// Their standard deviation, likewise.
+    /// Standard deviation, likewise.
     pub sd: f64,
-    /// The share of runs that are incomplete at the horizon; 0 without one.
+    /// Fraction of runs incomplete at the horizon; 0 without one.
     pub incomplete: f64,
-    /// Number of runs that tell as much if none is stopped before the horizon.
+    /// Effective number of runs: as informative as this many without censoring before the horizon.
     pub effective_n: f64,
 }
 
 impl Observed {
-    /// Returns what is known of a program from its mean and standard deviation.
+    /// Returns the statistics from mean and standard deviation.
     pub(crate) fn from_summary(n: usize, mean: f64, sd: f64) -> Observed {
         Observed {
             n,
@@ -37,10 +37,13 @@ impl Observed {
         }
     }
 
-    /// Sums up runs, some of which may have been stopped. `None`: there are fewer than two, or all took the same time.
+    /// Computes the statistics of runs, some of which may be right-censored. Returns `None` for
+    /// fewer than two runs, or equal times.
     ///
     /// # Source
-    /// The restricted mean and its variance: E. L. Kaplan, P. Meier, J. Am. Stat. Assoc. 53 (1958) 457.
+    ///
+    /// The restricted mean and its variance: E. L. Kaplan and P. Meier, J. Am. Stat. Assoc. 53, 457
+    /// (1958).
     pub fn from_runs(runs: &[Observation]) -> Option<Observed> {
         let stopped = runs.iter().filter(|run| !run.is_completed()).count();
         if stopped == 0 {
@@ -67,7 +70,7 @@ impl Observed {
         let n = runs.len() as f64;
         let mean = curve.restricted_mean(end).mean;
         let variance = (second_moment(&curve) - mean * mean).max(0.0);
-        // Without a horizon it is that of a sample, as for runs that are all complete.
+        // Without a horizon, the sample variance, as for complete runs.
         let correction = if horizon.is_some() {
             1.0
         } else {
@@ -87,22 +90,23 @@ impl Observed {
         })
     }
 
-    /// Returns the mean square of the times, each cut at the horizon.
+    /// Returns the mean square of the times, each limited by the horizon.
     pub(super) fn second_moment(&self) -> f64 {
         self.mean * self.mean + self.sd * self.sd
     }
 }
 
-/// The last time up to which enough of the runs were followed, among those at which one was stopped.
+/// Returns the latest censoring time up to which enough runs were observed. Equal to the limit if
+/// all runs have the same.
 ///
-/// `None`: enough of them were followed to their end. Where all runs have the same limit, it is that.
+/// Returns `None` if enough runs were observed to completion.
 fn horizon(runs: &[Observation]) -> Option<f64> {
     let curve = KaplanMeier::new(runs)?;
     let mut stops: Vec<f64> = (runs.iter().filter(|run| !run.is_completed()))
         .map(|run| run.time)
         .collect();
     stops.sort_by(f64::total_cmp);
-    // Of the runs that take longer than `time`, the part that was still followed then.
+    // Fraction of the runs longer than `time` that were still observed at that time.
     let is_followed = |followed: usize, incomplete: f64| {
         followed as f64 >= FOLLOWED * incomplete * runs.len() as f64
     };
@@ -118,7 +122,7 @@ fn horizon(runs: &[Observation]) -> Option<f64> {
     stops.iter().rev().find(is_horizon).copied()
 }
 
-/// The mean square of times: twice the area under S(t) times t.
+/// Returns the mean square of times: twice the integral of S(t) t.
 fn second_moment(curve: &KaplanMeier) -> f64 {
     let (mut sum, mut began, mut incomplete) = (0.0, 0.0, 1.0);
     for point in curve.curve() {
@@ -129,7 +133,8 @@ fn second_moment(curve: &KaplanMeier) -> f64 {
     sum + incomplete * (end * end - began * began)
 }
 
-/// Number of runs of which the restricted mean would have the same variance if none were stopped before the horizon.
+/// Returns the number of runs without censoring before the horizon that give the same variance of
+/// the restricted mean.
 fn effective_n(curve: &KaplanMeier, runs: &[Observation], mean: f64, variance: f64) -> f64 {
     let end = curve.last();
     let contributions = curve.contributions(runs, end);
@@ -173,7 +178,7 @@ mod tests {
         let found = Observed::from_runs(&runs(&times, &[3.0, 5.0])).unwrap();
         assert_eq!((found.stopped, found.horizon), (2, None));
         assert!((40.0..41.9).contains(&found.effective_n), "{found:?}");
-        // What is left at an early stop is shared among those that take longer.
+        // The weight of an early censored run is shared among longer ones.
         assert!(found.mean > 20.5 && found.mean < 21.5, "{found:?}");
         let complete = Observed::from_runs(&runs(&times, &[])).unwrap();
         assert_eq!((complete.mean, complete.effective_n), (20.5, 40.0));
@@ -181,7 +186,7 @@ mod tests {
 
     #[test]
     fn the_horizon_is_where_half_of_the_runs_are_still_followed() {
-        // Ten of a hundred sessions had no limit.
+        // Ten of a hundred runs had no limit.
         let longer = [60.0, 70.0, 80.0, 90.0, 95.0];
         let times: Vec<f64> = (1..=45).map(f64::from).chain(longer).collect();
         let found = Observed::from_runs(&runs(&times, &[50.0; 50])).unwrap();

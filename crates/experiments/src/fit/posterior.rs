@@ -1,4 +1,8 @@
-//! What is known of the numbers after the data, by sequential Monte Carlo (P. Del Moral and others, J. R. Stat. Soc. B 68 (2006) 411).
+//! Posterior of parameters by sequential Monte Carlo.
+//!
+//! # Source
+//!
+//! P. Del Moral and others, J. R. Stat. Soc. B 68, 411 (2006).
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -8,44 +12,44 @@ use super::Prior;
 use super::simulated::is_within;
 use crate::statistics::quantile;
 
-/// Draws that the posterior is known by.
+/// Number of draws from the posterior.
 const DRAWS: usize = 4_000;
 
-/// Steps that each draw makes at every temperature.
+/// Steps of each draw at every temperature.
 const MOVES: usize = 12;
 
-/// No box is narrower than this part of a prior, so that a polynomial has something to go by. Where in it a number is, is not
-/// always known.
+/// Smallest width of a box as a fraction of the prior, so that a polynomial can be fitted.
 const MIN: f64 = 0.1;
 
-/// Draws from a posterior: each is a share of the prior for every number.
+/// Draws from a posterior. Each coordinate is a fraction of the prior of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posterior {
-    /// One row for each draw.
+    /// Draws, one row each.
     pub draws: Vec<Vec<f64>>,
 }
 
-/// What is known of one number.
+/// Marginal posterior of one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Marginal {
-    /// Its name.
+    /// Name of the parameter.
     pub of: String,
-    /// The unit of the values; empty: none.
+    /// Unit of the values. Empty without unit.
     pub unit: String,
-    /// Half of the probability is below.
+    /// Median.
     pub median: f64,
-    /// The 95 % interval.
+    /// 95 % interval.
     pub interval: (f64, f64),
-    /// Its width as a part of the prior's: near 1, the data say nothing of the number.
+    /// Its width as a fraction of the prior's. Near 1, the data do not constrain the parameter.
     pub width: f64,
-    /// The data push it against an end of the prior: the truth may be beyond.
+    /// Whether the posterior is concentrated at an end of the prior. The true value may be outside.
     pub is_at_edge: bool,
 }
 
 impl Posterior {
-    /// Samples a posterior whose prior is even in a box, given by its lower and upper ends; the same for the same seed.
+    /// Samples a posterior with a uniform prior in a box with these lower and upper ends. Equal
+    /// seeds give equal draws.
     ///
-    /// The likelihood is taken in by degrees, so that half of the draws stay of use at each.
+    /// The likelihood is introduced in steps that keep half of the draws effective.
     pub fn sample(
         ends: &[(f64, f64)],
         log_likelihood: impl Fn(&[f64]) -> f64,
@@ -90,7 +94,7 @@ impl Posterior {
         Posterior { draws }
     }
 
-    /// What is known of number `i`, whose prior this is.
+    /// Returns the marginal of parameter `i` with this prior.
     pub fn marginal(&self, i: usize, prior: &Prior) -> Marginal {
         let shares: Vec<f64> = self.draws.iter().map(|draw| draw[i]).collect();
         let at = |share| quantile(&shares, share).unwrap_or(0.5);
@@ -101,7 +105,8 @@ impl Posterior {
                 .filter(|share| (*share - end).abs() < MIN)
                 .count()
         };
-        // Evenly distributed, a tenth would be there; three times as many are a push.
+        // A uniform distribution has a tenth of its draws there. Three times as many indicate an
+        // edge.
         let is_crowded = |end| near(end) as f64 > 3.0 * MIN * shares.len() as f64;
         let (low, high) = prior.outward((low, high));
         Marginal {
@@ -114,7 +119,7 @@ impl Posterior {
         }
     }
 
-    /// A box that holds nearly all of it with some room, for the next design.
+    /// Returns a box that contains nearly all draws, with a margin, for the next design.
     pub fn surroundings(&self) -> Vec<(f64, f64)> {
         let numbers = self.draws.first().map_or(0, Vec::len);
         let ends = |i: usize| {
@@ -128,7 +133,7 @@ impl Posterior {
     }
 }
 
-/// Weights of sum 1 for a likelihood to some power.
+/// Returns normalized weights for a likelihood to some power.
 fn weights(known: &[f64], power: f64) -> Vec<f64> {
     let most = known.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights = known.iter().map(|it| (power * (it - most)).exp());
@@ -139,7 +144,7 @@ fn weights(known: &[f64], power: f64) -> Vec<f64> {
     weights.iter().map(|it| it / sum).collect()
 }
 
-/// The power at which half of the draws would be of use, 1 at most.
+/// Returns the power with half of the draws effective, at most 1.
 fn next_temperature(known: &[f64], heat: f64) -> f64 {
     let of_use = |power: f64| {
         let squares: f64 = weights(known, power - heat).iter().map(|it| it * it).sum();
@@ -158,11 +163,11 @@ fn next_temperature(known: &[f64], heat: f64) -> f64 {
             high = middle
         }
     }
-    // Whatever rounding does, the next one is hotter.
+    // Strictly increasing in spite of rounding.
     low.max(heat + 1e-12).min(1.0)
 }
 
-/// Indices by weight, evenly spaced in their sum (systematic resampling).
+/// Returns indices by weight (systematic resampling).
 fn resample(weights: &[f64], offset: f64) -> Vec<usize> {
     let n = weights.len();
     let (mut sum, mut i) = (weights[0], 0);
@@ -178,7 +183,7 @@ fn resample(weights: &[f64], offset: f64) -> Vec<usize> {
         .collect()
 }
 
-/// A matrix that turns independent normal numbers into steps of the size that suits the draws.
+/// Returns a matrix from independent normal numbers to steps of a suitable size.
 fn step(draws: &[Vec<f64>]) -> DMatrix<f64> {
     let numbers = draws[0].len();
     let n = draws.len() as f64;
@@ -199,7 +204,7 @@ fn step(draws: &[Vec<f64>]) -> DMatrix<f64> {
     )
 }
 
-/// A normal number (G. E. P. Box, M. E. Muller 1958).
+/// Returns a normal number (G. E. P. Box and M. E. Muller, 1958).
 fn normal(random: &mut ChaCha8Rng) -> f64 {
     let (a, b): (f64, f64) = (random.random(), random.random());
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()

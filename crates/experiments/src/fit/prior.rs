@@ -1,34 +1,35 @@
-//! What is known of a number before: it is between two values, each as likely as any other.
+//! Priors: uniform between two values.
 use stochc_ir::scene::Scene;
 
 use crate::sweep::{common, digits, logarithmic, number, value, varied};
 use stochc_results::Varied;
 
-/// A number of a scene and its range.
+/// Scene parameter with its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prior {
-    /// Its name, such as `bond.pull`.
+    /// Name, such as `bond.pull`.
     pub of: String,
-    /// The lower end, in `unit`.
+    /// Lower end, in `unit`.
     pub from: f64,
-    /// The upper end, in `unit`.
+    /// Upper end, in `unit`.
     pub to: f64,
-    /// As it was given; empty: none.
+    /// Unit as given. Empty without unit.
     pub unit: String,
-    /// Whether its logarithm is evenly distributed, and not the number itself.
+    /// Whether the logarithm is uniformly distributed, instead of the value.
     pub is_logarithmic: bool,
-    /// Whether it can only be whole: known of a number of a [scene](Prior::of_scene).
+    /// Whether it must be an integer. Set by [`Prior::of_scene`].
     pub is_whole: bool,
 }
 
-/// From the least to the most of whole numbers that a polynomial can go by.
+/// Smallest range of an integer parameter for a polynomial.
 const MIN_SPAN: f64 = 4.0;
 
 impl Prior {
-    /// Reads `NAME=FROM..TO`, such as `bond.pull=2..12 N` or `drag.rate=0.1..10 /s log`.
+    /// Parses `NAME=FROM..TO`, such as `bond.pull=2..12 N` or `drag.rate=0.1..10 /s log`.
     ///
     /// # Errors
-    /// In words; whether a scene has the number is another matter.
+    ///
+    /// A message. Does not check whether a scene has the parameter.
     pub fn parse(text: &str) -> Result<Prior, String> {
         let wrong = "write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`";
         let (name, range) = text.split_once('=').ok_or(wrong)?;
@@ -43,11 +44,11 @@ impl Prior {
         let [from, to] = ends.map(|(end, _)| end);
         if from >= to || !(from.is_finite() && to.is_finite()) {
             return Err(format!(
-                "`{from}..{to}` is no range: the first end has to be the lower one"
+                "`{from}..{to}` is not a range; write the lower end first"
             ));
         }
         if is_logarithmic && from <= 0.0 {
-            return Err("a range with `log` is of values above 0".to_owned());
+            return Err("a range with `log` requires values above 0".to_owned());
         }
         Ok(Prior {
             of: name.trim().to_owned(),
@@ -59,11 +60,12 @@ impl Prior {
         })
     }
 
-    /// The same as a number of a scene.
+    /// Checks the prior against a scene.
     ///
     /// # Errors
-    /// In words, when the scene has no such number, may not have one of the ends as its value, or there are too few whole
-    /// numbers between them.
+    ///
+    /// A message, if the scene lacks the parameter, an end is out of range, or an integer range is
+    /// too short.
     pub fn of_scene(self, scene: &Scene) -> Result<Prior, String> {
         let number = number(scene, &self.of)?;
         for end in [self.from, self.to] {
@@ -81,7 +83,7 @@ impl Prior {
         })
     }
 
-    /// The value at a part of the prior's probability, 0 to 1, in `unit`.
+    /// Returns the value at a probability of the prior, 0 to 1, in `unit`.
     pub fn value(&self, share: f64) -> f64 {
         if self.is_logarithmic {
             self.from * (self.to / self.from).powf(share)
@@ -90,7 +92,7 @@ impl Prior {
         }
     }
 
-    /// The part of the prior's probability below a value.
+    /// Returns the probability of the prior below a value.
     fn share(&self, value: f64) -> f64 {
         let share = if self.is_logarithmic {
             (value / self.from).ln() / (self.to / self.from).ln()
@@ -100,7 +102,7 @@ impl Prior {
         share.clamp(0.0, 1.0)
     }
 
-    /// The share at which there is a value that the number may have, nearest to `share`.
+    /// Returns the probability nearest to `share` that has a valid value.
     pub fn possible(&self, share: f64) -> f64 {
         if self.is_whole {
             self.share(self.value(share).round())
@@ -109,7 +111,7 @@ impl Prior {
         }
     }
 
-    /// An interval of shares, up to values that the number may have.
+    /// Extends an interval of probabilities to valid values.
     pub fn outward(&self, (low, high): (f64, f64)) -> (f64, f64) {
         if self.is_whole {
             (
@@ -121,7 +123,7 @@ impl Prior {
         }
     }
 
-    /// An interval of shares with enough values in it for a polynomial.
+    /// Extends an interval of probabilities to enough values for a polynomial.
     pub fn surroundings(&self, ends: (f64, f64)) -> (f64, f64) {
         let (low, high) = self.outward(ends);
         if !self.is_whole {
@@ -134,17 +136,19 @@ impl Prior {
         (self.share((to - MIN_SPAN).min(from)), self.share(to))
     }
 
-    /// The value there, for a scene.
+    /// Returns the parameter of a scene at a probability of the prior.
     ///
     /// # Errors
-    /// In words, when the scene has no such number, or may not have this value of it.
+    ///
+    /// A message, if the scene lacks the parameter or the value is invalid.
     pub fn varied(&self, share: f64, scene: &Scene) -> Result<Varied, String> {
         self.varied_to(self.value(share), scene)
     }
 
-    /// A value in `unit`, for a scene.
+    /// Returns the parameter of a scene with a value in `unit`.
     ///
     /// # Errors
+    ///
     /// See [`Prior::varied`].
     pub fn varied_to(&self, said: f64, scene: &Scene) -> Result<Varied, String> {
         let number = number(scene, &self.of)?;
@@ -157,7 +161,7 @@ impl Prior {
     }
 }
 
-/// `6`, which a sweep would read as a number of values.
+/// Returns whether a text like `6` would be read as a number of values in a sweep.
 fn is_count(text: &str) -> bool {
     !text.trim().is_empty() && text.trim().chars().all(|c| c.is_ascii_digit())
 }

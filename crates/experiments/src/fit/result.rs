@@ -1,4 +1,4 @@
-//! What came of a fit.
+//! Result of a fit.
 use serde::Serialize;
 
 use super::data::Unit;
@@ -8,66 +8,67 @@ use super::posterior::{Marginal, Posterior};
 use super::prior::Prior;
 use crate::statistics::quantile;
 
-/// Numbers of a scene that data speak for.
+/// Fitted scene parameters.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
-    /// The unit of all times.
+    /// Unit of all times.
     pub unit: Unit,
-    /// One for each number, in the order of the priors.
+    /// Marginal of each parameter, in the order of the priors.
     pub numbers: Vec<Marginal>,
-    /// Correlations of the numbers in the posterior.
+    /// Correlations of the parameters in the posterior.
     pub correlations: Vec<Vec<f64>>,
-    /// One for each program.
+    /// Prediction for each program.
     pub predictions: Vec<Prediction>,
-    /// Points simulated, of all rounds.
+    /// Number of simulated points in all rounds.
     pub points: usize,
-    /// Runs made at them.
+    /// Number of runs at these points.
     pub runs: usize,
-    /// Runs that did not complete, where the fit needs their times.
+    /// Number of incomplete runs whose times the fit needs.
     pub stopped: usize,
     /// Draws from the posterior, in the units of the priors.
     pub draws: Vec<Vec<f64>>,
 }
 
-/// The times of a program in a fit.
+/// Times of a program in a fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measurement {
-    /// The program's name.
+    /// Name of the program.
     pub program: String,
     /// Number of runs, measured or to be predicted.
     pub n: usize,
-    /// The measured times. `None`: the program is only predicted.
+    /// Measured times. `None` if the program is only predicted.
     pub observed: Option<Observed>,
-    /// Whether the fit uses it. `false`: it was held out, or there is nothing to use.
+    /// Whether the fit uses it. `false` if it was held out or has no data.
     pub is_fitted: bool,
 }
 
 impl Measurement {
-    /// End of the times that count, in the unit of the table. `None`: all times count.
+    /// Returns the upper limit of the times that count, in the unit of the table. `None` if all
+    /// count.
     pub fn horizon(&self) -> Option<f64> {
         self.observed.as_ref()?.horizon
     }
 
-    /// Number of runs that tell as much if none is stopped early.
+    /// Returns the effective number of runs without early censoring.
     fn effective_n(&self) -> f64 {
         let observed = self.observed.as_ref();
         observed.map_or(self.n as f64, |it| it.effective_n)
     }
 }
 
-/// A figure as the posterior predicts it.
+/// Posterior prediction of a statistic.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
-    /// Half of the probability is below.
+    /// Median.
     pub median: f64,
     /// Lower end of the 95 % interval.
     pub low: f64,
-    /// Upper end of it.
+    /// Upper end of the 95 % interval.
     pub high: f64,
 }
 
 impl Interval {
-    /// Whether a value is within the interval.
+    /// Returns whether a value is within the interval.
     pub fn has(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
@@ -90,45 +91,45 @@ impl Interval {
     }
 }
 
-/// The times of a program as the posterior predicts them for a new measurement of the same size.
+/// Posterior prediction of a program's times for a new measurement of the same size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
-    /// The measured times, or the number of runs to predict.
+    /// Measured times, or the number of runs to predict.
     #[serde(flatten)]
     pub of: Measurement,
-    /// Their mean, each time cut at the horizon.
+    /// Mean of the times, each limited by the horizon.
     pub mean: Interval,
-    /// Their standard deviation. `None`: there is a horizon.
+    /// Standard deviation. `None` with a horizon.
     pub sd: Option<Interval>,
-    /// The share of runs that are incomplete at the horizon. `None`: there is none.
+    /// Fraction of runs incomplete at the horizon. `None` without one.
     pub incomplete: Option<Interval>,
 }
 
 impl Prediction {
-    /// Whether the measured mean is within its interval.
+    /// Returns whether the measured mean is within its interval.
     pub fn has_mean(&self) -> bool {
         let observed = self.of.observed.as_ref();
         observed.is_none_or(|observed| self.mean.has(observed.mean))
     }
 
-    /// Whether the measured standard deviation is within its interval.
+    /// Returns whether the measured standard deviation is within its interval.
     pub fn has_sd(&self) -> bool {
         let pair = self.of.observed.as_ref().zip(self.sd);
         pair.is_none_or(|(observed, sd)| sd.has(observed.sd))
     }
 
-    /// Whether the measured share of incomplete runs is within its interval.
+    /// Returns whether the measured fraction of incomplete runs is within its interval.
     pub fn has_incomplete(&self) -> bool {
         let pair = self.of.observed.as_ref().zip(self.incomplete);
         pair.is_none_or(|(observed, incomplete)| incomplete.has(observed.incomplete))
     }
 }
 
-/// A program of a fit, with its emulator.
+/// Program of a fit, with its emulator.
 pub struct FittedProgram<'a> {
-    /// The measured times, or the number of runs to predict.
+    /// Measured times, or the number of runs to predict.
     pub measurement: &'a Measurement,
-    /// What simulations say of it.
+    /// Emulator of its simulations.
     pub emulator: &'a Emulator,
 }
 
@@ -146,8 +147,8 @@ impl Observed {
 }
 
 impl Posterior {
-    /// The posterior of numbers by the programs that are fitted, within the box that their emulators are of: beyond it these know
-    /// so little that anything might be there.
+    /// Returns the posterior of the parameters, given the fitted programs, within the box of the
+    /// emulators. Outside, the emulators have no information.
     pub fn new(ends: &[(f64, f64)], programs: &[FittedProgram], seed: u64) -> Posterior {
         let fitted = programs.iter().filter(|it| it.measurement.is_fitted);
         let likelihoods: Vec<_> = fitted
@@ -161,7 +162,7 @@ impl Posterior {
         Posterior::sample(ends, likelihood, seed)
     }
 
-    /// What it predicts for a measurement like the one of a program.
+    /// Returns the prediction for a measurement of a program.
     pub fn predict(&self, program: &FittedProgram) -> Prediction {
         let measurement = program.measurement;
         let chance = program
@@ -173,7 +174,7 @@ impl Posterior {
                 .map(|(i, draw)| {
                     let estimate = program.emulator.estimate(draw);
                     let sd = (estimate.variance[which] + chance[which]).sqrt();
-                    // Errors evenly spread over the draws, by a sequence without chance.
+                    // Errors at evenly spread quantiles, by a deterministic sequence.
                     let share = (i as f64 * 0.618_033_988_749_894_9 + 0.5).fract();
                     estimate.of[which] + sd * normal_at(share)
                 })
@@ -200,7 +201,7 @@ impl Posterior {
         }
     }
 
-    /// Correlations of all numbers.
+    /// Returns the correlations of all parameters.
     pub fn correlations(&self) -> Vec<Vec<f64>> {
         let numbers = self.draws.first().map_or(0, Vec::len);
         let n = self.draws.len() as f64;
@@ -220,7 +221,7 @@ impl Posterior {
         (0..numbers).map(row).collect()
     }
 
-    /// The draws in the units of the priors.
+    /// Returns the draws in the units of the priors.
     pub fn values(&self, priors: &[Prior]) -> Vec<Vec<f64>> {
         let value = |draw: &Vec<f64>| {
             let pairs = draw.iter().zip(priors);
@@ -244,14 +245,15 @@ mod tests {
     use super::*;
     use crate::statistics::Observation;
 
-    /// Sums of four waits, with the mean that a law of two numbers has.
+    /// Returns sums of four waiting times, whose mean is a function of two parameters.
     fn times(random: &mut ChaCha8Rng, at: &[f64], n: usize) -> Vec<f64> {
         let mean = (6.0 - 1.2 * at[0] + 0.4 * at[1] * at[0]).exp();
         let wait = |random: &mut ChaCha8Rng| -(1.0 - random.random::<f64>()).ln() * mean / 4.0;
         (0..n).map(|_| (0..4).map(|_| wait(random)).sum()).collect()
     }
 
-    /// Two rounds of a fit of the first number of the law to times measured at it, which may have been stopped.
+    /// Runs two rounds of a fit of the first parameter, to times measured at `truth` that may be
+    /// censored.
     fn fitted(
         random: &mut ChaCha8Rng,
         truth: &[f64],
@@ -300,8 +302,8 @@ mod tests {
         found.unwrap()
     }
 
-    /// Checks that intervals of 95 % hold the truth about so often if run `i` of a measurement is stopped at `limit(i)`.
-    /// The mean time is 221 in the middle of the range. Returns the mean width of the intervals.
+    /// Checks the coverage of 95 % intervals if run `i` of a measurement is censored at `limit(i)`.
+    /// The mean time is 221 at the centre of the range. Returns the mean width of the intervals.
     fn check_coverage(limit: impl Fn(usize) -> f64) -> f64 {
         const TRIALS: u64 = 60;
         let (mut held, mut widths) = (0, 0.0);
@@ -325,7 +327,7 @@ mod tests {
         assert!(width < 0.5, "the data say something");
     }
 
-    /// About half of the runs are stopped, or three quarters, or a few at any time, or half of them early.
+    /// Censors about half of the runs, three quarters, a few at any time, or half of them early.
     #[test]
     fn intervals_hold_what_they_promise_if_runs_are_stopped() {
         let early = |i: usize| match i % 10 {
@@ -339,14 +341,15 @@ mod tests {
             check_coverage(early),
             check_coverage(halves),
         ];
-        // The data still say something: without data, the width is 0.95.
+        // The data are informative: without data, the width is 0.95.
         assert!(
             widths.iter().all(|width| *width < 0.75 * 0.95),
             "{widths:?}"
         );
     }
 
-    /// What nothing in the range explains is missed, and most often found at the end that is nearest.
+    /// If no value in the range explains the data, the prediction misses them, usually at the
+    /// nearest end.
     #[test]
     fn a_truth_beyond_the_range_is_told() {
         let mut at_end = 0;

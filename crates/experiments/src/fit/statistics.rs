@@ -1,15 +1,16 @@
-//! The figures by which simulated times are compared with measured ones.
+//! Statistics for comparing simulated and measured times.
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::simulated::Simulated;
 
-/// Statistics of a sample of times, and how well they are known.
+/// Statistics of a sample of times, with their covariance.
 ///
-/// If all runs are followed to their end, they are the logarithms of mean and standard deviation. If runs are stopped at a
-/// horizon, they are three means over all runs: of the time as a part of the horizon, of its square, and of being incomplete
-/// then. A mean has no bias, whatever the number of runs, also where nearly all of them are stopped.
+/// Without a horizon, they are the logarithms of mean and standard deviation. With a horizon, they
+/// are the means over all runs of the time as a fraction of the horizon, of its square, and of
+/// being incomplete. A mean is unbiased for any number of runs, even if nearly all of them are
+/// censored.
 pub struct TimeStatistics {
-    /// Two of them, or three.
+    /// Two or three statistics.
     pub of: DVector<f64>,
     /// Their covariance times the number of runs.
     pub unit_covariance: DMatrix<f64>,
@@ -17,11 +18,12 @@ pub struct TimeStatistics {
     pub n: f64,
 }
 
-/// The variance below which no share is known. It keeps covariances invertible where all runs are stopped.
+/// Lower bound of the variance of a fraction. Keeps covariances invertible if all runs are
+/// censored.
 const MIN_VARIANCE: f64 = 1e-8;
 
 impl TimeStatistics {
-    /// `None`: there are fewer than three times, or no spread.
+    /// Computes the statistics. Returns `None` for fewer than three times, or without spread.
     pub fn new(simulated: &Simulated, horizon: Option<f64>) -> Option<TimeStatistics> {
         match horizon {
             None => TimeStatistics::logarithms(&simulated.times),
@@ -29,7 +31,7 @@ impl TimeStatistics {
         }
     }
 
-    /// Logarithms of mean and standard deviation. Their covariance is that of the jackknife.
+    /// Returns the logarithms of mean and standard deviation, with the jackknife covariance.
     fn logarithms(times: &[f64]) -> Option<TimeStatistics> {
         let n = times.len() as f64;
         let (sum, squares) = (
@@ -54,7 +56,7 @@ impl TimeStatistics {
         let spread = without
             .iter()
             .map(|it| (it - middle) * (it - middle).transpose());
-        // (n - 1) / n times the sum is the covariance of the sample's figures.
+        // The covariance of the statistics is (n - 1) / n times the sum.
         let unit_covariance = spread.sum::<Matrix2<f64>>() * (n - 1.0);
         Some(TimeStatistics {
             of: DVector::from_column_slice(of.as_slice()),
@@ -63,7 +65,7 @@ impl TimeStatistics {
         })
     }
 
-    /// Means of what each run says up to the horizon.
+    /// Returns the means with a horizon.
     fn means(simulated: &Simulated, horizon: f64) -> Option<TimeStatistics> {
         let all = simulated.times.len() + simulated.incomplete;
         if all < 3 {
@@ -111,7 +113,7 @@ mod tests {
         for (found, expected) in found.of.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
-        // Of four runs, of which two are incomplete.
+        // For four runs, two of them incomplete.
         let of_share = found.unit_covariance[(2, 2)];
         assert!((of_share - 1.0 / 3.0).abs() < 1e-6 && found.n == 4.0);
         let none = Simulated {

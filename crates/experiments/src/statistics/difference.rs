@@ -1,63 +1,64 @@
-//! Whether two programs differ: Student's t on the means that both samples tell of.
+//! Significance of the difference of two programs: Student's t test on comparable means.
 //!
-//! There is one estimate and one test. Where times are censored, both means are restricted to the last
-//! time up to which both samples tell of them, and each run counts with what it adds to its mean
-//! ([`super::KaplanMeier::contributions`]), which is its time where all are known. Estimate, interval
-//! and p then always say the same, and do not change their kind with the first run that is stopped.
+//! There is one estimate and one test. If times are censored, both means are restricted to the last
+//! time up to which both samples are observed. Each run counts with its contribution to the mean
+//! ([`super::KaplanMeier::contributions`]), which is its time if all are known. Estimate, interval
+//! and p are thus consistent, and do not change abruptly with the first censored run.
 use serde::Serialize;
 
 use super::distribution::{normal_quantile_of, t_quantile, t_two_sided};
 use super::runs::{Runs, comparable};
 use super::{Summary, holm};
 
-/// Below this, a difference is called one: outside of the 95 % interval.
+/// Significance level: p of a difference outside the 95 % interval.
 pub const SIGNIFICANT: f64 = 0.05;
 
-/// A relative difference that is worth finding.
+/// Relative difference worth detecting.
 pub const DETECTABLE: f64 = 0.05;
 
-/// The probability to find it.
+/// Probability of detecting it.
 pub const POWER: f64 = 0.8;
 
-/// What two samples differ by.
+/// Difference of two samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {
-    /// Which test gave `p`.
+    /// Test that gave `p`.
     pub test: Test,
-    /// Times count up to here, the last that both samples tell of; `None`: all are known.
+    /// Upper limit of the times that count, the last up to which both samples are observed. `None`
+    /// if all are known.
     pub horizon: Option<f64>,
-    /// Mean of the first sample less that of the second, in the unit of the times.
+    /// Mean of the first sample minus that of the second, in the unit of the times.
     pub difference: f64,
-    /// Half the width of the 95 % confidence interval of the difference.
+    /// Half-width of the 95 % confidence interval of the difference.
     pub half_width: f64,
     /// Probability of a difference at least this large if there were none.
     pub p: f64,
-    /// `p`, corrected for the number of differences that are told together (S. Holm, 1979).
+    /// `p`, corrected for the number of reported differences (S. Holm, 1979).
     pub p_holm: f64,
-    /// Which sample has the longer times.
+    /// Sample with the longer times.
     pub longer: Longer,
     /// Number of runs of each program that finds a difference of 5 % of the mean with a
     /// probability of 80 %. `None` if the mean is 0.
     pub runs_for_5_percent: Option<u64>,
 }
 
-/// How two samples were compared.
+/// Test of two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Test {
-    /// Student's t test of the differences within pairs: both samples have one seed.
+    /// Student's t test of the differences within pairs, for samples with equal seeds.
     Paired {
-        /// How many pairs.
+        /// Number of pairs.
         pairs: usize,
     },
-    /// Welch's t test, two-sided: unequal variances, nothing in common.
+    /// Welch's t test, two-sided, for independent samples with unequal variances.
     Welch {
         /// Degrees of freedom by Welch and Satterthwaite.
         freedom: f64,
     },
 }
 
-/// Which of two samples has the longer times on average.
+/// Sample with the longer mean time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Longer {
@@ -65,13 +66,13 @@ pub enum Longer {
     First,
     /// The second.
     Second,
-    /// The interval includes both; or does not, but among so many differences that counts for little.
+    /// Not significant, possibly because of the number of differences.
     NotSignificant,
 }
 
-/// Compares two samples; `None`: too few runs, or no spread, to tell anything.
+/// Compares two samples. Returns `None` for too few runs, or without spread.
 ///
-/// Runs of one seed belong together by their number, and those without a partner are left out.
+/// Runs of equal seeds are paired by number. Runs without a partner are ignored.
 pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
     let is_paired = first.seed == second.seed;
     let (ours, theirs) = if is_paired {
@@ -106,17 +107,18 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Returns the runs of each program that find a `difference` with a probability of [`POWER`].
+/// Returns the runs of each program that detect a `difference` with a probability of [`POWER`].
 ///
-/// `error` is the standard error of the difference with as many runs as there are. `None` if the
-/// difference is not positive, or the number is beyond counting.
+/// `error` is the standard error of the difference with the present number of runs. Returns `None`
+/// if the difference is not positive, or on overflow.
 ///
 /// # Source
-/// W. C. Guenther, The American Statistician 35 (1981), 243-244.
+///
+/// W. C. Guenther, The American Statistician 35, 243-244 (1981).
 fn runs_to_detect(difference: f64, test: Test, error: f64, runs: [usize; 2]) -> Option<u64> {
     let significance = normal_quantile_of(1.0 - SIGNIFICANT / 2.0);
     let noise = (significance + normal_quantile_of(POWER)) * error / difference;
-    // Of samples of different sizes, the harmonic mean counts.
+    // For samples of different sizes, the harmonic mean counts.
     let [first, second] = runs.map(|runs| runs as f64);
     let (runs, small) = match test {
         Test::Paired { pairs } => (pairs as f64, significance.powi(2) / 2.0),
@@ -138,7 +140,7 @@ impl Difference {
     }
 }
 
-/// Corrects differences that are told together for their number, and what is concluded from them.
+/// Corrects reported differences for their number, including the conclusions.
 pub fn correct<'a>(differences: impl Iterator<Item = &'a mut Difference>) {
     let differences: Vec<&mut Difference> = differences.collect();
     let p: Vec<f64> = differences.iter().map(|it| it.p).collect();
@@ -158,10 +160,14 @@ impl Longer {
     }
 }
 
-/// A test, its degrees of freedom, the estimate and its standard error.
+/// Test, degrees of freedom, estimate and standard error.
 type DifferenceEstimate = (Test, f64, f64, f64);
 
-/// Student, Biometrika 6 (1908), 1-25: only the pairs have to be independent of each other.
+/// Computes the paired test. Only the pairs must be independent.
+///
+/// # Source
+///
+/// Student, Biometrika 6, 1-25 (1908).
 fn paired(first: &[f64], second: &[f64]) -> Option<DifferenceEstimate> {
     let differences: Vec<f64> = first.iter().zip(second).map(|(a, b)| a - b).collect();
     let summary = Summary::from_values(&differences)?;
@@ -170,7 +176,11 @@ fn paired(first: &[f64], second: &[f64]) -> Option<DifferenceEstimate> {
     Some((test, (summary.n - 1) as f64, summary.mean, error))
 }
 
-/// B. L. Welch, Biometrika 34 (1947), 28-35.
+/// Computes Welch's test.
+///
+/// # Source
+///
+/// B. L. Welch, Biometrika 34, 28-35 (1947).
 fn welch(first: &[f64], second: &[f64]) -> Option<DifferenceEstimate> {
     let (a, b) = (Summary::from_values(first)?, Summary::from_values(second)?);
     let (va, vb) = (a.sd?.powi(2) / a.n as f64, b.sd?.powi(2) / b.n as f64);
@@ -229,7 +239,7 @@ mod tests {
     fn students_own_example_comes_out() {
         let first = [0.7, -1.6, -0.2, -1.2, -0.1, 3.4, 3.7, 0.8, 0.0, 2.0];
         let second = [1.9, 0.8, 1.1, 0.1, -0.1, 4.4, 5.5, 1.6, 4.6, 3.4];
-        // As times: all later by the same.
+        // Shifted by a constant to positive times.
         let [first, second] = [first, second].map(|it| completed(1, &it.map(|h| h + 10.0)));
         let found = compare(&first, &second).unwrap();
         assert_eq!(found.test, Test::Paired { pairs: 10 });
@@ -239,7 +249,7 @@ mod tests {
         assert!((found.difference - found.half_width + 2.4598858).abs() < 1e-7);
     }
 
-    /// By hand: both up to 5, (2 + 5) / 2 less (4 + 5) / 2, of contributions 2, 5 and 4, 5.
+    /// By hand: both up to 5, (2 + 5) / 2 minus (4 + 5) / 2, from contributions 2, 5 and 4, 5.
     #[test]
     fn censored_means_are_compared_as_far_as_both_are_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
@@ -249,7 +259,7 @@ mod tests {
         assert_eq!(found.test, Test::Paired { pairs: 2 });
     }
 
-    /// The last of the first completes, and still it is not known how long the one would have taken that was cut short.
+    /// The last of the first sample completes, but the time of the censored one remains unknown.
     #[test]
     fn a_sample_with_a_censored_time_is_known_up_to_its_last() {
         let first = [
@@ -343,7 +353,7 @@ mod tests {
             let (first, second) = (runs(1, first), runs(seed, second));
             let Some(found) = compare(&first, &second) else { return Ok(()) };
             let is_outside = found.difference.abs() > found.half_width;
-            // Not at the edge, where a rounding decides.
+            // Not at the edge, where rounding decides.
             if (found.p - SIGNIFICANT).abs() > 1e-9 {
                 prop_assert_eq!(found.p < SIGNIFICANT, is_outside);
             }
@@ -359,8 +369,8 @@ mod tests {
         }
     }
 
-    /// Exponential waits of two programs with the same mean, which share a part of their chance, and of
-    /// which some are stopped: the test errs in about one of twenty, and no more often for the stops.
+    /// Exponential waiting times of two programs with equal means, which share part of their
+    /// randomness and of which some are censored. The error rate is about 5 %, also with censoring.
     #[test]
     fn the_interval_covers_what_it_says() {
         // SplitMix64, by G. L. Steele, D. Lea and C. H. Flood (2014).
@@ -392,7 +402,8 @@ mod tests {
                 let found = compare(&runs(1, first), &runs(seed, second)).unwrap();
                 wrong += usize::from(found.longer != Longer::NotSignificant);
             }
-            // 100 are expected, with a standard deviation of 10; skewed waits make it a little rarer.
+            // 100 are expected, with a standard deviation of 10. Skewed waiting times reduce it
+            // slightly.
             assert!((60..=140).contains(&wrong), "{wrong} at {limit}, {seed}");
         }
     }

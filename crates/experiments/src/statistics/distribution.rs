@@ -1,26 +1,26 @@
-//! The two distributions that intervals and tests need, from `statrs`.
+//! Distributions for intervals and tests, from `statrs`.
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Confidence level of every interval.
 const LEVEL: f64 = 0.95;
 
-/// The factor that turns a standard error into the half-width of a 95 % interval, by Student's t.
+/// Returns the factor from a standard error to the half-width of a 95 % interval, by Student's t.
 ///
-/// `freedom` are its degrees of freedom, positive; 49 of them give 2.0096.
+/// `freedom` is the positive number of degrees of freedom; 49 of them give 2.0096.
 pub(super) fn t_quantile(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom)
         .expect("the degrees of freedom are positive")
         .inverse_cdf(0.5 + LEVEL / 2.0)
 }
 
-/// The probability that |T| is at least `t` under Student's t.
+/// Returns the probability that |T| is at least `t` under Student's t.
 pub(super) fn t_two_sided(t: f64, freedom: f64) -> f64 {
     let t_distribution =
         StudentsT::new(0.0, 1.0, freedom).expect("the degrees of freedom are positive");
     2.0 * t_distribution.sf(t.abs())
 }
 
-/// As [`t_quantile`], for a normal estimate: 1.96.
+/// Like [`t_quantile`], for a normal estimate: 1.96.
 pub(super) fn normal_quantile() -> f64 {
     normal_quantile_of(0.5 + LEVEL / 2.0)
 }

@@ -1,10 +1,13 @@
-//! Several tests at once: the step-down correction of Holm.
+//! Correction for multiple tests: Holm's step-down method.
 
-/// Corrects p values so that the chance of any false finding among them stays below the level.
+/// Corrects p values so that the probability of any false positive is below the level.
 ///
-/// The k-th smallest of m is multiplied by m - k + 1, and none is below a smaller one's; whatever
-/// the tests have in common (S. Holm, Scandinavian Journal of Statistics 6 (1979), 65-70). The
-/// corrected values are in the order of the given ones.
+/// The k-th smallest of m is multiplied by m - k + 1, and raised to the values before it. Valid for
+/// any dependence of the tests. The corrected values are in the order of the given ones.
+///
+/// # Source
+///
+/// S. Holm, Scandinavian Journal of Statistics 6, 65-70 (1979).
 pub fn holm(p: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p.len()).collect();
     order.sort_by(|&a, &b| p[a].total_cmp(&p[b]));

@@ -1,6 +1,6 @@
-//! A mean of which nothing else is wanted.
+//! Mean without further statistics.
 
-/// The sum of values in the order in which they were told, and how many they were.
+/// Sum of values in order, and their number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mean {
     sum: f64,
@@ -14,7 +14,7 @@ impl Mean {
         self.n += 1;
     }
 
-    /// Their arithmetic mean; `None`: there are none.
+    /// Returns the arithmetic mean, or `None` without values.
     pub fn value(&self) -> Option<f64> {
         (self.n > 0).then(|| self.sum / self.n as f64)
     }

@@ -1,10 +1,9 @@
-//! Statistics of times to completion: pure functions, no IO, no chance.
+//! Statistics of completion times: pure functions without I/O and random numbers.
 //!
-//! A time may be *censored*: a run that was stopped at tick 40 000 says that its time to
-//! completion is more than that, not that it is 40 000. A run that the timeout of a phase has ended
-//! says more: it never completes. [`Observation`] carries the difference,
-//! and nothing here averages it away: where all times are known, [`Summary`] speaks, and where some
-//! are not, [`KaplanMeier`] does. [`compare`] holds two programs against each other.
+//! A time may be *censored*: a run stopped at tick 40 000 has a longer completion time, not 40 000.
+//! A run that timed out in a phase never completes. [`Observation`] distinguishes these cases.
+//! [`Summary`] is for complete times, [`KaplanMeier`] for incomplete ones. [`compare`] compares two
+//! programs.
 mod difference;
 mod distribution;
 mod holm;
@@ -29,28 +28,28 @@ pub(crate) use share::share_interval;
 pub use summary::{Summary, median};
 pub use survival::{KaplanMeier, SurvivalPoint};
 
-/// A time, known or cut short.
+/// Time, possibly incomplete.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
-    /// When the run completed, or was last seen incomplete, in any one unit; finite, not negative.
+    /// Time of completion or of the last observation, in any unit; finite and not negative.
     pub time: f64,
-    /// What happened then.
+    /// Status at that time.
     pub status: Status,
 }
 
-/// What happened at the time of an observation, as survival analysis has it.
+/// Status at the time of an observation, as in survival analysis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// The run completed.
     Completed,
-    /// It was stopped for a reason that has nothing to do with it: the true time is longer.
+    /// It was stopped for an unrelated reason: the true time is longer.
     Censored,
-    /// An event after which it cannot complete any more (a competing event): the true time is infinite.
+    /// It ended by a competing event and can never complete: the true time is infinite.
     Competing,
 }
 
 impl Observation {
-    /// A run that completed at `time`.
+    /// Returns a run that completed at `time`.
     pub const fn completed(time: f64) -> Observation {
         Observation {
             time,
@@ -58,7 +57,7 @@ impl Observation {
         }
     }
 
-    /// A run that had not completed at `time`, when it was stopped.
+    /// Returns a run that was censored at `time`.
     pub const fn censored(time: f64) -> Observation {
         Observation {
             time,
@@ -66,7 +65,7 @@ impl Observation {
         }
     }
 
-    /// A run that was ended at `time` by what is part of its program, so that it never completes.
+    /// Returns a run that ended at `time` by its program, so that it never completes.
     pub const fn competing(time: f64) -> Observation {
         Observation {
             time,
@@ -74,12 +73,12 @@ impl Observation {
         }
     }
 
-    /// Whether the run completed.
+    /// Returns whether the run completed.
     pub fn is_completed(self) -> bool {
         self.status == Status::Completed
     }
 
-    /// Up to when it counts among those that may still complete later: for ever, if it never completes.
+    /// Returns the end of its time at risk: infinite if it never completes.
     pub fn at_risk_until(self) -> f64 {
         match self.status {
             Status::Completed | Status::Censored => self.time,
@@ -87,7 +86,7 @@ impl Observation {
         }
     }
 
-    /// The time of a run that completed.
+    /// Returns the time of a completed run.
     pub fn completed_time(self) -> Option<f64> {
         self.is_completed().then_some(self.time)
     }
@@ -99,7 +98,7 @@ mod tests {
 
     use super::*;
 
-    /// Times of all kinds, of which most are completed.
+    /// Times of all kinds, mostly completed.
     pub(crate) fn observation(times: std::ops::Range<u32>) -> impl Strategy<Value = Observation> {
         let status = prop_oneof![
             3 => Just(Status::Completed),

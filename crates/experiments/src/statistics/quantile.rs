@@ -1,7 +1,7 @@
 //! Quantiles of a sample.
 
-/// The value below which a share `q` of the sample lies, 0 to 1; `None`: there are no values. Between two values it goes in a
-/// straight line, as [`stochc_estimate::quantile`] says.
+/// Returns the quantile `q`, from 0 to 1, of a sample, or `None` for an empty one. Interpolates
+/// like [`stochc_estimate::quantile`].
 pub fn quantile(values: &[f64], q: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

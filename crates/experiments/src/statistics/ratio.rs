@@ -1,34 +1,35 @@
-//! The mean of one sample as a multiple of another's.
+//! Ratio of two means.
 use serde::{Deserialize, Serialize};
 
 use super::distribution::t_quantile;
 use super::runs::comparable;
 use super::{Observation, Summary};
 
-/// A ratio of two means less one: 0.04 where the first is 4 % larger.
+/// Ratio of two means minus one: 0.04 if the first is 4 % larger.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Relative {
     /// First mean / second mean - 1.
     pub value: f64,
-    /// Half the width of its 95 % interval; `None`: too few runs to tell.
+    /// Half-width of its 95 % interval. `None` for too few runs.
     pub half_width: Option<f64>,
-    /// Where not all times of both samples are known: both means are of min(time, horizon), in the unit of the times.
+    /// Upper limit of the times in both means, if some are incomplete, in the unit of the times.
     pub horizon: Option<f64>,
 }
 
-/// A mean with what its interval needs.
+/// Mean with the data for its interval.
 struct MeanEstimate {
     mean: f64,
-    /// `None`: of a single run.
+    /// Standard error. `None` for a single run.
     error: Option<f64>,
     freedom: f64,
 }
 
-/// Compares the means of two samples as a ratio; `None`: there are no times, or the second is 0.
+/// Compares the means of two samples as a ratio. Returns `None` without times, or if the second
+/// mean is 0.
 ///
-/// The interval follows from the logarithm of the ratio to first order (the delta method), with the
-/// degrees of freedom of Welch and Satterthwaite. Where anything is censored, both means are
-/// restricted to the last time up to which both are known, and the ratio is that of the parts.
+/// The interval follows from the logarithm of the ratio by the delta method, with the degrees of
+/// freedom of Welch and Satterthwaite. With censoring, both means are restricted to the last time
+/// up to which both are known.
 pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relative> {
     let both = comparable(first, second)?;
     let [a, b] = both.values;
@@ -69,12 +70,13 @@ impl MeanEstimate {
 }
 
 impl Relative {
-    /// Whether it is known not to be 0: its interval does not include that.
+    /// Returns whether it differs from 0: its interval excludes 0.
     pub fn is_known(&self) -> bool {
         self.half_width.is_some_and(|half| self.value.abs() > half)
     }
 
-    /// The largest bias that the interval does not exclude; `None`: nothing is excluded.
+    /// Returns the largest bias that the interval does not exclude, or `None` if it excludes
+    /// nothing.
     pub fn bound(&self) -> Option<f64> {
         Some(self.value.abs() + self.half_width?)
     }
@@ -114,7 +116,8 @@ mod tests {
         assert_eq!(relative(&completed(&[2.0]), &completed(&[0.0])), None);
     }
 
-    /// None of four completes before 300, where a twentieth of the others does: that is no difference.
+    /// None of four completes before 300, but a twentieth of the others does. That is not a
+    /// difference.
     #[test]
     fn runs_that_show_nothing_exclude_little() {
         let mut reference = vec![Observation::competing(300.0); 95];
@@ -128,7 +131,7 @@ mod tests {
         );
     }
 
-    /// (2 + 9) / 2 against (4 + 6) / 2: the second is known for ever, since both completed.
+    /// (2 + 9) / 2 against (4 + 6) / 2: the second is known for all times, since both completed.
     #[test]
     fn a_censored_mean_is_taken_as_far_as_it_is_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];

@@ -1,19 +1,18 @@
-//! Runs by their number: what can be put in pairs.
+//! Runs by number, for pairing.
 use super::share::unseen_share_error;
 use super::{KaplanMeier, Observation, Status};
 
-/// The times of a program's runs.
+/// Times of a program's runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Runs {
-    /// The seed of their draws. Runs of one seed and one number meet the same chance, whatever their
-    /// program is.
+    /// Seed. Runs of equal seeds and numbers have the same random draws in all programs.
     pub seed: u64,
-    /// Number and time of each, by number; the time in any one unit. A failed run has none.
+    /// Number and time of each run, by number, in any unit. Failed runs are excluded.
     pub times: Vec<(u64, Observation)>,
 }
 
 impl Runs {
-    /// Times in ticks, of which each has so many of the unit.
+    /// Converts times in ticks to a unit. `tick` is the length of a tick in it.
     pub fn new(seed: u64, mut times: Vec<(u64, Observation)>, tick: f64) -> Runs {
         for (_, time) in &mut times {
             time.time *= tick;
@@ -21,12 +20,12 @@ impl Runs {
         Runs { seed, times }
     }
 
-    /// Their times, by number.
+    /// Returns the times by number.
     pub fn observations(&self) -> Vec<Observation> {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
-    /// Those that have a partner of their number in `other`.
+    /// Returns the runs that have a partner of equal number in `other`.
     pub(super) fn shared(&self, other: &Runs) -> Vec<Observation> {
         let has_partner = |number: &u64| {
             let place = other.times.binary_search_by_key(number, |&(it, _)| it);
@@ -39,24 +38,27 @@ impl Runs {
 
 /// Two samples as values whose means can be compared.
 pub(super) struct Comparable {
-    /// One value for each time, in their order.
+    /// One value for each time, in the order of the sample.
     pub values: [Vec<f64>; 2],
-    /// A further standard error of each mean. Where no run completes before the horizon, the values do not differ, and chance is in how many
-    /// others would: at worst these complete at once.
+    /// Additional standard error of each mean. If no run completes before the horizon, all values
+    /// are equal. The unknown share of completing runs is then the only error. It is bounded by the
+    /// case that they complete at once.
     pub unseen: [f64; 2],
-    /// Times count up to here; `None`: all are known.
+    /// Horizon of the restricted means. `None`: all times are known.
     pub horizon: Option<f64>,
 }
 
-/// Values whose means are those of both samples, restricted to the last time up to which both are
-/// known, and to the last one seen in either if some runs never complete; `None`: a sample is empty.
+/// Returns values whose means are the restricted means of both samples. `None`: a sample is empty.
+///
+/// The horizon is the last time up to which both curves are known. If some runs never complete, it
+/// is at most the last observed time of both samples.
 pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Option<Comparable> {
     let curves = [KaplanMeier::new(first)?, KaplanMeier::new(second)?];
     let reach = curves.iter().map(KaplanMeier::reach);
     let mut horizon = reach.fold(f64::INFINITY, f64::min);
     let mut all = first.iter().chain(second);
     if all.any(|run| run.status == Status::Competing) {
-        // What never completes is known to do so for ever, and its mean has to end somewhere.
+        // Runs that never complete are known for all times, so the mean requires a finite horizon.
         horizon = horizon.min(curves[0].last().max(curves[1].last()));
     }
     let values = |curve: &KaplanMeier, sample: &[Observation]| {
@@ -64,7 +66,7 @@ pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Optio
             .iter()
             .all(|run| run.is_completed() && run.time <= horizon)
         {
-            // To the bit.
+            // Bit by bit the original times.
             return sample.iter().map(|run| run.time).collect();
         }
         curve.contributions(sample, horizon)
@@ -92,8 +94,8 @@ mod tests {
         comparable(first, second).unwrap().horizon
     }
 
-    /// What is known of runs that never complete is known for ever: times count up to the last that was seen in either sample, or to
-    /// where one of them is not known any more.
+    /// Curves of runs that never complete are known for all times. The horizon is the last observed
+    /// time of both samples, or the end of a known curve.
     #[test]
     fn times_count_as_far_as_both_samples_are_known() {
         let done = [1.0, 5.0].map(Observation::completed);
@@ -108,7 +110,7 @@ mod tests {
         assert_eq!(values, [[1.0, 5.0], [2.0, 5.0]]);
     }
 
-    /// Of four runs none completes: up to 49 % of all might, by Wilson's interval.
+    /// None of four runs completes. By Wilson's interval, up to 49 % of all runs could complete.
     #[test]
     fn runs_that_never_complete_leave_open_how_many_would() {
         let never = [Observation::competing(300.0); 4];

@@ -1,13 +1,14 @@
-//! Many times in little memory.
+//! A compact sample of times.
 use super::{Observation, Status};
 
-/// Times in the order in which they were told: 4 bytes for each while all of them are whole and short, as ticks mostly are.
+/// Times in the order in which they were added. Takes 4 bytes per time while all times are short
+/// multiples of a quarter, as ticks usually are.
 #[derive(Clone, Debug)]
 pub struct TimeSample(StoredTimes);
 
 #[derive(Clone, Debug)]
 enum StoredTimes {
-    /// Four times the time, and the number of its status.
+    /// Four times the time, plus the number of its status.
     Short(Vec<u32>),
     /// Each time and its status.
     Any(Vec<f64>, Vec<Status>),
@@ -39,7 +40,7 @@ impl TimeSample {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of times.
     pub fn len(&self) -> usize {
         match &self.0 {
             StoredTimes::Short(times) => times.len(),
@@ -47,12 +48,12 @@ impl TimeSample {
         }
     }
 
-    /// Whether there are none.
+    /// Returns whether the sample is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Each time.
+    /// Returns an iterator over the times.
     pub fn iter(&self) -> impl Iterator<Item = Observation> {
         let (shorts, times, statuses): (&[u32], &[f64], &[Status]) = match &self.0 {
             StoredTimes::Short(times) => (times, &[], &[]),
@@ -63,13 +64,13 @@ impl TimeSample {
         shorts.iter().copied().map(long).chain(others)
     }
 
-    /// All of them, for as long as somebody works with them.
+    /// Returns all times.
     pub fn to_vec(&self) -> Vec<Observation> {
         self.iter().collect()
     }
 }
 
-/// By their numbers.
+/// Statuses by number.
 const STATUSES: [Status; 3] = [Status::Completed, Status::Censored, Status::Competing];
 
 fn short(observation: Observation) -> Option<u32> {

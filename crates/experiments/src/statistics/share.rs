@@ -1,10 +1,13 @@
-//! A share of runs.
+//! Confidence interval of a share of runs.
 use super::distribution::normal_quantile;
 
-/// The 95 % interval of the share of which `k` of `n` are a sample, by E. B. Wilson, Journal of the
-/// American Statistical Association 22 (1927), 209-212; `None`: there is no sample.
+/// Returns the 95 % interval of the share `k / n`. `None`: the sample is empty.
 ///
-/// It stays between 0 and 1, and is not empty where all or none are.
+/// The interval stays between 0 and 1. It has a positive width even if the share is 0 or 1.
+///
+/// # Source
+///
+/// E. B. Wilson, Journal of the American Statistical Association 22 (1927), 209-212.
 pub fn share_interval(k: usize, n: usize) -> Option<(f64, f64)> {
     if n == 0 || k > n {
         return None;
@@ -14,13 +17,14 @@ pub fn share_interval(k: usize, n: usize) -> Option<(f64, f64)> {
     let middle = (share + z2 / (2.0 * size)) / (1.0 + z2 / size);
     let half =
         (z2 * (share * (1.0 - share) / size + z2 / (4.0 * size * size))).sqrt() / (1.0 + z2 / size);
-    // At the ends exactly, whatever rounding says.
+    // Exact ends, independent of rounding.
     let low = if k == 0 { 0.0 } else { middle - half };
     let high = if k == n { 1.0 } else { middle + half };
     Some((low, high))
 }
 
-/// The standard error of a share of which `n` runs have shown nothing: its [interval](share_interval) is 1.96 of these, not empty.
+/// Returns the standard error of a share that no run of `n` has shown. Its
+/// [interval](share_interval) is 1.96 standard errors wide.
 pub fn unseen_share_error(n: usize) -> f64 {
     share_interval(0, n).map_or(1.0, |(_, most)| most) / normal_quantile()
 }
@@ -29,7 +33,7 @@ pub fn unseen_share_error(n: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// `scipy.stats.binomtest(k, n).proportion_ci(method="wilson")`.
+    /// Compares with `scipy.stats.binomtest(k, n).proportion_ci(method="wilson")`.
     #[test]
     fn intervals_agree_with_scipy() {
         for (k, n, low, high) in [

@@ -1,38 +1,38 @@
-//! Mean, spread and order of a sample in which nothing is censored.
+//! Mean, standard deviation and order statistics of a sample without censoring.
 use serde::Serialize;
 
 use super::distribution::t_quantile;
 
-/// What is told of a sample; every figure but `n` has the unit of the sample.
+/// Statistics of a sample. All values except `n` have the unit of the sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Size of the sample, at least 1.
     pub n: usize,
     /// Arithmetic mean.
     pub mean: f64,
-    /// Standard deviation with n - 1 in the denominator; `None` for a single value.
+    /// Standard deviation with n - 1 in the denominator. `None`: the sample has a single value.
     pub sd: Option<f64>,
-    /// Half the width of the 95 % confidence interval of the mean, t(0.975, n - 1) SD / sqrt n;
-    /// `None` for a single value.
+    /// Half the width of the 95 % confidence interval of the mean, t(0.975, n - 1) SD / sqrt n.
+    /// `None`: the sample has a single value.
     ///
-    /// The paper writes 1.96 SD / sqrt n, which is 2.5 % narrower at its n = 50.
+    /// The paper uses 1.96 SD / sqrt n, which is 2.5 % narrower for its n = 50.
     pub half_width: Option<f64>,
     /// Smallest value.
     pub min: f64,
     /// Largest value.
     pub max: f64,
-    /// The middle value, or the mean of the two in the middle.
+    /// Median: the middle value, or the mean of the two middle values.
     pub median: f64,
 }
 
 impl Summary {
-    /// Summarizes finite values; `None`: there are none.
+    /// Summarizes finite values. `None`: there are no values.
     pub fn from_values(values: &[f64]) -> Option<Summary> {
         let n = values.len();
         let median = median(values)?;
         let min = values.iter().copied().fold(f64::INFINITY, f64::min);
         let max = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // Of equal values the sum would be rounded, and leave a spread behind.
+        // For equal values, rounding of the sum would cause a positive standard deviation.
         let mean = if min == max {
             min
         } else {
@@ -51,15 +51,17 @@ impl Summary {
         })
     }
 
-    /// Coefficient of variation, SD / mean, without a unit; 1 for exponential waiting.
+    /// Returns the coefficient of variation, SD / mean, without a unit. It is 1 for exponential
+    /// times.
     ///
-    /// `None` for a single value, or a mean of zero.
+    /// `None` for a single value or a mean of zero.
     pub fn cv(&self) -> Option<f64> {
         Some(self.sd? / self.mean).filter(|cv| cv.is_finite())
     }
 }
 
-/// The middle of finite values, or the mean of the two in the middle; `None`: there are none.
+/// Returns the median of finite values, the mean of the two middle values for an even number.
+/// `None`: there are no values.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -75,7 +77,8 @@ pub fn median(values: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// `x.mean(), x.std(ddof=1), np.median(x), st.t.ppf(.975, 7) * x.std(ddof=1) / 8**.5`.
+    /// Compares with `x.mean(), x.std(ddof=1), np.median(x), st.t.ppf(.975, 7) * x.std(ddof=1) /
+    /// 8**.5`.
     #[test]
     fn a_sample_is_summarized_as_numpy_and_scipy_do() {
         let sample = [

@@ -1,62 +1,70 @@
-//! Times of which some are censored: the estimator of Kaplan and Meier (1958), and the cumulative incidence where events compete.
+//! Censored times: the Kaplan-Meier estimator (1958), and the cumulative incidence with competing
+//! events.
 use super::distribution::normal_quantile;
 use super::{Observation, Status};
 
-/// The share of runs that are still incomplete, as a function of time.
+/// Kaplan-Meier curve: the share of incomplete runs as a function of time.
 ///
-/// S(t) is the product of 1 - d/n over the times up to t at which d of the n runs that were still
-/// under observation completed. A run censored at the same time counts as still under observation.
-/// The estimate takes for granted that a run is not censored because it was about to be slow or
-/// fast: true of a limit on the run's ticks. Runs that never complete ([`Status::Competing`]) are not
-/// censored, they count as under observation for ever: 1 - S is then the cumulative incidence of completion
-/// (R. J. Gray, Ann. Stat. 16 (1988), 1141-1154; with the same limit for all runs, the estimator of Aalen and Johansen).
+/// S(t) is the product of 1 - d/n over the times up to t. Here d of the n runs under observation
+/// completed at a time. A run censored at the same time counts as under observation. The estimate
+/// assumes that censoring is independent of the speed of a run. This is true for a limit on the
+/// ticks.
+///
+/// Runs that never complete ([`Status::Competing`]) are not censored. They count as under
+/// observation forever. Then 1 - S is the cumulative incidence of completion. With the same limit
+/// for all runs it equals the Aalen-Johansen estimator.
+///
+/// # Source
+///
+/// R. J. Gray, Ann. Stat. 16 (1988), 1141-1154.
 ///
 /// [`Status::Competing`]: super::Status::Competing
 #[derive(Clone, Debug, PartialEq)]
 pub struct KaplanMeier {
     steps: Vec<SurvivalStep>,
     last: f64,
-    /// Up to where the curve is known.
+    /// Last time up to which the curve is known.
     reach: f64,
 }
 
-/// A time at which runs completed.
+/// A time with at least one completion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SurvivalStep {
     time: f64,
     at_risk: usize,
     completed: usize,
-    /// The share still incomplete after this time.
+    /// Share of incomplete runs after this time.
     after: f64,
 }
 
-/// The share of incomplete runs right after a time at which some completed.
+/// Share of incomplete runs directly after a time with completions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurvivalPoint {
-    /// The time, in the unit of the observations.
+    /// Time, in the unit of the observations.
     pub time: f64,
-    /// Runs that were still under observation just before it, and those that never complete.
+    /// Number of runs under observation directly before this time, including those that never
+    /// complete.
     pub at_risk: usize,
-    /// Runs that completed at it.
+    /// Number of runs that completed at this time.
     pub completed: usize,
-    /// The share still incomplete after it.
+    /// Share of incomplete runs after this time.
     pub incomplete: f64,
-    /// Ends of its 95 % confidence interval; `None` after the last run has completed, where the
-    /// formula has no value.
+    /// 95 % confidence interval of the share. `None` after the last completion of all runs, because
+    /// the formula has no value there.
     pub interval: Option<(f64, f64)>,
 }
 
 /// The mean of min(time, horizon).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RestrictedMean {
-    /// A lower bound of the mean, in the unit of the times.
+    /// Restricted mean, a lower bound of the mean, in the unit of the times.
     pub mean: f64,
-    /// Times count up to here.
+    /// Horizon of the restricted mean.
     pub horizon: f64,
 }
 
 impl KaplanMeier {
-    /// Estimates from observations in any order; `None`: there are none.
+    /// Estimates the curve from observations in any order. `None`: there are no observations.
     pub fn new(observations: &[Observation]) -> Option<KaplanMeier> {
         let mut sorted = observations.to_vec();
         sorted.sort_by(|a, b| a.at_risk_until().total_cmp(&b.at_risk_until()));
@@ -88,23 +96,27 @@ impl KaplanMeier {
         })
     }
 
-    /// The last time seen, of a completed run or another: a horizon for the mean.
+    /// Returns the last observed time of any run, which serves as a horizon of the mean.
     pub fn last(&self) -> f64 {
         self.last
     }
 
-    /// The share of runs that are still incomplete after `time`.
+    /// Returns the share of runs that are still incomplete after `time`.
     pub fn incomplete(&self, time: f64) -> f64 {
         let passed = self.steps.partition_point(|step| step.time <= time);
         passed.checked_sub(1).map_or(1.0, |i| self.steps[i].after)
     }
 
-    /// The curve, step by step, with pointwise intervals.
+    /// Returns the steps of the curve with pointwise intervals.
     ///
-    /// The interval is symmetric for log(-log S), so that it stays between 0 and 1: S to the power
-    /// exp(± 1.96 e), where e = sqrt(G) / |log S| and G is Greenwood's sum of d / (n (n - d))
-    /// (J. D. Kalbfleisch and R. L. Prentice, The Statistical Analysis of Failure Time Data, 2nd
-    /// ed. 2002, section 1.4).
+    /// The interval is symmetric for log(-log S), so that it stays between 0 and 1. Its ends are S
+    /// to the power exp(± 1.96 e), with e = sqrt(G) / |log S|. G is Greenwood's sum of d / (n (n -
+    /// d)).
+    ///
+    /// # Source
+    ///
+    /// J. D. Kalbfleisch and R. L. Prentice, The Statistical Analysis of Failure Time Data, 2nd ed.
+    /// 2002, section 1.4.
     pub fn curve(&self) -> Vec<SurvivalPoint> {
         let mut greenwood = 0.0;
         let point = |step: &SurvivalStep| {
@@ -126,17 +138,18 @@ impl KaplanMeier {
         self.steps.iter().map(point).collect()
     }
 
-    /// The time at which half of the runs have completed; see [`quantile`](Self::quantile).
+    /// Returns the median time to completion; see [`quantile`](Self::quantile).
     pub fn median(&self) -> Option<f64> {
         self.quantile(0.5)
     }
 
-    /// The time at which a share of the runs has completed; `None`: the estimate stays below it.
+    /// Returns the time at which a share of the runs has completed. `None`: the estimate stays
+    /// below this share.
     ///
-    /// Where it is exactly that share from one completion to the next, the middle of the two, so
-    /// that half is the plain median when nothing is censored.
+    /// If the estimate equals the share between two completions, the result is the midpoint of the
+    /// two. The quantile of 0.5 is then the plain median of a sample without censoring.
     pub fn quantile(&self, share: f64) -> Option<f64> {
-        // A product of fractions that should be the rest may miss it by some rounding errors.
+        // A product of fractions differs from the exact share by rounding errors.
         const ROUNDING: f64 = 1e-12;
         let rest = 1.0 - share;
         let i = self
@@ -152,12 +165,13 @@ impl KaplanMeier {
         }
     }
 
-    /// The mean of min(time, horizon): the area under the curve up to `horizon`, which is brought
-    /// down to where the curve is known, or to the last time seen if there is no other end.
+    /// Returns the mean of min(time, horizon), the area under the curve up to `horizon`. The
+    /// horizon is reduced to the end of the known curve. An infinite horizon becomes the last
+    /// observed time.
     pub(crate) fn restricted_mean(&self, horizon: f64) -> RestrictedMean {
         let horizon = self.known_until(horizon);
         let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
-        // From the right, as contributions are summed up.
+        // From the right, in the same order as the contributions.
         let mut area = 0.0;
         let mut until = horizon;
         for step in steps.iter().rev() {
@@ -170,18 +184,22 @@ impl KaplanMeier {
         }
     }
 
-    /// What each run adds to the restricted mean: values whose plain mean it is, in the order of the
-    /// observations, which are those that this was estimated from.
+    /// Returns the contribution of each run to the restricted mean, in the order of the
+    /// observations. The plain mean of the contributions is the restricted mean. The observations
+    /// must be those of this estimate.
     ///
-    /// They are the times themselves where all are known. Where some are censored they stand for
-    /// them: pseudo-observations (P. K. Andersen, M. G. Hansen and J. P. Klein, Lifetime Data Anal. 10
-    /// (2004), 335-350), by the estimate's influence function, so that their squares add up to
-    /// Greenwood's sum.
+    /// Without censoring the contributions are the times. With censoring they are
+    /// pseudo-observations from the influence function of the estimate. The sum of their squared
+    /// deviations then equals Greenwood's sum.
+    ///
+    /// # Source
+    ///
+    /// P. K. Andersen, M. G. Hansen and J. P. Klein, Lifetime Data Anal. 10 (2004), 335-350.
     pub(crate) fn contributions(&self, observations: &[Observation], horizon: f64) -> Vec<f64> {
         let horizon = self.known_until(horizon);
         let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
         let n = observations.len() as f64;
-        // By how much a completion at a step brings the mean down, in all n runs.
+        // Reduction of the mean by a completion at each step, for all n runs.
         let mut loss = vec![0.0; steps.len()];
         let (mut area, mut until) = (0.0, horizon);
         for (loss, step) in loss.iter_mut().zip(steps).rev() {
@@ -192,7 +210,7 @@ impl KaplanMeier {
             }
         }
         let mean = area + until;
-        // What a run that was there up to and with a step was expected to lose.
+        // Expected reduction of a run that is under observation up to a step.
         let expected: Vec<f64> = (loss.iter().zip(steps))
             .scan(0.0, |sum, (loss, step)| {
                 *sum += loss * step.completed as f64 / step.at_risk as f64;
@@ -214,14 +232,15 @@ impl KaplanMeier {
         observations.iter().map(contribution).collect()
     }
 
-    /// A horizon that is not beyond where the curve is known, and finite.
+    /// Returns the horizon, reduced to the end of the known curve. The result is finite.
     fn known_until(&self, horizon: f64) -> f64 {
         let known = horizon.min(self.reach);
         if known.is_finite() { known } else { self.last }
     }
 
-    /// How far the curve is known \[time\]: without an end, if no run was censored. If the last one completed and others were cut short, the
-    /// curve ends at 0, and what those would have taken is not known.
+    /// Returns the last time \[time\] up to which the curve is known, infinite without censoring.
+    /// If the last run completed and others were censored, the curve ends at 0. The remaining times
+    /// of the censored runs are then unknown.
     pub fn reach(&self) -> f64 {
         self.reach
     }
@@ -235,7 +254,7 @@ mod tests {
     use crate::statistics::tests::observation;
     use crate::statistics::{Summary, median};
 
-    /// Remission of leukaemia under 6-mercaptopurine, weeks (Freireich et al. 1963): the first
+    /// Remission of leukaemia under 6-mercaptopurine \[weeks\] (Freireich et al. 1963). The first
     /// nine completed, the other twelve are censored.
     const TREATED: [f64; 21] = [
         6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0, 6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0,
@@ -258,7 +277,8 @@ mod tests {
         KaplanMeier::new(&observed()).unwrap()
     }
 
-    /// Greenwood's standard error of the restricted mean: without censoring the SD over sqrt n, with n in the SD's denominator.
+    /// Returns Greenwood's standard error of the restricted mean. Without censoring it is SD / sqrt
+    /// n, with n in the denominator of the SD.
     fn error(curve: &KaplanMeier, runs: &[Observation], horizon: f64) -> f64 {
         let parts = curve.contributions(runs, horizon);
         let n = parts.len() as f64;
@@ -267,7 +287,7 @@ mod tests {
         squares.sqrt() / n
     }
 
-    /// The same by Greenwood's sum over the steps.
+    /// Returns the same error from Greenwood's sum over the steps.
     fn greenwood(curve: &KaplanMeier, horizon: f64) -> f64 {
         let (mut area, mut variance, mut until) = (0.0, 0.0, horizon);
         for step in curve.steps.iter().rev().filter(|step| step.time <= horizon) {
@@ -281,8 +301,9 @@ mod tests {
         variance.sqrt()
     }
 
-    /// lifelines 0.30.3: `k = KaplanMeierFitter().fit(t, e)`, `k.median_survival_time_`,
-    /// `restricted_mean_survival_time(k, t=35)`; the error from Greenwood's sum in numpy.
+    /// Compares with lifelines 0.30.3: `k = KaplanMeierFitter().fit(t, e)`,
+    /// `k.median_survival_time_`, `restricted_mean_survival_time(k, t=35)`. The error is
+    /// Greenwood's sum in numpy.
     #[test]
     fn censored_times_agree_with_lifelines() {
         let curve = treated();
@@ -297,7 +318,8 @@ mod tests {
         assert_eq!(curve.incomplete(5.9), 1.0);
     }
 
-    /// lifelines 0.30.3: `k.confidence_interval_survival_function_`, whose interval is this one.
+    /// Compares with `k.confidence_interval_survival_function_` of lifelines 0.30.3, which uses the
+    /// same interval.
     #[test]
     fn intervals_agree_with_lifelines() {
         let curve = treated().curve();
@@ -333,7 +355,7 @@ mod tests {
         assert_eq!((mean.mean, error, mean.horizon), (40.0, 0.0, 40.0));
     }
 
-    /// Nine completions one after the other; of those that are censored later, nothing is known but that they take longer.
+    /// Nine completions, followed by censored runs, of which only a lower bound is known.
     #[test]
     fn quantiles_count_what_is_censored() {
         let of = |censored: &[f64]| {
@@ -347,8 +369,8 @@ mod tests {
         assert_eq!(of(&[20.0; 2]), [Some(2.0), Some(6.0), None]);
     }
 
-    /// Ten runs, of which every second one is ended after 5 for being slow: as if it took for ever, and not as if it would
-    /// have gone on like the five that were faster.
+    /// Every second of ten runs is ended after 5 because it is slow. These runs count as never
+    /// complete. They must not be assumed to continue like the five faster runs.
     #[test]
     fn runs_that_never_complete_are_not_taken_for_others() {
         let fast = [6.0, 7.0, 8.0, 9.0, 10.0].map(Observation::completed);
@@ -375,7 +397,7 @@ mod tests {
             let mut sorted = times;
             sorted.sort_by(f64::total_cmp);
             let (low, high) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
-            // Of exactly one half, the last that completed.
+            // For exactly one half, the last completed run.
             let plain = if high.is_finite() { f64::midpoint(low, high) } else { low };
             prop_assert_eq!(curve.median(), Some(plain).filter(|time| time.is_finite()));
         }

@@ -1,29 +1,29 @@
-//! What the command line says of one number: `free=50..600/6 log`.
+//! Axes of a sweep from the command line: `free=50..600/6 log`.
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::units::WrittenQuantity;
 
 use stochc_results::{ChosenSetting, Varied};
 
-/// Values of one axis at most.
+/// Largest number of values of an axis.
 const MAX: u32 = 400;
 
-/// A scene parameter or a setting, and the values that it gets one after the other.
+/// A scene parameter or setting with the values of its axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// The name of the number, as it was given.
+    /// Name of the parameter or setting, as given.
     pub name: String,
     values: AxisValues,
-    /// Of all values; empty: none.
+    /// Unit of all values. Empty: none.
     unit: String,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 enum AxisValues {
-    /// `50,100,300`, or a single one.
+    /// `50,100,300`, or a single value.
     List(Vec<f64>),
-    /// `50..600/6`: evenly spaced, both ends included.
+    /// `50..600/6`: evenly spaced, including both ends.
     Even { from: f64, to: f64, n: u32 },
-    /// `50..600/6 log`: each the same multiple of the one before.
+    /// `50..600/6 log`: with a constant ratio between neighbours.
     Geometric { from: f64, to: f64, n: u32 },
     /// `model=rigid,rapier`: values of a setting.
     Settings(Vec<ChosenSetting>),
@@ -33,7 +33,8 @@ impl Axis {
     /// Reads `NAME=VALUES`.
     ///
     /// # Errors
-    /// In words; whether the scene has the number, and may give it these values, is another matter.
+    ///
+    /// A message about the format. The scene is not checked here.
     pub fn parse(text: &str) -> Result<Axis, String> {
         let (name, values) = text
             .split_once('=')
@@ -71,18 +72,18 @@ impl Axis {
         }
     }
 
-    /// The values for a number of a scene, each with its unit.
+    /// Returns the values for a scene parameter, each with its unit.
     ///
     /// # Errors
-    /// In words, when they are none that the number may have, not whole where they have to be, or
-    /// one comes twice.
+    ///
+    /// A message if a value is not allowed, is not whole for a whole parameter, or occurs twice.
     pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, String> {
         let mut out: Vec<Varied> = Vec::new();
         for said in self.said(number)? {
             let varied = varied(number, said, &self.unit)?;
             if out.iter().any(|other| other.value == varied.value) {
                 return Err(format!(
-                    "`{}` is {} twice; ask for fewer values",
+                    "`{}` has the value {} twice; give fewer values",
                     number.name(),
                     varied.value()
                 ));
@@ -127,7 +128,7 @@ impl Axis {
     }
 }
 
-/// Reads the values of a setting, each once.
+/// Reads the values of a setting. Each must occur once.
 fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, String> {
     let mut chosen: Vec<ChosenSetting> = Vec::new();
     for value in values.split(',') {
@@ -140,7 +141,7 @@ fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, String> {
     Ok(chosen)
 }
 
-/// Values without the word `log` behind them, and whether it was there.
+/// Splits the word `log` from the end of the values. Returns whether it was present.
 pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
     let values = values.trim();
     match values.strip_suffix("log") {
@@ -149,14 +150,15 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
     }
 }
 
-/// A number of a scene with a value in a unit.
+/// Returns a scene parameter with a value in a unit.
 ///
 /// # Errors
-/// In words, when the number may not have it.
+///
+/// A message if the value is not allowed.
 pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, String> {
     let given = format!("{said} {unit}");
     let mut quantity = WrittenQuantity::parse(&given)?.to_si();
-    // Zero is the same in every unit.
+    // Zero is equal in all units.
     if said == 0.0 && unit.is_empty() {
         quantity.1 = number.kind.dimension;
     }
@@ -177,13 +179,14 @@ fn even(from: f64, to: f64, n: u32, i: u32) -> f64 {
     }
 }
 
-/// A value with so many digits that count: `0.30000000000000004` is not what anybody means.
+/// Rounds a value to `n` significant digits. This removes rounding errors such as
+/// `0.30000000000000004`.
 pub(crate) fn digits(value: f64, n: usize) -> f64 {
     let rounded = format!("{value:.*e}", n - 1).parse();
     rounded.unwrap_or(value)
 }
 
-/// Why evenly spaced values will not do, and how many would.
+/// Explains why evenly spaced values are not whole, and suggests a number of values.
 fn not_whole(name: &str, (from, to, n): (f64, f64, u32), broken: f64) -> String {
     let whole = |n: &u32| (1..n - 1).all(|i| even(from, to, *n, i).fract() == 0.0);
     let ends = from.fract() == 0.0 && to.fract() == 0.0;
@@ -192,7 +195,7 @@ fn not_whole(name: &str, (from, to, n): (f64, f64, u32), broken: f64) -> String 
     fitting.truncate(4);
     fitting.sort_unstable();
     let way_out = match fitting[..] {
-        [] => "give whole ends".to_owned(),
+        [] => "give whole numbers as ends".to_owned(),
         _ => {
             let fitting: Vec<String> = fitting.iter().map(u32::to_string).collect();
             format!("{} values are all whole", fitting.join(", "))
@@ -205,7 +208,7 @@ fn not_whole(name: &str, (from, to, n): (f64, f64, u32), broken: f64) -> String 
     )
 }
 
-/// `50..600/6`, split at its dots.
+/// Reads `50..600/6`, split at its dots.
 fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, String), String> {
     let count = rest.rsplit_once('/').and_then(|(to, n)| {
         let n = n.trim();
@@ -221,7 +224,7 @@ fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, Stri
     };
     let n = (n.parse().ok())
         .filter(|n| (2..=MAX).contains(n))
-        .ok_or_else(|| format!("a range is of 2 to {MAX} values, not {n}"))?;
+        .ok_or_else(|| format!("a range has 2 to {MAX} values, not {n}"))?;
     let (first, last) = (value(from)?, value(to)?);
     let unit = common(&[first.clone(), last.clone()])?;
     let (from, to) = (first.0, last.0);
@@ -242,19 +245,19 @@ fn list(text: &str) -> Result<(AxisValues, String), String> {
     Ok((AxisValues::List(values.collect()), unit))
 }
 
-/// A number, and its unit as text.
+/// Splits a number from its unit.
 pub(crate) fn value(text: &str) -> Result<(f64, String), String> {
     let WrittenQuantity { value, unit, .. } = WrittenQuantity::parse(text)?;
     Ok((value, unit.to_owned()))
 }
 
-/// The unit of the last value, which is that of those that have none.
+/// Returns the common unit: the unit of the last value also applies to values without a unit.
 pub(crate) fn common(values: &[(f64, String)]) -> Result<String, String> {
     let unit = values.last().map_or("", |(_, unit)| unit);
     let other = values.iter().find(|(_, it)| !it.is_empty() && it != unit);
     match other {
         Some((_, other)) => Err(format!(
-            "one unit for all values, not `{other}` and `{unit}`; the last value's is that of all"
+            "give all values one unit, not `{other}` and `{unit}`; the unit of the last value applies to all"
         )),
         None => Ok(unit.to_owned()),
     }
@@ -267,7 +270,7 @@ mod tests {
 
     use super::*;
 
-    /// The values that an axis gives the default scene: in its unit, and in SI units.
+    /// Returns the values of an axis for the default scene, in its unit and in SI units.
     fn values(text: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
         let axis = Axis::parse(text)?;
         let scene = built_in("hemisphere").unwrap();
@@ -313,7 +316,7 @@ mod tests {
             "`free` is a whole number, and 7 values from 50 to 600 are not all: 141.667 is one; \
              2, 3, 6, 11 values are all whole, `log` rounds, or give a list"
         );
-        assert!(told("free=50.5..600/2").contains("give whole ends"));
+        assert!(told("free=50.5..600/2").contains("give whole numbers as ends"));
         assert!(told("free=50,60.5").contains("must be a whole number from 0"));
         assert!(told("free=1..4/9 log").contains("twice"));
     }
@@ -355,7 +358,7 @@ mod tests {
             ("free=50,60 log", "`log` spaces a range"),
             (
                 "block.side=20cm..1m/3",
-                "one unit for all values, not `cm` and `m`",
+                "give all values one unit, not `cm` and `m`",
             ),
             ("bond.pull=3 newton", "did you mean `N`?"),
             (

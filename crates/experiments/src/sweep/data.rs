@@ -1,4 +1,4 @@
-//! A sweep for other programs: JSON, and comma-separated values (RFC 4180).
+//! Export of a sweep: JSON, and comma-separated values (RFC 4180).
 use serde_json::json;
 
 use super::Sweep;
@@ -9,7 +9,7 @@ use stochc_results::Manifest;
 const FORMAT: u32 = 1;
 
 impl Sweep {
-    /// The text of `sweep.json`.
+    /// Returns the text of `sweep.json`.
     pub fn to_json(&self, manifest: &Manifest) -> String {
         let mut value = json!(self);
         value["format"] = FORMAT.into();
@@ -18,7 +18,7 @@ impl Sweep {
         format!("{value:#}\n")
     }
 
-    /// The text of `sweep.csv`: a row for each point, a column for each axis.
+    /// Returns the text of `sweep.csv`: a row for each point, a column for each axis.
     pub fn to_csv(&self) -> String {
         sweep_table(self).csv()
     }

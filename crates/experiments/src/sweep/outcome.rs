@@ -1,4 +1,4 @@
-//! What came of a sweep, point by point.
+//! Results of a sweep, point by point.
 use serde::Serialize;
 use stochc_ir::record::{BondRecord, Origin, RunRecord};
 
@@ -9,81 +9,81 @@ use stochc_results::{
 };
 use stochc_text::Tick;
 
-/// The unit of times where all scenes have ticks of one length.
+/// Unit of times if all scenes have the same length of a tick.
 const TICKS: &str = "ticks";
 
-/// Numbers of a scene that were varied, and what became of the times.
+/// Swept parameters and the times at each point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sweep {
-    /// The numbers, in the order of the command line.
+    /// Swept scene parameters, in the order of the command line.
     pub axes: Vec<SweptNumber>,
-    /// Names of the settings that were varied.
+    /// Names of the swept settings.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub settings: Vec<String>,
-    /// The unit of all times: ticks, or seconds where the points differ in the length of a tick.
+    /// Unit of all times: ticks, or seconds if the points differ in the length of a tick.
     pub unit: &'static str,
-    /// In the order of the manifest.
+    /// Points in the order of the manifest.
     pub points: Vec<SweepPoint>,
 }
 
-/// A number that was varied.
+/// A swept scene parameter.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct SweptNumber {
-    /// Its name, such as `bond.pull`.
+    /// Name, such as `bond.pull`.
     pub of: String,
-    /// The unit of its values; empty: none.
+    /// Unit of its values. Empty: none.
     pub unit: String,
 }
 
-/// A program at one value of each number.
+/// A program at one value of each swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SweepPoint {
-    /// The program's name in the manifest, such as `line [free=50]`.
+    /// Name of the program in the manifest, such as `line [free=50]`.
     pub name: String,
-    /// The name without the values of the scene.
+    /// Name of the program without values.
     pub program: String,
-    /// One for each axis.
+    /// One value for each axis.
     pub values: Vec<SweptValue>,
-    /// The settings that were chosen for it.
+    /// Chosen settings.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub chosen: Vec<ChosenSetting>,
     /// Length of a tick of its scene \[s\].
     pub tick: f64,
-    /// Runs asked for.
+    /// Number of requested runs.
     pub runs: u64,
-    /// Runs that completed.
+    /// Number of completed runs.
     pub completed: usize,
-    /// Runs that a timeout of the program has ended: they never complete.
+    /// Number of runs ended by a timeout of the program. They never complete.
     pub timed_out: usize,
-    /// Runs that reached the limit of ticks: their times are right-censored.
+    /// Number of runs that reached the limit of ticks. Their times are right-censored.
     pub censored: usize,
-    /// Runs whose physics broke down, which no time counts.
+    /// Number of runs with failed physics. No time includes them.
     pub failed: usize,
-    /// The part of the finished runs that completed, 0 to 1; `None`: none is finished.
+    /// Share of the finished runs that completed, 0 to 1. `None`: no run is finished.
     pub share: Option<f64>,
-    /// Its 95 % interval, by Wilson.
+    /// 95 % interval of the share, by Wilson.
     pub share_interval: Option<(f64, f64)>,
-    /// The time to completion.
+    /// Time to completion.
     pub time: Option<Time>,
-    /// Captures that were made, in all runs that did not fail; blocks attached by hand are none.
+    /// Number of captures in all runs that did not fail. Pre-attached blocks are excluded.
     pub captures: u64,
-    /// The part of them that took a block which had been released before, 0 to 1.
+    /// Share of captures that took a released block, 0 to 1.
     pub released: Option<f64>,
-    /// The time of all runs that did not fail over the captures that they made.
+    /// Total time of all runs that did not fail, divided by their number of captures.
     pub time_per_capture: Option<f64>,
 }
 
-/// A value of a number that was varied.
+/// A value of a swept parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SweptValue {
-    /// In the unit of its axis.
+    /// Value in the unit of its axis.
     pub value: f64,
-    /// In SI units.
+    /// Value in SI units.
     pub si: f64,
 }
 
 impl SweptNumber {
-    /// As an axis says it: `bond.pull [N]`.
+    /// Returns the label of an axis: `bond.pull [N]`.
     pub fn label(&self) -> String {
         match &*self.unit {
             "" => self.of.clone(),
@@ -91,7 +91,7 @@ impl SweptNumber {
         }
     }
 
-    /// One of its values, such as `bond.pull=4.5 N`.
+    /// Returns the text of a value, such as `bond.pull=4.5 N`.
     pub fn at(&self, value: SweptValue) -> String {
         let varied = Varied {
             of: self.of.clone(),
@@ -103,18 +103,18 @@ impl SweptNumber {
     }
 }
 
-/// A sweep while runs are told, sorted by program and run.
+/// Accumulator of a sweep. Runs are added sorted by program and run.
 #[derive(Debug)]
 pub struct SweepTally<'a> {
     manifest: &'a Manifest,
     axes: Vec<SweptNumber>,
-    /// Whether all scenes have ticks of one length.
+    /// Whether all scenes have the same length of a tick.
     is_one: bool,
     programs: Vec<PointTally>,
 }
 
 impl<'a> SweepTally<'a> {
-    /// Before the first run of the sweep that a manifest asks for; `None`: it asks for none.
+    /// Creates the accumulator for the sweep of a manifest. `None`: the manifest has no sweep.
     pub fn new(manifest: &'a Manifest) -> Option<SweepTally<'a>> {
         let axes: Vec<SweptNumber> = manifest.axes().iter().map(dial).collect();
         if axes.is_empty() && !manifest.varies_settings() {
@@ -138,13 +138,13 @@ impl<'a> SweepTally<'a> {
         self.programs[done.program].add(program, &done.record);
     }
 
-    /// What came of it.
+    /// Returns the results.
     pub fn finish(self) -> Sweep {
         let (axes, settings) = (&self.axes, self.manifest.swept().settings);
         let last = self.programs.iter().map(PointTally::last_seen);
         let last = last.fold(0.0, f64::max);
         let programs = self.manifest.programs.iter().zip(self.programs);
-        // A manifest that somebody has edited may hold others.
+        // An edited manifest can contain other parameters.
         let same = programs
             .filter(|(program, _)| program.varied.iter().map(dial).eq(axes.iter().cloned()));
         let point = |(program, tally): (&EnsembleProgram, PointTally)| {
@@ -182,10 +182,11 @@ fn dial(varied: &Varied) -> SweptNumber {
 }
 
 impl Sweep {
-    /// What came of the sweep that a manifest asks for; `None`: it asks for none.
+    /// Returns the results of the sweep of a manifest. `None`: the manifest has no sweep.
     ///
     /// # Errors
-    /// Where the runs cannot be read again.
+    ///
+    /// If the runs cannot be read again.
     pub fn from_records(
         manifest: &Manifest,
         finished: &Records,
@@ -210,7 +211,7 @@ impl Sweep {
         self
     }
 
-    /// Gives each point and its program the name that `label` returns for its own.
+    /// Renames each point and its program by `label`.
     pub fn relabel(&mut self, label: impl Fn(&str) -> String) {
         for point in &mut self.points {
             point.name = label(&point.name);
@@ -218,12 +219,12 @@ impl Sweep {
         }
     }
 
-    /// The clock of a point, where times are in ticks; `None`: they are in seconds.
+    /// Returns the length of a tick at a point if times are in ticks. `None`: times are in seconds.
     pub fn tick(&self, point: &SweepPoint) -> Option<Tick> {
         (self.unit == TICKS).then_some(Tick(point.tick))
     }
 
-    /// The names of the programs that were swept, each once.
+    /// Returns the names of the swept programs, each once.
     pub fn programs(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for point in &self.points {
@@ -235,10 +236,10 @@ impl Sweep {
     }
 }
 
-/// A point while its runs are told, by number.
+/// Accumulator of a point. Runs are added by number.
 #[derive(Clone, Debug, Default)]
 pub struct PointTally {
-    /// Of a tick in the unit of the sweep.
+    /// Length of a tick in the unit of the sweep.
     unit: f64,
     finished: usize,
     times: TimeSample,
@@ -248,7 +249,7 @@ pub struct PointTally {
 }
 
 impl PointTally {
-    /// Before the first run, in whose scene a tick has so many units of the sweep.
+    /// Creates the accumulator for a length of a tick in the unit of the sweep.
     pub fn new(unit: f64) -> PointTally {
         PointTally {
             unit,
@@ -265,7 +266,7 @@ impl PointTally {
         time.time *= self.unit;
         self.times.push(time);
         self.spent += time.time;
-        // What is attached by hand was not captured.
+        // Pre-attached blocks were not captured.
         let is_captured = |bond: &&BondRecord| !program.is_planted(bond.phase);
         for bond in record.bonds.iter().filter(is_captured) {
             self.captures += 1;
@@ -273,13 +274,14 @@ impl PointTally {
         }
     }
 
-    /// The last time that was seen of any of its runs, in the unit of the sweep.
+    /// Returns the last observed time of all runs, in the unit of the sweep.
     pub fn last_seen(&self) -> f64 {
         last_seen(self.times.iter())
     }
 
-    /// What became of the point, whose name is given with its values and without; `runs` were asked for, and a tick has so
-    /// many seconds. The last time that was seen at any point is `last`.
+    /// Returns the results of the point, given its name with and without values, the number of
+    /// requested runs and the length of a tick \[s\]. `last` is the last observed time at all
+    /// points.
     pub fn finish(
         self,
         (name, program): (String, String),
@@ -315,7 +317,7 @@ impl PointTally {
 }
 
 impl SweepPoint {
-    /// Finished runs.
+    /// Returns the number of finished runs.
     pub fn finished(&self) -> usize {
         self.completed + self.timed_out + self.censored + self.failed
     }

@@ -1,4 +1,4 @@
-//! All combinations of the values of several axes.
+//! Combinations of the values of several axes.
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::scalars::find;
 use stochc_ir::scene::schema::SchemaNumber;
@@ -6,10 +6,10 @@ use stochc_ir::scene::schema::SchemaNumber;
 use super::Axis;
 use stochc_results::{ChosenSetting, Varied};
 
-/// Programs that an ensemble may have by sweeping.
+/// Largest number of programs of a sweep.
 pub const MAX_POINTS: usize = 400;
 
-/// A value for every axis of a sweep.
+/// One value for each axis of a sweep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
     /// Scene parameters.
@@ -32,11 +32,12 @@ impl Point {
     }
 }
 
-/// The points of a scene, the last axis first to change; each has a value for every axis.
+/// Returns the points of a scene, with one value for each axis. The last axis changes fastest.
 ///
 /// # Errors
-/// In words, when the scene has no such number or may not have such a value, and when there are more
-/// than [`MAX_POINTS`].
+///
+/// A message if the scene does not have a parameter, a value is not allowed, or there are more than
+/// [`MAX_POINTS`] points.
 pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, String> {
     let mut all = vec![Point::default()];
     let mut seen: Vec<&str> = Vec::new();
@@ -59,7 +60,7 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, String> {
     Ok(all)
 }
 
-/// Rejects an axis that was there before.
+/// Rejects a repeated axis.
 fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), String> {
     if seen.contains(&name) {
         return Err(format!("`{name}` is swept twice"));
@@ -68,22 +69,23 @@ fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), String> 
     Ok(())
 }
 
-/// Rejects so many points with so many further values each.
+/// Rejects a product of numbers of points above the limit.
 fn few(points: usize, values: usize) -> Result<(), String> {
     let count = points.saturating_mul(values);
     if count <= MAX_POINTS {
         Ok(())
     } else {
         Err(format!(
-            "these are {count} points or more, and {MAX_POINTS} is the most; ask for fewer values"
+            "the sweep has {count} or more points, more than the limit of {MAX_POINTS}; give fewer values"
         ))
     }
 }
 
-/// The number of a scene that has this name.
+/// Returns the scene parameter with a name.
 ///
 /// # Errors
-/// In words, with the names that it has.
+///
+/// A message with the available names.
 pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, String> {
     find(scene, name).map_err(|error| match error.has() {
         [] => error.to_string(),

@@ -1,9 +1,9 @@
-//! What to do, in a sentence or two.
+//! Advice of a trade in one or two sentences.
 use super::convergence::{CLOSE, Convergence};
 use super::result::{CandidateResult, Trade};
 use stochc_text::{percent, ratio};
 
-/// The sentences for a trade.
+/// Returns the advice of a trade.
 pub(super) fn advice(trade: &Trade) -> String {
     let (Some(known), Some(reference)) = (&trade.reference, trade.reference_candidate()) else {
         return "There is no reference: too few runs of `rigid` with uniform substeps were completed. More \
@@ -52,7 +52,8 @@ pub(super) fn advice(trade: &Trade) -> String {
     sentences.join(" ")
 }
 
-/// The cheapest candidate that is known to be close, and the one that is known to be closest.
+/// Returns the cheapest candidate with a small bias bound, and the candidate with the smallest
+/// bound.
 fn recommended(trade: &Trade) -> Vec<&CandidateResult> {
     let cheaper =
         |candidate: &&CandidateResult| candidate.cost_ratio.is_some_and(|ratio| ratio < 1.0);

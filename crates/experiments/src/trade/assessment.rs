@@ -168,7 +168,7 @@ fn reference(rows: &[Row]) -> Option<Reference> {
     Some(Reference {
         candidate,
         convergence: match convergence(&doublings, &programs, CLOSE) {
-            // Of longer times nothing is known.
+            // Longer times are unknown.
             Convergence::Converged if is_cut => Convergence::Undecided,
             found => found,
         },
@@ -225,7 +225,8 @@ fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
     }
 }
 
-/// Marks the Pareto-optimal settings. The bias of the reference is 0, that of others is bounded by its interval.
+/// Marks the Pareto-optimal settings. The bias of the reference is 0. That of others is bounded by
+/// its interval.
 fn draw_front(candidates: &mut [CandidateResult], reference: Option<usize>) {
     let bias = |i: usize, candidate: &CandidateResult| {
         if reference == Some(i) {

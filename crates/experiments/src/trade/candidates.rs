@@ -25,7 +25,7 @@ fn settings(finest: u32) -> Vec<Settings> {
         ..rigid(Substeps::DEFAULT.near)
     });
     all.extend(local.into_iter().filter(|it| within(&it.substeps)));
-    // A third and three times the default.
+    // A third of the default, and three times the default.
     all.extend([3, 30].map(|iterations| with(usual(finest), iterations)));
     all.push(Settings {
         precision: Precision::Double,

@@ -1,43 +1,44 @@
-//! Whether the reference has converged: what doubling the substeps still changes.
+//! Convergence of the reference: the changes by further doublings of the substeps.
 use serde::Serialize;
 
 use crate::statistics::{Observation, Relative, Status, relative};
 
-/// How many doublings in a row are looked at.
+/// Number of consecutive doublings that decide.
 const STEPS: usize = 2;
 
-/// A bias or a change of this size at most, interval included, is called small.
+/// Largest small bias or change, including the interval.
 pub const CLOSE: f64 = 0.1;
 
-/// What is known of a reference's distance from the limit of small steps.
+/// Conclusion about the distance of the reference from the limit of small steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Convergence {
-    /// The last doubling has changed little, interval included, and the one before is not known to
-    /// have changed more.
+    /// The last doubling caused a small change, including the interval. No larger change of the
+    /// doubling before is significant.
     Converged,
-    /// The intervals are too wide to tell, or there are fewer than two doublings.
+    /// The intervals are too wide, or there are fewer than two doublings.
     Undecided,
-    /// One of the last two doublings is known to have changed a mean.
+    /// One of the last two doublings significantly changed a mean.
     NotConverged,
 }
 
-/// What changes when the substeps are doubled.
+/// Changes by doubling the substeps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Doubling {
-    /// Substeps before.
+    /// Substeps before the doubling.
     pub from: u32,
-    /// Substeps after.
+    /// Substeps after the doubling.
     pub to: u32,
-    /// For each program, the mean after over the mean before, less one; `None`: nothing to compare.
+    /// For each program, the mean after over the mean before, minus one. `None`: there is nothing
+    /// to compare.
     pub changes: Vec<Option<Relative>>,
-    /// For each program, the right-censored runs before and after. With any, the change is one of
-    /// times up to a horizon.
+    /// For each program, the number of right-censored runs before and after. If it is positive, the
+    /// change is that of restricted means.
     pub censored: Vec<usize>,
 }
 
 impl Doubling {
-    /// Compares the times of each program before and after.
+    /// Compares the times of each program before and after the doubling.
     pub fn new<T: AsRef<[Observation]>>(from: (u32, &[T]), to: (u32, &[T])) -> Doubling {
         let programs = || to.1.iter().map(T::as_ref).zip(from.1.iter().map(T::as_ref));
         Doubling {
@@ -50,20 +51,20 @@ impl Doubling {
         }
     }
 
-    /// Whether the limit of ticks has stopped runs.
+    /// Returns whether the limit of ticks stopped runs.
     pub(super) fn is_cut(&self) -> bool {
         self.censored.iter().any(|&runs| runs > 0)
     }
 
-    /// The largest change of the mean of any of these programs that the intervals do not exclude; `None`:
-    /// nothing is excluded.
+    /// Returns the largest change of a mean that the intervals do not exclude, over these programs.
+    /// `None`: nothing is excluded.
     pub fn bound(&self, programs: &[usize]) -> Option<f64> {
         let mut bounds = programs.iter().map(|&p| self.changes[p].as_ref()?.bound());
         bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
     }
 
-    /// Whether the mean of one of these programs is known to have changed, and perhaps by more than
-    /// `within`.
+    /// Returns whether the mean of one of these programs has significantly changed, by a bound
+    /// above `within`.
     fn has_changed(&self, programs: &[usize], within: f64) -> bool {
         let changes = programs.iter().filter_map(|&p| self.changes[p].as_ref());
         let beyond = |change: &Relative| change.bound().is_some_and(|bound| bound > within);
@@ -73,14 +74,14 @@ impl Doubling {
     }
 }
 
-/// How many of these runs the limit of ticks has stopped.
+/// Returns the number of runs stopped by the limit of ticks.
 pub(super) fn at_limit(times: &[Observation]) -> usize {
     let is_stopped = |run: &&Observation| run.status == Status::Censored;
     times.iter().filter(is_stopped).count()
 }
 
-/// Whether the means of these programs have converged to within a share of themselves; where runs were
-/// stopped by the limit of ticks, those of times up to it.
+/// Returns whether the means of these programs have converged to within a relative tolerance. If
+/// the limit of ticks stopped runs, these are restricted means.
 pub fn convergence(doublings: &[Doubling], programs: &[usize], within: f64) -> Convergence {
     let last = &doublings[doublings.len().saturating_sub(STEPS)..];
     if last.iter().any(|it| it.has_changed(programs, within)) {
@@ -120,14 +121,14 @@ mod tests {
         let found = |means: &[f64], within| convergence(&doublings(means), &[0, 1], within);
         assert_eq!(found(&[100.0, 100.5], CLOSE), Undecided, "only one");
         assert_eq!(found(&[100.0, 100.5, 100.0], CLOSE), Converged);
-        // The intervals are of 2.3 % and, of the first program, 4.6 %.
+        // The intervals are 2.3 % and, for the first program, 4.6 %.
         assert_eq!(found(&[100.0, 100.5, 100.0], 0.03), Undecided);
         assert_eq!(
             convergence(&doublings(&[100.0, 100.5, 100.0]), &[1], 0.03),
             Converged
         );
         assert_eq!(found(&[100.0, 115.0, 115.0], CLOSE), NotConverged);
-        // Known to have changed, but by little.
+        // The change is significant, but small.
         assert_eq!(found(&[100.0, 104.0, 104.0], CLOSE), Converged);
         assert_eq!(found(&[100.0, 100.0, 104.0], 0.05), NotConverged);
     }

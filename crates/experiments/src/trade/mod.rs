@@ -1,7 +1,8 @@
-//! Speed against accuracy: a report on a sweep over settings.
+//! Speed and accuracy of settings: the results of a sweep over settings.
 //!
-//! [`candidates()`] lists the settings that `stochc trade` compares. [`Trade`] compares the settings of any sweep with
-//! the finest of them, from the runs of its results folder and the CPU time that these took.
+//! [`candidates()`] lists the settings that `stochc trade` compares. [`Trade`] compares the
+//! settings of any sweep with the finest of them. It uses the runs of a results folder and their
+//! CPU times.
 mod advice;
 mod assessment;
 mod candidates;

@@ -1,4 +1,4 @@
-//! Whether a setting puts the programs into the same order as the reference.
+//! Order of the programs at a setting, compared with the reference.
 use std::collections::HashMap;
 
 use serde::Serialize;
@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::statistics::Longer;
 use crate::{Comparison, PairwiseResult};
 
-/// Two programs, the one that the reference finds faster first.
+/// Two programs, first the faster one at the reference.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Ranked {
     /// Index of the first program.

@@ -11,7 +11,7 @@ use stochc_results::Manifest;
 /// Version of the layout of `trade.json`.
 const FORMAT: u32 = 1;
 
-/// Programs at many settings. Times are in ticks, costs in seconds of CPU time.
+/// Programs at many settings. Times are in ticks, costs in CPU time \[s\].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trade {
     /// Ticks after which a run was stopped. `None`: runs were not stopped.
@@ -26,7 +26,7 @@ pub struct Trade {
     pub advice: String,
 }
 
-/// A program.
+/// A program of the trade.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TradedProgram {
     /// Name of the program, without settings.
@@ -35,13 +35,13 @@ pub struct TradedProgram {
     pub tick: f64,
 }
 
-/// The candidate that the others are compared with.
+/// The candidate that all others are compared with.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reference {
     /// Index of the candidate.
     pub candidate: usize,
-    /// Whether the reference has converged to within 10 %. Undecided if the limit of ticks stopped runs of the last
-    /// doubling.
+    /// Whether the reference has converged to within 10 %. It is undecided if the limit of ticks
+    /// stopped runs of the last doubling.
     pub convergence: Convergence,
     /// The largest change of a mean by the last doubling that its interval does not exclude. `None`: nothing is
     /// excluded.
@@ -50,7 +50,7 @@ pub struct Reference {
     pub doublings: Vec<Doubling>,
 }
 
-/// A setting.
+/// A setting with its results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CandidateResult {
     /// Name in tables.
@@ -61,7 +61,7 @@ pub struct CandidateResult {
     pub settings: Settings,
     /// CPU time of a run: the mean of the programs' medians \[s\]. `None`: some program has no runs.
     pub cost: Option<f64>,
-    /// The same as a multiple of the reference's.
+    /// Cost as a multiple of the reference's cost.
     pub cost_ratio: Option<f64>,
     /// The largest bias of any program. `None`: some program has no bias.
     pub worst: Option<Relative>,
@@ -70,34 +70,34 @@ pub struct CandidateResult {
     pub bound: Option<f64>,
     /// Whether the setting is Pareto-optimal: no cheaper one has a smaller bound.
     pub front: bool,
-    /// Whether it orders two programs the wrong way.
+    /// Whether it reverses the order of two programs.
     pub reversed: bool,
     /// Its conclusion about the order of each pair of programs.
     pub ranking: Vec<Ranked>,
-    /// For each program.
+    /// Results for each program.
     pub programs: Vec<ProgramResult>,
 }
 
-/// A program at a setting.
+/// Results of a program at a setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProgramResult {
-    /// Finished runs, the sum of the next four.
+    /// Number of finished runs, the sum of the next four fields.
     pub runs: usize,
-    /// Runs that completed the structure.
+    /// Number of runs that completed the structure.
     pub completed: usize,
-    /// Runs that a timeout of the program ended.
+    /// Number of runs that a timeout of the program ended.
     pub timed_out: usize,
-    /// Runs that reached the limit of ticks: their times are right-censored.
+    /// Number of runs that reached the limit of ticks. Their times are right-censored.
     pub censored: usize,
-    /// Runs whose physics broke down.
+    /// Number of runs with failed physics.
     pub failed: usize,
-    /// Mean time to completion \[ticks\]; with censored runs, of min(time, horizon).
+    /// Mean time to completion \[ticks\]. With censored runs it is the restricted mean.
     pub mean: Option<f64>,
     /// Half the width of its 95 % interval.
     pub half_width: Option<f64>,
-    /// With censored runs: up to here the mean counts.
+    /// Horizon of the restricted mean, with censored runs only.
     pub horizon: Option<f64>,
-    /// The mean over the reference's, less one.
+    /// Ratio of the mean to the reference's mean, minus one.
     pub bias: Option<Relative>,
     /// Median CPU time of a run \[s\].
     pub cost: Option<f64>,
@@ -115,8 +115,8 @@ impl Trade {
         format!("{value:#}\n")
     }
 
-    /// Returns how many runs of a program the limit of ticks stopped, among those of the reference and of its last
-    /// doubling.
+    /// Returns the number of runs of a program that the limit of ticks stopped. Counts the runs of
+    /// the reference and of its last doubling.
     pub(crate) fn reference_runs_at_limit(&self, program: usize) -> usize {
         let own = self.reference_candidate();
         let own = own.map_or(0, |candidate| candidate.programs[program].censored);
@@ -125,20 +125,20 @@ impl Trade {
         last.map_or(own, |last| last.censored[program])
     }
 
-    /// The candidate that others are compared with.
+    /// Returns the candidate that all others are compared with.
     pub fn reference_candidate(&self) -> Option<&CandidateResult> {
         self.candidates.get(self.reference.as_ref()?.candidate)
     }
 }
 
 impl CandidateResult {
-    /// The pairs that it orders the wrong way.
+    /// Returns the pairs whose order the setting reverses.
     pub fn reversals(&self) -> impl Iterator<Item = &Ranked> {
         let reversed = |pair: &&Ranked| pair.verdict == Verdict::Reversed;
         self.ranking.iter().filter(reversed)
     }
 
-    /// Whether something that the scene has is left out.
+    /// Returns whether the setting leaves out a part of the physics.
     pub fn reduced(&self) -> bool {
         self.settings.reduction.is_some()
     }

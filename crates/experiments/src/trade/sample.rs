@@ -1,4 +1,4 @@
-//! The times and costs of the runs of one program at one setting.
+//! Times and costs of the runs of one program at one setting.
 use crate::completion_time;
 use crate::statistics::{Observation, Status, median};
 use stochc_results::Finished;
@@ -8,7 +8,7 @@ use stochc_results::Finished;
 pub(super) struct Sample {
     /// Times to completion \[ticks\]. Failed runs have none.
     pub times: Vec<Observation>,
-    /// Runs whose physics broke down.
+    /// Number of runs with failed physics.
     pub failed: usize,
     /// Known CPU times of runs \[s\].
     cpu: Vec<f64>,
@@ -29,7 +29,7 @@ impl Sample {
         }
     }
 
-    /// Number of runs that ended so.
+    /// Returns the number of runs with this status.
     pub fn count(&self, status: Status) -> usize {
         let times = self.times.iter();
         times.filter(|time| time.status == status).count()

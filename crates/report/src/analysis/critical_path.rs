@@ -1,8 +1,8 @@
-//! What decided how long a run took: the critical path, the waits from its end back to its beginning.
+//! Critical path of a run: the consecutive waits that determine its time to completion.
 //!
-//! A run ends when its last phase does, and a phase when its last event has happened. That event
-//! had waited since the last of those that it depends on, and so on: the critical path, of the waits that
-//! met end to end. Every other wait of the run was over before it mattered.
+//! A run ends at the end of its last phase, and a phase ends with its last event. This event waited
+//! for the last of its dependencies, which waited for the last of its own. These consecutive waits
+//! are the critical path. All other waits of the run ended before they mattered.
 use std::collections::{HashMap, VecDeque};
 
 use stochc_ir::graph::{Dependency, EventAction};
@@ -11,39 +11,40 @@ use stochc_ir::table::PhaseId;
 
 use super::events::{Events, OrderedEvent, awaited, captured};
 
-/// A part of a run's time, and what it was spent on.
+/// A segment of the critical path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CriticalPathSegment {
     pub phase: PhaseId,
     pub kind: SegmentKind,
-    /// Ticks of the run.
+    /// First tick of the segment in the run.
     pub from: u64,
     pub to: u64,
-    /// What it had waited for, up to `from`; `None`: the beginning of the phase.
+    /// Event and dependency that ended the preceding wait, at `from`. `None`: the beginning of the
+    /// phase.
     pub since: Option<(usize, Dependency)>,
 }
 
-/// What time was spent on.
+/// Cause of the time of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SegmentKind {
-    /// Event number `event`; `bond` is its capture in the record, a release has none.
+    /// Wait for event number `event`. `bond` is its capture in the record. A release has none.
     Event { event: usize, bond: Option<usize> },
-    /// A capture that had not happened when the run was stopped.
+    /// Wait for a capture that had not happened when the run was stopped.
     Pending { event: usize },
-    /// News of what an event had waited for, on its way to the block that does it.
+    /// Transfer of the news of a dependency to the block of the waiting event.
     News,
-    /// Messages on their way to the plate.
+    /// Transfer of reports to the plate.
     Reports,
 }
 
-/// When an event of a run could begin, and when it had happened.
+/// Ticks at which an event of a run became possible and happened.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct EventTiming {
-    /// When the face was magnetized, or the release was asked for; `None`: never.
+    /// Tick of the magnetization of the face, or of the request for the release. `None`: never.
     pub ready: Option<u64>,
-    /// When the block docked or was let go; `None`: never.
+    /// Tick of the docking or the release. `None`: never.
     pub done: Option<u64>,
-    /// The capture's number in the record.
+    /// Index of the capture in the record.
     pub bond: Option<usize>,
 }
 
@@ -52,7 +53,7 @@ impl CriticalPathSegment {
         self.to.saturating_sub(self.from)
     }
 
-    /// The event, if it is one.
+    /// Returns the event of the segment, if it has one.
     pub fn event(&self) -> Option<usize> {
         match self.kind {
             SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => Some(event),
@@ -61,8 +62,8 @@ impl CriticalPathSegment {
     }
 }
 
-/// When every event of a run happened, as its record says; a release was ready as soon as what it waits
-/// for had happened.
+/// Returns the timing of every event of a run from its record. A release becomes possible as soon
+/// as all its dependencies have happened.
 pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     let mut recorded = recorded(record);
     let begins = begins(record);
@@ -86,8 +87,8 @@ pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     moments
 }
 
-/// What an event has waited for, and when each was done: of captures among which it has a choice, the one
-/// with which there were enough.
+/// Returns the dependencies of an event with their ticks. For a choice of captures it returns the
+/// capture that completed the required number.
 fn met<'a>(
     event: &'a OrderedEvent,
     moments: &'a [EventTiming],
@@ -113,7 +114,7 @@ fn met<'a>(
     others.chain(face)
 }
 
-/// What a record says of each thing that was done in a phase, in the order in which it was repeated.
+/// Collects the recorded timings of each action of a phase, in the order of its repetitions.
 fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<EventTiming>> {
     let mut recorded: HashMap<_, VecDeque<EventTiming>> = HashMap::new();
     let mut add = |phase, action, moment| {
@@ -148,18 +149,18 @@ fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<Even
     recorded
 }
 
-/// The tick at which each phase began that did.
+/// Returns the first tick of each phase that began.
 fn begins(record: &RunRecord) -> Vec<u64> {
     let mut begins = vec![0];
     for ticks in &record.phase_ticks {
         let last = begins.last().copied().unwrap_or(0);
-        // A journal may have been edited.
+        // The journal can have been edited.
         begins.push(u64::saturating_add(last, *ticks));
     }
     begins
 }
 
-/// The critical path of a run, the first segment first; empty where the run failed.
+/// Returns the critical path of a run from its beginning. Empty if the run failed.
 pub(crate) fn critical_path(
     events: &Events,
     record: &RunRecord,
@@ -176,7 +177,7 @@ pub(crate) fn critical_path(
     for (number, _) in record.phase_ticks.iter().enumerate().rev() {
         let end = begins[number + 1];
         let done = |&(i, _): &(usize, _)| moments[i].done;
-        // Of several that happened in the same tick any will do; the first is taken.
+        // If several events happened in the same tick, the first is taken.
         let last = events.of_phase(number).rev().max_by_key(done);
         let Some((last, event)) = last else {
             continue;
@@ -199,8 +200,8 @@ pub(crate) fn critical_path(
     segments
 }
 
-/// What the phase that did not end waited for: of the captures that were under way the one that had
-/// waited longest.
+/// Returns the path of the unfinished phase: among the pending captures, the one with the longest
+/// wait.
 fn unfinished(
     events: &Events,
     record: &RunRecord,
@@ -228,7 +229,7 @@ fn unfinished(
                 back(events, moments, first, segments);
             }
         }
-        // Everything has happened, and the reports were on their way.
+        // All events have happened, and the reports are being transferred.
         None => {
             let done = here().filter(|&(i, _)| moments[i].done.is_some());
             if let Some((last, _)) = done.max_by_key(|&(i, _)| moments[i].done) {
@@ -245,7 +246,7 @@ fn unfinished(
     }
 }
 
-/// Adds an event and all that led to it within its phase, the last first.
+/// Adds an event and its chain of dependencies within the phase, in reverse order.
 fn back(
     events: &Events,
     moments: &[EventTiming],
@@ -253,7 +254,7 @@ fn back(
     segments: &mut Vec<CriticalPathSegment>,
 ) {
     let mut next = Some(last);
-    // What is waited for was done before, and there are no more events than these.
+    // Dependencies happen earlier, so the number of events bounds the chain.
     for _ in 0..events.events.len() {
         let Some(event) = next else { return };
         let moment = moments[event];
@@ -261,7 +262,7 @@ fn back(
             return;
         };
         let since = since(events, moments, event);
-        // A cell may have been emptied only after the face was magnetized.
+        // The cell can have become empty after the magnetization of the face.
         let freed = since.and_then(|(first, _)| moments[first].done);
         let (phase, from) = (
             events.events[event].phase,
@@ -282,7 +283,7 @@ fn back(
     }
 }
 
-/// Adds the way of the news of what an event had waited for, until it began; where messages take no time there is none.
+/// Adds the transfer of news from a dependency to the event. Adds nothing if messages take no time.
 fn news(
     moments: &[EventTiming],
     phase: PhaseId,
@@ -302,7 +303,7 @@ fn news(
     }
 }
 
-/// The dependency of an event that was satisfied last.
+/// Returns the dependency of an event that was satisfied last.
 fn since(events: &Events, moments: &[EventTiming], event: usize) -> Option<(usize, Dependency)> {
     let done = met(&events.events[event], moments).filter(|(_, _, done)| done.is_some());
     let last = done.max_by_key(|&(_, _, done)| done);
@@ -357,7 +358,7 @@ mod tests {
         }
     }
 
-    /// The release of E by its parent C.
+    /// Release of E by its parent C.
     fn release(tick: u64) -> ReleaseRecord {
         ReleaseRecord {
             phase: PhaseId(1),
@@ -368,7 +369,8 @@ mod tests {
         }
     }
 
-    /// Phase 0: A -> C -> E beside B -> D. Phase 1: release E, then A -> F once E is gone.
+    /// Phase 0: A -> C -> E, in parallel with B -> D. Phase 1: release of E, then A -> F after E is
+    /// away.
     fn program() -> Events {
         Events {
             events: vec![
@@ -402,7 +404,7 @@ mod tests {
         let expected = [(Some(0), 0, 30), (None, 30, 80), (Some(1), 80, 100)];
         assert_eq!(summary(&links), expected);
         assert_eq!(links[1].kind, SegmentKind::News);
-        // Where it is stopped, as well.
+        // The same applies to a stopped run.
         let (phase, by) = (PhaseId(0), Limit::MaxTicks);
         let mut stopped = record(
             Outcome::TimedOut { phase, by },
@@ -443,7 +445,7 @@ mod tests {
         ];
         assert_eq!(summary(&segments), expected);
         assert_eq!(segments[1].since, Some((0, Dependency::Anchored)));
-        // The waits meet end to end and fill the run.
+        // The waits are consecutive and cover the run.
         assert_eq!(
             segments.iter().map(CriticalPathSegment::ticks).sum::<u64>(),
             record.ticks
@@ -474,7 +476,7 @@ mod tests {
 
     #[test]
     fn a_capture_with_a_choice_waited_for_the_first_that_left_it_a_face() {
-        // Two faces at a time: the third capture waits for one of the two before it.
+        // Two faces at a time: the third capture waits for one of the first two.
         let face = Dependency::Face { needed: 1, of: 2 };
         let events = Events {
             events: vec![

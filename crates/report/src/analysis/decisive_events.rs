@@ -1,13 +1,13 @@
-//! Which events decided when runs were complete.
+//! Events that determined the completion of runs.
 use super::critical_path::CriticalPathSegment;
 use super::events::Events;
 
-/// What decided the time of runs, while these are told.
+/// Accumulator of the shares of events in the critical paths.
 #[derive(Clone, Debug)]
 pub(crate) struct DecisiveEvents {
-    /// Ticks that each event took on the critical paths of all runs.
+    /// Ticks of each event on the critical paths of all runs.
     pub spent: Vec<f64>,
-    /// In how many runs it was on it.
+    /// Number of runs with the event on the critical path.
     pub decided: Vec<usize>,
     /// Ticks of all runs that did not fail.
     pub total: f64,

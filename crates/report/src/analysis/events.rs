@@ -1,13 +1,13 @@
-//! The captures and releases of a program, in the order of its dependency graph.
+//! Captures and releases of a program, in the order of its dependency graph.
 use stochc_ir::graph::{Dependency, EventAction, EventGraph, EventId};
 use stochc_ir::record::{BondRecord, WaitRecord};
 use stochc_ir::table::PhaseId;
 use stochc_results::EnsembleProgram;
 
-/// All events of a program, but for blocks that are attached by hand, which never waited.
+/// All events of a program except pre-attached blocks, which never waited.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Events {
-    /// Phase by phase; what waits stands behind what it waits for, and next to it where it can.
+    /// Events, phase by phase. Each event follows its dependencies, directly if possible.
     pub events: Vec<OrderedEvent>,
 }
 
@@ -16,18 +16,19 @@ pub(crate) struct Events {
 pub(crate) struct OrderedEvent {
     pub phase: PhaseId,
     pub action: EventAction,
-    /// Events, and why it waits for them. Those of a [choice](Dependency::Face) may stand behind it, the others before.
+    /// Events that it waits for, with the kind of dependency. Events of a
+    /// [choice](Dependency::Face) can follow it in the list. All others precede it.
     pub waits_for: Vec<(usize, Dependency)>,
 }
 
 impl OrderedEvent {
-    /// As the program writes it: `M.up -> N`.
+    /// Returns the event in the notation of the program: `M.up -> N`.
     pub fn text(&self, program: &EnsembleProgram) -> String {
         self.action.describe(|role| program.role(role).to_owned())
     }
 }
 
-/// The capture that a record speaks of.
+/// Returns the action of a recorded bond.
 pub(crate) fn captured(bond: &BondRecord) -> EventAction {
     EventAction::Capture {
         parent: bond.parent,
@@ -36,7 +37,7 @@ pub(crate) fn captured(bond: &BondRecord) -> EventAction {
     }
 }
 
-/// The capture that had not happened.
+/// Returns the action of a pending capture.
 pub(crate) fn awaited(wait: &WaitRecord) -> EventAction {
     EventAction::Capture {
         parent: wait.parent,
@@ -46,7 +47,7 @@ pub(crate) fn awaited(wait: &WaitRecord) -> EventAction {
 }
 
 impl Events {
-    /// The events of a program.
+    /// Collects the events of a program.
     pub fn new(program: &EnsembleProgram) -> Events {
         let graph = &program.compiled.graph;
         let mut order = side_by_side(graph);
@@ -71,7 +72,7 @@ impl Events {
         }
     }
 
-    /// The events of a phase with their numbers.
+    /// Returns the events of a phase with their indices.
     pub fn of_phase(
         &self,
         phase: usize,
@@ -83,10 +84,10 @@ impl Events {
     }
 }
 
-/// An order in which everything stands behind what it waits for, and right behind the last of
-/// those if nothing speaks against it, so that chains stay together.
+/// Returns a topological order in which each event directly follows its last dependency if
+/// possible. This keeps chains together.
 ///
-/// In the order of the numbers else; they are phase by phase, and so is the result.
+/// Otherwise the order is that of the indices, which is phase by phase, so the result is as well.
 fn side_by_side(graph: &EventGraph) -> Vec<u32> {
     let count = graph.events.len();
     let mut missing = vec![0; count];
@@ -121,7 +122,7 @@ mod tests {
 
     #[test]
     fn chains_stay_together() {
-        // 0 and 1 begin chains 0, 2, 4 and 1, 3; 5 waits for the ends of both.
+        // 0 and 1 start the chains 0, 2, 4 and 1, 3. 5 waits for the ends of both.
         let waits: [&[u32]; 6] = [&[], &[], &[0], &[1], &[2], &[3, 4]];
         let event = graph::GraphEvent {
             phase: PhaseId(0),

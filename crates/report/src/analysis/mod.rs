@@ -1,7 +1,8 @@
-//! Finished ensembles in figures: what each capture was waited for, and what decided the time of each run.
+//! Analysis of finished ensembles: waits for each capture, and critical paths of the runs.
 //!
-//! [`reported_program::Input`]s, which somebody has read from results folders, become subjects: a program of a folder with its runs.
-//! Each event of a run gets its moments (`events.rs`) and the run its critical path (`critical_path.rs`); the rest sums them up.
+//! Each program of the [`reported_program::Input`]s becomes a reported program. Each event of a run
+//! has its timing (`events.rs`), and each run its critical path (`critical_path.rs`). The other
+//! modules aggregate them.
 pub(crate) mod critical_path;
 mod decisive_events;
 pub(crate) mod events;

@@ -1,11 +1,11 @@
-//! Whether two programs take the same time, for every pair of a report.
+//! Tests for different times of every pair of programs of a report.
 use stochc_experiments::statistics::Runs;
 use stochc_experiments::{ComparedProgram, PairwiseTest, TimeUnit, pairwise_tests as compare};
 
 use super::reported_program::ReportedProgram;
 
-/// Compares every program with every other one; of a sweep, only different programs at the same
-/// values.
+/// Compares all pairs of programs. Points of a sweep are compared only if they have equal values
+/// and different programs.
 pub(crate) fn pairwise_tests(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<PairwiseTest> {
     let side = |subject: &ReportedProgram| {
         let tick = clock.tick(subject.program);

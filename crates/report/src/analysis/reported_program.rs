@@ -1,4 +1,4 @@
-//! One program of one folder, and what its runs tell, one after the other.
+//! A program of a results folder with the accumulated data of its runs.
 use std::io;
 
 use stochc_experiments::statistics::{Observation, Status, TimeSample};
@@ -18,13 +18,13 @@ use super::critical_path::{CriticalPathSegment, critical_path, moments};
 use super::decisive_events::DecisiveEvents;
 use super::events::Events;
 
-/// Why there is no report.
+/// Error of the report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// The runs cannot be read again.
     #[error(transparent)]
     Runs(#[from] JournalError),
-    /// What is written run by run cannot be written.
+    /// A row of a run cannot be written.
     #[error("cannot write the report: {0}")]
     Write(#[from] io::Error),
 }
@@ -32,49 +32,49 @@ pub enum ReportError {
 /// A results folder that has been read.
 #[derive(Clone, Debug)]
 pub struct Input {
-    /// Its path, as it was given.
+    /// Path of the folder, as given.
     pub path: String,
-    /// What it holds runs of.
+    /// Manifest of the folder.
     pub manifest: Manifest,
-    /// Its finished runs.
+    /// Finished runs.
     pub finished: Records,
 }
 
-/// A program of a folder, and what its runs have told, of which each leaves a few bytes.
+/// A program of a folder with the accumulated data of its runs. Each run adds a few bytes.
 #[derive(Clone, Debug)]
 pub(crate) struct ReportedProgram<'a> {
-    /// What it is called in tables; unique within the report.
+    /// Name in tables, unique within the report.
     pub label: String,
-    /// Whether figures have times in seconds; otherwise in ticks.
+    /// Whether times in figures are in seconds. Otherwise they are in ticks.
     in_seconds: bool,
-    /// The number of its folder.
+    /// Index of its folder.
     pub folder: usize,
-    /// Its number in the folder's manifest.
+    /// Index of the program in the manifest.
     pub number: usize,
     pub manifest: &'a Manifest,
     pub program: &'a EnsembleProgram,
     pub events: Events,
-    /// Finished runs.
+    /// Number of finished runs.
     pub runs: usize,
-    /// Times to completion by number, in ticks; a failed run has none.
+    /// Times to completion by number of the run \[ticks\]. Failed runs have none.
     pub times: Vec<(u64, Observation)>,
-    /// Runs that failed.
+    /// Number of failed runs.
     pub failed: usize,
-    /// The first of them.
+    /// First failed runs.
     pub failures: Vec<FailedRun>,
     pub dots: Dots,
-    /// What its runs tell as a point of a sweep.
+    /// Data of the program as a point of a sweep.
     pub point: PointTally,
     pub waits: WaitsTally,
     pub decisive: DecisiveEvents,
     phase_times: Vec<TimeSample>,
-    /// Of an aggregate, the times from the beginning to each size of its largest group.
+    /// For an aggregate, the times from the beginning to each size of its largest group.
     size_times: Vec<TimeSample>,
-    /// The runs that are told one by one, and what they are.
+    /// Example runs, with their descriptions.
     example_runs: Vec<(&'static str, FinishedRun)>,
 }
 
-/// A run whose physics broke down.
+/// A run with failed physics.
 #[derive(Clone, Debug)]
 pub(crate) struct FailedRun {
     pub run: u64,
@@ -100,7 +100,8 @@ impl FinishedRun {
     }
 }
 
-/// The programs of all folders, in their order, and the sweeps that the folders were made by; each run is shown to `each`.
+/// Collects the programs of all folders in order, and the sweeps of the folders. Calls `each` for
+/// each run.
 pub(crate) fn subjects<'a>(
     inputs: &'a [Input],
     shown: &Presentation,
@@ -135,7 +136,7 @@ pub(crate) fn subjects<'a>(
     Ok((subjects, sweeps))
 }
 
-/// Returns a sweep in the unit and with the names that are shown.
+/// Converts a sweep to the presented unit and names.
 fn shown_sweep(sweep: Sweep, shown: &Presentation) -> Sweep {
     let mut sweep = if shown.in_seconds {
         sweep.in_seconds()
@@ -146,7 +147,7 @@ fn shown_sweep(sweep: Sweep, shown: &Presentation) -> Sweep {
     sweep
 }
 
-/// The last part of a folder's path, if no other folder of the report has the same.
+/// Returns the last part of a folder's path if it is unique within the report.
 fn short_path(inputs: &[Input], folder: usize) -> &str {
     let last = |input: &'_ Input| {
         let path = input.path.trim_end_matches('/');
@@ -164,7 +165,7 @@ fn short_path(inputs: &[Input], folder: usize) -> &str {
 }
 
 impl<'a> ReportedProgram<'a> {
-    /// A program, before its first run.
+    /// Creates a program without runs.
     fn new(
         inputs: &'a [Input],
         (folder, number): (usize, usize),
@@ -211,7 +212,7 @@ impl<'a> ReportedProgram<'a> {
 
     /// Adds a run.
     fn add(&mut self, run: &FinishedRun) {
-        /// Failures that are told.
+        /// Largest number of failures with details.
         const TOLD: usize = 5;
         let record = &run.record;
         self.runs += 1;
@@ -241,7 +242,7 @@ impl<'a> ReportedProgram<'a> {
             }
             _ => {
                 self.decisive.add(record.ticks, &run.critical_path);
-                // What is attached by hand came from nowhere.
+                // A pre-attached block has no origin.
                 let docked = |bond: &&BondRecord| !self.program.is_planted(bond.phase);
                 for bond in record.bonds.iter().filter(docked) {
                     self.dots.add(f64::from(bond.entries), bond.docking as f64);
@@ -250,8 +251,8 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Looks up the fastest run, the one in the middle, and the slowest, each once; a stopped run is slower
-    /// than all that completed before.
+    /// Chooses the fastest, the median and the slowest run, each once. A stopped run is slower than
+    /// all runs that completed before its stop.
     fn choose(&mut self, finished: &Records) -> Result<(), ReportError> {
         let mut runs = self.times.clone();
         sort_by_time(&mut runs);
@@ -270,7 +271,7 @@ impl<'a> ReportedProgram<'a> {
         Ok(())
     }
 
-    /// Adds when the largest group had reached each of its sizes; a failed run says nothing.
+    /// Adds the times at which the largest group reached each size. Failed runs add nothing.
     fn add_sizes(&mut self, record: &RunRecord) {
         let Some(status) = completion_status(&record.outcome) else {
             return;
@@ -289,22 +290,24 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Whether its blocks bond to each other, and nobody captures any.
+    /// Returns whether its blocks bond to each other without captures.
     pub fn is_aggregate(&self) -> bool {
         self.program.tables().aggregate.is_some()
     }
 
-    /// Of an aggregate, the ticks from the beginning to a size of the largest group, by the number of its phase.
+    /// Returns the times from the beginning to a size of the largest group of an aggregate, by
+    /// index of the phase \[ticks\].
     pub fn size_times(&self, phase: usize) -> Vec<Observation> {
         self.size_times[phase].to_vec()
     }
 
-    /// The clock of its scene.
+    /// Returns the length of a tick of its scene.
     pub fn tick(&self) -> Tick {
         Tick(self.program.scene.tick)
     }
 
-    /// Returns the axis of figures of this program alone, for times in [`ReportedProgram::on_axis`].
+    /// Returns the time axis of figures of this program, for values from
+    /// [`ReportedProgram::on_axis`].
     pub fn time_axis(&self, what: &str) -> PlotAxis {
         if self.in_seconds {
             PlotAxis::new(what, TimeUnit::Seconds.unit())
@@ -313,7 +316,7 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Returns the place of a time \[ticks\] on the axis of figures.
+    /// Returns the position of a time \[ticks\] on the axis of figures.
     pub fn on_axis(&self, ticks: f64) -> f64 {
         if self.in_seconds {
             ticks * self.program.scene.tick
@@ -322,12 +325,12 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Returns a time \[ticks\] as figures have it, with its unit.
+    /// Returns the text of a time \[ticks\] in the unit of figures.
     pub fn described(&self, ticks: f64) -> String {
         format!("{} {}", number(self.on_axis(ticks)), self.figure_unit())
     }
 
-    /// Returns the interval that figures of rates count events in, and its length \[ticks\].
+    /// Returns the interval of event rates in figures, with its length \[ticks\].
     pub fn rate_interval(&self) -> (&'static str, f64) {
         if self.in_seconds {
             ("second", 1.0 / self.program.scene.tick)
@@ -346,12 +349,12 @@ impl<'a> ReportedProgram<'a> {
         unit.unit()
     }
 
-    /// Times to completion, in ticks; a failed run has none.
+    /// Returns the times to completion \[ticks\]. Failed runs have none.
     pub fn times(&self) -> Vec<Observation> {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
-    /// The same in the unit of a clock.
+    /// Returns the times to completion in a unit.
     pub fn times_by(&self, clock: TimeUnit) -> Vec<Observation> {
         let mut times = self.times();
         for time in &mut times {
@@ -360,12 +363,13 @@ impl<'a> ReportedProgram<'a> {
         times
     }
 
-    /// Times of a phase, in ticks from its beginning, of the runs that reached it and did not fail.
+    /// Returns the times of a phase from its beginning \[ticks\], for all runs that reached it and
+    /// did not fail.
     pub fn phase_times(&self, phase: usize) -> Vec<Observation> {
         self.phase_times[phase].to_vec()
     }
 
-    /// How many runs had each outcome.
+    /// Returns the number of runs by outcome.
     pub fn counts(&self) -> RunCounts {
         let times = || self.times.iter().map(|(_, time)| time.status);
         let count = |of| times().filter(|status| *status == of).count();
@@ -377,32 +381,32 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// The fastest run, the one in the middle, and the slowest, each once.
+    /// Returns the fastest, the median and the slowest run, each once.
     pub fn example_runs(&self) -> &[(&'static str, FinishedRun)] {
         &self.example_runs
     }
 }
 
-/// Finished runs by outcome.
+/// Numbers of finished runs by outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunCounts {
     /// Runs that completed the structure.
     pub completed: usize,
-    /// Runs that a timeout of the program has ended.
+    /// Runs ended by a timeout of the program.
     pub timed_out: usize,
     /// Runs that reached the limit of ticks.
     pub censored: usize,
-    /// Runs whose physics broke down.
+    /// Runs with failed physics.
     pub failed: usize,
 }
 
-/// Entries and docking times of captures, one for each; of very many, some that lie evenly among them.
+/// Entries and docking times of captures, one point for each. Many captures are thinned evenly.
 #[derive(Clone, Debug)]
 pub(crate) struct Dots {
     pub kept: Vec<(f64, f64)>,
-    /// The largest of all.
+    /// Largest values of all captures.
     pub most: (f64, f64),
-    /// Of so many, the first is kept.
+    /// Number of captures per stored point.
     every: usize,
     count: usize,
 }
@@ -437,7 +441,7 @@ impl Dots {
     }
 }
 
-/// The last time that was seen of any run of any program, in the unit of a clock.
+/// Returns the last observed time of all runs of all programs, in a unit.
 pub fn last_seen(programs: &[ReportedProgram<'_>], clock: TimeUnit) -> f64 {
     let times = programs.iter().flat_map(|it| it.times_by(clock));
     stochc_experiments::last_seen(times)

@@ -1,4 +1,4 @@
-//! Numbers of scenes that were varied: by `stochc sweep`, or from one folder to the next.
+//! Swept scene parameters: from `stochc sweep`, or from differences between folders.
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value as Json, json};
@@ -8,20 +8,20 @@ use stochc_ir::scene::scalars::scalars;
 
 use super::reported_program::ReportedProgram;
 
-/// A program's number in the report, and the numbers of its scene by their names.
+/// Index of a program in the report, with the parameters of its scene by name.
 type SweepMember = (usize, BTreeMap<&'static str, f64>);
 
-/// What has to be the same for a number to be all that differs.
+/// Attributes that must be equal for a comparison of one parameter.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct ComparisonKey<'a> {
     tables: &'a str,
-    /// As JSON.
+    /// Settings as JSON.
     settings: String,
     words: BTreeMap<String, String>,
 }
 
-/// Programs of several folders that are the same but for one number of their scenes, a sweep for each such number; its
-/// values are in SI units.
+/// Finds programs of several folders that differ in exactly one scene parameter. Returns a sweep
+/// for each such parameter, with values in SI units.
 pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep> {
     let mut groups: BTreeMap<ComparisonKey, Vec<SweepMember>> = BTreeMap::new();
     let plain = subjects.iter().enumerate();
@@ -32,7 +32,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
         let scene = &subject.program.scene;
         let json = serde_json::to_value(scene).unwrap_or_default();
         leaves(String::new(), &json, &mut words);
-        // What a scene is called makes no difference.
+        // The name of the scene is not compared.
         words.remove("name");
         let kind = ComparisonKey {
             tables,
@@ -77,7 +77,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
     sweeps.into_iter().map(sweep).collect()
 }
 
-/// The one number in which a group differs; `None`: none, or several.
+/// Returns the only parameter that differs in a group. `None`: none or several differ.
 fn difference(group: &[SweepMember]) -> Option<&'static str> {
     let (_, first) = group.first()?;
     let mut found = BTreeSet::new();
@@ -95,7 +95,7 @@ fn difference(group: &[SweepMember]) -> Option<&'static str> {
     }
 }
 
-/// What a scene says in words, by where it stands; numbers count as there.
+/// Collects the words of a scene by path. Numbers appear as `a number`.
 fn leaves(at: String, value: &Json, words: &mut BTreeMap<String, String>) {
     let below = |name: &str| match at.as_str() {
         "" => name.to_owned(),

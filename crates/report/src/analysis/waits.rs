@@ -1,4 +1,4 @@
-//! The captures of a program in figures: how long each was waited for, and how much that mattered.
+//! Captures of a program: the durations of their waits and their share of the time.
 use stochc_experiments::{Repetitions, Time, Waits};
 use stochc_ir::graph::EventAction;
 use stochc_ir::table::{PhaseId, RoleId};
@@ -6,58 +6,59 @@ use stochc_ir::table::{PhaseId, RoleId};
 use super::decisive_events::DecisiveEvents;
 use super::reported_program::ReportedProgram;
 
-/// One capture of a program, over all runs that did not fail.
+/// A capture of a program, over all runs that did not fail.
 #[derive(Clone, Debug)]
 pub(crate) struct ReportedCapture {
-    /// Its number in the program's events.
+    /// Index in the events of the program.
     pub event: usize,
     pub phase: PhaseId,
-    /// `M.up -> N`.
+    /// Text such as `M.up -> N`.
     pub text: String,
-    /// Whether it depends on the capture before it in the list.
+    /// Whether it depends on the preceding capture in the list.
     pub follows: bool,
-    /// What the runs say of it; `None`: none has ever waited for it.
+    /// Statistics of its waits. `None`: no run waited for it.
     pub waits: Option<Waits>,
-    /// Its part of the time of all runs together, on the critical paths; 0 to 1.
+    /// Share of the total time of all runs on the critical paths, 0 to 1.
     pub share: Option<f64>,
-    /// In how many runs it was on that path.
+    /// Number of runs with the capture on the critical path.
     pub decided: usize,
 }
 
 impl ReportedCapture {
-    /// From the magnetizing of the face to the docking \[ticks\]; censored in a run that was
-    /// stopped before.
+    /// Returns the time from the magnetization of the face to the docking \[ticks\]. It is censored
+    /// in a run that was stopped before.
     pub fn time(&self) -> Option<&Time> {
         Some(&self.waits.as_ref()?.time)
     }
 
-    /// The tenth and the ninetieth percentile of the waits \[ticks\], of Kaplan and Meier where any are censored.
+    /// Returns the 10th and the 90th percentile of the waits \[ticks\], from the Kaplan-Meier curve
+    /// if waits are censored.
     pub fn spread(&self) -> Option<(f64, f64)> {
         self.waits.as_ref()?.spread
     }
 
-    /// Entries of blocks into the reach of the pull for each capture, on average.
+    /// Returns the mean number of entries of blocks into the capture range per capture.
     pub fn entries(&self) -> Option<f64> {
         self.waits.as_ref()?.entries
     }
 
-    /// Ticks from the captured block's last entry to its docking, on average.
+    /// Returns the mean time from the last entry of the captured block to its docking \[ticks\].
     pub fn docking(&self) -> Option<f64> {
         self.waits.as_ref()?.docking
     }
 
-    /// How many captured blocks had never been captured.
+    /// Returns the number of captured blocks that had never been captured before.
     pub fn free(&self) -> usize {
         self.waits.as_ref().map_or(0, |waits| waits.free)
     }
 
-    /// How many had been released before, by their last role.
+    /// Returns the numbers of captured blocks that had been released before, by their last role.
     pub fn released(&self) -> &[(RoleId, usize)] {
         self.waits.as_ref().map_or(&[], |waits| &waits.released)
     }
 }
 
-/// Every capture of a program, in the order of its events; what its runs have told of waits is not kept.
+/// Returns every capture of a program in the order of its events. This takes the accumulated waits.
 pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
     let DecisiveEvents {
         spent,

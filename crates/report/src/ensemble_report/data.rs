@@ -1,4 +1,4 @@
-//! The figures as tables of comma-separated values, for other programs.
+//! Data of the figures as comma-separated values.
 use stochc_experiments::resampling::Ratio;
 use stochc_experiments::statistics::{KaplanMeier, Observation, Test};
 use stochc_experiments::sweep::Sweep;
@@ -14,7 +14,7 @@ fn maybe(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
 }
 
-/// A probability; a small one with its power of ten, and not with all its zeros.
+/// Returns a probability as text, a small one with an exponent.
 fn probability(p: f64) -> String {
     if 0.0 < p && p < 1e-4 {
         format!("{p:e}")
@@ -23,13 +23,13 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// A file's name and content.
+/// Name and content of a file.
 pub(super) type NamedFile = (String, String);
 
-/// The table of what decided each run.
+/// Name of the table of critical paths.
 pub const CHAINS: &str = "chains.csv";
 
-/// The names of the tables that a report has: none that would have no row.
+/// Returns the names of the tables of a report. Tables without rows are left out.
 pub(super) fn names(
     subjects: &[ReportedProgram],
     differences: bool,
@@ -55,7 +55,8 @@ pub(super) fn names(
     there.map(|(name, _)| name).collect()
 }
 
-/// All tables of a report but for [`CHAINS`], in the order of [`names`]; the last time that was seen of any run is in the unit of its clock.
+/// Returns all tables of a report except [`CHAINS`], in the order of [`names`]. The last observed
+/// time is in the unit of the report.
 pub(super) fn files(
     subjects: &[ReportedProgram],
     waits: &[Vec<ReportedCapture>],
@@ -85,7 +86,8 @@ pub(super) fn files(
     kept.map(|name| (name.to_owned(), table(name))).collect()
 }
 
-/// How the largest groups of aggregates grow: the share of runs without one of each size yet.
+/// Returns the growth of the largest groups of aggregates: the share of runs without a group of
+/// each size.
 fn sizes(subjects: &[ReportedProgram]) -> String {
     let mut table = CsvTable::new([
         "program", "size", "ticks", "at_risk", "reached", "without", "low", "high",
@@ -102,7 +104,7 @@ fn sizes(subjects: &[ReportedProgram]) -> String {
     table.finish()
 }
 
-/// A row for each step of a curve, which begins with what it is of.
+/// Adds a row for each step of a curve. Each row begins with the subject.
 fn add_curve(table: &mut CsvTable, of: [&str; 2], times: &[Observation]) {
     let Some(estimate) = KaplanMeier::new(times) else {
         return;
@@ -146,7 +148,7 @@ fn survival(subjects: &[ReportedProgram]) -> String {
     table.finish()
 }
 
-/// Means in ticks; the last time that was seen of any run, in the clock's unit, is `last`.
+/// Returns the means in ticks. `last` is the last observed time, in the unit of the report.
 fn means(subjects: &[ReportedProgram], (clock, last): (TimeUnit, f64)) -> String {
     let mut table = CsvTable::new([
         "program",
@@ -249,12 +251,12 @@ fn origins(subjects: &[ReportedProgram], waits: &[Vec<ReportedCapture>]) -> Stri
     table.finish()
 }
 
-/// The first line of [`CHAINS`].
+/// Returns the first line of [`CHAINS`].
 pub(super) fn chains_header() -> String {
     CsvTable::new(["program", "run", "phase", "event", "from", "to"]).finish()
 }
 
-/// The lines of a run in it.
+/// Returns the lines of a run in [`CHAINS`].
 pub(super) fn chains(subject: &ReportedProgram, run: &FinishedRun) -> String {
     let mut table = CsvTable::part();
     for segment in &run.critical_path {
@@ -362,7 +364,7 @@ fn swept(sweeps: &[Sweep]) -> String {
     table.finish()
 }
 
-/// What is known of a ratio, in cells: its value and the ends of its interval.
+/// Returns the cells of a ratio: its value and the ends of its interval.
 fn ratio(ratio: &Ratio) -> [String; 3] {
     let interval = ratio.interval;
     [
@@ -372,7 +374,7 @@ fn ratio(ratio: &Ratio) -> [String; 3] {
     ]
 }
 
-/// Every place of every map.
+/// Returns every place of every map.
 fn mapped(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
     let mut table = CsvTable::new([
         "program", "map", "slice", "at", "east", "up", "value", "low", "high",
@@ -404,7 +406,7 @@ fn mapped(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
     table.finish()
 }
 
-/// Every face that waited.
+/// Returns the entries at every face that waited.
 fn faces(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
     let mut table = CsvTable::new([
         "program", "capture", "x", "y", "z", "entries", "low", "high",

@@ -1,23 +1,24 @@
-//! HTML in which text of others is only text.
+//! HTML in which foreign text is always escaped.
 use std::fmt::Write as _;
 
 use stochc_text::escaped;
 
-/// A page that grows. What is `plain` is escaped; what is `marked` has been made of these pieces.
+/// An HTML page under construction. `plain` text is escaped. `marked` text is HTML made by these
+/// functions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Html {
     text: String,
     tables: usize,
 }
 
-/// A place in a table.
+/// A cell of a table.
 #[derive(Clone, Debug)]
 pub(super) enum HtmlCell {
-    /// Words; already HTML.
+    /// Text that is already HTML.
     Marked(String),
-    /// Words.
+    /// Plain text.
     Plain(String),
-    /// A figure, which stands on the right; may have several lines.
+    /// A number, aligned to the right. It can have several lines.
     Number(String),
 }
 
@@ -51,7 +52,7 @@ impl Html {
         let _ = writeln!(self.text, "</{kind}>");
     }
 
-    /// A table; the first cell of every row is its name.
+    /// Adds a table. The first cell of every row is its name.
     pub fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<HtmlCell>]) {
         self.tables += 1;
         let numeric = |column: usize| {
@@ -96,14 +97,14 @@ impl Html {
     }
 }
 
-/// A name of somebody's program, file or scene; its direction of writing ends with it.
+/// Returns a foreign name as HTML, with isolated text direction.
 pub(super) fn name(text: &str) -> String {
     format!("<bdi>{}</bdi>", escaped(text))
 }
 
-/// Something to be typed, or a piece of a program.
+/// Returns a command or a piece of a program as HTML.
 pub(super) fn code(text: &str) -> String {
-    /// Longer ones may be broken.
+    /// Largest length without line breaks.
     const WHOLE: usize = 40;
     let class = if text.chars().count() <= WHOLE {
         " class=\"whole\""
@@ -113,7 +114,7 @@ pub(super) fn code(text: &str) -> String {
     format!("<code{class}><bdi>{}</bdi></code>", escaped(text))
 }
 
-/// A command to copy: one click marks all of it.
+/// Returns a command to copy. One click selects all of it.
 pub(super) fn command(text: &str) -> String {
     format!(
         "<pre class=\"command\"><code>{}</code></pre>",

@@ -1,7 +1,8 @@
-//! What came of ensembles, as one page to read and a folder of figures and tables.
+//! The report on ensembles: a page to read, and a folder of figures and tables.
 //!
-//! `analysis` sums up the inputs, [`figures`](crate::figures) and `data.rs` write that down, `page/` puts
-//! the page together. All of it is a pure function of the inputs. `docs/guides/report.md` says what each figure shows.
+//! `analysis` aggregates the inputs. [`figures`](crate::figures) and `data.rs` present the results,
+//! and `page/` builds the page. All are pure functions of the inputs. `docs/guides/report.md`
+//! explains each figure.
 mod data;
 mod html;
 pub(crate) mod narrative;
@@ -23,40 +24,42 @@ pub use crate::figures::{FigureFormat, Figures};
 pub use crate::svg::Medium;
 pub use data::CHAINS;
 
-/// The first line of every report, by which one is told from other people's files.
+/// First line of every report, which distinguishes it from foreign files.
 pub const MARK: &str = "<!DOCTYPE html><!-- stochc report -->";
 
-/// A report, ready to be written.
+/// A complete report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// The page, in HTML: complete in itself, and without any script.
+    /// HTML page, self-contained and without scripts.
     pub page: String,
-    /// Figures and their data (CSV) but for [`CHAINS`], by the name of the file.
+    /// Figures and their data (CSV) except [`CHAINS`], by name of the file.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Whether [`CHAINS`] belongs to it: where nothing is captured, it would have no row.
+    /// Whether [`CHAINS`] belongs to the report. Without captures it would have no rows.
     pub has_chains: bool,
 }
 
-/// What a report needs to know about the place that it is written to.
+/// Location of the report, and the resources that it refers to.
 #[derive(Clone, Copy)]
 pub struct ReportLocation<'a> {
-    /// The name of the folder of figures and tables, which is beside the page.
+    /// Name of the folder of figures and tables, next to the page.
     pub folder: &'a str,
-    /// The figures in it.
+    /// Formats of the figures.
     pub figures: &'a Figures,
-    /// Time after which a browser reloads the page. `None` if it does not.
+    /// Interval of reloads by a browser. `None`: the page is not reloaded.
     pub reload: Option<Duration>,
-    /// The address of the replay of a run as seen from the page, from the numbers of its folder, of
-    /// its program in there, and its own; `None`: there is none.
+    /// Returns the relative address of the replay of a run, given the index of the folder, the
+    /// index of the program and the number of the run. `None`: there is no replay.
     pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,
-    /// The recordings of runs.
+    /// Reader of the recordings.
     pub recordings: &'a RecordingReader<'a>,
 }
 
-/// Draws up the report of one or several results folders, and writes [`CHAINS`] meanwhile, which has rows for every run.
+/// Creates the report of one or several results folders. It writes [`CHAINS`] directly, because
+/// this table has rows for every run.
 ///
 /// # Errors
-/// Where runs cannot be read again, or `chains` cannot be written.
+///
+/// If runs cannot be read again, or `chains` cannot be written.
 pub fn report(
     inputs: &[Input],
     surroundings: &ReportLocation,

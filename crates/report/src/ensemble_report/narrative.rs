@@ -1,4 +1,4 @@
-//! A run in words: its critical path.
+//! Description of a run: its critical path in sentences.
 use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
 use stochc_results::EnsembleProgram;
@@ -9,12 +9,12 @@ use crate::analysis::critical_path::{CriticalPathSegment, SegmentKind};
 use crate::analysis::events::Events;
 use crate::analysis::reported_program::FinishedRun;
 
-/// What a run is told of.
+/// Context of the description of a run.
 pub(crate) struct NarrativeContext<'a> {
     pub program: &'a EnsembleProgram,
-    /// The program's.
+    /// Events of the program.
     pub events: &'a Events,
-    /// The address of the replay of the run that is told.
+    /// Address of the replay of the run.
     pub replay: Option<String>,
 }
 
@@ -23,13 +23,13 @@ impl NarrativeContext<'_> {
         Tick(self.program.scene.tick)
     }
 
-    /// A tick of the run, in HTML: where there is a replay, a link to it.
+    /// Returns a tick of the run as HTML, as a link if there is a replay.
     fn at(&self, tick: u64) -> String {
         tick_of(self.replay.as_deref(), tick)
     }
 }
 
-/// A tick of a run, in HTML: where there is a replay of it at an address, a link to it.
+/// Returns a tick of a run as HTML, as a link if a replay has an address.
 pub(super) fn tick_of(replay: Option<&str>, tick: u64) -> String {
     let text = number(tick as f64);
     match replay {
@@ -38,10 +38,10 @@ pub(super) fn tick_of(replay: Option<&str>, tick: u64) -> String {
     }
 }
 
-/// Segments that are told; of a longer path those that took longest.
+/// Largest number of described segments. In a longer path, these are the longest.
 const TOLD: usize = 12;
 
-/// A run's heading, in HTML: its number, what it is, how long it took.
+/// Returns the heading of a run as HTML: its number, its description and its time.
 pub(super) fn heading(of: &NarrativeContext, what: &str, run: &FinishedRun) -> String {
     let record = &run.record;
     let end = match &record.outcome {
@@ -56,7 +56,7 @@ pub(super) fn heading(of: &NarrativeContext, what: &str, run: &FinishedRun) -> S
         }
         Outcome::Failed { .. } => ", failed".to_owned(),
     };
-    // Its last tick, and with it all of them.
+    // The last tick, and in the replay all of them.
     let unit = if record.ticks == 1 { "tick" } else { "ticks" };
     format!(
         "Run {}, the {what}: {} {unit}{}{end}",
@@ -66,20 +66,21 @@ pub(super) fn heading(of: &NarrativeContext, what: &str, run: &FinishedRun) -> S
     )
 }
 
-/// Its critical path in a few sentences of HTML, each an item of a list.
+/// Returns the critical path as list items of HTML.
 pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String> {
     let mut longest: Vec<u64> = run
         .critical_path
         .iter()
         .map(CriticalPathSegment::ticks)
         .collect();
-    // What took no time needs no room where room is short.
+    // Segments without duration are left out first.
     longest.retain(|&ticks| ticks > 0);
     longest.sort_unstable_by(|a, b| b.cmp(a));
     let least = longest.get(TOLD).copied();
     let told = |segment: &&CriticalPathSegment| match least {
         None => true,
-        // Of equally long ones all or none: a row of short waits is told as one.
+        // Equally long segments are treated alike. A sequence of short waits is described as one
+        // item.
         Some(least) => segment.ticks() > least,
     };
     let mut items = Vec::new();
@@ -97,7 +98,7 @@ pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String>
     items
 }
 
-/// The one wait that took most of a run, in a sentence of HTML.
+/// Returns a sentence of HTML on the longest wait, if it dominates the run.
 pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     let total = run.record.ticks;
     let longest = run
@@ -113,7 +114,7 @@ pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     (share >= 0.25).then(|| format!("{told} alone took {} of it.", whole_percent(share)))
 }
 
-/// When the largest group of an aggregate had reached each of its sizes, as items of a list.
+/// Returns the times at which the largest group of an aggregate reached each size, as list items.
 pub(super) fn sizes(of: &NarrativeContext, run: &FinishedRun) -> Vec<String> {
     let mut tick: u64 = 0;
     let phases = of.program.phases().iter().zip(&run.record.phase_ticks);
@@ -134,7 +135,7 @@ fn between(of: &NarrativeContext, passed: &[&CriticalPathSegment]) -> Option<Str
         .iter()
         .fold(0, |spent: u64, wait| spent.saturating_add(*wait));
     let longest = waits.iter().copied().max().unwrap_or(0);
-    // Releases that followed at once; what waited for them says so.
+    // Immediate releases. The following segment mentions them.
     if longest == 0 {
         return None;
     }
@@ -155,7 +156,7 @@ pub(crate) fn item(
     segment: &CriticalPathSegment,
 ) -> String {
     let share = segment.ticks() as f64 / run.record.ticks.max(1) as f64;
-    // The time of the segment in seconds, and what part of the run's it is.
+    // Time of the segment in seconds, and its share of the run.
     let seconds = of.tick().seconds(segment.ticks() as f64);
     let share = match share {
         share if share >= 0.005 => format!(" ({seconds}, {})", whole_percent(share)),
@@ -209,7 +210,7 @@ pub(crate) fn item(
                 format!(": {entries} took {docking} to dock")
             };
             let entries = match bond.entries {
-                // Nothing moved.
+                // The blocks do not move.
                 0 => String::new(),
                 1 => docked("1 block entered the field and"),
                 n => docked(&format!(
@@ -228,7 +229,7 @@ pub(crate) fn item(
     }
 }
 
-/// Why a wait began when it did, as the end of a sentence.
+/// Returns the reason for the beginning of a wait, as the end of a sentence.
 fn reason(of: &NarrativeContext, segment: &CriticalPathSegment) -> String {
     let Some((first, why)) = segment.since else {
         let phase = name(of.program.phase(segment.phase));
@@ -245,7 +246,7 @@ fn reason(of: &NarrativeContext, segment: &CriticalPathSegment) -> String {
     }
 }
 
-/// A number of ticks, in seconds as well.
+/// Returns a number of ticks, followed by seconds.
 fn ticks(of: &NarrativeContext, n: u64) -> String {
     count(n) + &of.tick().beside(n as f64)
 }

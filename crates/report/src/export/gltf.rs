@@ -1,4 +1,4 @@
-//! An animated scene for every program that shows glTF.
+//! Export of an animated scene in glTF.
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -10,56 +10,56 @@ use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 use stochc_text::palette::{DARK, PHASES, Rgb};
 
-/// More than this does not fit into a file, whose lengths have 32 bits.
+/// Largest size of the file [bytes]. The format stores lengths in 32 bits.
 const LARGEST: u64 = 0xFFFF_0000;
 
-/// Of the phases, in turn, then of free blocks, named seeds and the rest of the plate.
+/// Returns the colours of the phases, then of free blocks, named seeds and the plate.
 fn colours() -> impl Iterator<Item = Rgb> {
     PHASES.into_iter().chain([DARK.free, DARK.seed, DARK.plate])
 }
 
-// Numbers of the format: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>.
+// Constants of the format: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>.
 const FLOAT: u32 = 5126;
 const SHORT: u32 = 5122;
 const UNSIGNED_SHORT: u32 = 5123;
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
-/// What every such file holds.
+/// Byte sequence that all these files contain.
 pub const GLTF_MARK: &[u8] = b"\"generator\":\"stochc ";
 
-/// Why there is no file.
+/// Error of the export.
 #[derive(Debug, thiserror::Error)]
 pub enum GltfError {
-    /// The lengths of the format are too small for it.
+    /// The animation exceeds the length fields of the format.
     #[error("the animation is larger than a glTF file can be; show fewer ticks with `--every`")]
     TooLarge,
-    /// It could not be written.
+    /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] io::Error),
 }
 
-/// Collects where every block is, for a binary glTF 2.0 file (`.glb`).
+/// Collects the positions of all blocks for a binary glTF 2.0 file (`.glb`).
 ///
-/// A node for every block, with its way as an animation of its node: translation and rotation, at
-/// every nth tick and at every tick that changes the structure. Lengths are in metres, times in
-/// seconds, y is up. A block has the colour of the phase that captures it first.
+/// Each block is a node with an animation of translation and rotation. Keyframes are every nth
+/// tick, and every tick that changes the structure. Lengths are in metres, times in seconds, y is
+/// up. A block has the colour of the phase that captures it first.
 pub struct Gltf {
     every: u64,
     ticks: Vec<u64>,
-    /// By block: three numbers for each of the ticks.
+    /// For each block, three numbers per keyframe.
     translations: Vec<Vec<f32>>,
-    /// By block: four numbers for each of the ticks.
+    /// For each block, four numbers per keyframe.
     rotations: Vec<Vec<i16>>,
     phase: PhaseId,
-    /// By block: what it is in the end, and the phase that captured it first.
+    /// For each block, its final role and the phase of its first capture.
     roles: BTreeMap<u32, (String, PhaseId)>,
     names: Vec<String>,
     is_too_large: bool,
 }
 
 impl Gltf {
-    /// Nothing yet, of `bodies` free blocks.
+    /// Creates an empty animation of `bodies` free blocks.
     pub fn new(every: u32, bodies: u32, tables: &Tables) -> Gltf {
         Gltf {
             every: every.max(1).into(),
@@ -76,7 +76,8 @@ impl Gltf {
     /// Writes the file.
     ///
     /// # Errors
-    /// [`GltfError::TooLarge`], and those of `out`.
+    ///
+    /// [`GltfError::TooLarge`], and errors of `out`.
     pub fn write(
         &self,
         tables: &Tables,
@@ -152,7 +153,7 @@ impl Gltf {
                     .push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
             }
         }
-        // The structure's z is up, and a side is the unit; in glTF y is, and a metre.
+        // The structure has z up and the side as unit. glTF has y up and the metre as unit.
         let half = 0.5f64.sqrt();
         let side = scene.block.side;
         let children: Vec<usize> = (0..nodes.len()).collect();
@@ -213,7 +214,7 @@ impl Observer for Gltf {
     }
 }
 
-/// The blocks of the plate: name, cell and colour.
+/// Returns the blocks of the plate: name, cell and colour.
 fn plate(tables: &Tables) -> Vec<(String, Cell, usize)> {
     let named: BTreeMap<Cell, &str> = (tables.seeds())
         .map(|(role, cell)| (cell, tables.name(role)))
@@ -232,7 +233,7 @@ fn plate(tables: &Tables) -> Vec<(String, Cell, usize)> {
     blocks
 }
 
-/// In a world whose origin is the centre of the plate's upper side \[side\].
+/// Returns the centre of a cell, relative to the centre of the plate's top \[side\].
 fn centre(cell: Cell, tables: &Tables) -> [f64; 3] {
     let across = |n: i32, blocks: u32| f64::from(n) - (f64::from(blocks) - 1.0) / 2.0;
     [
@@ -242,12 +243,12 @@ fn centre(cell: Cell, tables: &Tables) -> [f64; 3] {
     ]
 }
 
-/// A cube of side 1: its corners, their normals and its triangles are the first three accessors.
+/// Adds a cube of side 1. Its corners, normals and triangles are the first three accessors.
 fn cubes(file: &mut BinaryBuffer) -> usize {
     let (mut corners, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for (number, face) in (0u16..).zip(Face::ALL) {
         let n = face.normal().map(|x| x as f32);
-        // Two directions in the face, so that u x v = n.
+        // Two directions in the face with u x v = n.
         let u = [n[1], n[2], n[0]];
         let v = [
             n[1] * u[2] - n[2] * u[1],
@@ -279,18 +280,18 @@ fn cubes(file: &mut BinaryBuffer) -> usize {
     0
 }
 
-/// Three parts of light, and opaque.
+/// Returns the linear light of a colour, opaque.
 fn factor(colour: Rgb) -> Vec<f64> {
     let light = colour.linear().map(|part| (100.0 * part).round() / 100.0);
     light.into_iter().chain([1.0]).collect()
 }
 
-/// The cube in a colour.
+/// Returns the mesh of the cube with a material.
 fn mesh(material: usize) -> Value {
     json!({ "primitives": [{ "attributes": { "POSITION": 0, "NORMAL": 1 }, "indices": 2, "material": material }] })
 }
 
-/// The binary part of a file, and where what is in it.
+/// Binary part of a file, with its views and accessors.
 #[derive(Default)]
 struct BinaryBuffer {
     bytes: Vec<u8>,
@@ -299,7 +300,7 @@ struct BinaryBuffer {
 }
 
 impl BinaryBuffer {
-    /// Adds numbers, which `accessor` describes; the index of the accessor.
+    /// Adds numbers with their `accessor`. Returns the index of the accessor.
     fn accessor(&mut self, bytes: &[u8], target: Option<u32>, mut accessor: Value) -> usize {
         let mut view =
             json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
@@ -310,7 +311,7 @@ impl BinaryBuffer {
         self.views.push(view);
         self.accessors.push(accessor);
         self.bytes.extend(bytes);
-        // All numbers begin at a multiple of their size.
+        // Numbers must be aligned to a multiple of their size.
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         self.accessors.len() - 1
     }

@@ -1,7 +1,7 @@
-//! The ways of all blocks in a run, for other programs.
+//! Export of the motion of all blocks in a run.
 //!
-//! Each format is an [`Observer`](stochc_runtime::observe::Observer) of the run itself, so that
-//! numbers come out as they are computed and not as a recording rounds them.
+//! Each format is an [`Observer`](stochc_runtime::observe::Observer) of the run. It receives the
+//! computed numbers, without the rounding of a recording.
 mod gltf;
 mod trajectories;
 

@@ -1,4 +1,4 @@
-//! A table of places: one row for each block and tick.
+//! Export of positions as a table, with one row for each block and tick.
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::Arc;
@@ -15,10 +15,11 @@ use stochc_ir::table::Tables;
 use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 
-/// Rows of a group: some 30 MB in memory.
+/// Rows of a row group, about 30 MB in memory.
 const GROUP: usize = 1 << 20;
 
-/// What the end of every such table holds: a pair of its metadata, as Thrift's compact protocol writes it.
+/// Byte sequence at the end of every such table: a pair of its metadata in Thrift's compact
+/// protocol.
 pub const TRAJECTORIES_MARK: &[u8] = b"stochc.table\x18\x0ctrajectories";
 
 const SCHEMA: &str = "message trajectories {
@@ -34,21 +35,21 @@ const SCHEMA: &str = "message trajectories {
   OPTIONAL BYTE_ARRAY role (STRING);
 }";
 
-/// Writes where every block is, as Parquet, group by group.
+/// Writes the positions of all blocks as Parquet, in row groups.
 ///
-/// | column | type | what |
+/// | column | type | meaning |
 /// |---|---|---|
-/// | `tick` | integer | when; every nth, from 0 |
-/// | `body` | integer | the number of the block, from 0 |
-/// | `x`, `y`, `z` | 32-bit float | of its centre, from the centre of the plate's upper side \[side\]; z is up |
-/// | `qx`, `qy`, `qz`, `qw` | 32-bit float | the quaternion that takes its own directions to the structure's |
-/// | `role` | text or null | its name, while it is part of the structure |
+/// | `tick` | integer | tick, every nth from 0 |
+/// | `body` | integer | number of the block, from 0 |
+/// | `x`, `y`, `z` | 32-bit float | position of its centre relative to the centre of the plate's top \[side\]; z is up |
+/// | `qx`, `qy`, `qz`, `qw` | 32-bit float | quaternion from its own axes to those of the structure |
+/// | `role` | text or null | its role while it is part of the structure |
 pub struct Trajectories<W: Write + Send> {
-    /// `None`: it has failed.
+    /// Writer. `None`: it has failed.
     writer: Option<SerializedFileWriter<W>>,
     every: u64,
     names: Vec<String>,
-    /// Who is part of the structure, in which role.
+    /// Roles of the blocks in the structure.
     roles: BTreeMap<u32, usize>,
     rows: TrajectoryRows,
     broken: Option<ParquetError>,
@@ -63,10 +64,11 @@ struct TrajectoryRows {
 }
 
 impl<W: Write + Send> Trajectories<W> {
-    /// Begins a table with every `every`th tick; `about` goes into its metadata.
+    /// Starts a table with every `every`th tick. `about` is stored in its metadata.
     ///
     /// # Errors
-    /// Those of `out`.
+    ///
+    /// Errors of `out`.
     pub fn new(
         out: W,
         every: u32,
@@ -81,7 +83,7 @@ impl<W: Write + Send> Trajectories<W> {
         let mut properties = WriterProperties::builder()
             .set_compression(Compression::GZIP(GzipLevel::default()))
             .set_key_value_metadata(Some(metadata.collect()));
-        // Numbers that hardly ever repeat, and whose high bytes are alike.
+        // These numbers rarely repeat, but their high bytes are similar.
         for column in ["x", "y", "z", "qx", "qy", "qz", "qw"] {
             properties = properties
                 .set_column_dictionary_enabled(ColumnPath::from(column), false)
@@ -99,10 +101,11 @@ impl<W: Write + Send> Trajectories<W> {
         })
     }
 
-    /// Writes the rest.
+    /// Writes the remaining rows.
     ///
     /// # Errors
-    /// The first since the beginning.
+    ///
+    /// The first error since the beginning.
     pub fn finish(mut self) -> Result<W, ParquetError> {
         self.flush();
         match (self.writer, self.broken) {

@@ -1,15 +1,16 @@
-//! The shares of runs of an ensemble that are not complete, over time.
+//! Curves of the share of incomplete runs over time.
 use stochc_experiments::{TimeUnit, completion_time};
 use stochc_results::{JournalError, Manifest, Records};
 
 use super::{SurvivalCurve, incomplete, survival};
 use crate::svg::{Colours, Drawing, Medium, PlotAxis};
 
-/// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
-/// a sweep, of which [`super::sweep`] has pictures.
+/// Draws the curves of all programs of an ensemble in a common unit. `None`: no run has completed
+/// or been stopped. A sweep has the figures of [`super::sweep`] instead, and returns `None`.
 ///
 /// # Errors
-/// Where the runs cannot be read again.
+///
+/// If the runs cannot be read again.
 pub fn completion(
     medium: Medium,
     manifest: &Manifest,

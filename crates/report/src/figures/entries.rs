@@ -1,4 +1,4 @@
-//! Entries into the magnetic field against docking time.
+//! Entries into the magnetic field over docking time.
 use stochc_experiments::statistics::quantile;
 use stochc_text::{number, visible};
 
@@ -10,28 +10,28 @@ use crate::svg::{
     Drawing, LegendEntry, LegendSymbol, Marker, Medium, PlotAxis, Scale, Style, phase, plot_height,
 };
 
-/// A disc for each capture at its means, above a dot for every time it happened.
+/// Draws a disc at the means of each capture, above a dot for each occurrence.
 pub(crate) fn entries(
     medium: Medium,
     program: usize,
     subject: &ReportedProgram,
     waits: &[ReportedCapture],
 ) -> Option<Drawing> {
-    /// Dots that a browser draws without delay.
+    /// Number of dots that a browser draws without delay.
     const DOTS: usize = 1500;
-    /// Captures that are named.
+    /// Number of captures with names.
     const NAMED: usize = 6;
     let means: Vec<(&ReportedCapture, f64, f64)> = (waits.iter())
         .filter_map(|wait| Some((wait, wait.entries()?, subject.on_axis(wait.docking()?))))
         .collect();
     let bonds = &subject.dots.kept;
-    // A world without physics has neither, and nothing to show.
+    // Without physics there are no entries and no docking times.
     let (most_entries, most_docking) = subject.dots.most;
     let most_docking = subject.on_axis(most_docking);
     if means.is_empty() || most_docking <= 0.0 {
         return None;
     }
-    // A few that docked at once would take most of the room; they are drawn at the lower end.
+    // A few immediate dockings would take most of the axis. They are drawn at its lower end.
     let docking = bonds.iter().map(|bond| subject.on_axis(bond.1));
     let docking: Vec<f64> = docking.collect();
     let least = quantile(&docking, 0.02)
@@ -72,7 +72,7 @@ pub(crate) fn entries(
     out.upward(&y, (bottom, top), left, right, &of, number);
     let every = bonds.len().div_ceil(DOTS).max(1);
     for (i, &(entries, docking)) in bonds.iter().step_by(every).enumerate() {
-        // Entries are whole numbers; side by side they can be told apart.
+        // Entries are whole numbers, so dots are spread sideways.
         let apart = (i * 7 % 11) as f64 - 5.0;
         out.disc(
             "rest faint",
@@ -103,7 +103,7 @@ pub(crate) fn entries(
         .collect();
     let foot = out.keys((EDGE, foot), medium.width() - EDGE, &keys);
     let centre = |entries: f64, docking: f64| (x.at(entries), y.at(docking));
-    // Half the width and height of what is there already, and its centre.
+    // Half-size and centre of the occupied areas.
     let discs = means
         .iter()
         .map(|mean| (centre(mean.1, mean.2), (6.0, 6.0)));
@@ -121,7 +121,7 @@ pub(crate) fn entries(
             hit.count() + if inside { 0 } else { 10 }
         };
         let places = around(at, half);
-        // The nearest of those that cover least.
+        // The nearest of the places with the least overlap.
         let place = places.iter().copied().min_by_key(hits).unwrap_or(at);
         taken.push((place, half));
         if (place.1 - at.1).abs() > 20.0 {
@@ -133,7 +133,7 @@ pub(crate) fn entries(
     Some(out.high(foot - 8.0))
 }
 
-/// Where the centre of a label may be, the best places first.
+/// Returns possible centres of a label, in order of preference.
 fn around(at: (f64, f64), half: (f64, f64)) -> Vec<(f64, f64)> {
     let aside = half.0 + 9.0;
     let mut places = vec![(at.0 + aside, at.1), (at.0 - aside, at.1)];

@@ -1,17 +1,17 @@
-//! Figures as files.
+//! Export of figures to files.
 use std::io;
 use std::str::FromStr;
 
 use super::{Drawing, Medium};
 use crate::presentation::Presentation;
 
-/// A form of a figure in a file.
+/// File format of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FigureFormat {
     /// For browsers and drawing programs.
     #[default]
     Svg,
-    /// For papers, with its font.
+    /// For papers, with its font embedded.
     Pdf,
 }
 
@@ -27,14 +27,14 @@ impl FromStr for FigureFormat {
     }
 }
 
-/// What figures in files are like; those on the page of a report are for a screen.
+/// Options of figures in files. The figures on the page of a report are always for a screen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
-    /// What they are laid out for.
+    /// Medium of the layout.
     pub medium: Medium,
-    /// The forms in which each is written, one at least.
+    /// File formats, at least one.
     pub formats: Vec<FigureFormat>,
-    /// How they show programs and times.
+    /// Presentation of programs and times.
     pub presentation: Presentation,
 }
 
@@ -49,7 +49,7 @@ impl Default for Figures {
 }
 
 impl Figures {
-    /// The names of the files of a figure.
+    /// Returns the names of the files of a figure.
     pub(crate) fn names(&self, figure: &Drawing) -> Vec<String> {
         let names = self.formats.iter().map(|format| match format {
             FigureFormat::Svg => format!("{}.svg", figure.name),
@@ -58,10 +58,11 @@ impl Figures {
         names.collect()
     }
 
-    /// The files of a figure that was drawn for the same [`Medium`]: names and contents.
+    /// Returns the names and contents of the files of a figure drawn for the same [`Medium`].
     ///
     /// # Errors
-    /// Those of [`Drawing::pdf`].
+    ///
+    /// Errors of [`Drawing::pdf`].
     pub fn files(&self, figure: &Drawing) -> io::Result<Vec<(String, Vec<u8>)>> {
         let contents = self.formats.iter().map(|format| match format {
             FigureFormat::Svg => Ok(figure.file().into_bytes()),

@@ -1,4 +1,4 @@
-//! What a fit knows of each number, and what it predicts.
+//! Figure of a fit: the distribution of each parameter, and its predictions.
 use stochc_experiments::fit::{Fit, Interval, Prediction, Prior, Unit};
 use stochc_text::number;
 
@@ -6,14 +6,14 @@ use super::EDGE;
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, LINE, Medium, PlotAxis, Scale, Style};
 
-/// Height of the panel of a number.
+/// Height of the panel of a parameter.
 const PANEL: f64 = 130.0;
 /// Height of the row of a program.
 const ROW: f64 = 26.0;
-/// Columns of a histogram.
+/// Number of bins of a histogram.
 const BINS: usize = 40;
 
-/// A histogram of each number over its range, and the measured means beside those that are predicted.
+/// Draws a histogram of each parameter over its range, and measured means next to predicted means.
 pub fn fit(medium: Medium, fit: &Fit, priors: &[Prior]) -> Drawing {
     let numbers: Vec<String> = (fit.numbers.iter())
         .map(|it| {
@@ -44,7 +44,7 @@ pub fn fit(medium: Medium, fit: &Fit, priors: &[Prior]) -> Drawing {
     out.high(foot - 8.0)
 }
 
-/// How often each value was drawn; gives the foot of the next line of text.
+/// Draws the histogram of a parameter. Returns the baseline of the next line of text.
 fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) -> f64 {
     let (bottom, known) = (top + PANEL - 50.0, &fit.numbers[i]);
     let (left, right) = (EDGE + 16.0, out.size().0 - 30.0);
@@ -70,7 +70,7 @@ fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) ->
     out.across(&scale, (left, right), bottom, bottom, &of)
 }
 
-/// Measured means beside those that are predicted; gives the foot of the next line of text.
+/// Draws measured and predicted means. Returns the baseline of the next line of text.
 fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
     let ends = fit.predictions.iter().flat_map(|it| {
         let measured = it.of.observed.as_ref().map_or(0.0, |it| it.mean);

@@ -1,4 +1,4 @@
-//! Slices through what was counted in the cells of the lattice, as maps.
+//! Maps: slices through counts in the cells of the lattice.
 use stochc_text::number;
 use stochc_text::palette::sequential;
 
@@ -6,24 +6,24 @@ use super::EDGE;
 use crate::analysis::maps::SliceMap;
 use crate::svg::{Drawing, Medium, PlotAxis, Scale, Style};
 
-/// Slices side by side or one below the other, which share a scale of colours.
+/// Slices, side by side or stacked, with a common colour scale.
 pub(crate) struct MapColumn<'a> {
     pub title: String,
     pub maps: Vec<&'a SliceMap>,
-    /// What the colours show, and how many of its units one of the maps is.
+    /// Quantity of the colours, with the factor from map values to its unit.
     pub shows: PlotAxis,
     pub unit: f64,
 }
 
-/// Between panels, and around them.
+/// Distance between panels and around them.
 const GAP: f64 = 22.0;
-/// The axis at the left of a panel.
+/// Width of the axis at the left of a panel.
 const AXIS: f64 = 40.0;
-/// Height of the sample of a scale, and its steps.
+/// Height of the colour scale and of its steps.
 const SAMPLE: f64 = 10.0;
 const STEPS: usize = 40;
 
-/// Panels in columns, each with the scale of its colours below; `None`: there is nothing to see in any.
+/// Draws panels in columns, each with its colour scale below. `None`: all maps are empty.
 pub(crate) fn maps(
     medium: Medium,
     name: &str,
@@ -54,7 +54,7 @@ pub(crate) fn maps(
     Some(out.high(end - 8.0))
 }
 
-/// One slice; gives the foot of the next line of text.
+/// Draws one slice. Returns the baseline of the next line of text.
 fn panel(
     out: &mut Drawing,
     map: &SliceMap,
@@ -106,7 +106,7 @@ fn panel(
         ];
         out.curve("mark outline", &corners, "");
     }
-    // Whole sides.
+    // Whole sides only.
     let marks: Vec<(f64, String)> = (upward.ticks(5).into_iter())
         .filter(|tick| tick.fract() == 0.0)
         .map(|tick| (upward.at(tick), number(tick)))
@@ -120,7 +120,7 @@ fn panel(
     out.marks_across(&marks, (left, right), bottom, &label)
 }
 
-/// The scale of the colours of a column.
+/// Draws the colour scale of a column.
 fn key(out: &mut Drawing, (left, right): (f64, f64), y: f64, most: f64, shows: &PlotAxis) -> f64 {
     let step = (right - left) / STEPS as f64;
     for i in 0..STEPS {

@@ -1,4 +1,4 @@
-//! Mean times to completion side by side.
+//! Figure of mean times to completion.
 use stochc_experiments::Time;
 use stochc_text::number;
 
@@ -6,7 +6,7 @@ use super::EDGE;
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, Medium, PlotAxis, Scale, Style, class};
 
-/// A dot for each program, with the 95 % interval of its mean.
+/// Draws a dot for each program, with the 95 % interval of its mean.
 pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Option<Drawing> {
     const TOP: f64 = 14.0;
     const ROW: f64 = 26.0;

@@ -1,4 +1,4 @@
-//! Pictures (SVG and PDF) of ensembles, sweeps and trades; each is laid out for the width of its medium.
+//! Figures (SVG and PDF) of ensembles, sweeps and trades, laid out for the width of their medium.
 mod completion;
 mod entries;
 mod files;
@@ -27,5 +27,5 @@ pub use structure::structure;
 pub use sweep::pictures as sweep;
 pub use trade::trade;
 
-/// Between a figure's edge and what is in it.
+/// Margin of a figure.
 const EDGE: f64 = 8.0;

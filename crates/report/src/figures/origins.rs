@@ -1,4 +1,4 @@
-//! Where captured blocks came from.
+//! Figure of the origins of captured blocks.
 use std::collections::BTreeMap;
 
 use stochc_ir::table::RoleId;
@@ -9,7 +9,7 @@ use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class};
 
-/// A bar for each capture that ever took a block that had been released; `None`: none did.
+/// Draws a bar for each capture that took a released block at least once. `None`: there is none.
 pub(crate) fn origins(
     medium: Medium,
     number: usize,
@@ -19,14 +19,14 @@ pub(crate) fn origins(
 ) -> Option<Drawing> {
     const TOP: f64 = 16.0;
     const ROW: f64 = 24.0;
-    /// Roles that have a colour of their own.
+    /// Number of roles with their own colours.
     const ROLES: usize = 6;
     let mut rows: Vec<&ReportedCapture> = waits
         .iter()
         .filter(|wait| !wait.released().is_empty())
         .collect();
     let all = rows.len();
-    // A figure is no place for thousands of bars; the data file has them all.
+    // A figure shows a limited number of bars. The data file is complete.
     rows.truncate(super::SHOWN);
     if rows.is_empty() {
         return None;

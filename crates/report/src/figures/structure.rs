@@ -1,4 +1,4 @@
-//! What a program builds, at the end of each phase.
+//! Figure of the structure at the end of each phase.
 use stochc_ir::Cell;
 use stochc_ir::structure::{BuiltBlock, BuiltStructure};
 use stochc_text::palette::{self, LIGHT, Rgb};
@@ -6,17 +6,17 @@ use stochc_text::palette::{self, LIGHT, Rgb};
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, Medium, Paint, Style};
 
-/// The edge of a cube, in units of a drawing.
+/// Edge of a cube, in units of a drawing.
 const EDGE: f64 = 26.0;
 
-/// Width of a cube, as it is seen.
+/// Projected width of a cube.
 const WIDTH: f64 = 2.0 * COS * EDGE;
 
-/// The cosine of 30 degrees: edges of the ground go up and down by that angle.
+/// Cosine of 30 degrees, the angle of the ground edges in the projection.
 const COS: f64 = 0.866;
 
-/// A picture of each phase's end side by side, seen from the south-east; blocks have the colour of the phase that captured
-/// them, and dark edges at the end of that phase.
+/// Draws the structure at the end of each phase, seen from the south-east. Blocks have the colour
+/// of their capturing phase, and dark edges at its end.
 pub fn structure(built: &BuiltStructure) -> Drawing {
     let plate = &built.plate;
     let ground: Vec<Cell> = (0..plate.width as i32)
@@ -73,25 +73,25 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
     out.high(height)
 }
 
-/// The sides that are seen, top, south and east: the light on each, and its corners.
+/// Visible sides (top, south and east): light and corners of each.
 const SIDES: [(f64, [[i32; 3]; 4]); 3] = [
     (1.0, [[0, 0, 1], [0, 1, 1], [1, 1, 1], [1, 0, 1]]),
     (0.85, [[0, 0, 1], [1, 0, 1], [1, 0, 0], [0, 0, 0]]),
     (0.7, [[1, 0, 1], [1, 1, 1], [1, 1, 0], [1, 0, 0]]),
 ];
 
-/// Where a point is drawn.
+/// Projects a point into the drawing.
 fn project([x, y, z]: [f64; 3]) -> (f64, f64) {
     (EDGE * COS * (x + y), EDGE * (0.5 * (x - y) - z))
 }
 
-/// The corners of a side of a cell's cube.
+/// Returns the corners of a side of a cell's cube.
 fn corners(cell: Cell, side: [[i32; 3]; 4]) -> [(f64, f64); 4] {
     let low = [cell.x, cell.y, cell.z].map(f64::from);
     side.map(|corner| project(std::array::from_fn(|i| low[i] + f64::from(corner[i]))))
 }
 
-/// A block, or one of the plate.
+/// Draws a block of the structure or of the plate.
 fn cube(
     out: &mut Drawing,
     (right, down): (f64, f64),
@@ -165,7 +165,7 @@ mod tests {
                 .count()
         };
         assert_eq!(count("polygon"), 3 * (2 * 4 + 1 + 3));
-        // Those of blocks, and of phases.
+        // Labels of blocks and of phases.
         assert_eq!(count("text"), 4 + 2);
         assert!(picture.contains("grow &amp; go: 3 blocks"));
     }

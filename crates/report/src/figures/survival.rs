@@ -1,4 +1,4 @@
-//! Shares of runs that are not complete, over time.
+//! Curves of the share of incomplete runs.
 use stochc_experiments::statistics::{KaplanMeier, Observation, SurvivalPoint};
 use stochc_text::{number, percent_number};
 
@@ -6,21 +6,21 @@ use super::EDGE;
 use crate::svg::letters::{fitted, width};
 use crate::svg::{Colours, Drawing, LINE, Medium, PlotAxis, Scale, dashes, plot_height};
 
-/// What one curve is of.
+/// Data of one curve.
 #[derive(Clone, Debug)]
 pub(crate) struct SurvivalCurve {
     pub name: String,
-    /// In the unit of the axis.
+    /// Times in the unit of the axis.
     pub times: Vec<Observation>,
 }
 
-/// What the vertical axis of most shows.
+/// Returns the usual vertical axis.
 pub(crate) fn incomplete() -> PlotAxis {
     PlotAxis::new("runs not complete yet", "%")
 }
 
-/// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many are at risk at the
-/// ticks of the axis, as the estimate counts them. `axis` is that of the times, and `of` that of the shares.
+/// Draws Kaplan-Meier curves with their intervals. Marks show stopped runs. The numbers at risk
+/// stand below the ticks of the axis. `axis` is the axis of the times, and `of` that of the shares.
 pub(crate) fn survival(
     medium: Medium,
     name: &str,
@@ -31,9 +31,9 @@ pub(crate) fn survival(
 ) -> Option<Drawing> {
     const RISK: &str = "at risk";
     const ROW: f64 = 19.0;
-    /// More bands than this hide each other.
+    /// Largest number of bands. More would hide each other.
     const BANDS: usize = 4;
-    /// Marks that a browser draws without delay.
+    /// Number of marks that a browser draws without delay.
     const MARKS: usize = 2000;
     let known: Vec<_> = (curves.iter().enumerate())
         .filter_map(|(i, curve)| Some((i, curve, KaplanMeier::new(&curve.times)?)))
@@ -44,7 +44,7 @@ pub(crate) fn survival(
         return None;
     }
     let mut out = Drawing::new(medium, name, title, &description(&known));
-    // The first number below the axis stands beside its name.
+    // The first number at risk is next to the label.
     let most = curves.iter().map(|curve| curve.times.len()).max();
     let most = width(&most.unwrap_or(0).to_string());
     let left = (EDGE + width(RISK) + 8.0 + most / 2.0).max(58.0);
@@ -57,7 +57,7 @@ pub(crate) fn survival(
     let mut foot = out.across(&x, (left, right), bottom, top, axis);
     out.upward(&y, (bottom, top), left, right, of, percent_number);
     for (i, _, estimate) in known.iter().filter(|_| known.len() <= BANDS) {
-        // After the last completion nothing is known, or nothing is left.
+        // After the last completion the curve is unknown or 0.
         let points: Vec<_> = (thinned(estimate, &x).iter())
             .map_while(|point| Some((point.time, point.interval?)))
             .collect();
@@ -98,7 +98,7 @@ pub(crate) fn survival(
         let stopped = curve.times.iter().filter(|time| !time.is_completed());
         let mut stopped: Vec<f64> = stopped.map(|time| time.time).collect();
         if stopped.len() > MARKS {
-            // Of those that cannot be told apart, one.
+            // One of several indistinguishable marks.
             stopped.sort_by(f64::total_cmp);
             stopped.dedup_by_key(|time| column(&x, *time));
         }
@@ -127,7 +127,7 @@ pub(crate) fn survival(
     Some(out.high(foot - 8.0))
 }
 
-/// The steps that can be told apart: of those in a third of a unit, the last.
+/// Returns the distinguishable steps: the last within each third of a unit.
 fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<SurvivalPoint> {
     let mut kept: Vec<SurvivalPoint> = Vec::new();
     for point in estimate.curve() {
@@ -142,7 +142,7 @@ fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<SurvivalPoint> {
     kept
 }
 
-/// In which third of a unit a time is drawn.
+/// Returns the index of the third of a unit in which a time is drawn.
 fn column(x: &Scale, time: f64) -> i64 {
     (3.0 * x.at(time)) as i64
 }

@@ -1,4 +1,4 @@
-//! A trade as a picture: what a run costs against how far it is off.
+//! Figure of a trade: cost of a run against bias.
 use crate::text::{relative, relative_size};
 use stochc_experiments::trade::{CLOSE, CandidateResult, Convergence, Trade};
 use stochc_runtime::{Model, Precision};
@@ -13,37 +13,37 @@ use crate::tables::trade::RESTRICTED;
 
 /// Width on a screen.
 const WIDTH: f64 = 1020.0;
-/// In a figure that is narrower, the list of settings stands below the plot.
+/// Smallest width with the list of settings at the right. In narrower figures it is below the plot.
 const BESIDE: f64 = 840.0;
 /// Width of the list.
 const LIST: f64 = 420.0;
-/// Biases below this are drawn to scale, larger ones by their logarithm.
+/// Smaller biases have a linear scale, larger ones a logarithmic scale.
 const SMALL: f64 = 0.02;
-/// Dashes of the front.
+/// Dash pattern of the front.
 const FRONT: &str = "5 4";
 /// Half the size of a mark.
 const MARK: f64 = 5.5;
-/// Height of a line of the list of settings.
+/// Height of a line in the list of settings.
 const ROW: f64 = 19.0;
 
-/// A candidate that has a place in the picture.
+/// A candidate with its position in the figure.
 struct PlottedSetting<'a> {
-    /// As in the tables, from 1.
+    /// Number as in the tables, from 1.
     number: usize,
     candidate: &'a CandidateResult,
     reference: bool,
     /// Cost of a run \[s\].
     cost: f64,
-    /// Size of the bias and half of its interval.
+    /// Absolute bias, with its half-width.
     bias: f64,
     half_width: f64,
 }
 
-/// Where values are drawn.
+/// Scales of the figure.
 struct Axes {
-    /// Of the costs.
+    /// Scale of the costs.
     cost: Scale,
-    /// The largest bias.
+    /// Largest bias.
     most: f64,
     left: f64,
     right: f64,
@@ -52,7 +52,7 @@ struct Axes {
 }
 
 impl Axes {
-    /// Small biases to scale and large ones by their logarithm, so that both can be told apart.
+    /// Returns the vertical position of a bias: linear for small and logarithmic for large biases.
     fn y(&self, bias: f64) -> f64 {
         let scale = |bias: f64| (bias / SMALL).asinh();
         let share = scale(bias.clamp(0.0, self.most)) / scale(self.most);
@@ -60,7 +60,7 @@ impl Axes {
     }
 }
 
-/// A trade as a picture: each mark is a setting, at the cost of a run and the largest bias of any program.
+/// Draws a trade. Each mark is a setting, at the cost of a run and the largest bias of any program.
 pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     let points = points(trade);
     let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();
@@ -100,7 +100,7 @@ pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     out.high(end - 8.0)
 }
 
-/// Of the vertical axis, which is even near 0 and one of logarithms above.
+/// Unit of the vertical axis, which is linear near 0 and logarithmic above.
 const BIAS_UNIT: &str = "% of the reference, logarithmic above 2";
 
 fn heading(names: &[&str]) -> String {
@@ -161,7 +161,7 @@ fn axes(points: &[PlottedSetting], (left, right): (f64, f64), top: f64) -> Axes 
     let margin = (0.06 * (most - least)).max(0.15);
     let biases = points.iter().map(|point| point.bias);
     let largest = biases.fold(0.01, f64::max);
-    // A long interval may be cut off, so that it does not push all others together.
+    // A long interval is cut, so that it does not compress all others.
     let ends = points.iter().map(|point| point.bias + point.half_width);
     let reach = ends.fold(largest, f64::max).min(2.0 * largest);
     let ends = (10f64.powf(least - margin), 10f64.powf(most + margin));
@@ -175,7 +175,7 @@ fn axes(points: &[PlottedSetting], (left, right): (f64, f64), top: f64) -> Axes 
     }
 }
 
-/// Axes and lines behind the marks; gives the foot of the next line of text.
+/// Draws axes and grid lines. Returns the baseline of the next line of text.
 fn frame(out: &mut Drawing, axes: &Axes, of: &PlotAxis) -> f64 {
     let Axes {
         left,
@@ -209,7 +209,7 @@ fn frame(out: &mut Drawing, axes: &Axes, of: &PlotAxis) -> f64 {
     out.marks_across(&costs, (left, right), bottom, &of.on(&axes.cost))
 }
 
-/// A time without needless zeros.
+/// Returns a time without trailing zeros.
 fn plain(cost: f64) -> String {
     let text = seconds(cost);
     let (number, unit) = text.split_once(' ').unwrap_or((&text, ""));
@@ -234,7 +234,7 @@ fn front(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     }
 }
 
-/// The class and the shape of a setting's mark.
+/// Returns the class and the shape of a setting's mark.
 fn look(point: &PlottedSetting) -> (&'static str, Marker) {
     let settings = &point.candidate.settings;
     let symbol = match settings.model {
@@ -273,7 +273,7 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
     out.mark(&format!("mark {class}"), symbol, (x, y), MARK, &tooltip);
 }
 
-/// Numbers beside the marks, each where it covers the least.
+/// Draws the numbers of the marks at the places with the least overlap.
 fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     let places: Vec<(f64, f64)> = points
         .iter()
@@ -312,8 +312,8 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     }
 }
 
-/// The settings by their numbers, and what the marks mean, the first line with its foot at a place; gives the foot of
-/// the next one.
+/// Draws the settings with their numbers, and the meaning of the marks. The first baseline is `(x,
+/// y)`. Returns the next baseline.
 fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64 {
     let right = out.size().0 - EDGE;
     let mut y = y;

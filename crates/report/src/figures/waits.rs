@@ -1,4 +1,4 @@
-//! How long each capture was waited for, and how much of the runs' time that decided.
+//! Figure of the wait for each capture, and its share of the time of the runs.
 use stochc_text::{number, percent};
 
 use super::EDGE;
@@ -7,12 +7,13 @@ use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest, width, wrapped};
 use crate::svg::{Drawing, LINE, Medium, Scale, Style};
 
-/// Rows of the figure; of more captures, those that decided most are shown.
+/// Largest number of rows. With more captures, those with the largest shares are shown.
 pub(crate) const SHOWN: usize = 60;
 
-/// A dot for each mean, with its interval, in the order of the dependency graph; bars at the right.
+/// Draws a dot for each mean with its interval in the order of the dependency graph, and bars of
+/// the shares at the right.
 ///
-/// `number` is that of the program in the report.
+/// `number` is the number of the program in the report.
 pub(crate) fn waits(
     medium: Medium,
     program: usize,
@@ -20,7 +21,7 @@ pub(crate) fn waits(
     waits: &[ReportedCapture],
 ) -> Option<Drawing> {
     const ROW: f64 = 20.0;
-    /// Where names of captures begin, beside the hooks.
+    /// Left edge of the names of captures, next to the hooks.
     const NAMES: f64 = 30.0;
     const SHARES: &str = "part of the runs' time it decided [%]";
     const SHOWS: &str = "mean, 95\u{a0}% interval, middle 80\u{a0}% of the waits";
@@ -48,7 +49,7 @@ pub(crate) fn waits(
         .iter()
         .filter_map(|wait| wait.share)
         .fold(0.0, f64::max);
-    // Names, waits and bars side by side.
+    // Names, waits and bars are side by side.
     let all = medium.width();
     let names = widest(shown.iter().map(|wait| wait.text.as_str())).min(0.29 * all);
     let left = (NAMES + names + 12.0).max(100.0);
@@ -59,7 +60,7 @@ pub(crate) fn waits(
     } else {
         bars_end
     };
-    // Room for a sign behind the longest.
+    // Includes space for a mark after the longest interval.
     let right = bars - 26.0;
     let (shows, shares) = (
         wrapped(SHOWS, right - left),
@@ -99,7 +100,7 @@ pub(crate) fn waits(
             out.line("axis", (20.0, middle), (27.0, middle));
         }
         out.text("ink", (NAMES, middle + 4.0), &fitted(&wait.text, names));
-        // What decided most is what a reader looks for.
+        // The largest share is highlighted.
         let hot = most > 0.0 && wait.share.is_some_and(|share| share >= 0.999 * most);
         let class = if hot { "hot" } else { "s0" };
         if let Some((low, high)) = wait.spread() {
@@ -150,7 +151,7 @@ pub(crate) fn waits(
     Some(out.high(foot - 8.0))
 }
 
-/// The captures that fit, in their order.
+/// Returns the captures to show, in their order.
 fn shown(waits: &[ReportedCapture]) -> Vec<&ReportedCapture> {
     let mut ranked: Vec<(usize, &ReportedCapture)> = waits.iter().enumerate().collect();
     let weight = |wait: &ReportedCapture| {

@@ -1,4 +1,4 @@
-//! What a page has to know besides the recording.
+//! Data of a replay page other than the recording.
 use serde_json::{Value, json};
 use stochc_ir::emit::{graph_json, table_json};
 use stochc_results::{EnsembleProgram, Manifest};
@@ -7,10 +7,11 @@ use stochc_text::visible;
 
 use super::program_text::{EventLocation, program_text};
 
-/// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph, text, tour, guided }`: the scene as the
-/// manifest has it, the radius of its shell \[side\] or null and the height of the shell's centre, and tables and
-/// graph as `compile --format json` shows them, the text, cut at the `statements`, the [`tour`](super::tour())
-/// of the run, and whether the page begins with it.
+/// Returns `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph, text, tour,
+/// guided }`. The scene is as in the manifest. The radius of its shell \[side\] can be null, and
+/// `lift` is the height of the shell's centre. Tables and graph are as in `compile --format json`.
+/// The text is split at the `statements`. `tour` is the [`tour`](super::tour()) of the run, and
+/// `guided` is whether the page begins with it.
 pub fn about(
     manifest: &Manifest,
     program: &EnsembleProgram,
@@ -49,7 +50,7 @@ pub fn about(
     about
 }
 
-/// Makes every text visible, names of the program included: the same name stays the same.
+/// Makes invisible characters visible in every text. Equal names stay equal.
 fn spell_out(value: &mut Value) {
     match value {
         Value::String(text) => *text = visible(text),

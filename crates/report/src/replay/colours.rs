@@ -1,8 +1,8 @@
-//! The palette, as the page needs it.
+//! Palette of the page.
 use serde_json::{Value, json};
 use stochc_text::palette::{DARK, LIGHT, PHASES, Rgb, Theme};
 
-/// What of a theme is seen in the arena.
+/// Returns the named colours of a theme in the arena.
 fn named(theme: &Theme) -> [(&'static str, Rgb); 11] {
     [
         ("background", theme.background),
@@ -19,7 +19,8 @@ fn named(theme: &Theme) -> [(&'static str, Rgb); 11] {
     ]
 }
 
-/// `const PALETTE = { phases: [{ colour, ink }], dark: { background, ..., groups: [...] }, light: { ... } };`
+/// Returns `const PALETTE = { phases: [{ colour, ink }], dark: { background, ..., groups: [...] },
+/// light: { ... } };`
 pub(super) fn script() -> String {
     let theme = |theme: &Theme| {
         let colours =
@@ -34,7 +35,8 @@ pub(super) fn script() -> String {
     format!("const PALETTE = {palette};\n")
 }
 
-/// Custom properties of the page: `--free`, `--lit`, `--group-0` to `--group-4` and so on in either theme, and `--phase-0` to `--phase-7`.
+/// Returns custom properties of the page: `--free`, `--lit`, `--group-0` to `--group-4` and others
+/// for each theme, and `--phase-0` to `--phase-7`.
 pub(crate) fn style() -> String {
     let properties = |theme: &Theme| -> String {
         let each = named(theme).map(|(name, colour)| format!("--{name}:{colour};"));

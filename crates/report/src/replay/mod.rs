@@ -1,7 +1,7 @@
-//! The page that plays a recording: one file of HTML that needs nothing else.
+//! The replay page of a recording: one self-contained HTML file.
 //!
-//! `page/` holds its parts. The recording goes into it as it is, and is unpacked piece by piece
-//! while the page plays.
+//! `page/` has its parts. The page contains the recording unchanged and unpacks it in pieces during
+//! the replay.
 mod about;
 mod colours;
 mod program_text;
@@ -20,13 +20,13 @@ pub use about::about;
 pub use program_text::EventLocation;
 pub use tour::tour;
 
-/// What every such page begins with, but for a few lines.
+/// Byte sequence in the first lines of every replay page.
 pub const MARK: &str = "<meta name=\"generator\" content=\"stochc replay\">";
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 
-/// Parts of the script. Each uses only those before it.
+/// Parts of the script. Each uses only earlier parts.
 const SCRIPT: &[&str] = &[
     include_str!("page/failure.js"),
     include_str!("page/maths.js"),
@@ -60,10 +60,12 @@ const SCRIPT: &[&str] = &[
     include_str!("page/start.js"),
 ];
 
-/// Writes the page of a recording, of which [`about`] tells the page the rest; `against` is another run of the same program.
+/// Writes the page of a recording. [`about`] provides its other data. `against` is another run of
+/// the same program.
 ///
 /// # Errors
-/// Those of `recording` and `out`.
+///
+/// Errors of `recording` and `out`.
 pub fn write(
     title: &str,
     about: &serde_json::Value,

@@ -1,23 +1,23 @@
-//! The text of a program, cut where statements begin and end.
+//! Text of a program, split at the boundaries of statements.
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde_json::{Value, json};
 use stochc_results::Source;
 
-/// Where an event is written.
+/// Location of an event in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EventLocation {
-    /// The file: an index into the program's sources.
+    /// Index of the file in the program's sources.
     pub file: usize,
-    /// Where in it \[bytes\].
+    /// Range in the file \[bytes\].
     pub bytes: Range<usize>,
-    /// The event of the dependency graph; in a loop, many have one place.
+    /// Event of the dependency graph. In a loop, many events share one location.
     pub event: u32,
 }
 
-/// `[{ file, pieces: [{ lines, events }] }]`: the lines of all pieces, one after the other, are the text. Files in which
-/// nothing happens are left out, but for the first.
+/// Returns `[{ file, pieces: [{ lines, events }] }]`. The concatenated lines of all pieces are the
+/// text. Files without events are left out, except the first.
 pub(super) fn program_text(sources: &[Source], statements: &[EventLocation]) -> Value {
     let files = sources.iter().enumerate().filter_map(|(number, source)| {
         let mut events: BTreeMap<(usize, usize), Vec<u32>> = BTreeMap::new();
@@ -71,7 +71,7 @@ mod tests {
         let statements = [
             statement(11..20, 4),
             statement(18..20, 5),
-            // Not in this text.
+            // Outside of this text.
             statement(20..99, 6),
         ];
         let value = program_text(&[source], &statements);

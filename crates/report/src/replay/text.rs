@@ -1,10 +1,10 @@
-//! Texts of others within a page, and nothing but texts.
+//! Safe embedding of foreign text in a page.
 use std::fmt::Write as _;
 
-/// JSON for a script element: it cannot end the element, and has no line breaks of any kind.
+/// Returns JSON for a script element. It cannot end the element and contains no line breaks.
 pub(super) fn json(value: &serde_json::Value) -> String {
     let mut safe = String::new();
-    // Outside of strings JSON has none of these.
+    // JSON contains these characters only in strings.
     for c in value.to_string().chars() {
         match c {
             '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {

@@ -1,4 +1,4 @@
-//! What decided how long a run took, as steps that a page goes through.
+//! Tour: the critical path of a run as steps of a page.
 use serde_json::{Value, json};
 use stochc_ir::record::RunRecord;
 use stochc_results::EnsembleProgram;
@@ -7,11 +7,11 @@ use crate::analysis::events::Events;
 use crate::analysis::reported_program::FinishedRun;
 use crate::ensemble_report::narrative::{NarrativeContext, item};
 
-/// Steps of a tour, at most: of a longer path those that took longest.
+/// Largest number of steps. Of a longer path, the longest segments are taken.
 const MAX: usize = 200;
 
-/// `[{ from, to, cell, html }]`: the waits that met end to end, in ticks, where each happened, and the sentence of a report that tells
-/// it.
+/// Returns `[{ from, to, cell, html }]`: the consecutive waits in ticks, their cells, and their
+/// sentences in a report.
 pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
     let events = Events::new(program);
     let run = FinishedRun::from_record(&events, record);
@@ -26,7 +26,7 @@ pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
         .map(|segment| segment.ticks())
         .collect();
     lengths.sort_unstable_by(|a, b| b.cmp(a));
-    // What took no time is told by what waited for it.
+    // The sentence of the waiting event mentions segments without duration.
     let least = lengths.get(MAX).map_or(1, |&ticks| ticks + 1);
     let told = run
         .critical_path

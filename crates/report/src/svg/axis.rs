@@ -1,4 +1,4 @@
-//! Axes: a line, marks with their values, and a name with a unit.
+//! Axes: a line, ticks with their values, and a name with a unit.
 use stochc_text::number;
 
 use super::drawing::{Drawing, LINE};
@@ -7,7 +7,7 @@ use super::scale::Scale;
 use super::shape::Form;
 use super::style::Style;
 
-/// What an axis is of.
+/// Quantity of an axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct PlotAxis {
     name: String,
@@ -15,7 +15,7 @@ pub(crate) struct PlotAxis {
 }
 
 impl PlotAxis {
-    /// `unit` is `1` where it has no dimension.
+    /// Creates a quantity. `unit` is `1` if it has no dimension.
     pub fn new(name: &str, unit: &str) -> PlotAxis {
         PlotAxis {
             name: name.to_owned(),
@@ -23,7 +23,7 @@ impl PlotAxis {
         }
     }
 
-    /// As it stands beside an axis of this scale: `wait [s]`, or `wait [s, logarithmic]`.
+    /// Returns the label of an axis with this scale: `wait [s]`, or `wait [s, logarithmic]`.
     pub fn on(&self, scale: &Scale) -> String {
         if scale.is_logarithmic() {
             format!("{} [{}, logarithmic]", self.name, self.unit)
@@ -32,17 +32,17 @@ impl PlotAxis {
         }
     }
 
-    /// As it stands beside an axis that is even, or has a mark for each value.
+    /// Returns the label of a linear or categorical axis.
     pub fn label(&self) -> String {
         format!("{} [{}]", self.name, self.unit)
     }
 }
 
-/// A place on an axis, and what stands there.
+/// A position on an axis with its label.
 pub(crate) type AxisTick = (f64, String);
 
 impl Drawing {
-    /// Values to mark on a horizontal axis, whose numbers do not touch.
+    /// Returns the ticks of a horizontal axis whose labels do not overlap.
     pub(crate) fn ticks_across(&self, scale: &Scale) -> Vec<f64> {
         let fits = |ticks: &Vec<f64>| {
             let marks = ticks.iter().map(|&tick| {
@@ -56,15 +56,15 @@ impl Drawing {
         all.find(fits).unwrap_or(first)
     }
 
-    /// Where the middle of a text has to be, so that it is not cut at the edges.
+    /// Returns the nearest centre of a text that keeps it within the edges.
     pub(crate) fn within(&self, x: f64, text: &str) -> f64 {
         let half = letters::width(text) / 2.0 + 2.0;
         let last = (self.size().0 - half).max(half);
         x.clamp(half, last)
     }
 
-    /// A horizontal axis at height `y` with lines up to `top`, and below it what it shows; gives the foot of the next line of
-    /// text below.
+    /// Draws a horizontal axis at height `y` with grid lines up to `top`, and its label below.
+    /// Returns the baseline of the next line of text.
     pub(crate) fn across(
         &mut self,
         scale: &Scale,
@@ -81,7 +81,7 @@ impl Drawing {
         self.marks_across(&marks, ends, y, &of.on(scale))
     }
 
-    /// A horizontal axis with marks at some places, those left out that would touch others.
+    /// Draws a horizontal axis with ticks at given positions. Overlapping ticks are left out.
     pub(crate) fn marks_across(
         &mut self,
         marks: &[AxisTick],
@@ -94,7 +94,7 @@ impl Drawing {
             self.text_around("dim", (x, y + 17.0), &text);
         }
         self.line("axis", (left, y), (right, y));
-        // A name may be somewhat longer than its axis.
+        // A label can be slightly longer than its axis.
         let most = (right - left + 40.0).min(self.size().0 - 8.0);
         let lines = wrapped(label, most);
         let mut foot = y + 36.0;
@@ -106,7 +106,7 @@ impl Drawing {
         foot + 7.0
     }
 
-    /// Marks at places where they are not cut, and every second, third ... of them where all would touch.
+    /// Returns the ticks that fit, every nth if labels would overlap.
     fn apart(&self, marks: &[AxisTick]) -> Vec<AxisTick> {
         let marks = marks.iter();
         let marks: Vec<AxisTick> = marks
@@ -118,18 +118,18 @@ impl Drawing {
         all.map(every).find(fits).unwrap_or_default()
     }
 
-    /// The height that a vertical axis of this label needs above it.
+    /// Returns the height above a vertical axis for this label.
     pub(crate) fn head(&self, label: &str) -> f64 {
         19.0 + LINE * wrapped(label, self.size().0 - 16.0).len() as f64
     }
 
-    /// Where a vertical axis stands, so that its numbers have room at the left of it.
+    /// Returns the position of a vertical axis with space for its numbers at the left.
     pub(crate) fn left_of(scale: &Scale, label: impl Fn(f64) -> String) -> f64 {
         let labels: Vec<String> = scale.ticks(5).into_iter().map(label).collect();
         (widest(labels.iter().map(String::as_str)) + 15.0).max(40.0)
     }
 
-    /// A vertical axis at `x` with lines up to `right`, and above it what it shows.
+    /// Draws a vertical axis at `x` with grid lines up to `right`, and its label above.
     pub(crate) fn upward(
         &mut self,
         scale: &Scale,
@@ -147,7 +147,7 @@ impl Drawing {
         self.marks_upward(&marks, ends, (8.0, x), &of.on(scale));
     }
 
-    /// A vertical axis with marks at some places, whose name begins at `edge`.
+    /// Draws a vertical axis with ticks at given positions. Its label begins at `edge`.
     pub(crate) fn marks_upward(
         &mut self,
         marks: &[AxisTick],

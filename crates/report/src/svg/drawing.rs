@@ -1,4 +1,4 @@
-//! A picture with a name, a title, and words for those who cannot see it.
+//! A drawing with a name, a title, and a description for screen readers.
 use stochc_text::palette::Rgb;
 
 use super::letters::{self, fitted, wrapped};
@@ -6,50 +6,50 @@ use super::medium::Medium;
 use super::shape::{DrawnShape, Form, Marker, Point, TextAnchor};
 use super::style::{Paint, Style};
 
-/// Between the lines of a text, in units.
+/// Line height of text, in units.
 pub(crate) const LINE: f64 = 15.0;
 
-/// A picture that grows; lengths are in units of which type is 12 high.
+/// A drawing under construction. The type is 12 units high.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// Its file, without `.svg`; letters, digits and `-`.
+    /// Name of its file without extension: letters, digits and `-`.
     pub name: String,
-    /// In a few words.
+    /// Short title.
     pub title: String,
-    /// What there is to see in it.
+    /// Description of its content.
     pub description: String,
-    /// What it is drawn for.
+    /// Medium of the layout.
     pub(super) medium: Medium,
     size: (f64, f64),
     shapes: Vec<DrawnShape>,
 }
 
-/// The key of a colour.
+/// Entry of the legend.
 #[derive(Clone, Debug)]
 pub(crate) struct LegendEntry {
-    /// Of its sample.
+    /// Class of its symbol.
     pub class: String,
     pub sample: LegendSymbol,
     pub meaning: String,
 }
 
-/// What the sample of a key looks like.
+/// Symbol of a legend entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LegendSymbol {
-    /// A bar with strokes of this kind.
+    /// A bar with this kind of hatching.
     Bar(usize),
     Mark(Marker),
-    /// A line in dashes.
+    /// A dashed line.
     Line(&'static str),
 }
 
 impl Drawing {
-    /// An empty picture.
+    /// Creates an empty drawing of the usual width.
     pub(crate) fn new(medium: Medium, name: &str, title: &str, description: &str) -> Drawing {
         Drawing::sized(medium, medium.width(), name, title, description)
     }
 
-    /// One of another width than most.
+    /// Creates an empty drawing of another width.
     pub(crate) fn sized(
         medium: Medium,
         width: f64,
@@ -67,13 +67,13 @@ impl Drawing {
         }
     }
 
-    /// The same, so high.
+    /// Sets the height.
     pub(crate) fn high(mut self, height: f64) -> Drawing {
         self.size.1 = height;
         self
     }
 
-    /// Width and height.
+    /// Returns width and height.
     pub(crate) fn size(&self) -> (f64, f64) {
         self.size
     }
@@ -91,27 +91,27 @@ impl Drawing {
         });
     }
 
-    /// A straight line.
+    /// Draws a straight line.
     pub(crate) fn line(&mut self, class: &str, from: Point, to: Point) {
         self.stroke(class, from, to, Style::default());
     }
 
-    /// A straight line of a style of its own.
+    /// Draws a straight line with its own style.
     pub(crate) fn stroke(&mut self, class: &str, from: Point, to: Point, own: Style) {
         self.push(class, own, Form::Line(from, to), "");
     }
 
-    /// A line of text that begins at `place`.
+    /// Draws a line of text that begins at `place`.
     pub(crate) fn text(&mut self, class: &str, place: Point, content: &str) {
         self.words(class, place, TextAnchor::Start, content);
     }
 
-    /// A line of text that ends at `place`.
+    /// Draws a line of text that ends at `place`.
     pub(crate) fn text_before(&mut self, class: &str, place: Point, content: &str) {
         self.words(class, place, TextAnchor::End, content);
     }
 
-    /// A line of text around `place`.
+    /// Draws a line of text centred at `place`.
     pub(crate) fn text_around(&mut self, class: &str, place: Point, content: &str) {
         self.words(class, place, TextAnchor::Middle, content);
     }
@@ -121,7 +121,8 @@ impl Drawing {
         self.push(class, Style::default(), form, "");
     }
 
-    /// Text in lines that are at most so wide, the first with its foot at `place`; gives the foot of the next line.
+    /// Draws text in lines of limited width, the first with its baseline at `place`. Returns the
+    /// baseline of the next line.
     pub(crate) fn paragraph(&mut self, class: &str, place: Point, most: f64, content: &str) -> f64 {
         let mut y = place.1;
         for line in wrapped(content, most) {
@@ -131,7 +132,7 @@ impl Drawing {
         y
     }
 
-    /// A mark at a point; `tooltip` is what a pointer over it shows.
+    /// Draws a marker at a point. A browser shows `tooltip` under the pointer.
     pub(crate) fn mark(
         &mut self,
         class: &str,
@@ -150,12 +151,12 @@ impl Drawing {
         self.push(class, own, marker.form(centre, size), tooltip);
     }
 
-    /// A rectangle, from its upper left corner.
+    /// Draws a rectangle from its upper left corner.
     pub(crate) fn rectangle(&mut self, class: &str, corner: Point, size: Point, tooltip: &str) {
         self.field(class, corner, size, Style::default(), tooltip);
     }
 
-    /// A rectangle of a style of its own.
+    /// Draws a rectangle with its own style.
     pub(crate) fn field(
         &mut self,
         class: &str,
@@ -168,7 +169,7 @@ impl Drawing {
         self.push(class, own, Form::Rectangle(corner, size), tooltip);
     }
 
-    /// Strokes over a bar, of one of six kinds, so that colour is not the only difference.
+    /// Hatches a bar in one of six kinds, so that bars differ not only by colour.
     pub(crate) fn hatch(&mut self, kind: usize, (x, y): (f64, f64), (width, height): (f64, f64)) {
         const APART: f64 = 6.0;
         let steps = |from: f64, to: f64| {
@@ -178,7 +179,7 @@ impl Drawing {
         let mut lines: Vec<((f64, f64), (f64, f64))> = Vec::new();
         if matches!(kind % 6, 1 | 2 | 5) {
             for start in steps(-height, width) {
-                // From the left edge, or the bottom, as far as the right edge, or the top.
+                // From the left or bottom edge to the right or top edge.
                 let (first, last) = ((-start).max(0.0), height.min(width - start));
                 let (left, right) = (x + start + first, x + start + last);
                 if last > first && kind % 6 != 2 {
@@ -200,17 +201,17 @@ impl Drawing {
         }
     }
 
-    /// A disc; `tooltip` is what a pointer over it shows.
+    /// Draws a disc. A browser shows `tooltip` under the pointer.
     pub(crate) fn disc(&mut self, class: &str, centre: Point, radius: f64, tooltip: &str) {
         self.push(class, Style::default(), Form::Disc(centre, radius), tooltip);
     }
 
-    /// A disc of a style of its own.
+    /// Draws a disc with its own style.
     pub(crate) fn spot(&mut self, centre: Point, radius: f64, own: Style) {
         self.push("", own, Form::Disc(centre, radius), "");
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     pub(crate) fn curve(&mut self, class: &str, points: &[Point], dashes: &'static str) {
         let class = format!("curve {class}");
         self.push(
@@ -221,25 +222,25 @@ impl Drawing {
         );
     }
 
-    /// An area between points.
+    /// Draws an area between points.
     pub(crate) fn area(&mut self, class: &str, points: &[Point]) {
         let class = format!("band {class}");
         self.push(&class, Style::default(), Form::Area(points.to_vec()), "");
     }
 
-    /// An area of a style of its own.
+    /// Draws an area with its own style.
     pub(crate) fn polygon(&mut self, points: &[Point], own: Style) {
         self.push("", own, Form::Area(points.to_vec()), "");
     }
 
-    /// A line of text around `place`, in this colour on light and on dark.
+    /// Draws a line of text centred at `place`, in the same colour on light and dark backgrounds.
     pub(crate) fn label(&mut self, place: Point, content: &str, colour: Rgb) {
         let form = Form::Text(place, TextAnchor::Middle, content.to_owned());
         self.push("", Style::area(colour), form, "");
     }
 
-    /// Keys of colours side by side, in as many columns as they find room, the first with its foot at `place`; gives the foot
-    /// of the next line.
+    /// Draws a legend in columns, the first entry with its baseline at `place`. Returns the
+    /// baseline of the next line.
     pub(crate) fn keys(&mut self, place: Point, right: f64, keys: &[LegendEntry]) -> f64 {
         const ROW: f64 = 19.0;
         const APART: f64 = 16.0;

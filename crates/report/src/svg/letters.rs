@@ -1,4 +1,4 @@
-//! How wide text is, by the font that comes along: that of Helvetica and Arial as well, which have the same widths.
+//! Widths of text in the included font. Helvetica and Arial have the same widths.
 use std::sync::LazyLock;
 
 use ttf_parser::Face;
@@ -6,41 +6,42 @@ use ttf_parser::Face;
 use super::medium::TYPE;
 use stochc_text::short;
 
-/// Liberation Sans, as it is published (`report/fonts/`).
+/// Liberation Sans as published (`report/fonts/`).
 pub(crate) const FONT: &[u8] = include_bytes!("../../fonts/LiberationSans-Regular.ttf");
 
-/// The font, read.
+/// The parsed font.
 pub(crate) static FACE: LazyLock<Face<'static>> = LazyLock::new(|| {
-    // A test reads it.
-    Face::parse(FONT, 0).expect("the font that comes along is one")
+    // Covered by a test.
+    Face::parse(FONT, 0).expect("the included font is valid")
 });
 
-/// Width of a line of text, in units of a drawing.
+/// Returns the width of a line of text, in units of a drawing.
 pub(crate) fn width(text: &str) -> f64 {
-    // What another font has to show is as wide as it is high.
+    // A character of another font is assumed to be as wide as high.
     let widths = text.chars().map(|sign| advance(sign).unwrap_or(TYPE));
     widths.sum()
 }
 
-/// The same, where all of it is known: `None` for text that is empty, or that another font has to show.
+/// Returns the width of a line of text. `None`: the text is empty, or contains characters of other
+/// fonts.
 pub(crate) fn known_width(text: &str) -> Option<f64> {
     let width: Option<f64> = text.chars().map(advance).sum();
     width.filter(|&width| width > 0.0)
 }
 
-/// Width of a letter; `None`: the font does not have it.
+/// Returns the width of a character. `None`: the font does not contain it.
 fn advance(sign: char) -> Option<f64> {
     let glyph = FACE.glyph_index(sign)?;
     let width = f64::from(FACE.glyph_hor_advance(glyph)?);
     Some(TYPE * width / f64::from(FACE.units_per_em()))
 }
 
-/// The widest of some lines.
+/// Returns the largest width of some lines.
 pub(crate) fn widest<'a>(lines: impl IntoIterator<Item = &'a str>) -> f64 {
     lines.into_iter().map(width).fold(0.0, f64::max)
 }
 
-/// A name that is at most so wide, its middle left out.
+/// Shortens a name to a width by leaving out its middle.
 pub(crate) fn fitted(name: &str, most: f64) -> String {
     let whole = short(name, usize::MAX);
     if width(&whole) <= most {
@@ -58,10 +59,10 @@ pub(crate) fn fitted(name: &str, most: f64) -> String {
     short(name, fits)
 }
 
-/// Text in lines that are at most so wide, broken between words; a word that is wider alone loses its middle.
+/// Breaks text into lines of limited width between words. A wider word loses its middle.
 pub(crate) fn wrapped(text: &str, most: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    // What is kept together by a blank without a break stays so.
+    // Non-breaking spaces keep words together.
     for word in text.split(' ').filter(|word| !word.is_empty()) {
         let longer = lines.last().map(|line| format!("{line} {word}"));
         match (longer, lines.last_mut()) {
@@ -76,7 +77,7 @@ pub(crate) fn wrapped(text: &str, most: f64) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Widths of Helvetica, in thousandths of its size, as Adobe has published them.
+    /// Compares with the widths of Helvetica as published by Adobe, in thousandths of its size.
     #[test]
     fn the_font_has_the_widths_of_helvetica() {
         for (letter, thousandths) in [(' ', 278), ('a', 556), ('i', 222), ('M', 833), ('7', 556)] {
@@ -98,7 +99,7 @@ mod tests {
             );
         }
         assert_eq!(fitted("A.up -> B", 100.0), "A.up -> B");
-        // Where there is no room, one sign stands for all.
+        // Without space, one character remains.
         assert_eq!(fitted("ABC", 0.0).chars().count(), 1);
     }
 

@@ -1,4 +1,4 @@
-//! A drawing as SVG.
+//! Conversion of a drawing to SVG.
 use std::fmt::Write as _;
 
 use stochc_text::escaped;
@@ -10,7 +10,7 @@ use super::shape::{DrawnShape, Form, TextAnchor};
 use super::style::stylesheet;
 
 impl Drawing {
-    /// As a file of its own.
+    /// Returns the drawing as a separate file.
     pub fn file(&self) -> String {
         let rest = format!(
             "<style>{}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n{}",
@@ -20,8 +20,8 @@ impl Drawing {
         self.element("xmlns=\"http://www.w3.org/2000/svg\" ", "", &rest)
     }
 
-    /// As a part of a page, which brings the styles of a screen; `prefix` keeps its names apart from those of
-    /// other pictures.
+    /// Returns the drawing as a part of a page, which provides the styles of a screen. `prefix`
+    /// distinguishes its identifiers from those of other drawings.
     pub(crate) fn inline(&self, prefix: &str) -> String {
         self.element("", prefix, &self.body())
     }
@@ -29,7 +29,7 @@ impl Drawing {
     fn element(&self, more: &str, prefix: &str, content: &str) -> String {
         let (width, height) = self.size();
         let name = format!("{prefix}{}", self.name);
-        // In print lengths are points, and all is drawn smaller.
+        // In print, lengths are in points and everything is smaller.
         let (size, unit) = match self.medium {
             Medium::Screen => (
                 format!(
@@ -70,7 +70,7 @@ impl Drawing {
 
 /// Writes the element of a shape, and a line break.
 fn write(out: &mut String, shape: &DrawnShape) {
-    // What is its own counts less than a rule for its class, and more than what it inherits.
+    // Presentation attributes have less weight than class rules, and more than inherited values.
     let own = shape.own.attributes();
     let (group, end, class) = if own.is_empty() {
         (String::new(), "", format!("class=\"{}\"", shape.class))
@@ -116,7 +116,8 @@ fn write(out: &mut String, shape: &DrawnShape) {
                 TextAnchor::Middle => " text-anchor=\"middle\"",
                 TextAnchor::End => " text-anchor=\"end\"",
             };
-            // A reader whose font is wider, such as DejaVu Sans, has as much room.
+            // A fallback font with wider characters, such as DejaVu Sans, is fitted to the same
+            // width.
             let room = known_width(content).map(|width| {
                 format!(" textLength=\"{width:.1}\" lengthAdjust=\"spacingAndGlyphs\"")
             });
@@ -166,7 +167,7 @@ mod tests {
         let file = drawing.file();
         let length = format!("textLength=\"{:.1}\" lengthAdjust", width(long));
         assert!(file.contains(&length), "{file}");
-        // Nobody knows how wide it is.
+        // The width is unknown.
         for unknown in ["", "\u{5854}"] {
             let mut drawing = Drawing::new(Medium::Screen, "name", "Title", "Description");
             drawing.text("ink", (10.0, 20.0), unknown);

@@ -1,27 +1,27 @@
-//! What a figure is drawn for, and what follows for its size.
+//! Medium of a figure, which determines its size.
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
 /// Height of type, in units of a drawing.
 pub(crate) const TYPE: f64 = 12.0;
 
-/// What a figure is drawn for: a figure is laid out anew for each width, with type of the same height.
+/// Medium of a figure. The layout depends on the width, with type of constant height.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Medium {
     /// A page in a browser, light or dark.
     #[default]
     Screen,
-    /// Paper: so wide \[mm\], with type of [`Medium::POINTS`].
+    /// Paper of a given width \[mm\], with type of [`Medium::POINTS`].
     Print(f64),
 }
 
 impl Medium {
     /// Height of type in print \[pt\].
     pub const POINTS: f64 = 7.0;
-    /// The narrowest and the widest figure in print \[mm\].
+    /// Smallest and largest width of a figure in print \[mm\].
     const WIDTHS: (f64, f64) = (80.0, 300.0);
 
-    /// Points in a unit of a drawing: a browser's pixel is three quarters of one.
+    /// Returns the points per unit of a drawing. A pixel of a browser is three quarters of a point.
     pub(crate) fn unit(self) -> f64 {
         match self {
             Medium::Screen => 0.75,
@@ -29,12 +29,12 @@ impl Medium {
         }
     }
 
-    /// Width of a figure, in units.
+    /// Returns the width of a figure, in units.
     pub(crate) fn width(self) -> f64 {
         self.width_or(760.0)
     }
 
-    /// Width of a figure that has one of its own on a screen, in units.
+    /// Returns the width of a figure with a special width on a screen, in units.
     pub(crate) fn width_or(self, on_screen: f64) -> f64 {
         match self {
             Medium::Screen => on_screen,
@@ -43,7 +43,7 @@ impl Medium {
     }
 }
 
-/// Height of a plot that is so wide: flat where there is room, and never too low for its curves.
+/// Returns the height of a plot of this width, within limits that keep curves readable.
 pub(crate) fn plot_height(width: f64) -> f64 {
     (0.39 * width).clamp(190.0, 330.0).round()
 }

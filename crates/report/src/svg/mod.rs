@@ -1,8 +1,8 @@
-//! Pictures of measurements: SVG and PDF.
+//! Drawings of results: SVG and PDF.
 //!
-//! What is drawn does not know where it will be shown: colours are classes that follow the
-//! reader's light or dark, every picture has a title and a description for those who cannot see it. How wide it is
-//! its [`Medium`] says, and figures lay themselves out for that.
+//! A drawing is independent of its background. Colours are classes that follow the light or dark
+//! theme of the reader. Every drawing has a title and a description for screen readers. Its
+//! [`Medium`] determines the width, and figures lay themselves out for it.
 mod axis;
 mod drawing;
 pub(crate) mod letters;

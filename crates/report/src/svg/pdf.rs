@@ -1,4 +1,5 @@
-//! A drawing as a page of PDF, of exactly its size, whose text is text in a font that the file brings.
+//! Conversion of a drawing to a PDF page of its exact size. Text remains text, with an embedded
+//! font.
 use std::collections::BTreeMap;
 use std::io::{self, Write as _};
 
@@ -18,7 +19,7 @@ use super::medium::TYPE;
 use super::shape::{DrawnShape, Form, Point, TextAnchor};
 use super::style::{Paint, Style, on_paper};
 
-/// Glyphs are numbered as they are in the font that is embedded.
+/// Glyphs have the numbers of the embedded font.
 const CODES: SystemInfo = SystemInfo {
     registry: Str(b"Adobe"),
     ordering: Str(b"Identity"),
@@ -26,26 +27,27 @@ const CODES: SystemInfo = SystemInfo {
 };
 const FONT_NAME: Name = Name(b"F");
 
-/// What can be seen through, in thousandths: areas and lines.
+/// Opacity of areas and lines, in thousandths.
 type Opacity = (u32, u32);
 
-/// The content of a page, and what it uses.
+/// Content of a page and its resources.
 struct PdfPage {
     content: Content,
-    /// Points in a unit, and the height of the page \[pt\].
+    /// Points per unit, and the height of the page \[pt\].
     unit: f64,
     height: f64,
     opacities: Vec<Opacity>,
     glyphs: GlyphRemapper,
-    /// What the glyphs mean, by their new numbers.
+    /// Characters of the glyphs, by new glyph number.
     signs: BTreeMap<u16, (u16, Option<char>)>,
 }
 
 impl Drawing {
-    /// As a file of PDF in the colours of paper.
+    /// Returns the drawing as a PDF file in the colours of paper.
     ///
     /// # Errors
-    /// Where its font cannot be cut to the letters that it needs.
+    ///
+    /// If the font cannot be reduced to the required glyphs.
     pub fn pdf(&self) -> io::Result<Vec<u8>> {
         let unit = self.medium.unit();
         let (width, height) = self.size();
@@ -83,7 +85,7 @@ impl PdfPage {
             Form::Curve(_, lengths) => dashes = lengths,
             _ => {}
         }
-        // Colours and lines have to be said before a path begins.
+        // Colours and line styles must precede a path.
         self.content.save_state();
         let painted = self.prepare(style, dashes);
         match &shape.form {
@@ -113,7 +115,7 @@ impl PdfPage {
         self.content.restore_state();
     }
 
-    /// A path from place to place.
+    /// Adds a path through points.
     fn path(&mut self, places: &[Point]) {
         for (i, &place) in places.iter().enumerate() {
             let (x, y) = self.at(place);
@@ -124,7 +126,7 @@ impl PdfPage {
         }
     }
 
-    /// Four cubic curves, which leave a circle by less than 0.03 % of its radius.
+    /// Adds four cubic curves, which deviate from a circle by less than 0.03 % of its radius.
     fn circle(&mut self, (x, y): Point, radius: f64) {
         const REACH: f64 = 0.552_284_75;
         let corners = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
@@ -146,7 +148,7 @@ impl PdfPage {
         self.content.close_path();
     }
 
-    /// Says how what follows is drawn; whether it is filled, and whether it has lines.
+    /// Sets the style of the next path. Returns whether it is filled and whether it is stroked.
     fn prepare(&mut self, style: Style, dashes: &str) -> (bool, bool) {
         let part = |own: Option<f64>| {
             let share = own.unwrap_or(1.0) * style.opacity.unwrap_or(1.0);
@@ -202,7 +204,7 @@ impl PdfPage {
         for &mode in modes {
             let is_outline = mode == TextRenderingMode::Stroke;
             if is_outline {
-                // What is around letters is not to be read a second time.
+                // The halo of text is not read a second time.
                 let mut span = (self.content).begin_marked_content_with_properties(Name(b"Span"));
                 span.properties().actual_text(TextStr(""));
             }
@@ -219,7 +221,8 @@ impl PdfPage {
         }
     }
 
-    /// A text in two bytes for each sign; what the font has not is its sign for that.
+    /// Returns a text in two bytes per character. Missing characters use the glyph for missing
+    /// characters.
     fn codes(&mut self, text: &str) -> Vec<u8> {
         let mut codes = Vec::new();
         for sign in text.chars() {
@@ -231,8 +234,8 @@ impl PdfPage {
         codes
     }
 
-    /// The name of what is left of the font: six letters that differ where other glyphs are left, so that nobody who puts
-    /// several figures into one document takes one for another.
+    /// Returns the name of the reduced font, with six letters that depend on the glyphs. This
+    /// distinguishes the fonts of several figures in one document.
     fn base_font(&self) -> String {
         let glyphs = self
             .signs
@@ -290,7 +293,7 @@ impl PdfPage {
         let drawn = compressed(&self.content.finish())?;
         pdf.stream(content, &drawn).filter(Filter::FlateDecode);
 
-        // 1000 is the height of type.
+        // Type of height 1000.
         let scale = 1000.0 / f32::from(FACE.units_per_em());
         pdf.type0_font(font)
             .base_font(base_font)
@@ -309,7 +312,7 @@ impl PdfPage {
             let advance = FACE.glyph_hor_advance(ttf_parser::GlyphId(*glyph));
             scale * f32::from(advance.unwrap_or(0))
         });
-        // The numbers are those from 0 on, each once.
+        // Glyph numbers are consecutive from 0.
         descendant.widths().consecutive(0, widths);
         descendant.finish();
         let bounds = FACE.global_bounding_box();
@@ -367,7 +370,7 @@ mod tests {
     use super::super::Medium;
     use super::*;
 
-    /// The page has the size that was asked for, and the same drawing is always the same file.
+    /// The page has the requested size, and equal drawings give equal files.
     #[test]
     fn a_page_is_as_large_as_the_figure() {
         let mut out = Drawing::new(Medium::Print(89.0), "n", "A title", "d").high(240.0);
@@ -387,7 +390,7 @@ mod tests {
             text[end - 6..end].to_owned()
         };
         assert_ne!(name(&file), name(&out.pdf().unwrap()));
-        // Of 2,600 glyphs few are left.
+        // A few of the 2,600 glyphs remain.
         assert!(file.len() < 20_000, "{}", file.len());
     }
 }

@@ -1,6 +1,6 @@
-//! From values to places.
+//! Scales: conversion of values to positions.
 
-/// An axis: values between two ends, drawn between two places.
+/// A scale from values between two ends to positions between two ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     values: (f64, f64),
@@ -9,12 +9,12 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// An even axis; equal ends are moved apart.
+    /// Creates a linear scale. Equal ends are moved apart.
     pub fn linear(values: (f64, f64), places: (f64, f64)) -> Scale {
         let values = if values.1 > values.0 {
             values
         } else {
-            // So far that it is another number.
+            // By a distance that changes the number in spite of rounding.
             (values.0, values.0 + values.0.abs().max(1.0))
         };
         Scale {
@@ -24,7 +24,7 @@ impl Scale {
         }
     }
 
-    /// An axis of logarithms; both ends have to be more than 0.
+    /// Creates a logarithmic scale. Both ends must be positive.
     pub fn logarithmic(values: (f64, f64), places: (f64, f64)) -> Scale {
         let values = if values.1 > values.0 {
             values
@@ -38,12 +38,12 @@ impl Scale {
         }
     }
 
-    /// Whether it is an axis of logarithms.
+    /// Returns whether the scale is logarithmic.
     pub fn is_logarithmic(&self) -> bool {
         self.logarithmic
     }
 
-    /// Where a value is drawn; one beyond an end at that end.
+    /// Returns the position of a value, limited to the ends.
     pub fn at(&self, value: f64) -> f64 {
         let (from, to) = self.values;
         let value = value.clamp(from, to);
@@ -55,7 +55,7 @@ impl Scale {
         self.places.0 + (self.places.1 - self.places.0) * share
     }
 
-    /// Round values to mark, about `n` of them.
+    /// Returns about `n` round values for ticks.
     pub fn ticks(&self, n: usize) -> Vec<f64> {
         let (from, to) = self.values;
         if self.logarithmic && to / from > 10.0 {
@@ -78,7 +78,7 @@ impl Scale {
     }
 }
 
-/// The next of 1, 2, 5, 10, ... that is not below a positive step.
+/// Rounds a positive step up to the next of 1, 2, 5, 10 and so on.
 fn round_up(step: f64) -> f64 {
     let decade = 10f64.powf(step.log10().floor());
     let digits = [1.0, 2.0, 5.0, 10.0].into_iter();
@@ -103,9 +103,9 @@ mod tests {
         assert!((scale.at(10.0) - 5.0).abs() < 1e-12);
         let scale = Scale::logarithmic((1e-100, 1e100), (0.0, 10.0));
         assert!((3..=10).contains(&scale.ticks(5).len()));
-        // No room at all is no reason for an endless axis.
+        // Equal positions must not cause an endless axis.
         assert!(Scale::linear((3.0, 3.0), (0.0, 1.0)).ticks(4).len() < 9);
-        // One more is the same number here.
+        // Adding 1 does not change this number.
         assert_eq!(Scale::linear((1e17, 1e17), (0.0, 1.0)).at(1e17), 0.0);
     }
 }

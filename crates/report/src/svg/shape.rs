@@ -1,57 +1,58 @@
-//! What pictures are made of.
+//! Elements of drawings.
 use super::style::Style;
 
-/// A place, or a size, in units of the drawing; down is positive.
+/// A position or size, in units of the drawing. Positive is down.
 pub(crate) type Point = (f64, f64);
 
-/// A part of a picture.
+/// A shape of a drawing.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnShape {
-    /// Classes of its style, with blanks between them.
+    /// Classes of its style, separated by spaces.
     pub class: String,
-    /// What counts before them.
+    /// Own style, which takes precedence over the classes.
     pub own: Style,
     pub form: Form,
-    /// What a pointer over it shows; empty: nothing.
+    /// Tooltip. Empty: none.
     pub tooltip: String,
 }
 
-/// The form of a part.
+/// Geometry of a shape.
 #[derive(Clone, Debug)]
 pub(crate) enum Form {
     Line(Point, Point),
-    /// A line through places, in dashes: their lengths, empty for none.
+    /// A line through points, with its dash pattern. Empty: a solid line.
     Curve(Vec<Point>, &'static str),
-    /// An area between places.
+    /// An area between points.
     Area(Vec<Point>),
-    /// From its upper left corner, so wide and so high.
+    /// A rectangle: upper left corner and size.
     Rectangle(Point, Point),
-    /// Around a centre.
+    /// A disc: centre and radius.
     Disc(Point, f64),
     /// A line of text.
     Text(Point, TextAnchor, String),
-    /// An axis begins: what follows as far as its end is its line, its marks, and its name with its unit.
+    /// Start of an axis. The shapes up to its end are its line, its ticks, and its name with the
+    /// unit.
     PlotAxis,
-    /// It ends.
+    /// End of an axis.
     AxisEnd,
 }
 
-/// Where a line of text is, as seen from its place.
+/// Position of a line of text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextAnchor {
-    /// It begins there.
+    /// The text begins at the point.
     Start,
-    /// It is around it.
+    /// The text is centred at the point.
     Middle,
-    /// It ends there.
+    /// The text ends at the point.
     End,
 }
 
-/// A mark around a point, told apart by its shape.
+/// Shape of a marker at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Marker {
     Disc,
-    /// A disc that is not filled.
+    /// An unfilled disc.
     Ring,
     Square,
     Triangle,
@@ -59,7 +60,7 @@ pub(crate) enum Marker {
 }
 
 impl Marker {
-    /// The form, about `2 size` wide.
+    /// Returns the geometry, about `2 size` wide.
     pub fn form(self, (x, y): Point, size: f64) -> Form {
         let m = size;
         let corners = |corners: &[Point]| {

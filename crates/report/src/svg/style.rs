@@ -1,6 +1,6 @@
-//! How things are drawn, by their classes, for light, for dark, and for paper.
+//! Styles of shapes by class, for light and dark themes and paper.
 //!
-//! One table of rules is what a stylesheet is made of, and what a PDF follows.
+//! The same table of rules gives the stylesheet and the styles of a PDF.
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 
@@ -8,13 +8,14 @@ use stochc_text::palette::{DARK, LIGHT, PHASES, Rgb, Theme};
 
 use super::Medium;
 
-/// Colours of things that are compared.
+/// Number of colours of compared items.
 const COLOURS: usize = 6;
 
-/// Dashes of their lines, so that colour is never the only difference.
+/// Dash patterns of the compared items, so that they differ not only by colour.
 const DASHES: [&str; COLOURS] = ["", "7 3", "2 3", "9 3 2 3", "4 4", "1 4"];
 
-/// The dashes of number `i` of what is compared: the second that has a colour has others than the first.
+/// Returns the dash pattern of item `i`. The second item of a colour has another pattern than the
+/// first.
 pub(crate) fn dashes(i: usize) -> &'static str {
     DASHES[(i + i / COLOURS) % COLOURS]
 }
@@ -26,12 +27,12 @@ pub(crate) enum Paint {
     Nothing,
 }
 
-/// What a rule says of a shape; `None`: nothing.
+/// Style of a rule. `None`: the rule does not set the property.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Style {
     pub fill: Option<Paint>,
     pub stroke: Option<Paint>,
-    /// Of lines, in units of the drawing.
+    /// Width of lines, in units of the drawing.
     pub width: Option<f64>,
     pub opacity: Option<f64>,
     pub fill_opacity: Option<f64>,
@@ -39,7 +40,7 @@ pub(crate) struct Style {
 }
 
 impl Style {
-    /// What nobody says anything of.
+    /// Initial values of all properties.
     const INITIAL: Style = Style {
         fill: Some(Paint::Colour(Rgb(0, 0, 0))),
         stroke: Some(Paint::Nothing),
@@ -67,7 +68,7 @@ impl Style {
         Style::fill(paint).then(Style::stroke(paint))
     }
 
-    /// Lines of this width.
+    /// Returns the style of a line of this width.
     pub fn line(width: f64) -> Style {
         Style {
             width: Some(width),
@@ -75,7 +76,7 @@ impl Style {
         }
     }
 
-    /// The same, as strong as this, from 0 to 1.
+    /// Returns the style with an opacity from 0 to 1.
     pub fn faint(self, opacity: f64) -> Style {
         Style {
             opacity: Some(opacity),
@@ -83,7 +84,7 @@ impl Style {
         }
     }
 
-    /// An area of this colour, without a line around it.
+    /// Returns the style of a filled area without an outline.
     pub fn area(paint: Rgb) -> Style {
         Style {
             stroke: Some(Paint::Nothing),
@@ -91,7 +92,7 @@ impl Style {
         }
     }
 
-    /// What a later rule says counts.
+    /// Returns the style, overridden by a later one.
     pub fn then(self, later: Style) -> Style {
         Style {
             fill: later.fill.or(self.fill),
@@ -103,7 +104,7 @@ impl Style {
         }
     }
 
-    /// What is said, by its names in SVG.
+    /// Returns the set properties with their names in SVG.
     fn said(&self) -> impl Iterator<Item = (&'static str, String)> {
         let paint = |paint: Option<Paint>| {
             paint.map(|paint| match paint {
@@ -123,13 +124,13 @@ impl Style {
         (all.into_iter()).filter_map(|(name, value)| Some((name, value?)))
     }
 
-    /// As declarations of a stylesheet.
+    /// Returns the declarations of a stylesheet.
     fn css(&self) -> String {
         let said = self.said().map(|(name, value)| format!("{name}:{value}"));
         said.collect::<Vec<_>>().join(";")
     }
 
-    /// As attributes of an element, each with a blank before it.
+    /// Returns the attributes of an element, each after a space.
     pub fn attributes(&self) -> String {
         let said = self
             .said()
@@ -138,10 +139,10 @@ impl Style {
     }
 }
 
-/// A class, and how it is drawn.
+/// A class with its style.
 type StyleRule = (String, Style);
 
-/// The rules of a theme, in the order in which they count.
+/// Returns the rules of a theme in ascending precedence.
 fn rules(theme: &Theme) -> Vec<StyleRule> {
     let is_light = theme.paper.luminance() > 0.5;
     let [dim, axis, grid, grey] = if is_light {
@@ -215,7 +216,7 @@ fn rules(theme: &Theme) -> Vec<StyleRule> {
     all
 }
 
-/// Paper is as white as it is.
+/// Theme of white paper.
 const PAPER: Theme = Theme {
     paper: Rgb(0xff, 0xff, 0xff),
     ..LIGHT
@@ -224,7 +225,7 @@ const PAPER: Theme = Theme {
 static LIGHT_RULES: LazyLock<Vec<StyleRule>> = LazyLock::new(|| rules(&LIGHT));
 static PAPER_RULES: LazyLock<Vec<StyleRule>> = LazyLock::new(|| rules(&PAPER));
 
-/// How a shape of some classes is drawn on paper: all that can be said is said.
+/// Returns the style of a shape with these classes on paper. All properties are set.
 pub(crate) fn on_paper(classes: &str) -> Style {
     let own = |rule: &&StyleRule| classes.split_whitespace().any(|class| class == rule.0);
     let rules = PAPER_RULES.iter().filter(own);
@@ -244,7 +245,7 @@ fn css(rules: &[StyleRule]) -> String {
     })
 }
 
-/// What pictures need on a screen: `s0` to `s5` are what is compared, `p0` to `p7` phases.
+/// Stylesheet of drawings on a screen. `s0` to `s5` are compared items, `p0` to `p7` are phases.
 pub(crate) static STYLE: LazyLock<String> = LazyLock::new(|| {
     format!(
         "{}@media screen and (prefers-color-scheme:dark){{{}}}",
@@ -253,7 +254,7 @@ pub(crate) static STYLE: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
-/// What a picture needs to be shown alone.
+/// Returns the stylesheet of a separate drawing.
 pub(crate) fn stylesheet(medium: Medium) -> String {
     match medium {
         Medium::Screen => STYLE.clone(),
@@ -261,17 +262,17 @@ pub(crate) fn stylesheet(medium: Medium) -> String {
     }
 }
 
-/// What the curves of a figure are of.
+/// Kind of items of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Colours {
-    /// What is compared: readable on paper.
+    /// Compared items, readable on paper.
     Compared,
-    /// Phases, which are the same on light and dark, and have a darker or lighter line around them.
+    /// Phases, with the same colours in both themes and a darker or lighter outline.
     Phases,
 }
 
 impl Colours {
-    /// The class of number `i`.
+    /// Returns the class of item `i`.
     pub fn class(self, i: usize) -> &'static str {
         match self {
             Colours::Compared => class(i),
@@ -280,12 +281,12 @@ impl Colours {
     }
 }
 
-/// The class of number `i` of what is compared.
+/// Returns the class of compared item `i`.
 pub(crate) fn class(i: usize) -> &'static str {
     ["s0", "s1", "s2", "s3", "s4", "s5"][i % COLOURS]
 }
 
-/// The class of the phase of number `i`.
+/// Returns the class of phase `i`.
 pub(crate) fn phase(i: usize) -> &'static str {
     ["p0", "p1", "p2", "p3", "p4", "p5", "p6", "p7"][i % PHASES.len()]
 }

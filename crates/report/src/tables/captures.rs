@@ -1,12 +1,12 @@
-//! The captures of a program as text, a row for each.
+//! Table of the captures of a program.
 use stochc_experiments::CaptureSummary;
 use stochc_text::{Tick, percent};
 
 use super::comparison::{mean, ticks};
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// The captures as a table of plain text, in a scene with ticks of this length \[s\]; `width` is that of
-/// the terminal, in characters.
+/// Returns the captures as a table of plain text. `tick` is the length of a tick \[s\], and `width`
+/// the width of the terminal \[characters\].
 pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) -> String {
     const NONE: &str = "-";
     let tick = Tick(tick);

@@ -1,19 +1,19 @@
-//! A comparison as text, in the layout of the paper's Tables I and II.
+//! Table of a comparison, in the layout of the paper's Tables I and II.
 use stochc_experiments::{Comparison, Pair, ProgramSummary, Time};
 use stochc_text::Tick;
 
 use crate::text::sentence;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// The label of a row that says in seconds what the row above says in ticks: side by side, both would be wide.
+/// Label of a row of seconds below a row of ticks. Side by side, both would be too wide.
 const SECONDS: &str = "  in seconds";
 
-/// In place of a figure that does not exist.
+/// Cell of an undefined value.
 const NONE: &str = "-";
 
-/// The table, and below it a sentence for each pair of programs.
+/// Returns the table, followed by a sentence for each pair of programs.
 ///
-/// `width` is that of the terminal, in characters; columns that do not fit go below.
+/// `width` is the width of the terminal \[characters\]. Columns that do not fit follow below.
 pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
     let mut rows = ComparisonTableBuilder::new(&comparison.programs);
     rows.add("Construction phases", |c| c.phases.to_string());
@@ -79,15 +79,15 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
     text
 }
 
-/// A sentence for each pair of programs that are compared.
+/// Returns a sentence for each compared pair of programs.
 pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
     let sentences = pair_sentences(comparison);
     sentences.map(|it| paragraph(&it, width)).collect()
 }
 
-/// Returns a sentence for each pair of programs; a `~` is a space that does not break.
+/// Returns a sentence for each pair of programs. A `~` is a non-breaking space.
 pub(super) fn pair_sentences(comparison: &Comparison) -> impl Iterator<Item = String> {
-    // The p of a difference is corrected for those that could be tested.
+    // The correction of the p-values counts only tested differences.
     let tested = comparison
         .pairs
         .iter()
@@ -100,10 +100,10 @@ pub(super) fn pair_sentences(comparison: &Comparison) -> impl Iterator<Item = St
     comparison.pairs.iter().map(told)
 }
 
-/// What tables say of runs that a timeout has ended.
+/// Note on runs ended by a timeout.
 pub(super) const NEVER_COMPLETES: &str = "Runs that a timeout of their program has ended never complete: they count as incomplete to the end.";
 
-/// What the figures mean.
+/// Returns the notes on the values.
 fn notes(comparison: &Comparison) -> Vec<String> {
     let mut ticks: Vec<f64> = comparison
         .programs
@@ -136,7 +136,7 @@ fn notes(comparison: &Comparison) -> Vec<String> {
     notes
 }
 
-/// The table while it grows.
+/// A table under construction.
 struct ComparisonTableBuilder<'a> {
     programs: &'a [ProgramSummary],
     table: TextTable,
@@ -162,14 +162,15 @@ impl<'a> ComparisonTableBuilder<'a> {
     }
 }
 
-/// A mean with half of its interval, in ticks and in seconds; `≥` before a lower bound.
+/// Returns a mean with its half-width in ticks and seconds, after `≥` if it is a lower bound.
 pub(super) fn mean(time: Option<&Time>, tick: Tick) -> String {
     time.map_or(NONE.to_owned(), |time| {
         in_ticks(time, &tick.beside_interval(time.mean, time.half_width))
     })
 }
 
-/// A mean with half of its interval in ticks, and what is to stand beside it; `≥` before a lower bound.
+/// Returns a mean with its half-width in ticks followed by `beside`, after `≥` if it is a lower
+/// bound.
 pub(super) fn in_ticks(time: &Time, beside: &str) -> String {
     let half_width = time.half_width.map(|half| format!(" ± {}", ticks(half)));
     let text = ticks(time.mean) + &half_width.unwrap_or_default() + beside;
@@ -179,7 +180,7 @@ pub(super) fn in_ticks(time: &Time, beside: &str) -> String {
     }
 }
 
-/// The same in seconds; empty without a mean.
+/// Returns a mean with its half-width in seconds. Empty without a mean.
 fn in_seconds(column: &ProgramSummary, time: Option<&Time>) -> String {
     time.map_or(String::new(), |time| {
         let bound = if time.horizon.is_some() { "≥ " } else { "" };
@@ -194,7 +195,7 @@ fn figure(column: &ProgramSummary, of: impl Fn(&Time) -> Option<f64>) -> String 
     })
 }
 
-/// Whole ticks, except where they are few.
+/// Returns ticks as whole numbers, small ones with decimals.
 pub(super) fn ticks(ticks: f64) -> String {
     if ticks.abs() < 100.0 && ticks.fract() != 0.0 {
         format!("{ticks:.1}")

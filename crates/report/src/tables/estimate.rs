@@ -1,4 +1,4 @@
-//! Estimates as text.
+//! Table of estimates.
 use stochc_text::percent;
 
 use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
@@ -8,8 +8,8 @@ use crate::estimate::{CompletionEstimate, Method};
 use crate::text::event_labels;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// The times of programs and of their phases, and the `most` events of each that decide most of them; `width` is that of the
-/// terminal, in characters.
+/// Returns the times of programs and of their phases, and up to `most` events with the largest
+/// shares. `width` is the width of the terminal \[characters\].
 pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: usize) -> String {
     let mut text = String::new();
     for (number, estimate) in estimates.iter().enumerate() {
@@ -43,7 +43,7 @@ pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: u
     text
 }
 
-/// Where the times come from, and how well they are known.
+/// Returns a paragraph on the method and its accuracy.
 fn origin(estimate: &CompletionEstimate) -> String {
     let all = estimate.completed + estimate.incomplete;
     let mut text = match (estimate.method, all) {
@@ -75,7 +75,8 @@ pub fn lower_bound(reasons: LowerBoundReasons, width: usize) -> String {
     }
 }
 
-/// What waits that are added up along a graph leave out, and by how much that was off.
+/// Returns a sentence on the interactions that the sum along a graph ignores, with the resulting
+/// error.
 pub fn left_out(interaction: Interaction) -> String {
     let (meaning, error) = (interaction.meaning(), percent(interaction.error()));
     format!(
@@ -83,12 +84,12 @@ pub fn left_out(interaction: Interaction) -> String {
     )
 }
 
-/// A figure of times, and half of its interval.
+/// A statistic of times, with its half-width.
 type Figure = (Option<f64>, Option<f64>);
 
 fn times(estimate: &CompletionEstimate) -> TextTable {
     let total = std::iter::once((format!("{}, ticks", estimate.program), estimate.total));
-    // A program of one phase is that phase.
+    // A program of one phase needs no row for the phase.
     let phases = estimate.phases.iter().filter(|_| estimate.phases.len() > 1);
     let phases = phases.map(|phase| (format!("  {}", phase.name), phase.times));
     let rows: Vec<(String, Option<Times>)> = total.chain(phases).collect();

@@ -1,13 +1,14 @@
-//! A fit as text.
+//! Table of a fit.
 use stochc_experiments::fit::{Fit, Interval, Marginal, Observed, Prediction, Prior, Unit};
 use stochc_text::{number, percent, percent_number};
 
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Numbers whose interval has lost less than this of the prior's are not known from the data.
+/// Smallest ratio of the interval to that of the prior for an uninformed parameter.
 const UNINFORMED: f64 = 0.8;
 
-/// The numbers that were found, what they predict, and what to make of it; `width` is that of the terminal, in characters.
+/// Returns the fitted parameters, their predictions and remarks. `width` is the width of the
+/// terminal \[characters\].
 pub fn fit_to_text(fit: &Fit, priors: &[Prior], width: usize) -> String {
     let mut text = numbers(fit, priors).text(width, false);
     text += &format!("\n{}\n", predictions(fit).text(width, false));
@@ -105,7 +106,7 @@ fn predictions(fit: &Fit) -> TextTable {
     }
 }
 
-/// The cell of a figure that a program does not have.
+/// Returns the cell of an undefined value.
 fn absent() -> String {
     "-".to_owned()
 }
@@ -179,7 +180,7 @@ fn notes(fit: &Fit) -> Vec<String> {
     notes
 }
 
-/// Pairs of numbers of which the data tell little more than one.
+/// Returns the strongly correlated pairs of parameters.
 fn pairs(fit: &Fit) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::new();
     for (i, row) in fit.correlations.iter().enumerate() {

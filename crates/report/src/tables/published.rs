@@ -1,4 +1,4 @@
-//! Tables for papers: each figure once, in one unit.
+//! Tables for papers: each value once, in one unit.
 use stochc_experiments::sweep::Sweep;
 use stochc_experiments::{Comparison, ProgramSummary, Time};
 use stochc_text::number;
@@ -7,7 +7,7 @@ use super::comparison::{NEVER_COMPLETES, pair_sentences};
 use super::sweep::sweep_rows;
 use stochc_text::{Markup, TextColumn, TextTable};
 
-/// In place of a figure that does not exist.
+/// Cell of an undefined value.
 const NONE: &str = "–";
 
 /// Returns a comparison as a table, with the tests of its pairs below.

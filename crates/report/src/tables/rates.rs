@@ -1,4 +1,4 @@
-//! The rates of a scene as text.
+//! Table of the rates of a scene.
 use stochc_ir::{Cell, Face};
 use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Model;
@@ -8,7 +8,7 @@ use stochc_text::{number, percent};
 
 use stochc_text::{TextColumn, TextTable};
 
-/// What goes with every time by rates.
+/// Note on all times by rates.
 pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of other programs were 3 % off those with physics on average and 7 % at most; \
      in other scenes up to 20 % (docs/validation/rates.md).";
 
@@ -27,7 +27,7 @@ pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
     manifest.programs.iter().filter_map(known).collect()
 }
 
-/// What there is to know about waits in a scene that nobody has measured, for whoever tells of them.
+/// Returns the note on waits in a scene without calibrated rates.
 pub fn first_guess() -> String {
     let (usual, most) = GUESS_ERROR;
     format!(
@@ -37,7 +37,8 @@ pub fn first_guess() -> String {
     )
 }
 
-/// The law's numbers with their standard errors, and what follows for some faces; `width` is that of the terminal, in characters.
+/// Returns the parameters of the rate law with their standard errors, and the rates of example
+/// faces. `width` is the width of the terminal \[characters\].
 pub fn rates_to_text(rates: &Rates, width: usize) -> String {
     let mut text = format!(
         "{} captures by {}, seed {}\n\n",
@@ -78,7 +79,8 @@ fn numbers(rates: &Rates) -> TextTable {
     }
 }
 
-/// Surroundings that everybody knows: what is full, and the open cell over or beside it.
+/// Returns the rates of simple surroundings: occupied cells, and the open cell above or next to
+/// them.
 fn examples(rates: &Rates) -> TextTable {
     let at = |x, z| Cell::new(x, 0, z);
     let tower = |x: i32, top: i32| move |cell: Cell| (cell.x, cell.y) == (x, 0) && cell.z <= top;

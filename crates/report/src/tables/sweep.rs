@@ -1,14 +1,14 @@
-//! A sweep as text, a row for each point.
+//! Table of a sweep, with a row for each point.
 use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::{number, percent};
 
 use super::comparison::{NEVER_COMPLETES, mean, ticks};
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// In place of a figure that does not exist.
+/// Cell of an undefined value.
 const NONE: &str = "-";
 
-/// The table, and what its figures mean; `width` is that of the terminal, in characters.
+/// Returns the table with notes on its values. `width` is the width of the terminal \[characters\].
 pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
     let mut text = sweep_rows(sweep, true).text(width, false);
     text.push('\n');
@@ -18,7 +18,7 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
     text
 }
 
-/// Returns the table, with times in the unit of the sweep. With `beside`, ticks are followed by
+/// Returns the table with times in the unit of the sweep. With `beside`, ticks are followed by
 /// seconds.
 pub(super) fn sweep_rows(sweep: &Sweep, beside: bool) -> TextTable {
     let tick = |point: &SweepPoint| sweep.tick(point).filter(|_| beside);

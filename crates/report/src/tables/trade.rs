@@ -1,4 +1,4 @@
-//! A trade as text.
+//! Table of a trade.
 use crate::text::relative;
 use stochc_experiments::trade::{
     CLOSE, CandidateResult, Convergence, ProgramResult, Reference, Trade, Verdict,
@@ -8,32 +8,33 @@ use stochc_text::{Tick, percent, ratio, seconds, visible};
 use super::comparison::ticks;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// In place of a figure that does not exist.
+/// Cell of an undefined value.
 const NONE: &str = "-";
 
-/// Before a bias that compares times up to a horizon.
+/// Prefix of a bias of restricted means.
 pub(crate) const RESTRICTED: &str = "* ";
 
-/// The columns of figures.
+/// Headers of the columns of numbers.
 const HEADER: [&str; 7] = [
     "CPU/run", "ratio", "n", "mean", "bias", "incompl.", "failed",
 ];
 
-/// One line of a table.
+/// A line of a table.
 struct TradeRow {
     label: String,
     cells: Vec<String>,
-    /// Beside the setting.
+    /// Mark next to the setting.
     mark: &'static str,
-    /// Behind the columns.
+    /// Remark after the columns.
     remark: String,
-    /// In red where there are colours.
+    /// Whether it is red in colour output.
     wrong: bool,
 }
 
-/// A table for each program, the order of the programs, and what to make of it.
+/// Returns a table for each program, the order of the programs, and advice.
 ///
-/// `width` is that of the terminal, for the sentences; `colour` marks what is wrong in red.
+/// `width` is the width of the terminal for sentences \[characters\]. With `colour`, errors are
+/// red.
 pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
     let mut text = String::new();
     let mut cells = trade
@@ -122,7 +123,7 @@ fn mark_if(is_meant: bool, mark: &str) -> &str {
     if is_meant { mark } else { "" }
 }
 
-/// What each setting says about the order of the programs.
+/// Returns the conclusions of each setting about the order of the programs.
 fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
     let pairs = trade
         .reference_candidate()
@@ -184,7 +185,7 @@ fn pair(trade: &Trade, first: usize, second: usize) -> String {
     )
 }
 
-/// What the figures mean.
+/// Returns the notes on the values.
 fn notes(trade: &Trade) -> Vec<String> {
     let mut notes = vec![
         "Settings are model and substeps, and what differs from the defaults. CPU/run is the \
@@ -230,7 +231,7 @@ fn notes(trade: &Trade) -> Vec<String> {
     notes
 }
 
-/// A table of settings, whose lines may lack their figures.
+/// Returns a table of settings. Lines can lack their values.
 fn table(header: &[&str], lines: &[TradeRow]) -> TextTable {
     let columns = header.iter().enumerate().map(|(i, header)| {
         let cell = |line: &TradeRow| line.cells.get(i).cloned().unwrap_or_default();
@@ -250,12 +251,13 @@ fn table(header: &[&str], lines: &[TradeRow]) -> TextTable {
     }
 }
 
-/// A setting with its number, by which pictures name it.
+/// Returns a setting with its number, which also appears in figures.
 fn label(number: usize, setting: &CandidateResult) -> String {
     format!("{:>2}  {}", number + 1, setting.name)
 }
 
-/// What is known of a reference's convergence, as a sentence; `changes` are those of its last doubling.
+/// Returns a sentence on the convergence of the reference. `changes` are those of its last
+/// doubling.
 fn convergence(reference: &Reference, changes: &str) -> String {
     let Some(last) = reference.doublings.last() else {
         return "Whether it has converged is undecided: no other substeps were measured."

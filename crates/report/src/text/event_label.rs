@@ -1,9 +1,9 @@
-//! Events that a program has more than once.
+//! Unique labels of events.
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// What events are called in a table: as the program writes them, and with their phase where another of `all` does the same. Those that are
-/// `shown` are what they do, the words of that, and their phases.
+/// Returns the labels of events in a table: the text of the program, with the phase if `all`
+/// contains the same action twice. `shown` are the actions with their texts and phases.
 pub fn event_labels<'a, A: Eq + Hash>(
     all: impl IntoIterator<Item = A>,
     shown: impl IntoIterator<Item = (A, String, &'a str)>,

@@ -1,11 +1,11 @@
-//! What a test of two programs found, in words.
+//! Sentences on the test of two programs.
 use stochc_experiments::PairwiseResult;
 use stochc_experiments::statistics::{Difference, Longer, SIGNIFICANT, Test};
 use stochc_text::number;
 
-/// The sentence on two programs; `names` as they are to stand in it.
+/// Returns the sentence on two programs with the given `names`.
 ///
-/// `pairs` is how many differences were tested together.
+/// `pairs` is the number of differences that were tested together.
 pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: usize) -> String {
     let [first, second] = names;
     let found = match verdict {
@@ -41,7 +41,7 @@ pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: u
     )
 }
 
-/// `p = 0.03`, and beside it what is left of that among several.
+/// Returns `p = 0.03`, followed by the corrected value for several pairs.
 fn p_values(found: &Difference, pairs: usize) -> String {
     let text = |p: f64| match probability(p) {
         p if p.starts_with('<') => format!("p~{}", p.replace(' ', "~")),
@@ -57,7 +57,7 @@ fn p_values(found: &Difference, pairs: usize) -> String {
     }
 }
 
-/// The test, in words.
+/// Returns the name of the test.
 pub fn method(found: &Difference, unit: &str) -> String {
     let test = match found.test {
         Test::Paired { pairs } => format!("paired t test of {pairs} runs"),
@@ -69,14 +69,14 @@ pub fn method(found: &Difference, unit: &str) -> String {
     }
 }
 
-/// A probability, as tables write it: below [`SIGNIFICANT`] only where it is.
+/// Returns a probability as text. It is below [`SIGNIFICANT`] only if the exact value is.
 pub fn probability(p: f64) -> String {
-    // What rounds to it gets more digits.
+    // Values that would round to the limit have more digits.
     if (0.0495..SIGNIFICANT).contains(&p) {
         let digits = (4..).map(|digits| format!("{p:.digits$}"));
         let mut below =
             digits.filter(|told| told.parse().is_ok_and(|told: f64| told < SIGNIFICANT));
-        return below.next().expect("it is told exactly at last");
+        return below.next().expect("enough digits give the exact value");
     }
     match p {
         p if p < 1e-4 => "< 0.0001".to_owned(),

@@ -1,7 +1,7 @@
-//! The clock: for how often to write, how long to go on and what to tell, never for results.
+//! Clock for intervals, limits and messages, never for results.
 use std::time::Instant;
 
-/// The time now.
+/// Returns the current time.
 #[expect(
     clippy::disallowed_methods,
     reason = "no result of a run depends on it"

@@ -1,4 +1,4 @@
-//! Runs on several threads.
+//! Execution of runs on several threads.
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,14 +6,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
-/// A run was told to stop, and leaves nothing behind.
+/// A run was cancelled and leaves no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunCancelled;
 
-/// Has each of so many threads do one job after the other, until `next` has none left or `stop` is set. One of them is
-/// that of the caller, and fewer have to do where the system has no more.
+/// Lets `threads` threads process jobs until `next` has none left or `stop` is set. One of them is
+/// the calling thread. Uses fewer if the system has no more.
 ///
-/// `work` gets the number of its thread, from 0, and says whether to go on.
+/// `work` gets the index of its thread, from 0, and returns whether to continue.
 pub(crate) fn execute<J>(
     threads: usize,
     stop: &AtomicBool,
@@ -40,21 +40,22 @@ pub(crate) fn execute<J>(
     });
 }
 
-/// How the reason begins for which a run has failed that panicked.
+/// Prefix of the reason of a run that failed by a panic.
 const PANICKED: &str = "panicked: ";
 
-/// Whether a run failed by a panic.
+/// Returns whether a run failed by a panic.
 pub(crate) fn is_panic(record: &RunRecord) -> bool {
     matches!(&record.outcome, Outcome::Failed { reason, .. } if reason.starts_with(PANICKED))
 }
 
-/// Makes a run; `None`: it was stopped. A panic in it makes it [`Outcome::Failed`], where `last` says that it was.
+/// Makes a run, or returns `None` if it was cancelled. A panic becomes [`Outcome::Failed`] at the
+/// time of `last`.
 pub(crate) fn attempt(
     run: u64,
     simulate: impl FnOnce() -> Result<RunRecord, RunCancelled>,
     last: impl FnOnce() -> (u64, PhaseId),
 ) -> Option<RunRecord> {
-    // What the run was working on is dropped with it, so that nobody sees it half done.
+    // The state of the run is dropped with it, so that its partial state is not observed.
     let result = catch_unwind(AssertUnwindSafe(|| {
         let result = simulate();
         if let Ok(record) = &result {

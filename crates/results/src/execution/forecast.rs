@@ -11,27 +11,28 @@ use crate::execution::unless;
 use crate::execution::{RunCancelled, attempt};
 use crate::manifest::{EnsembleProgram, Manifest};
 
-/// CPU time of all trial runs together.
+/// CPU time of all trial runs.
 const EFFORT: Duration = Duration::from_millis(500);
 
-/// Programs that are tried, such as points of a sweep. They are evenly spaced in the manifest.
+/// Largest number of programs with trial runs, such as points of a sweep. They are evenly spaced in
+/// the manifest.
 const MAX_TRIED: usize = 8;
 
 /// The same for a sweep over settings, whose points differ most in cost.
 const MAX_TRIED_SETTINGS: usize = 64;
 
-/// The CPU time that the runs of an ensemble are expected to take.
+/// Expected CPU time of an ensemble.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CpuForecast {
     /// Runs of all programs.
     pub runs: u64,
-    /// CPU time of all of them.
+    /// CPU time of all runs.
     pub time: Duration,
-    /// Whether some trial was cut short and nothing is known of the rest of it.
+    /// Whether some trial was incomplete and its remaining time is unknown.
     pub is_lower_bound: bool,
 }
 
-/// The cost of runs of one program.
+/// Cost of runs of one program.
 #[derive(Clone, Copy, Debug, Default)]
 struct Trials {
     runs: u32,
@@ -145,7 +146,7 @@ mod tests {
 
     use super::*;
 
-    /// One capture by chance, and a world without physics.
+    /// Returns an ensemble of one random capture without physics.
     fn manifest(max_ticks: u64) -> Manifest {
         let text = "assembly one { seed plate 3 x 3 { M at (1, 1) }\nphase grow { M.up -> A } }";
         let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
@@ -183,7 +184,7 @@ mod tests {
     #[test]
     fn a_trial_that_is_cut_short_is_extended_to_the_expected_ticks() {
         let mut manifest = manifest(1 << 40);
-        // Without free blocks, no run ever completes.
+        // Without free blocks, no run completes.
         manifest.programs[0].scene.free.count = 0;
         let stop = AtomicBool::new(false);
         let forecast =

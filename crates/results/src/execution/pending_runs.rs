@@ -1,27 +1,27 @@
-//! Which runs are to be done.
+//! Runs still to be made.
 use std::ops::Range;
 
 use crate::{Manifest, Records};
 
-/// A run that is to be done.
+/// Run to be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PendingRun {
     pub program: usize,
     pub run: u64,
 }
 
-/// Runs that are to be done.
+/// Runs to be made.
 pub(crate) struct PendingRuns<'a> {
     programs: u64,
     jobs: Range<u64>,
-    /// Runs of which none is done again.
+    /// Finished runs, which are skipped.
     kept: Option<&'a Records>,
-    /// How many there are.
+    /// Number of runs.
     pub left: u64,
 }
 
 impl<'a> PendingRuns<'a> {
-    /// Those of these [`job`]s that are not `kept`, of which there are no others.
+    /// Returns all jobs in `jobs` except the `kept` ones.
     pub fn all(
         manifest: &Manifest,
         jobs: Range<u64>,
@@ -36,20 +36,20 @@ impl<'a> PendingRuns<'a> {
         }
     }
 
-    /// Nobody says that they can all be counted, let alone kept.
+    /// Iterates without storing the runs, of which there may be very many.
     pub fn iter(self) -> impl Iterator<Item = PendingRun> + use<'a> {
         let jobs = self.jobs.map(move |number| job(number, self.programs));
         jobs.filter(move |job| !(self.kept).is_some_and(|it| it.contains(job.program, job.run)))
     }
 }
 
-/// The number of a [`job`]; `None`: no ensemble has so many.
+/// Returns the number of a [`job`], or `None` on overflow.
 pub(crate) fn number(program: usize, run: u64, programs: u64) -> Option<u64> {
     run.checked_mul(programs)?.checked_add(program as u64)
 }
 
-/// A job by its number: the first run of each program, then the second, and so on, so that a table compares the programs
-/// fairly at any time.
+/// Returns a job by its number: the first run of each program, then the second, and so on. Partial
+/// results thus compare the programs fairly.
 pub(crate) fn job(number: u64, programs: u64) -> PendingRun {
     PendingRun {
         program: (number % programs) as usize,

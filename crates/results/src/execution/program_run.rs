@@ -13,7 +13,8 @@ impl EnsembleProgram {
     /// Makes a run.
     ///
     /// # Errors
-    /// Those of [`stochc_runtime::run()`].
+    ///
+    /// The errors of [`stochc_runtime::run()`].
     pub fn run(
         &self,
         settings: &Settings,
@@ -24,10 +25,11 @@ impl EnsembleProgram {
         stochc_runtime::run(tables, scene, settings, seed, number, watch)
     }
 
-    /// Makes a run that somebody looks on; its record is the same.
+    /// Makes a run with an observer. The record is the same.
     ///
     /// # Errors
-    /// Those of [`stochc_runtime::observe()`].
+    ///
+    /// The errors of [`stochc_runtime::observe()`].
     pub fn observe(
         &self,
         settings: &Settings,
@@ -39,10 +41,11 @@ impl EnsembleProgram {
         stochc_runtime::observe(tables, scene, settings, seed, number, watch, observer)
     }
 
-    /// Sets its scene up, and no more.
+    /// Sets up its scene as a test.
     ///
     /// # Errors
-    /// If that cannot be.
+    ///
+    /// If that is impossible.
     pub fn try_out(&self, settings: &Settings) -> Result<(), SceneError> {
         let mut stop = |_, _| ControlFlow::Break(());
         match self.run(settings, (0, 0), &mut stop) {
@@ -52,7 +55,7 @@ impl EnsembleProgram {
     }
 }
 
-/// Whether a run is to go on: until somebody stops it.
+/// Returns `Break` if `stop` is set.
 pub fn unless(stop: &AtomicBool) -> ControlFlow<()> {
     if stop.load(Ordering::Relaxed) {
         ControlFlow::Break(())
@@ -61,7 +64,7 @@ pub fn unless(stop: &AtomicBool) -> ControlFlow<()> {
     }
 }
 
-/// Has a run go on until it is stopped.
+/// Returns a watch that cancels a run when `stop` is set.
 pub fn until(stop: &AtomicBool) -> impl Watch {
     |_, _| unless(stop)
 }

@@ -1,4 +1,4 @@
-//! What the runs under way are doing: written once a tick by the threads, read by whoever shows it.
+//! Progress of running simulations: written once per tick by the threads, read by displays.
 use std::cell::Cell;
 use std::io::Read;
 use std::num::NonZeroUsize;
@@ -17,13 +17,13 @@ use crate::execution::is_panic;
 use crate::now;
 use crate::{Checkpoints, Finished, JournalError, Manifest, Records};
 
-/// In place of a program: the worker has nothing to do.
+/// Program index of an idle worker.
 const IDLE: usize = usize::MAX;
 
-/// The state of an ensemble, shared by its threads and whoever shows it.
+/// Progress of an ensemble, shared by its threads and displays.
 pub struct Progress {
     total: u64,
-    /// When the first run is started, and how long runs are started from then on.
+    /// Start of the first run, and the time during which runs are started.
     limit: Option<(Instant, Duration)>,
     /// Whether the CPU time of each run is measured.
     pub(crate) measures_cpu: bool,
@@ -31,69 +31,69 @@ pub struct Progress {
     totals: Mutex<Totals>,
 }
 
-/// Where one worker is.
+/// Progress of one worker.
 struct Worker {
     program: AtomicUsize,
     phase: AtomicU32,
     tick: AtomicU64,
 }
 
-/// What has been finished.
+/// Totals of finished runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Totals {
-    /// For each program.
+    /// Progress of each program.
     pub programs: Vec<ProgramProgress>,
-    /// Runs that were stopped by a timeout or the limit of ticks.
+    /// Number of runs that timed out or reached the tick limit.
     pub stopped: u64,
-    /// Runs whose physics broke down.
+    /// Number of failed runs.
     pub failed: u64,
-    /// Ticks simulated by this process in runs that are finished.
+    /// Ticks simulated by this process in finished runs.
     pub ticks_here: u64,
 }
 
-/// How long the runs of a program take.
+/// Duration of a program's runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProgramProgress {
     /// Finished runs, of this process or an earlier one.
     pub done: u64,
-    /// Their ticks together.
+    /// Sum of their ticks.
     pub ticks: u64,
-    /// Runs that are not finished.
+    /// Unfinished runs.
     pub left: u64,
-    /// Ticks of those of them that are under way.
+    /// Ticks so far of running ones.
     pub under_way: u64,
 }
 
-/// All of it at one moment.
+/// Progress at one moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
-    /// Runs asked for.
+    /// Requested runs.
     pub total: u64,
-    /// Runs finished.
+    /// Finished runs.
     pub done: u64,
-    /// What has been finished, program by program.
+    /// Totals of finished runs.
     pub totals: Totals,
     /// Ticks simulated by this process.
     pub ticks_here: u64,
-    /// The program and phase of each run under way.
+    /// Program and phase of each running simulation.
     pub under_way: Vec<(usize, PhaseId)>,
 }
 
-/// A run's line to the outside, which it calls once a tick.
+/// Supervisor of a run, called once per tick.
 pub struct RunWatch<'a> {
     worker: &'a Worker,
-    /// Set by somebody else, and where runs cannot be kept any more.
+    /// Stop flags: of the user, and of failed storage.
     stops: [&'a AtomicBool; 2],
-    /// `None`: its state is not kept.
+    /// Checkpoints of the run. `None` if they are disabled.
     checkpoints: Option<RunCheckpoints<'a>>,
     /// Whether the run began with a checkpoint.
     is_continued: Cell<bool>,
 }
 
 impl RunWatch<'_> {
-    /// Says how far the run is; breaks when it should stop at once, and be forgotten.
+    /// Reports the progress of the run. `Break` cancels it.
     pub fn tick(&self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
-        // Each of these stands for itself, so that no order among them is needed.
+        // These values are independent, so no ordering is needed.
         self.worker.tick.store(tick, Ordering::Relaxed);
         self.worker.phase.store(phase.0, Ordering::Relaxed);
         if let Some(checkpoints) = &self.checkpoints {
@@ -106,7 +106,7 @@ impl RunWatch<'_> {
         }
     }
 
-    /// Whether the run has to be made again from its beginning, because nothing came of what was kept of it.
+    /// Returns whether the run must be restarted because its checkpoint could not be used.
     pub(crate) fn begins_anew(&self, made: Option<&RunRecord>) -> bool {
         let is_wrong = match made {
             Some(record) => is_panic(record),
@@ -121,7 +121,7 @@ impl RunWatch<'_> {
         self.is_continued.get()
     }
 
-    /// The tick and phase told last.
+    /// Returns the last reported tick and phase.
     pub(crate) fn last(&self) -> (u64, PhaseId) {
         let phase = PhaseId(self.worker.phase.load(Ordering::Relaxed));
         (self.worker.tick.load(Ordering::Relaxed), phase)
@@ -153,7 +153,7 @@ impl stochc_runtime::Watch for &RunWatch<'_> {
 }
 
 impl Progress {
-    /// The state before the first run, for so many threads.
+    /// Returns the initial progress for a number of threads.
     pub fn new(manifest: &Manifest, threads: NonZeroUsize) -> Progress {
         Progress::of_jobs(manifest, &(0..manifest.total()), threads)
     }
@@ -165,7 +165,7 @@ impl Progress {
         threads: NonZeroUsize,
     ) -> Progress {
         let programs = manifest.programs.len() as u64;
-        // How many of the jobs before one are runs of a program.
+        // Number of jobs before `job` that are runs of a program.
         let before = |job: u64, program: u64| job / programs + u64::from(job % programs > program);
         let pace = |program: u64| ProgramProgress {
             left: before(jobs.end, program) - before(jobs.start, program),
@@ -189,7 +189,7 @@ impl Progress {
         }
     }
 
-    /// Starts no run after a time from now.
+    /// Sets a time limit for starting runs, from now.
     #[must_use]
     pub fn within(self, limit: Option<Duration>) -> Progress {
         Progress {
@@ -210,7 +210,7 @@ impl Progress {
         self.share_of_time() >= 1.0
     }
 
-    /// How many threads there are.
+    /// Returns the number of threads.
     pub(crate) fn threads(&self) -> usize {
         self.workers.len()
     }
@@ -218,13 +218,14 @@ impl Progress {
     /// Counts runs of an earlier process.
     ///
     /// # Errors
-    /// Where they cannot be read again.
+    ///
+    /// If they cannot be read.
     pub(crate) fn keep(&self, kept: &Records) -> Result<(), JournalError> {
-        let mut totals = self.totals.lock().expect("nobody panics while counting");
+        let mut totals = self.totals.lock().expect("no panic while it is locked");
         kept.each(|done| totals.count(done))
     }
 
-    /// Puts a thread on a run, which stops when either of `stops` is set.
+    /// Assigns a run to a thread. It stops when either of `stops` is set.
     pub(crate) fn begin<'a>(
         &'a self,
         worker: usize,
@@ -245,23 +246,23 @@ impl Progress {
         }
     }
 
-    /// Takes a thread off its run; `finished`: unless the run was stopped.
+    /// Ends the run of a thread. `finished` is `None` if it was cancelled.
     pub(crate) fn end(&self, worker: usize, finished: Option<&Finished>) {
         let slot = &self.workers[worker];
         slot.program.store(IDLE, Ordering::Relaxed);
         if let Some(finished) = finished {
-            let mut totals = self.totals.lock().expect("nobody panics while counting");
+            let mut totals = self.totals.lock().expect("no panic while it is locked");
             totals.count(finished);
             totals.ticks_here = (totals.ticks_here).saturating_add(finished.record.ticks);
         }
     }
 
-    /// What can be told now.
+    /// Returns the current progress.
     pub fn snapshot(&self) -> Snapshot {
         let mut totals = self
             .totals
             .lock()
-            .expect("nobody panics while counting")
+            .expect("no panic while it is locked")
             .clone();
         let mut ticks_here = totals.ticks_here;
         let mut under_way = Vec::new();

@@ -1,4 +1,4 @@
-//! The whole road of an ensemble: what is left to do, doing it, keeping it.
+//! Execution of an ensemble: runs the missing runs and stores them.
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,21 +14,21 @@ use crate::journal::Journal;
 use crate::records::LineLocation;
 use crate::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, Records};
 
-/// Where the runs of an ensemble go.
+/// Destination of an ensemble's runs.
 #[allow(
     clippy::large_enum_variant,
     reason = "there is one of them in a process"
 )]
 #[derive(Debug)]
 pub enum Destination<'a> {
-    /// Nowhere: they are gone with the process.
+    /// In memory only.
     Memory(&'a Manifest),
-    /// Into a folder, which may hold some already; it is released in the end.
+    /// In a folder, which may contain some runs already. It is closed at the end.
     Folder(Folder),
 }
 
 impl Destination<'_> {
-    /// How many runs there are already.
+    /// Returns the number of existing runs.
     pub fn kept(&self) -> u64 {
         match self {
             Destination::Memory(_) => 0,
@@ -37,42 +37,42 @@ impl Destination<'_> {
     }
 }
 
-/// What there is in the end.
+/// Results of an ensemble.
 #[derive(Debug)]
 pub struct Results {
-    /// Finished runs; those that were there before included.
+    /// Finished runs, including earlier ones.
     pub finished: Records,
-    /// Whether these are all of the manifest's runs; if not, it was stopped.
+    /// Whether all runs of the manifest are finished.
     pub complete: bool,
 }
 
-/// Why an ensemble came to no end.
+/// Error of an ensemble.
 #[derive(Debug, thiserror::Error)]
 pub enum EnsembleError {
-    /// Finished runs cannot be kept; what the journal holds is safe.
+    /// Finished runs cannot be stored. The journal's content is safe.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The tables cannot be written; the journal holds every finished run.
+    /// The tables cannot be written. The journal contains every finished run.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// A run does not come out as it is stored.
+    /// A repeated run differs from the stored one.
     #[error(
         "run {run} of `{program}` does not come out as it is in the folder, so that other runs are not added to it; go on \
          with the `stochc` that made it, on a machine of the same kind, or choose another folder"
     )]
     Differs {
-        /// The name of its program.
+        /// Name of its program.
         program: String,
         /// Its number.
         run: u64,
     },
 }
 
-/// Makes the shortest run of a folder again, before others are added to it; whether it comes out as it was, or `stop`
-/// came before.
+/// Repeats the shortest run of a folder before others are added to it.
 ///
 /// # Errors
-/// [`EnsembleError::Differs`]; the folder is as it was then.
+///
+/// [`EnsembleError::Differs`]. The folder is then unchanged.
 pub fn check_stored(
     folder: &Folder,
     simulate: impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled>,
@@ -80,7 +80,7 @@ pub fn check_stored(
     check_again(folder.manifest(), folder.shortest(), simulate)
 }
 
-/// Makes a `known` run again.
+/// Repeats a `known` run.
 pub(crate) fn check_again(
     manifest: &Manifest,
     known: Option<&Finished>,
@@ -98,15 +98,17 @@ pub(crate) fn check_again(
     }
 }
 
-/// Does the runs of an ensemble that are not done yet, and writes its tables.
+/// Makes the missing runs of an ensemble, and writes its tables.
 ///
-/// `simulate` gets the index of a program, the number of a run, and a [`RunWatch`] to call once a
-/// tick. It has to be a pure function of the first two, so that neither threads nor interruptions
-/// nor their order change a byte of the tables. A panic in it fails that one run. `progress` is to be a new one of
-/// the same manifest, and says how many threads there are; `stop` is set by somebody else to stop at the next tick.
+/// `simulate` gets the index of a program, the number of a run, and a [`RunWatch`] to call once per
+/// tick. It must be a pure function of the first two. Tables then do not depend on threads,
+/// interruptions or their order. A panic in it fails that run only. `progress` must be a new one of
+/// the same manifest, and sets the number of threads. Setting `stop` ends the work at the next
+/// tick.
 ///
 /// # Errors
-/// Only those of the file system: never with [`Destination::Memory`].
+///
+/// Errors of the file system. None with [`Destination::Memory`].
 pub fn run(
     destination: Destination,
     progress: &Progress,
@@ -124,7 +126,7 @@ pub fn run(
             };
             let pending = PendingRuns::all(manifest, 0..manifest.total(), None);
             let Ok(()) = new_runs(pending, (progress, None), stop, simulate, keep);
-            let all = all.into_inner().expect("every thread has ended well");
+            let all = all.into_inner().expect("no thread has panicked");
             Ok(Results::from_records(manifest, all.into()))
         }
         Destination::Folder(mut folder) => {
@@ -159,7 +161,7 @@ impl Results {
     }
 }
 
-/// Makes runs, and has each in a journal at once, which is file number `file` of their places.
+/// Makes runs and appends each to a journal, which is file number `file` of their positions.
 pub(crate) fn journaled(
     pending: PendingRuns,
     (journal, file): (Journal, u32),
@@ -173,19 +175,19 @@ pub(crate) fn journaled(
         if let Some(checkpoints) = checkpoints {
             checkpoints.remove(done.program, done.record.run, || journal.sync())?;
         }
-        let mut places = places.lock().expect("nobody panics while it is held");
+        let mut places = places.lock().expect("no panic while it is locked");
         places.push(place);
         Ok(())
     };
     let on = (progress, checkpoints);
     let done: Result<(), JournalError> = new_runs(pending, on, stop, simulate, keep);
-    // The writer knows better what went wrong than those whom it left alone.
+    // The writer's own error is more specific than the errors that follow from it.
     journal.close()?;
     done?;
-    Ok(places.into_inner().expect("every thread has ended well"))
+    Ok(places.into_inner().expect("no thread has panicked"))
 }
 
-/// Makes runs, and has each kept at once; the first error of that stops the others.
+/// Makes runs and stores each at once. The first storage error stops the others.
 fn new_runs<E: Send>(
     pending: PendingRuns,
     (progress, checkpoints): (&Progress, Option<&Checkpoints>),
@@ -196,7 +198,7 @@ fn new_runs<E: Send>(
     let left = pending.left;
     let jobs = Mutex::new(pending.iter());
     let next = || {
-        let mut jobs = jobs.lock().expect("nobody panics while it is held");
+        let mut jobs = jobs.lock().expect("no panic while it is locked");
         if progress.is_over() {
             None
         } else {
@@ -231,11 +233,11 @@ fn new_runs<E: Send>(
         };
         if let Err(error) = keep(finished) {
             broken.store(true, Ordering::Relaxed);
-            let mut first = first.lock().expect("nobody panics while it is held");
+            let mut first = first.lock().expect("no panic while it is locked");
             first.get_or_insert(error);
         }
         ControlFlow::Continue(())
     });
-    let error = first.into_inner().expect("every thread has ended well");
+    let error = first.into_inner().expect("no thread has panicked");
     error.map_or(Ok(()), Err)
 }

@@ -1,7 +1,7 @@
-//! The processor time of a thread, for what a run costs; no run depends on it.
+//! CPU time of a thread, for the cost of a run. No run depends on it.
 use std::time::Duration;
 
-/// Processor time that this thread has used.
+/// Returns the CPU time of this thread.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 pub(crate) fn thread_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
@@ -9,7 +9,8 @@ pub(crate) fn thread_time() -> Duration {
     Duration::new(seconds, u32::try_from(time.tv_nsec).unwrap_or(0))
 }
 
-/// The time on the wall, where nothing better is at hand; it counts what others do as well.
+/// Returns the elapsed time on systems without a CPU time per thread. It includes the time of other
+/// processes.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 pub(crate) fn thread_time() -> Duration {
     static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
@@ -30,6 +31,6 @@ mod tests {
         while thread_time() - before < slept + Duration::from_millis(1) {
             sum = std::hint::black_box(sum + 1);
         }
-        assert!(sum > 0, "work counts");
+        assert!(sum > 0, "computation takes CPU time");
     }
 }

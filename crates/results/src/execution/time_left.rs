@@ -1,12 +1,13 @@
-//! How long the rest of an ensemble will take.
+//! Estimate of the remaining time of an ensemble.
 use std::time::Duration;
 
 use crate::execution::{ProgramProgress, Snapshot};
 
-/// The time left, if ticks go on at the rate seen in `elapsed`; `None`: no run has finished yet.
+/// Returns the remaining time at the tick rate observed in `elapsed`. `None`: no run has finished
+/// yet.
 ///
-/// A program's runs are taken to need as many ticks as its finished ones did on average, or as
-/// those of all programs while it has none.
+/// The unfinished runs of a program are assumed to have the mean number of ticks of its finished
+/// runs. A program without finished runs has the mean of all programs.
 pub fn time_left(snapshot: &Snapshot, elapsed: Duration) -> Option<Duration> {
     let programs = &snapshot.totals.programs;
     let overall = mean(
@@ -54,7 +55,8 @@ mod tests {
             ticks_here: 1240,
             ..Snapshot::default()
         };
-        // 100 - 40 ticks of the first program and 2000 of the second, at 124 a second.
+        // 100 - 40 ticks of the first program and 2000 ticks of the second, at 124 ticks per
+        // second.
         let left = time_left(&snapshot, Duration::from_secs(10)).unwrap();
         assert_eq!(left, Duration::from_secs_f64(2060.0 / 124.0));
     }

@@ -1,6 +1,6 @@
-//! `checksums.json`: what the files of a results folder were when they were last written as a whole.
+//! `checksums.json`: checksums of the files of a results folder, as of their last complete write.
 //!
-//! A line of JSON that bears its own checksum. The journal grows behind what is known of it.
+//! A line of JSON with its own checksum. The journal may have grown since.
 use std::io;
 use std::path::Path;
 
@@ -21,12 +21,12 @@ pub(crate) struct FolderChecksums {
 struct FileChecksum {
     name: String,
     bytes: u64,
-    /// CRC-32 of them, in hexadecimal.
+    /// CRC-32 in hexadecimal.
     crc32: String,
 }
 
 impl FolderChecksums {
-    /// Notes a file.
+    /// Records a file.
     pub fn note(&mut self, name: &str, sum: Sum) {
         self.files.push(FileChecksum {
             name: name.to_owned(),
@@ -35,13 +35,13 @@ impl FolderChecksums {
         });
     }
 
-    /// The text of the file.
+    /// Returns the text of the file.
     pub fn to_json(&self) -> String {
         let json = serde_json::to_string(self).expect("checksums are plain data");
         checksum::sealed(json) + "\n"
     }
 
-    /// Reads it in a folder; `None`: there is none, or it says nothing that can be believed.
+    /// Reads the checksums of a folder, or returns `None` and a message if they are invalid.
     pub fn read(folder: &Path) -> (Option<FolderChecksums>, Option<String>) {
         let damaged = || (None, Some(format!("`{CHECKSUMS_FILE}` is damaged")));
         let bytes = match read_file(&folder.join(CHECKSUMS_FILE), CHECKSUMS) {
@@ -63,7 +63,7 @@ impl FolderChecksums {
         }
     }
 
-    /// Whether it is known what a file was.
+    /// Returns whether there is a checksum of a file.
     pub fn knows(&self, name: &str) -> bool {
         self.entry(name).is_some()
     }
@@ -72,14 +72,14 @@ impl FolderChecksums {
         self.files.iter().find(|entry| entry.name == name)
     }
 
-    /// The names of its files, those alone that lie in the folder itself.
+    /// Returns the names of its files that are in the folder itself.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         let names = self.files.iter().map(|entry| entry.name.as_str());
         names.filter(|name| Path::new(name).file_name().is_some_and(|it| it == *name))
     }
 
-    /// What is wrong with a file of the folder; `None`: nothing, or nothing is known of it. One that `grows` may
-    /// have become longer.
+    /// Returns a message about a corrupted file of the folder. Returns `None` if it is valid or has
+    /// no checksum. If it `grows`, it may be longer.
     pub fn damage(&self, folder: &Path, name: &str, grows: bool) -> Option<String> {
         let entry = self.entry(name)?;
         let found = open(&folder.join(name)).and_then(|file| {
@@ -93,7 +93,7 @@ impl FolderChecksums {
             }
             Err(error) => Some(format!("cannot read `{shown}`: {error}")),
             Ok((length, _)) if length < entry.bytes => Some(format!(
-                "`{shown}` is cut short: it has {length} bytes and had {}",
+                "`{shown}` is truncated: it has {length} bytes and had {}",
                 entry.bytes
             )),
             Ok((length, sum))

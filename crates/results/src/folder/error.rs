@@ -1,4 +1,4 @@
-//! Why a results folder is not used, and the way out.
+//! Errors of results folders, with remedies.
 use std::io;
 use std::path::PathBuf;
 
@@ -6,139 +6,139 @@ use stochc_files::shell::file as shell_file;
 
 use crate::journal::JournalError;
 
-/// Why a folder was refused.
+/// Error of a results folder.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// Somebody's other files.
-    #[error("`{0}` holds other files than results; choose an empty or a new folder")]
+    /// It contains files of something else.
+    #[error("`{0}` contains other files; choose an empty or a new folder")]
     NotResults(PathBuf),
-    /// There are runs, and nothing that says of what.
+    /// It contains runs but no manifest.
     #[error(
-        "`{0}` holds runs, but its `manifest.json` is gone, without which nobody can read them; put it back, or choose another folder"
+        "`{0}` contains runs, but no `manifest.json`, which is needed to read them; restore it, or choose another folder"
     )]
     NoManifest(PathBuf),
-    /// It is to be read, and holds no results.
-    #[error("`{0}` holds no results; give a folder that `simulate --out` has written")]
+    /// It contains no results to read.
+    #[error("`{0}` contains no results; give a folder written by `simulate --out`")]
     Absent(PathBuf),
-    /// A file of that name stands in the way.
+    /// There is a file of this name.
     #[error("`{0}` is a file; choose another name for the folder")]
     NotAFolder(PathBuf),
-    /// The manifest is damaged, of another format, or no manifest at all.
+    /// The manifest is corrupted, invalid, or has another format.
     #[error(
         "cannot read `manifest.json` in `{path}`: {reason}; \
          choose another folder, or read this one with the version that made it"
     )]
     Unreadable {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// What is wrong with the manifest.
+        /// Reason.
         reason: String,
     },
-    /// The manifest is not what was written.
+    /// The checksum of the manifest differs.
     #[error(
         "`manifest.json` in `{path}` is damaged, or has been changed by hand: its checksum differs; \
          `stochc fsck {}` lists the corrupted files, and with `--repair` repairs the folder",
         shell_file(&.path.to_string_lossy())
     )]
     Damaged {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
     },
-    /// The results of something else.
+    /// It contains another ensemble.
     #[error(
-        "`{path}` holds another ensemble: {}; choose another folder, results are never overwritten",
+        "`{path}` contains another ensemble: {}; choose another folder, because results are never overwritten",
         .differences.join(", ")
     )]
     Another {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// What is not the same, in words.
+        /// Descriptions of the differences.
         differences: Vec<String>,
     },
-    /// The same ensemble, not finished, and nobody asked to resume.
-    #[error("`{path}` holds {done} of the {total} runs of this ensemble; resume it: stochc resume {}", shell_file(&.path.to_string_lossy()))]
+    /// It contains the same ensemble, unfinished, and resuming was not requested.
+    #[error("`{path}` contains {done} of the {total} runs of this ensemble; resume it: stochc resume {}", shell_file(&.path.to_string_lossy()))]
     Unfinished {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// Runs that are done.
+        /// Number of finished runs.
         done: u64,
-        /// Runs that are asked for.
+        /// Number of requested runs.
         total: u64,
     },
-    /// Its runs are those of another build.
+    /// Its runs are from another build.
     #[error(
         "`{path}`: {reason}; go on with the `stochc` that made them, or choose another folder; `--mixed-builds` \
          goes on if this one makes a run of them again as it was"
     )]
     OtherBuild {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// Which, in words.
+        /// Description of the builds.
         reason: String,
     },
-    /// Its pieces are those of another build.
+    /// Its shards are from another build.
     #[error(
-        "`{path}`: {reason}; make its pieces with the `stochc` that has cut it, or cut another folder with this one"
+        "`{path}`: {reason}; run its shards with the `stochc` that split it, or split another folder with this one"
     )]
     OtherBuildOfPieces {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// Which, in words.
+        /// Description of the builds.
         reason: String,
     },
-    /// Its runs are in pieces.
+    /// It is split into shards.
     #[error(
         "`{path}` has shards that are not merged; `stochc shard status {folder}` lists them, and \
          `stochc shard merge {folder}` merges them",
         folder = shell_file(&.path.to_string_lossy())
     )]
     Cut {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
     },
-    /// How its runs are cut into pieces cannot be told any more.
+    /// `shards.json` is corrupted beyond repair.
     #[error(
         "`shards.json` in `{0}` is damaged beyond repair; move it away: `stochc simulate` with the programs and options of \
          before, its `--shards` too, writes it anew and keeps the pieces"
     )]
     LostCut(PathBuf),
-    /// The manifest is damaged beyond repair.
+    /// The manifest is corrupted beyond repair.
     #[error(
         "`manifest.json` in `{0}` is damaged beyond repair, and without it nobody can go on with its runs; put a copy of \
          it back, or make the runs again in another folder. Tables that are sound can be read as they are"
     )]
     LostManifest(PathBuf),
-    /// The same ensemble, with more runs than asked for.
+    /// It contains more runs of the same ensemble than requested.
     #[error(
         "`{path}` is an ensemble of {there} runs of each program, more than the {asked} asked for; \
          ask for {there}, or choose another folder"
     )]
     MoreRuns {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
         /// Runs of each program in the folder's manifest.
         there: u64,
-        /// Runs of each program that were asked for.
+        /// Requested runs of each program.
         asked: u64,
     },
-    /// Another process writes to it.
+    /// Another process is writing to it.
     #[error("another process is writing to `{0}`; wait for its end, or choose another folder")]
     Locked(PathBuf),
-    /// The journal is not of this ensemble or cannot be used.
+    /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The file system refused.
+    /// Error of the file system.
     #[error("cannot use `{path}`: {source}")]
     Io {
-        /// The file or folder.
+        /// File or folder.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
 }
 
 impl FolderError {
-    /// What the system says of a file or a folder.
+    /// Returns a function that converts errors of the system for a path.
     pub(crate) fn at(path: impl Into<PathBuf>) -> impl Fn(io::Error) -> FolderError {
         let path = path.into();
         move |source| FolderError::Io {

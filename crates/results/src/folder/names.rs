@@ -1,18 +1,18 @@
-//! What the files of a results folder are called.
+//! Names of the files of a results folder.
 
-/// What the ensemble depends on.
+/// Everything that determines the ensemble.
 pub const MANIFEST: &str = "manifest.json";
-/// Every finished run.
+/// Finished runs.
 pub(crate) const JOURNAL: &str = "journal.jsonl";
-/// Checksums of the others.
+/// Checksums of the other files.
 pub(crate) const CHECKSUMS_FILE: &str = "checksums.json";
-/// How an ensemble is cut into pieces.
+/// Split of an ensemble into shards.
 pub(crate) const SHARDS_FILE: &str = "shards.json";
-/// The folder within it for pieces.
+/// Subfolder for shards.
 pub(crate) const SHARDS: &str = "shards";
-/// The folder within it for recordings.
+/// Subfolder for recordings.
 pub(crate) const RECORDINGS: &str = "recordings";
-/// The folder within it for checkpoints.
+/// Subfolder for checkpoints.
 pub const CHECKPOINTS: &str = "checkpoints";
-/// The folder within it to which damaged files are moved.
+/// Subfolder for corrupted files.
 pub const DAMAGED: &str = "damaged";

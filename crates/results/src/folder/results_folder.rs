@@ -41,35 +41,36 @@ use crate::records::Records;
 
 const LOCK: &str = ".lock";
 
-/// A results folder that belongs to this process until it is dropped.
+/// Results folder with exclusive access, until it is dropped.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
     manifest: Manifest,
-    /// That made the runs it holds.
+    /// Builds that made its runs.
     builds: Vec<String>,
-    /// Whether its manifest is not yet the one that it has been opened for.
+    /// Whether the manifest must be rewritten for this ensemble.
     is_changed: bool,
     state: FolderState,
     kept: Records,
     shortest: Option<Finished>,
     whole: u64,
-    /// What its journal was for, if it has damaged lines that have to go before it gets more runs than that.
+    /// Manifest of a journal with corrupted lines, which must be removed before more runs are
+    /// added.
     foul: Option<Manifest>,
     damage: Vec<String>,
     further: MakeFurther,
     checkpoints: Option<Arc<Checkpoints>>,
-    /// Unlocked by the system when it is closed, also by a kill.
+    /// The system unlocks it when it is closed, also after a kill.
     _lock: FileLock,
 }
 
-/// Further files of a folder, by their names; or why its runs could not be read.
+/// Additional files of a folder by name, or the error of reading its runs.
 pub type FurtherFiles = Result<Vec<(String, Vec<u8>)>, JournalError>;
 
-/// What makes further files of a folder from its runs.
+/// Function that generates additional files from the runs of a folder.
 pub type Further = fn(&Manifest, &Records) -> FurtherFiles;
 
-/// The same, with whatever it has to know.
+/// Closure that generates additional files.
 type MakeFiles = dyn Fn(&Manifest, &Records) -> FurtherFiles + Send + Sync;
 
 struct MakeFurther(Box<MakeFiles>);
@@ -80,25 +81,25 @@ impl fmt::Debug for MakeFurther {
     }
 }
 
-/// What a folder holds, as far as it is sound.
+/// Valid content of a folder.
 #[derive(Debug)]
 pub struct Contents {
-    /// What its ensemble depends on.
+    /// Manifest.
     pub manifest: Manifest,
-    /// Its runs.
+    /// Runs.
     pub finished: Records,
-    /// What is wrong with its files, each in a sentence.
+    /// Messages about corrupted files, a sentence each.
     pub damage: Vec<String>,
 }
 
-/// Whether to go on with an ensemble that is not finished, or to add runs to one that has fewer than are asked for.
+/// Whether to resume an unfinished ensemble or add runs to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resume {
-    /// Not at all.
+    /// No.
     No,
     /// If all its runs were made by this build.
     SameBuild,
-    /// Whichever builds have made its runs.
+    /// For runs of any builds.
     MixedBuilds,
 }
 
@@ -112,22 +113,23 @@ impl From<bool> for Resume {
     }
 }
 
-/// What an opened folder is good for.
+/// State of an opened folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FolderState {
     /// It was empty or absent.
     New,
-    /// Some runs are done, and some are not.
+    /// Some runs are missing.
     Resumed,
-    /// Every run is done: there is nothing to simulate.
+    /// All runs are finished.
     Finished,
 }
 
 impl Folder {
-    /// Opens the folder at `path` for the ensemble of `manifest`, and makes it if it is not there.
+    /// Opens the folder at `path` for the ensemble of `manifest`, and creates it if necessary.
     ///
     /// # Errors
-    /// Every error leaves the folder as it was; its message says the way out.
+    ///
+    /// Every error leaves the folder unchanged. Its message includes a remedy.
     pub fn open(
         path: &Path,
         manifest: &Manifest,
@@ -137,18 +139,18 @@ impl Folder {
         Folder::open_cut(path, manifest, resume.into())
     }
 
-    /// The same, also if it is cut into pieces.
+    /// Opens a folder that may be split into shards.
     pub(crate) fn open_cut(
         path: &Path,
         manifest: &Manifest,
         resume: Resume,
     ) -> Result<Folder, FolderError> {
         let io = FolderError::at(path);
-        // Before anything is created: the folder may be somebody else's.
+        // Before anything is created: the folder may belong to another program.
         survey(path)?;
         atomic::make_folder(path).map_err(&io)?;
         let lock = lock(path)?;
-        // Again, now that nobody else can change the answer.
+        // Again, with exclusive access.
         let Some(stored) = survey(path)? else {
             atomic::clear_partial(path).map_err(&io)?;
             write_manifest(path, manifest)?;
@@ -194,7 +196,7 @@ impl Folder {
                 total,
             });
         }
-        // Without a run there is nothing to be mixed with.
+        // Without runs, no builds are mixed.
         let others = stored.builds != manifest.builds && done > 0;
         if done < total && others && resume != Resume::MixedBuilds {
             return Err(FolderError::OtherBuild {
@@ -216,7 +218,8 @@ impl Folder {
             path: path.to_owned(),
             is_changed: stored.runs < manifest.runs || stored.builds != builds,
             builds: stored.builds.clone(),
-            // What tells no runs apart, such as where the texts were read, stays as it was told first.
+            // Properties that do not affect runs, such as paths of sources, keep their first
+            // values.
             manifest: Manifest {
                 runs: manifest.runs,
                 builds,
@@ -241,7 +244,8 @@ impl Folder {
     /// Reads the ensemble at `path`, finished or not, without a lock and without changing it.
     ///
     /// # Errors
-    /// When there is no ensemble, or it cannot be read.
+    ///
+    /// If there is no ensemble, or it cannot be read.
     pub fn read(path: &Path) -> Result<Contents, FolderError> {
         let absent = || FolderError::Absent(path.to_owned());
         let manifest = match survey(path) {
@@ -258,7 +262,7 @@ impl Folder {
         })
     }
 
-    /// Has further files written with the tables.
+    /// Adds a generator of additional files.
     pub fn with(
         mut self,
         further: impl Fn(&Manifest, &Records) -> FurtherFiles + Send + Sync + 'static,
@@ -267,10 +271,11 @@ impl Folder {
         self
     }
 
-    /// Has the states of runs under way kept, and has those go on of which there is one.
+    /// Enables checkpoints, and resumes from existing ones.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn with_checkpoints(mut self, every: Interval) -> Result<Folder, FolderError> {
         let wants = |program, run| self.wants(&self.kept, program, run);
         let opened = checkpoint::clear(&self.path, wants)
@@ -280,10 +285,11 @@ impl Folder {
         Ok(self)
     }
 
-    /// Removes the states of runs that are `finished`.
+    /// Removes the checkpoints of `finished` runs.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub(crate) fn clear_checkpoints(&self, finished: &Records) -> Result<(), FolderError> {
         if self.checkpoints.is_none() {
             return Ok(());
@@ -292,7 +298,7 @@ impl Folder {
         checkpoint::clear(&self.path, wants).map_err(|source| self.in_checkpoints(source))
     }
 
-    /// Whether a run is to be made that is not `finished`.
+    /// Returns whether a run must be made, given the `finished` runs.
     fn wants(&self, finished: &Records, program: usize, run: u64) -> bool {
         let is_of_it = program < self.manifest.programs.len() && run < self.manifest.runs;
         is_of_it && !finished.contains(program, run)
@@ -302,51 +308,52 @@ impl Folder {
         FolderError::at(self.path.join(CHECKPOINTS))(source)
     }
 
-    /// The states of its runs, if they are kept.
+    /// Returns the checkpoints, if enabled.
     pub fn checkpoints(&self) -> Option<&Arc<Checkpoints>> {
         self.checkpoints.as_ref()
     }
 
-    /// What was wrong with its files when it was opened, each in a sentence.
+    /// Returns the messages about corrupted files at opening, a sentence each.
     pub fn damage(&self) -> &[String] {
         &self.damage
     }
 
-    /// What the folder was opened for.
+    /// Returns the manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// The builds of `stochc` that made the runs it holds.
+    /// Returns the builds of `stochc` that made its runs.
     pub fn builds(&self) -> &[String] {
         &self.builds
     }
 
-    /// What is left to do.
+    /// Returns the state.
     pub fn state(&self) -> FolderState {
         self.state
     }
 
-    /// The runs that were done when it was opened.
+    /// Returns the runs that were finished at opening.
     pub fn kept(&self) -> &Records {
         &self.kept
     }
 
-    /// Lets go of the folder, but for the runs that it was opened with.
+    /// Closes the folder and returns its manifest and the runs at opening.
     pub(crate) fn close(self) -> (Manifest, Records) {
         (self.manifest, self.kept)
     }
 
-    /// The shortest of them that did not fail.
+    /// Returns the shortest of these runs that did not fail.
     pub(crate) fn shortest(&self) -> Option<&Finished> {
         self.shortest.as_ref()
     }
 
-    /// Leaves the damaged lines of its journal behind, where there will be more runs than it was for: of one of those some line could say what
-    /// can be. To be called when nothing is refused any more.
+    /// Removes corrupted lines from the journal if the ensemble has grown, because they might
+    /// describe new runs. Must be called after all other checks.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub(crate) fn leave_foul_lines(&mut self) -> Result<(), FolderError> {
         if let Some(stored) = self.foul.take() {
             keep_sound_lines(&self.path, &stored)?;
@@ -357,11 +364,12 @@ impl Folder {
         Ok(())
     }
 
-    /// Opens the journal for the runs that are still to be done; once, since it begins where the
-    /// journal ended when the folder was opened.
+    /// Opens the journal for new runs. Must be called once, since it begins at the end of the
+    /// journal at opening.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub(crate) fn journal(&self) -> Result<Journal, FolderError> {
         self.write_manifest()?;
         let header = JournalHeader::new(&self.manifest.identity());
@@ -370,17 +378,18 @@ impl Folder {
         Ok(journal)
     }
 
-    /// The runs at these places of its journal.
+    /// Returns the runs at these positions of its journal.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub(crate) fn records(&self, places: Vec<LineLocation>) -> Result<Records, JournalError> {
         let file = files::open(&self.path.join(JOURNAL))?;
         let most = journal::most_line(&self.manifest);
         Ok(Records::at(places, vec![file], most))
     }
 
-    /// Writes the manifest if it is not yet the one that the folder has been opened for.
+    /// Writes the manifest if it has changed.
     pub(crate) fn write_manifest(&self) -> Result<(), FolderError> {
         if self.is_changed {
             write_manifest(&self.path, &self.manifest)
@@ -389,12 +398,13 @@ impl Folder {
         }
     }
 
-    /// Writes the tables, the further files, and at last the checksums of all.
+    /// Writes the tables, the additional files, and finally all checksums.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub(crate) fn write_tables(&self, finished: &Records) -> Result<(), FolderError> {
-        // Tables that are being written are not those that are known.
+        // Checksums of tables are invalid while these are being written.
         write_checksums(&self.path, &[])?;
         let mut sums = tables(&self.path, &self.manifest, finished, Replaces::Ordinary)?;
         for (name, content) in (self.further.0)(&self.manifest, finished)? {
@@ -405,10 +415,11 @@ impl Folder {
     }
 }
 
-/// Writes the Parquet tables of runs into a folder, in the place of older tables, and makes the folder.
+/// Writes the Parquet tables of runs into a folder and replaces older tables. Creates the folder.
 ///
 /// # Errors
-/// If the file system refuses, or a file that is not a table of ours is in the way.
+///
+/// Errors of the file system, and a file in the way that is not a table of ours.
 pub fn write_tables(
     path: &Path,
     manifest: &Manifest,
@@ -436,15 +447,15 @@ fn tables(
     tables.into_iter().map(keep).collect()
 }
 
-/// Writes the manifest of a folder, which has no tables of it yet.
+/// Writes the manifest of a folder without tables.
 pub(crate) fn write_manifest(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
-    // What is there is not what is known, until it is sealed again.
+    // Checksums are invalid until they are written again.
     remove(path, CHECKSUMS_FILE)?;
     replace(path, MANIFEST, manifest.to_json().as_bytes())?;
     write_checksums(path, &[])
 }
 
-/// Writes the checksums of the manifest and of the journal as they are, and of these files.
+/// Writes the checksums of the present manifest and journal, and of `files`.
 pub(crate) fn write_checksums(path: &Path, files: &[(String, Sum)]) -> Result<(), FolderError> {
     let mut checksums = FolderChecksums::default();
     for name in [MANIFEST, JOURNAL] {
@@ -461,7 +472,7 @@ pub(crate) fn write_checksums(path: &Path, files: &[(String, Sum)]) -> Result<()
     replace(path, CHECKSUMS_FILE, checksums.to_json().as_bytes())
 }
 
-/// Refuses a folder whose runs are in pieces.
+/// Rejects a folder with shards.
 fn not_cut(path: &Path) -> Result<(), FolderError> {
     match disk::look(&path.join(SHARDS_FILE)) {
         Ok(_) => Err(FolderError::Cut {
@@ -471,14 +482,15 @@ fn not_cut(path: &Path) -> Result<(), FolderError> {
     }
 }
 
-/// Moves the journal of a folder aside, into [`DAMAGED`], and leaves its sound lines in its place.
+/// Moves the journal of a folder to [`DAMAGED`] and replaces it by its valid lines.
 ///
 /// # Errors
-/// If it is of another ensemble, or the file system refuses.
+///
+/// If it belongs to another ensemble, and errors of the file system.
 pub(crate) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
     let journal = path.join(JOURNAL);
     let of = || FolderError::at(&journal);
-    // Nothing is sound of what is no file.
+    // Something that is not a file has no valid lines.
     let text = if journal.is_file() {
         let text = journal::salvaged(&journal, manifest, &manifest.identity()).map_err(of())?;
         Some(text.ok_or(FolderError::Journal(JournalError::Foreign))?)
@@ -493,7 +505,8 @@ pub(crate) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), F
     }
 }
 
-/// What is wrong with the files of a folder, beside its manifest and what is known of its journal.
+/// Returns messages about the files of a folder, except for its manifest. `journal` are those about
+/// its journal.
 fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     let (checksums, damage) = FolderChecksums::read(path);
     let mut told = journal;
@@ -502,7 +515,7 @@ fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
         return told;
     };
     for name in checksums.names() {
-        // Line by line is more to the point.
+        // Messages about single lines are more specific.
         let is_journal = name == JOURNAL;
         if !is_journal || told.is_empty() {
             told.extend(checksums.damage(path, name, is_journal));
@@ -511,7 +524,7 @@ fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     told
 }
 
-/// Removes a file of ours, if it is there.
+/// Removes a file of ours, if it exists.
 fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
     match disk::remove(&path.join(name)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -521,15 +534,16 @@ fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
     }
 }
 
-/// Whether an entry of a folder is nobody's: a lock, or the draft of a process that was killed.
+/// Returns whether an entry of a folder is a lock or a leftover.
 pub fn is_remnant(entry: &Path) -> bool {
     entry.file_name().is_some_and(|name| name == LOCK) || atomic::is_partial(entry)
 }
 
-/// Reads the manifest of a folder; `None`: there is no folder, or nothing of anybody's in it.
+/// Reads the manifest of a folder. Returns `None` if the folder does not exist or is empty.
 ///
 /// # Errors
-/// If it holds something else, or what cannot be read.
+///
+/// If it contains something else, or cannot be read.
 pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     let unreadable = |reason| FolderError::Unreadable {
         path: path.to_owned(),
@@ -562,10 +576,11 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     }
 }
 
-/// Holds a manifest against what was written, if it lies in a folder of results.
+/// Checks a manifest in a results folder against its checksum.
 ///
 /// # Errors
-/// If it is not as it was written.
+///
+/// If it is corrupted.
 pub fn check_manifest(file: &Path) -> Result<(), FolderError> {
     match (file.parent(), file.file_name()) {
         (Some(folder), Some(name)) if name == MANIFEST => as_written(folder),
@@ -573,7 +588,7 @@ pub fn check_manifest(file: &Path) -> Result<(), FolderError> {
     }
 }
 
-/// Holds the manifest of a folder against its checksum, if that is known.
+/// Checks the manifest of a folder against its checksum, if there is one.
 fn as_written(folder: &Path) -> Result<(), FolderError> {
     match FolderChecksums::read(folder) {
         (Some(checksums), _) if checksums.damage(folder, MANIFEST, false).is_some() => {
@@ -588,7 +603,7 @@ fn as_written(folder: &Path) -> Result<(), FolderError> {
     }
 }
 
-/// What is wrong with a folder that has no manifest; `otherwise`: where it has no runs either.
+/// Returns the error for a folder without a manifest. `otherwise` is used if it has no runs either.
 pub(crate) fn without_manifest(
     path: &Path,
     otherwise: impl FnOnce(PathBuf) -> FolderError,
@@ -610,13 +625,13 @@ pub(crate) fn lock(path: &Path) -> Result<FileLock, FolderError> {
     lock.ok_or_else(|| FolderError::Locked(path.to_owned()))
 }
 
-/// Writes a file of a folder of results, in the place of an earlier one.
+/// Writes a file of a results folder and replaces an earlier one.
 pub(crate) fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), FolderError> {
     let path = path.join(name);
     atomic::replace(&path, content, Replaces::Ordinary).map_err(FolderError::at(path))
 }
 
-/// The builds of a folder, after one more has made runs.
+/// Returns the builds of a folder after another one has made runs.
 fn joined(stored: &[String], here: &[String]) -> Vec<String> {
     let mut all = stored.to_vec();
     for build in here {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use stochc_files::atomic::remove_own;
 
-/// Its name.
+/// Name of the folder.
 pub(crate) const SLURM: &str = "slurm";
 /// Locked by the process that submits.
 pub(crate) const LOCK: &str = ".lock";

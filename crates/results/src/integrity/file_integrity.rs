@@ -1,27 +1,27 @@
-//! How the files of a results folder are.
+//! Integrity of the files of a results folder.
 
-/// A file of a folder, and what is known of it.
+/// Integrity of one file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileIntegrity {
-    /// Its name within the folder.
+    /// Name within the folder.
     pub name: String,
-    /// How it is.
+    /// Integrity.
     pub health: Integrity,
 }
 
-/// How a file is.
+/// Integrity of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Integrity {
-    /// Its checksums are right.
+    /// Its checksums are correct.
     Sound,
-    /// It can be read, but nothing says whether it is as it was written.
+    /// It can be read, but has no checksum.
     Unprotected,
-    /// It is not as it was written: why, in words.
+    /// It is corrupted, for these reasons.
     Damaged(Vec<String>),
 }
 
 impl Integrity {
-    /// Whether something is wrong.
+    /// Returns whether it is corrupted.
     pub fn is_damaged(&self) -> bool {
         matches!(self, Integrity::Damaged(_))
     }

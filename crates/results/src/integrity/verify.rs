@@ -1,4 +1,4 @@
-//! Which files of a results folder are sound, and saving what can be saved of it.
+//! Verification and repair of a results folder.
 use std::io::{self, BufReader};
 use std::path::Path;
 
@@ -19,10 +19,11 @@ use stochc_text::visible;
 pub use crate::folder::DAMAGED;
 pub use crate::integrity::{FileIntegrity, Integrity};
 
-/// Holds every file of a results folder against its checksums, and changes nothing.
+/// Compares every file of a results folder with its checksum, without any change.
 ///
 /// # Errors
-/// When there are no results, or they cannot be looked at, for want of memory as well.
+///
+/// If the folder contains no results, or a file cannot be read, also for lack of memory.
 pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     let in_manifest = FolderError::at(path.join(MANIFEST));
     let mut files = Vec::new();
@@ -50,7 +51,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     if let (Err(reason), true) = (&read, damage.is_empty()) {
         damage.push(format!("`{MANIFEST}`: {reason}"));
     }
-    // What the other files belong to is what it has been.
+    // A damaged manifest is used only if it still belongs to the journal.
     let manifest = if damage.is_empty() {
         read
     } else {
@@ -63,7 +64,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         Integrity::new(damage.into_iter().collect(), true)
     };
     let Ok(manifest) = manifest else {
-        // Nothing else can be held against them.
+        // Only the checksums remain for a comparison.
         known.for_each(|name| report(name, by_checksum(name)));
         return Ok(files);
     };
@@ -116,12 +117,14 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     Ok(files)
 }
 
-/// Moves corrupted files to [`DAMAGED`] and writes them again: the journal from its valid lines, tables and `further`
-/// files from the journal. If the journal has lost lines, the earlier tables are kept in [`DAMAGED`] as well.
-/// Recordings are not made again.
+/// Moves corrupted files to [`DAMAGED`] and writes them again. The journal is written from its
+/// valid lines, tables and `further` files from the journal. If the journal lost lines, the earlier
+/// tables also move to [`DAMAGED`]. Recordings are not made again.
 ///
 /// # Errors
-/// When the manifest cannot be saved, another process writes to the folder, or the file system refuses.
+///
+/// If the manifest cannot be restored, another process writes to the folder, or the file system
+/// fails.
 pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     let of = |name: &str| FolderError::at(path.join(name));
     let health = verify(path)?;
@@ -153,7 +156,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     }
     if is_damaged(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
         if path.join(SHARDS).exists() {
-            // Without it they would be taken for nothing.
+            // Without `shards.json` the shards would be ignored.
             return Err(FolderError::LostCut(path.to_owned()));
         }
         aside(SHARDS_FILE)?;
@@ -161,7 +164,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     if is_damaged(JOURNAL) && path.join(JOURNAL).exists() {
         keep_sound_lines(path, &manifest)?;
     }
-    // Tables of runs that the journal has lost say more than those that are made of it now.
+    // Tables that include lost runs contain more than tables from the present journal.
     let is_lost = |name: &str| is_damaged(JOURNAL) && !name.contains('/');
     for file in &health {
         let is_done = [MANIFEST, JOURNAL, SHARDS_FILE, CHECKSUMS_FILE].contains(&&*file.name);
@@ -170,7 +173,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
             aside(&file.name)?;
         }
     }
-    // Its checksums are those of what has been.
+    // The checksums describe the earlier files.
     if path.join(CHECKSUMS_FILE).exists() && health.iter().any(|file| file.health.is_damaged()) {
         aside(CHECKSUMS_FILE)?;
     }
@@ -182,7 +185,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     folder.write_tables(folder.kept())
 }
 
-/// Reads the manifest, whatever its checksum; why it cannot be, in words.
+/// Reads the manifest, ignoring its checksum. The inner error explains why it is unreadable.
 fn manifest(path: &Path) -> std::io::Result<Result<Manifest, String>> {
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST)?;
     Ok(parsed(&bytes))
@@ -195,7 +198,7 @@ fn parsed(bytes: &[u8]) -> Result<Manifest, String> {
 
 /// Reads a damaged manifest that still belongs to the journal.
 fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
-    // What its journal belongs to is what decides the runs.
+    // The identity determines the runs and must match the journal.
     let belongs = |manifest: &Manifest| {
         let identity = manifest.identity();
         read_journal(&path.join(JOURNAL), manifest, &identity).is_ok_and(|stored| stored.whole > 0)
@@ -204,12 +207,12 @@ fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
         if belongs(&manifest) {
             Ok(manifest)
         } else {
-            Err("it is not that of the journal; nothing was changed".to_owned())
+            Err("it does not belong to the journal; nothing was changed".to_owned())
         }
     }))
 }
 
-/// The runs of the folder that have a recording, by the number of their program and their own.
+/// Returns the runs with a recording, as program index and run number.
 fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
     let Ok(entries) = disk::list(&path.join(RECORDINGS)) else {
         return Vec::new();
@@ -228,7 +231,7 @@ fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
     found
 }
 
-/// Whether a file could not be looked at, which says nothing about the file.
+/// Returns whether a file could not be read for lack of memory. The file itself can be valid.
 fn is_short_of_memory(error: &io::Error) -> bool {
     error.kind() == io::ErrorKind::OutOfMemory
 }

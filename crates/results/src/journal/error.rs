@@ -1,21 +1,21 @@
-//! Why a journal is not used.
+//! Errors of journals.
 use std::io;
 
-/// Why a journal cannot be used.
+/// Error of a journal.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// Its first line names another ensemble, or is no such line.
+    /// Its first line is invalid or identifies another ensemble.
     #[error(
-        "`journal.jsonl` does not belong to `manifest.json` beside it; \
+        "`journal.jsonl` does not belong to the `manifest.json` in its folder; \
          move both to where they came from, or choose another folder; if one is damaged, `stochc fsck --repair` may help"
     )]
     Foreign,
-    /// Somebody has written to it while it was read.
+    /// It was changed while it was read.
     #[error(
-        "`journal.jsonl` has changed while it was read; do this again when nobody writes to the folder"
+        "`journal.jsonl` changed while it was read; repeat this when no process is writing to the folder"
     )]
     Changed,
     /// It could not be read or written.
-    #[error("cannot keep finished runs in `journal.jsonl`: {0}")]
+    #[error("cannot store finished runs in `journal.jsonl`: {0}")]
     Io(#[from] io::Error),
 }

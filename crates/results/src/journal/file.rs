@@ -1,9 +1,9 @@
-//! The write-ahead log: one line of JSON per finished run, with a checksum, as soon as it is finished.
+//! Write-ahead log: one line of JSON per finished run, with a checksum, written at once.
 //!
-//! `journal.jsonl` begins with a line that names the ensemble, so that runs of another program
-//! cannot slip in. What a kill or a loss of power leaves of the last line is cut off on the next
-//! opening; a damaged line before it is passed over, and its run done again: a run is a pure
-//! function of its number, so that nothing but time is lost.
+//! `journal.jsonl` begins with a line that identifies the ensemble, so that runs of other programs
+//! cannot be mixed in. A partial last line, after a kill or a power failure, is truncated at the
+//! next opening. A corrupted line is skipped and its run repeated. A run is a pure function of its
+//! number, so only time is lost.
 use std::fs::OpenOptions;
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
@@ -27,19 +27,19 @@ use crate::records::RecordValidator;
 use crate::records::Records;
 use crate::{EnsembleProgram, Manifest};
 
-/// What a loss of power may cost: the runs finished during this time. A kill costs none.
+/// Largest loss by a power failure: the runs finished during this time. A kill loses none.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
 
-/// Version of the layout of a journal.
+/// Version of the journal format.
 const JOURNAL: u32 = 1;
 
-/// The first line.
+/// First line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct JournalHeader {
     pub ensemble: String,
     journal: u32,
-    /// `None`: it is the journal of a whole ensemble.
+    /// Shard of the journal. `None` for a whole ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub piece: Option<PieceHeader>,
     #[serde(default, skip_serializing)]
@@ -56,7 +56,7 @@ impl JournalHeader {
         }
     }
 
-    /// Of the runs of a piece alone.
+    /// Returns the first line of a shard.
     pub fn of_piece(identity: &str, piece: PieceHeader) -> JournalHeader {
         JournalHeader {
             piece: Some(piece),
@@ -65,51 +65,54 @@ impl JournalHeader {
     }
 }
 
-/// What the runs of a file are a part of.
+/// Shard that the runs of a file belong to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PieceHeader {
-    /// Its number, from 0.
+    /// Number of the shard, from 0.
     pub number: u64,
-    /// How many there are.
+    /// Number of shards.
     pub of: u64,
-    /// Runs of each program in all pieces.
+    /// Runs of each program in all shards.
     pub runs: u64,
-    /// The build that made it.
+    /// Build that made it.
     pub build: String,
 }
 
-/// A journal that is open for appending; dropping it without [`Journal::close`] may lose its end with the power.
+/// Journal open for appending. Dropping it without [`Journal::close`] may lose its end in a power
+/// failure.
 #[derive(Debug)]
 pub(crate) struct Journal {
     file: Arc<File>,
-    /// Where its last whole line ends.
+    /// End of the last complete line.
     end: Mutex<u64>,
-    /// Whether the syncer knows that something is not safe yet.
+    /// Whether the syncer has been notified of unsynced lines.
     is_told: Arc<AtomicBool>,
     wake: SyncSender<()>,
     syncer: JoinHandle<io::Result<()>>,
 }
 
-/// What a journal holds.
+/// Content of a journal.
 #[derive(Debug, Default)]
 pub(crate) struct StoredJournal {
-    /// Its runs.
+    /// Runs.
     pub finished: Records,
-    /// The shortest of them that did not fail.
+    /// Shortest run that did not fail.
     pub shortest: Option<Finished>,
-    /// Where its last line ends; what follows is half of one.
+    /// End of the last complete line.
     pub whole: u64,
-    /// What is wrong with it, line by line.
+    /// Messages about corrupted lines.
     pub damage: Vec<String>,
 }
 
-/// Reads the journal of an ensemble, and holds its runs against the manifest; a damaged line is passed over, and told.
+/// Reads the journal of an ensemble and checks its runs against the manifest. Skips and reports
+/// corrupted lines.
 ///
-/// A file that ends within its first line holds nothing.
+/// A file that ends within its first line is empty.
 ///
 /// # Errors
-/// [`JournalError::Foreign`] where it is not of the ensemble `identity`.
+///
+/// [`JournalError::Foreign`] if it does not belong to the ensemble `identity`.
 pub(crate) fn read(
     path: &Path,
     manifest: &Manifest,
@@ -130,7 +133,7 @@ pub(crate) fn read(
             Err(reason) => {
                 let number = line.number;
                 damage.push(format!(
-                    "line {number} of `journal.jsonl` {reason}, and is left out"
+                    "line {number} of `journal.jsonl` {reason}, and is skipped"
                 ));
             }
         }
@@ -146,7 +149,7 @@ pub(crate) fn read(
     Ok(stored)
 }
 
-/// The run of fewest ticks that did not fail, the first one of several.
+/// Run with the fewest ticks that did not fail, the first one of several.
 #[derive(Debug, Default)]
 pub(crate) struct Shortest(pub Option<Finished>);
 
@@ -160,20 +163,21 @@ impl Shortest {
     }
 }
 
-/// A whole line of a journal.
+/// Complete line of a journal.
 pub(crate) struct JournalLine<'a> {
-    /// Its number; that of the first one of a run is 2.
+    /// Line number. The first run is in line 2.
     pub number: u64,
-    /// Where it begins \[bytes\].
+    /// Position of its start \[bytes\].
     pub at: u64,
-    /// Without the line break.
+    /// Text without the line break.
     pub text: &'a [u8],
 }
 
-/// Reads the whole lines of a journal after its first, and returns the end of the last one.
+/// Reads the complete lines of a journal after its first. Returns the end of the last one.
 ///
 /// # Errors
-/// [`JournalError::Foreign`] where it does not begin with `expected`.
+///
+/// [`JournalError::Foreign`] if it does not begin with `expected`.
 pub(crate) fn read_lines(
     path: &Path,
     expected: &JournalHeader,
@@ -212,7 +216,7 @@ pub(crate) fn read_lines(
     Ok(at)
 }
 
-/// The first line of a file of runs; `None`: it is damaged, or not there as a whole.
+/// Returns the first line of a file of runs, or `None` if it is corrupted or incomplete.
 pub(crate) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
     let line = first_line(&mut BufReader::new(files::open(path)?))?;
     let Some(line) = line.strip_suffix(b"\n") else {
@@ -222,17 +226,17 @@ pub(crate) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
     Ok(header.filter(|_| checksum::check(line) == LineIntegrity::Sound))
 }
 
-/// Bytes of the first line of a journal, fewer than which it has.
+/// Limit of the first line of a journal \[bytes\].
 pub(crate) const MAX_HEADER: u64 = 1 << 12;
 
-/// The first line of a journal with its end, or as much of it as it may have.
+/// Returns the first line of a journal with its end, up to the limit.
 pub(crate) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
     file.take(MAX_HEADER).read_until(b'\n', &mut line)?;
     Ok(line)
 }
 
-/// The run of a line, or what is wrong with it.
+/// Returns the run of a line, or the reason why it is invalid.
 pub(crate) fn run(line: &[u8], validator: &RecordValidator<'_>) -> Result<Finished, String> {
     let damaged = || "is damaged".to_owned();
     if checksum::check(line) != LineIntegrity::Sound {
@@ -240,15 +244,17 @@ pub(crate) fn run(line: &[u8], validator: &RecordValidator<'_>) -> Result<Finish
     }
     let finished: Finished = serde_json::from_slice(line).map_err(|_| damaged())?;
     match validator.inconsistency(finished.program, &finished.record) {
-        Some(reason) => Err(format!("says what cannot be: {reason}")),
+        Some(reason) => Err(format!("is not possible: {reason}")),
         None => Ok(finished),
     }
 }
 
-/// Writes a journal of the sound lines of one that `read` refuses or complains of; `None`: it is of another ensemble.
+/// Returns a journal of the valid lines of a corrupted one, or `None` if it belongs to another
+/// ensemble.
 ///
 /// # Errors
-/// Those of the file system.
+///
+/// Errors of the file system.
 pub(crate) fn salvaged(
     path: &Path,
     manifest: &Manifest,
@@ -257,7 +263,7 @@ pub(crate) fn salvaged(
     let mut file = BufReader::new(files::open(path)?);
     let mut text = line(&JournalHeader::new(identity)).into_bytes();
     let mut next = Vec::new();
-    // A sound first line names the ensemble of the others; a corrupted one does not.
+    // A valid first line identifies the ensemble. A corrupted one does not.
     let most = most_line(manifest);
     let validator = RecordValidator::new(manifest);
     let mut count = read_or_end(&mut file, most, &mut next)?;
@@ -268,7 +274,7 @@ pub(crate) fn salvaged(
             return Ok(None);
         }
     }
-    // The first line may have lost its end, and be the first run as well.
+    // The first line may have lost its end and contain the first run as well.
     while count > 0 {
         let whole = next.strip_suffix(b"\n").unwrap_or(&next);
         if let Ok(finished) = run(whole, &validator) {
@@ -280,7 +286,7 @@ pub(crate) fn salvaged(
     Ok(Some(text))
 }
 
-/// Reads the next line, as [`read_line`] does; at one of `most` bytes what is sound has come to an end.
+/// Reads the next line like [`read_line`]. Stops at a line of `most` bytes.
 fn read_or_end(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
     match read_line(file, most, line) {
         Err(error) if error.kind() == io::ErrorKind::FileTooLarge => Ok(0),
@@ -288,17 +294,19 @@ fn read_or_end(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Re
     }
 }
 
-/// Bytes of a line of the journal of an ensemble, fewer than which it has.
+/// Returns the limit of a line of an ensemble's journal \[bytes\].
 pub(crate) fn most_line(manifest: &Manifest) -> u64 {
     let captures = manifest.programs.iter().map(EnsembleProgram::captures);
     budget::record(captures.max().unwrap_or(0))
 }
 
 impl Journal {
-    /// Opens a journal after its last whole line, and cuts off what follows; `whole` is from [`read`].
+    /// Opens a journal after its last complete line and truncates the rest. `whole` is from
+    /// [`read`].
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn open(path: &Path, header: &JournalHeader, whole: u64) -> Result<Journal, JournalError> {
         let mut options = OpenOptions::new();
         let options = options.create(true).truncate(false).write(true);
@@ -328,16 +336,17 @@ impl Journal {
         })
     }
 
-    /// Writes a finished run; the system has it once this has returned, and the disk soon after. Where its line begins
-    /// \[bytes\].
+    /// Appends a finished run. The system has it when this returns, the disk soon after. Returns
+    /// the start of its line \[bytes\].
     ///
     /// # Errors
-    /// Those of the file system; the journal ends with the run before, then.
+    ///
+    /// Errors of the file system. The journal then ends with the previous run.
     pub fn append(&self, finished: &impl Serialize) -> Result<u64, JournalError> {
         let line = line(finished);
-        let mut end = self.end.lock().expect("nobody panics while it is held");
+        let mut end = self.end.lock().expect("no panic while it is locked");
         if let Err(error) = (&*self.file).write_all(line.as_bytes()) {
-            // Half a line would take the next one with it.
+            // A partial line would corrupt the next one.
             self.file.set_len(*end)?;
             (&*self.file).seek(SeekFrom::Start(*end))?;
             return Err(error.into());
@@ -348,24 +357,26 @@ impl Journal {
             && let Err(TrySendError::Disconnected(())) = self.wake.try_send(())
         {
             self.is_told.store(false, Ordering::Release);
-            // [`Journal::close`] tells why.
+            // [`Journal::close`] returns the error.
             return Err(io::Error::other("writing has stopped").into());
         }
         Ok(at)
     }
 
-    /// Has all that was appended survive a loss of power.
+    /// Makes everything appended survive a power failure.
     ///
     /// # Errors
-    /// Those of the disk.
+    ///
+    /// Errors of the disk.
     pub fn sync(&self) -> io::Result<()> {
         self.file.sync_data()
     }
 
-    /// Waits until all that was appended would survive a loss of power.
+    /// Waits until everything appended survives a power failure.
     ///
     /// # Errors
-    /// The first that the disk had.
+    ///
+    /// The first error of the disk.
     pub fn close(self) -> Result<(), JournalError> {
         drop(self.wake);
         let synced = self.syncer.join();
@@ -374,11 +385,11 @@ impl Journal {
     }
 }
 
-/// Makes lines safe every so often, until the other end hangs up.
+/// Syncs lines periodically until the sender is dropped.
 fn sync(file: &File, is_told: &AtomicBool, woken: &Receiver<()>) -> io::Result<()> {
-    // Nothing is unsafe here, so there is nothing to be woken up for but a line.
+    // Everything is synced here, so wait for a line.
     while woken.recv().is_ok() {
-        // Of the lines that follow meanwhile nobody tells, so that this is over early only when the other end hangs up.
+        // Further lines send no message, so this returns early only when the sender is dropped.
         let _ = woken.recv_timeout(SYNC_EVERY);
         is_told.store(false, Ordering::Release);
         file.sync_data()?;

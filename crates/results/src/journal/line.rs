@@ -1,4 +1,4 @@
-//! A line of a journal, written and read.
+//! Lines of a journal.
 use std::io::{self, BufRead, Read as _};
 
 use serde::Serialize;
@@ -8,16 +8,17 @@ use stochc_files::checksum::{self, LineIntegrity};
 use crate::journal::JournalError;
 use crate::records::Finished;
 
-/// A line of a journal, with its checksum.
+/// Returns a line of a journal with its checksum.
 pub(crate) fn line(of: &impl Serialize) -> String {
     let json = serde_json::to_string(of).expect("a record is plain data");
     checksum::sealed(json) + "\n"
 }
 
-/// Reads the next line with its end, or what there is of it; how many bytes.
+/// Reads the next line with its end, or the rest of the file. Returns the number of bytes.
 ///
 /// # Errors
-/// Those of the file, and of a line of `most` bytes.
+///
+/// Errors of the file, and a line of `most` bytes.
 pub(crate) fn read_line(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
     let count = file.take(most).read_until(b'\n', line)? as u64;
     if count < most {
@@ -28,10 +29,11 @@ pub(crate) fn read_line(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) 
     }
 }
 
-/// Reads a line again that has been sound, and how many bytes it has; `line` is where it is kept meanwhile.
+/// Reads a line again that was valid before. Returns its length. `line` is a buffer.
 ///
 /// # Errors
-/// [`JournalError::Changed`] where it is no such line.
+///
+/// [`JournalError::Changed`] if it is no longer valid.
 pub(crate) fn read_at(
     file: &mut impl BufRead,
     most: u64,

@@ -14,15 +14,15 @@ const NAMES: [&str; 5] = [
 /// Value of `without` that leaves nothing out.
 const NOTHING: &str = "none";
 
-/// Most solver iterations of a step.
+/// Largest number of solver iterations per step.
 const MAX_ITERATIONS: u32 = 1000;
 
-/// A setting that a sweep has chosen for one of its points.
+/// Setting that a sweep has selected for a point.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChosenSetting {
-    /// The option of `simulate`, such as `substeps`.
+    /// Option of `simulate`, such as `substeps`.
     of: String,
-    /// Its value, such as `2/8`.
+    /// Value, such as `2/8`.
     value: String,
 }
 
@@ -69,18 +69,18 @@ impl ChosenSetting {
         values.filter_map(chosen).collect()
     }
 
-    /// Returns the place of the setting in the order of [`ChosenSetting::all_of`].
+    /// Returns the position of the setting in the order of [`ChosenSetting::all_of`].
     pub fn place(&self) -> usize {
         let place = NAMES.iter().position(|it| *it == self.of);
         place.unwrap_or(NAMES.len())
     }
 
-    /// Name of the setting, such as `substeps`.
+    /// Returns the name of the setting, such as `substeps`.
     pub fn of(&self) -> &str {
         &self.of
     }
 
-    /// Value of the setting, such as `2/8`.
+    /// Returns the value of the setting, such as `2/8`.
     pub fn value(&self) -> &str {
         &self.value
     }
@@ -120,7 +120,7 @@ impl ChosenSetting {
         Ok(())
     }
 
-    /// Finds the value among those that a setting may have.
+    /// Returns the value by its name.
     fn named<T: Copy>(&self, all: &[T], name: fn(T) -> &'static str) -> Result<T, String> {
         let found = all.iter().find(|&&it| name(it) == self.value);
         found.copied().ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! What has to be known to rerun an ensemble exactly.
+//! Manifest: everything needed to repeat an ensemble exactly.
 mod chosen;
 mod stored;
 
@@ -21,84 +21,83 @@ use super::build::this_build;
 /// Version of the layout of a results folder. No other version is read.
 pub const FORMAT: u32 = 1;
 
-/// Everything that an ensemble depends on; `manifest.json` in its folder.
+/// Everything that determines an ensemble: `manifest.json` in its folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
-    /// Version of the `stochc` that simulates.
+    /// Version of `stochc`.
     pub stochc: String,
-    /// How runs are computed.
+    /// Settings of the computation.
     pub settings: Settings,
-    /// The seed of every draw; the number of the run and of the program's scene do the rest.
+    /// Seed of every draw, together with the run number.
     pub seed: u64,
-    /// Runs of each program; may grow, so that it is no part of the identity.
+    /// Runs of each program. May grow, so it is not part of the identity.
     pub runs: u64,
-    /// The builds that made its runs ([`super::this_build`]), the first one first. No part of the
+    /// Builds that made its runs ([`super::this_build`]), in order of first use. Not part of the
     /// identity.
     pub builds: Vec<String>,
-    /// The programs, in the order of the command line.
+    /// Programs in the order of the command line.
     pub programs: Vec<EnsembleProgram>,
 }
 
-/// One program of an ensemble.
+/// Program of an ensemble.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnsembleProgram {
-    /// What tables call it; unique within its manifest.
+    /// Name in tables, unique within its manifest.
     pub name: String,
-    /// What its blocks know; the points of a sweep may share it.
+    /// Compiled program. Points of a sweep may share it.
     pub compiled: Arc<Compiled>,
-    /// The world it runs in.
+    /// Scene.
     pub scene: Scene,
-    /// The numbers of this world that are not those of the sources, in the order of the sweep that
-    /// chose them; empty: all are.
+    /// Scene parameters changed by a sweep, in its order. Empty if all are as in the source.
     pub varied: Vec<Varied>,
-    /// Settings that a sweep has chosen for it; the others are those of the manifest.
+    /// Settings selected by a sweep. All others are those of the manifest.
     pub chosen: Vec<ChosenSetting>,
-    /// Its file, followed by every file that it imports; empty: it was compiled elsewhere.
+    /// Its file, followed by all imported files. Empty for a program read in compiled form.
     pub sources: Vec<Source>,
 }
 
-/// A program without its world.
+/// Program without its scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compiled {
-    /// What every block knows.
+    /// Event tables.
     pub tables: Tables,
-    /// What waits for what.
+    /// Dependency graph.
     pub graph: EventGraph,
-    /// Reasons why blocks may jam. The rate model leaves them out.
+    /// Risks of jamming, which the rate model does not include.
     pub jam_risks: Vec<JamRisk>,
     /// SHA-256 of the tables, in hexadecimal.
     digest: String,
 }
 
-/// A number of a scene that a sweep has chosen.
+/// Scene parameter changed by a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Varied {
-    /// Its name, such as `bond.pull`.
+    /// Name, such as `bond.pull`.
     pub of: String,
-    /// Its value in SI units.
+    /// Value in SI units.
     pub value: f64,
-    /// Its value in `unit`.
+    /// Value in `unit`.
     pub said: f64,
-    /// The unit that the user has given it in; empty: none.
+    /// Unit as given by the user. Empty without unit.
     pub unit: String,
 }
 
-/// A file that a program was read from.
+/// Source file of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
-    /// As it was given; no part of the identity.
+    /// Path as given. Not part of the identity.
     pub path: String,
-    /// All of it.
+    /// Content.
     pub text: String,
 }
 
-/// Runs of each program, at most.
+/// Largest number of runs of each program.
 pub const MAX_RUNS: u64 = 10_000_000;
 
-/// Programs that are compared with each other, at most: each pair of them is.
+/// Largest number of programs that are compared in pairs.
 pub const MAX_PROGRAMS: usize = 1_000;
 
-/// The part of a manifest that decides what a run with a given number does.
+/// Part of a manifest that determines a run with a given number.
 #[derive(Serialize)]
 struct Identity<'a> {
     format: u32,
@@ -120,9 +119,9 @@ struct ProgramIdentity<'a> {
 }
 
 impl Manifest {
-    /// A manifest of this version and build of `stochc`.
+    /// Returns a manifest of this version and build of `stochc`.
     ///
-    /// Programs of the same name are told apart by a number: `tower`, `tower (2)`.
+    /// Equal names of programs are distinguished by a number: `tower`, `tower (2)`.
     pub fn new(
         settings: Settings,
         seed: u64,
@@ -150,12 +149,12 @@ impl Manifest {
         manifest
     }
 
-    /// Runs of all programs together.
+    /// Returns the number of runs of all programs.
     pub fn total(&self) -> u64 {
         self.runs.saturating_mul(self.programs.len() as u64)
     }
 
-    /// What is told to somebody who asks for a run that is not asked for here.
+    /// Returns the message for a run number out of range.
     pub fn no_such_run(&self, run: u64) -> String {
         match self.runs {
             1 => format!("run {run} is not there: the only run is 0"),
@@ -163,9 +162,9 @@ impl Manifest {
         }
     }
 
-    /// SHA-256, in hexadecimal, of all that decides what a run does.
+    /// Returns the SHA-256, in hexadecimal, of everything that determines a run.
     ///
-    /// Paths, the number of runs and the number of threads are no part of it.
+    /// Excludes paths, the number of runs and the number of threads.
     pub fn identity(&self) -> String {
         let identity = Identity {
             format: FORMAT,
@@ -181,10 +180,10 @@ impl Manifest {
         sha256(&identity)
     }
 
-    /// SHA-256, in hexadecimal, of all that decides what runs of one of its programs do.
+    /// Returns the SHA-256, in hexadecimal, of everything that determines the runs of one program.
     ///
-    /// Its text where that means the same, what it is called in the ensemble, and the programs beside it are no part of it; the names in its tables and of its scene
-    /// are.
+    /// Excludes equivalent changes of its source, its name in the ensemble, and other programs.
+    /// Includes the names in its tables and of its scene.
     pub fn runs_identity(&self, program: &EnsembleProgram) -> String {
         sha256(&(
             &self.stochc,
@@ -195,7 +194,7 @@ impl Manifest {
         ))
     }
 
-    /// What keeps runs of `other` from going on in an ensemble of `self`, in words; empty: nothing.
+    /// Returns the differences that prevent runs of `other` from being added to this ensemble.
     pub fn differences(&self, other: &Manifest) -> Vec<String> {
         let mut found = Vec::new();
         let mut compare = |what: &str, there: &str, here: &str| {
@@ -222,10 +221,11 @@ impl Manifest {
         found
     }
 
-    /// Holds it against what can be run, kept and compared.
+    /// Checks the limits of sizes.
     ///
     /// # Errors
-    /// In words, when nothing is to be run, or more than can be kept and compared.
+    ///
+    /// A message, if there is nothing to run, or more than the limits allow.
     pub fn within_limits(&self) -> Result<(), String> {
         if self.programs.is_empty() || self.runs == 0 {
             return Err("it has no programs, or no runs".to_owned());
@@ -251,7 +251,8 @@ impl Manifest {
     /// Returns the settings of the runs of one of its programs.
     ///
     /// # Panics
-    /// If the program was given a setting that [`ChosenSetting::new`] rejects.
+    ///
+    /// If the program has a setting that [`ChosenSetting::new`] rejects.
     pub fn settings_of(&self, program: &EnsembleProgram) -> Cow<'_, Settings> {
         if program.chosen.is_empty() {
             return Cow::Borrowed(&self.settings);
@@ -292,7 +293,7 @@ impl Manifest {
         }
     }
 
-    /// The numbers of the scene that a sweep varies, in its order; empty: it is no sweep.
+    /// Returns the scene parameters that a sweep varies, in its order. Empty without a sweep.
     pub fn axes(&self) -> &[Varied] {
         let mut programs = self.programs.iter().map(|program| &program.varied[..]);
         programs
@@ -301,7 +302,7 @@ impl Manifest {
     }
 }
 
-/// The axes of a sweep.
+/// Axes of a sweep.
 #[derive(Clone, Debug, Default)]
 pub struct SweepAxes<'a> {
     /// Scene parameters.
@@ -311,7 +312,7 @@ pub struct SweepAxes<'a> {
 }
 
 impl Varied {
-    /// Its value as the user has given it, such as `4.5 N`.
+    /// Returns its value as given by the user, such as `4.5 N`.
     pub fn value(&self) -> String {
         match &*self.unit {
             "" => self.said.to_string(),
@@ -319,19 +320,20 @@ impl Varied {
         }
     }
 
-    /// Name and value, such as `bond.pull=4.5 N`.
+    /// Returns name and value, such as `bond.pull=4.5 N`.
     pub fn text(&self) -> String {
         format!("{}={}", self.of, self.value())
     }
 
-    /// What its column is called in tables, such as `scene_bond_pull`.
+    /// Returns the name of its column in tables, such as `scene_bond_pull`.
     pub fn column(&self) -> String {
         format!("scene_{}", self.of.replace('.', "_"))
     }
 }
 
 impl EnsembleProgram {
-    /// What a sweep has chosen, as it is told behind the program's name: ` [free=50, tick=10 ms]`.
+    /// Returns the values of its point, as appended to the program's name: ` [free=50, tick=10
+    /// ms]`.
     pub fn point(&self) -> String {
         let numbers = self.varied.iter().map(Varied::text);
         bracketed(numbers.chain(self.chosen.iter().map(ChosenSetting::text)))
@@ -365,20 +367,21 @@ impl EnsembleProgram {
         point
     }
 
-    /// Returns the value of a setting that a sweep has chosen for it.
+    /// Returns the value of a setting that a sweep has selected.
     pub fn chosen_value(&self, of: &str) -> Option<&str> {
         let mut chosen = self.chosen.iter();
         chosen.find(|it| it.of() == of).map(ChosenSetting::value)
     }
 
-    /// What a sweep has chosen for one of its axes, in the axis' unit; `None`: the program is no point of it.
+    /// Returns its value on an axis of a sweep, in the axis' unit, or `None` if it is not a point
+    /// of it.
     pub fn on_axis(&self, axis: &Varied) -> Option<f64> {
         let mut varied = self.varied.iter();
         let here = varied.find(|varied| varied.of == axis.of && varied.unit == axis.unit);
         here.map(|varied| varied.said)
     }
 
-    /// A compiled program, whose texts are its file and then all that it imports.
+    /// Returns a compiled program. `sources` are its file and then all imports.
     pub fn new(name: &str, sources: Vec<Source>, executable: Executable) -> EnsembleProgram {
         let Executable {
             tables,
@@ -396,7 +399,7 @@ impl EnsembleProgram {
         }
     }
 
-    /// Returns what the estimate reads.
+    /// Returns the parts that the estimate requires.
     pub fn parts(&self) -> ProgramParts<'_> {
         ProgramParts {
             tables: &self.compiled.tables,
@@ -406,61 +409,62 @@ impl EnsembleProgram {
         }
     }
 
-    /// Returns the reasons why its times by rates are lower bounds.
+    /// Returns the reasons why its times by the rate model are lower bounds.
     pub fn lower_bound(&self, rates: &Rates) -> LowerBoundReasons {
         let blocks = self.compiled.graph.largest_structure();
         LowerBoundReasons::new(&self.compiled.jam_risks, rates, blocks)
     }
 
-    /// What its blocks know.
+    /// Returns the event tables.
     pub fn tables(&self) -> &Tables {
         &self.compiled.tables
     }
 
-    /// The name of its assembly.
+    /// Returns the name of its assembly.
     pub fn assembly(&self) -> &str {
         &self.tables().assembly
     }
 
-    /// Captures in the program, or blocks of an aggregate: the paper's "total units involved".
+    /// Returns the number of captures, or of blocks of an aggregate: the paper's "total units
+    /// involved".
     pub fn captures(&self) -> u64 {
         let tables = self.tables();
         tables.aggregate.map_or(tables.captures() as u64, u64::from)
     }
 
-    /// Its phases, by [`PhaseId`].
+    /// Returns its phases, by [`PhaseId`].
     pub fn phases(&self) -> &[Phase] {
         &self.tables().phases
     }
 
-    /// Its roles, by [`RoleId`].
+    /// Returns its roles, by [`RoleId`].
     pub fn roles(&self) -> &[Role] {
         &self.tables().roles
     }
 
-    /// The name of a phase; `?` for one that the program does not have.
+    /// Returns the name of a phase, or `?` for an unknown one.
     pub fn phase(&self, phase: PhaseId) -> &str {
         self.phases()
             .get(phase.0 as usize)
             .map_or("?", |phase| &phase.name)
     }
 
-    /// Whether the blocks of a phase are attached by hand before the first tick.
+    /// Returns whether a phase consists of pre-attached blocks.
     pub fn is_planted(&self, phase: PhaseId) -> bool {
         self.phases()
             .get(phase.0 as usize)
             .is_some_and(|phase| phase.planted)
     }
 
-    /// The name of a role; `?` for one that the program does not have.
+    /// Returns the name of a role, or `?` for an unknown one.
     pub fn role(&self, role: RoleId) -> &str {
         self.roles()
             .get(role.0 as usize)
             .map_or("?", |role| &role.name)
     }
 
-    /// SHA-256, in hexadecimal, of its text, all that it imports, and its scene; paths, and what
-    /// tables call it, are no part of it.
+    /// Returns the SHA-256, in hexadecimal, of its source, all imports, and its scene. Excludes
+    /// paths and its name in tables.
     pub fn hash(&self) -> String {
         sha256(&ProgramIdentity {
             name: "",
@@ -498,7 +502,7 @@ impl EnsembleProgram {
     }
 }
 
-/// Returns the values of a point as they follow the name of its program.
+/// Returns the values of a point as appended to the name of its program.
 fn bracketed(values: impl Iterator<Item = String>) -> String {
     let values: Vec<String> = values.collect();
     if values.is_empty() {
@@ -509,7 +513,7 @@ fn bracketed(values: impl Iterator<Item = String>) -> String {
 }
 
 impl Compiled {
-    /// Tables and the graph that they come from.
+    /// Returns a compiled program from tables and graph.
     pub fn new(tables: Tables, graph: EventGraph, jam_risks: Vec<JamRisk>) -> Compiled {
         let digest = sha256(&tables);
         Compiled {
@@ -520,7 +524,7 @@ impl Compiled {
         }
     }
 
-    /// SHA-256 of the tables, in hexadecimal: programs are the same if it is.
+    /// Returns the SHA-256 of the tables, in hexadecimal. Equal programs have equal digests.
     pub fn digest(&self) -> &str {
         &self.digest
     }

@@ -1,4 +1,4 @@
-//! `manifest.json`: tables and texts that several programs share stand in it once.
+//! Form of `manifest.json`, with shared tables and sources stored once.
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -22,21 +22,21 @@ struct StoredManifest {
     runs: u64,
     programs: Vec<StoredProgram>,
     sources: Vec<Source>,
-    /// Each on a line of its own.
+    /// Tables, each on a separate line.
     compiled: Vec<Box<RawValue>>,
 }
 
 #[derive(Serialize, Deserialize)]
 struct StoredProgram {
     name: String,
-    /// Its number among `compiled`.
+    /// Index in `compiled`.
     compiled: usize,
     scene: Scene,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     varied: Vec<Varied>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     chosen: Vec<ChosenSetting>,
-    /// Their numbers among `sources`.
+    /// Indices in `sources`.
     sources: Vec<usize>,
 }
 
@@ -56,7 +56,7 @@ struct StoredCompiled {
     jam_risks: Vec<JamRisk>,
 }
 
-/// The number of a value in a list in which each stands once.
+/// Returns the index of a value in a list of unique values, and whether it is new.
 fn number<K: Eq + std::hash::Hash>(known: &mut HashMap<K, usize>, key: K) -> (usize, bool) {
     let next = known.len();
     let number = *known.entry(key).or_insert(next);
@@ -64,7 +64,7 @@ fn number<K: Eq + std::hash::Hash>(known: &mut HashMap<K, usize>, key: K) -> (us
 }
 
 impl Manifest {
-    /// The text of `manifest.json`, which ends in a line break.
+    /// Returns the text of `manifest.json`, with a final line break.
     pub fn to_json(&self) -> String {
         let (mut sources, mut compiled) = (Vec::new(), Vec::new());
         let (mut known_sources, mut known_compiled) = (HashMap::new(), HashMap::new());
@@ -120,7 +120,8 @@ impl Manifest {
     /// Reads the text of a `manifest.json`.
     ///
     /// # Errors
-    /// In words, when it is no manifest, one of another format, or damaged.
+    ///
+    /// A message, if it is invalid, has another format, or is corrupted.
     pub fn from_json(json: &str) -> Result<Manifest, String> {
         let format = Manifest::format(json)?;
         if format != FORMAT {
@@ -174,7 +175,7 @@ impl Manifest {
         manifest.within_limits().map(|()| manifest)
     }
 
-    /// The format of the text of a `manifest.json`, which may be another one than [`FORMAT`].
+    /// Returns the format of the text of a `manifest.json`, which may differ from [`FORMAT`].
     fn format(json: &str) -> Result<u32, String> {
         #[derive(Deserialize)]
         struct ManifestVersion {

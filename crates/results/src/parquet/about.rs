@@ -1,9 +1,9 @@
-//! What a Parquet file says of its ensemble, as pairs of keys and values.
+//! Metadata of Parquet files about their ensemble, as pairs of keys and values.
 use serde_json::json;
 
 use crate::{EnsembleProgram, Manifest};
 
-/// The metadata that all tables of an ensemble have.
+/// Returns the metadata of all tables of an ensemble.
 pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
     let programs: Vec<_> = manifest.programs.iter().map(program).collect();
     let mut about = vec![
@@ -19,7 +19,7 @@ pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
     if let Some(limit) = manifest.settings.max_ticks {
         about.push(("stochc.max_ticks", limit.to_string()));
     }
-    // What is not the same in all programs is said of each of them alone.
+    // Properties that differ between programs are stored per program.
     let mut shared = |key, of: fn(&EnsembleProgram) -> f64| {
         let mut values = manifest.programs.iter().map(of);
         if let Some(first) = values.next()

@@ -7,23 +7,23 @@ use super::column::TableDefinition;
 use super::row::{RunContext, RunRow, add_phase, keyed};
 use crate::manifest::SweepAxes;
 
-/// When what a row says of the captured block is null.
+/// Condition of nulls in the columns about the captured block.
 const CENSORED: &str = "the wait is censored";
 
-/// A capture, or one that was waited for when the run ended.
+/// Capture, or waiting time in progress at the end of the run.
 #[derive(Clone, Copy)]
 pub(super) enum BondRow<'a> {
     Docked(&'a BondRecord),
     Waiting(&'a WaitRecord),
 }
 
-/// The captures of a run in the order of docking, then what was under way.
+/// Returns the captures of a run in order, then the waiting times in progress.
 pub(super) fn bonds(run: RunContext<'_>) -> impl Iterator<Item = BondRow<'_>> {
     let docked = run.record.bonds.iter().map(BondRow::Docked);
     docked.chain(run.record.waiting.iter().map(BondRow::Waiting))
 }
 
-/// What both kinds have.
+/// Accesses a field that both variants have.
 macro_rules! both {
     ($bond:expr, $field:ident) => {
         match $bond {
@@ -64,7 +64,7 @@ impl<'a> BondRow<'a> {
         end.saturating_sub(both!(self, magnetized))
     }
 
-    /// The role that the captured block had before, and when it lost it.
+    /// Returns the former role of the captured block, and the tick of its release.
     fn released(self) -> Option<(RoleId, u64)> {
         match self.docked()?.origin {
             Origin::Free => None,

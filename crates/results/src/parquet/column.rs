@@ -1,4 +1,4 @@
-//! What a column is, and how it gets into a Parquet file: one definition for both.
+//! Definition of a column, for its documentation and its Parquet file.
 use std::borrow::Cow;
 use std::io::Write;
 
@@ -14,47 +14,47 @@ use ::parquet::schema::parser::parse_message_type;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// A table of rows `R`.
+/// Definition of a table with rows `R`.
 pub struct TableDefinition<'a, R> {
-    /// Its file is `NAME.parquet`.
+    /// Name. The file is `NAME.parquet`.
     pub name: &'static str,
-    /// What a row is.
+    /// Meaning of a row.
     pub row: &'static str,
     /// Columns in their order.
     pub columns: Vec<ColumnDefinition<'a, R>>,
 }
 
-/// A column of a table of rows `R`, whose texts live for `'a`.
+/// Definition of a column of a table with rows `R` and texts of lifetime `'a`.
 pub struct ColumnDefinition<'a, R> {
     name: Cow<'static, str>,
-    /// Of its values; empty: they have none.
+    /// Unit of its values. Empty if they have none.
     unit: Cow<'static, str>,
     meaning: Cow<'static, str>,
-    /// When a value is null; `None`: never.
+    /// Condition of null values. `None` if there are none.
     null: Option<&'static str>,
     values: ColumnGetter<'a, R>,
 }
 
-/// The value of a column in a row; `None` is null.
+/// Function that returns the value of a column in a row; `None` is null.
 type Get<'a, R, T> = Box<dyn Fn(&R) -> Option<T> + 'a>;
 
-/// What a column holds, by its type.
+/// Value function of a column, by type.
 pub(super) enum ColumnGetter<'a, R> {
     Bool(Get<'a, R, bool>),
-    /// 32 bit integers, for coordinates.
+    /// 32-bit integers, for coordinates.
     Small(Get<'a, R, i32>),
     Integer(Get<'a, R, i64>),
-    /// 64 bit integers without a sign.
+    /// Unsigned 64-bit integers.
     Unsigned(Get<'a, R, u64>),
     Real(Get<'a, R, f64>),
     Text(Get<'a, R, &'a str>),
-    /// Lists of 64 bit integers, which may be empty and are never null.
+    /// Lists of 64-bit integers, possibly empty and never null.
     Integers(Get<'a, R, &'a [u64]>),
-    /// Lists of texts, which may be empty and are never null.
+    /// Lists of texts, possibly empty and never null.
     Texts(Get<'a, R, Vec<&'a str>>),
 }
 
-/// What a column holds in some rows, in their order; `None` is null.
+/// Values of a column in some rows, in order; `None` is null.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColumnValues<'a> {
     /// `bool`.
@@ -69,13 +69,13 @@ pub enum ColumnValues<'a> {
     Float64(Vec<Option<f64>>),
     /// `text`.
     Text(Vec<Option<&'a str>>),
-    /// `list of int64`; a list may be empty and is never null.
+    /// `list of int64`; possibly empty and never null.
     Int64Lists(Vec<Vec<i64>>),
-    /// `list of text`; as those.
+    /// `list of text`; possibly empty and never null.
     TextLists(Vec<Vec<&'a str>>),
 }
 
-/// Methods that add a column, from a function that gives a value, or `None` for null.
+/// Makes methods that add a column, from a function that returns a value, or `None` for null.
 macro_rules! column_methods {
     ($($kind:ident: $value:ty => $variant:ident;)*) => {
         $(
@@ -93,7 +93,7 @@ macro_rules! column_methods {
 }
 
 impl<'a, R> TableDefinition<'a, R> {
-    /// Begins a table.
+    /// Creates a table without columns.
     pub fn new(name: &'static str, row: &'static str) -> TableDefinition<'a, R> {
         TableDefinition {
             name,
@@ -142,30 +142,30 @@ impl<'a, R> TableDefinition<'a, R> {
     }
 }
 
-/// What a table is, for its documentation and its metadata.
+/// Description of a table, for documentation and metadata.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct TableShape {
-    /// Its file is `NAME.parquet`.
+    /// Name. The file is `NAME.parquet`.
     pub name: String,
-    /// What a row is.
+    /// Meaning of a row.
     pub row: String,
-    /// Its columns, in their order.
+    /// Columns in order.
     pub columns: Vec<ColumnShape>,
 }
 
-/// What a column is.
+/// Description of a column.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ColumnShape {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// `int32`, `int64`, `uint64`, `float64`, `bool`, `text`, or `list of` one of these.
     #[serde(rename = "type")]
     pub kind: &'static str,
-    /// Of its values; empty: they have none.
+    /// Unit of its values. Empty if they have none.
     pub unit: String,
-    /// What they say.
+    /// Meaning of the values.
     pub meaning: String,
-    /// When a value is null; `None`: never.
+    /// Condition of null values. `None` if there are none.
     pub null: Option<String>,
 }
 
@@ -179,7 +179,7 @@ impl<R> TableDefinition<'_, R> {
         }
     }
 
-    /// Begins its file, with `metadata` beside its own.
+    /// Begins its file, with additional `metadata`.
     pub(super) fn begin<W: Write + Send>(
         &self,
         out: W,
@@ -211,11 +211,11 @@ impl<R> TableDefinition<'_, R> {
     }
 }
 
-/// The file of a table that is written group by group.
+/// File of a table, written in row groups.
 pub(super) struct TableFile<W: Write>(SerializedFileWriter<W>);
 
 impl<W: Write + Send> TableFile<W> {
-    /// Adds the next rows of its `table`, as a row group.
+    /// Adds the next rows of its `table` as a row group.
     pub fn add<R>(&mut self, table: &TableDefinition<R>, rows: &[R]) -> Result<(), ParquetError> {
         let mut group = self.0.next_row_group()?;
         for column in &table.columns {
@@ -227,7 +227,7 @@ impl<W: Write + Send> TableFile<W> {
         Ok(())
     }
 
-    /// Whether it has no rows yet.
+    /// Returns whether it has no rows yet.
     pub fn is_empty(&self) -> bool {
         self.0.flushed_row_groups().is_empty()
     }
@@ -244,7 +244,7 @@ impl<'a, R> ColumnDefinition<'a, R> {
         self
     }
 
-    /// Makes values null `when` something holds.
+    /// Makes the column nullable, with the condition `when`.
     pub fn null(&mut self, when: &'static str) -> &mut ColumnDefinition<'a, R> {
         self.null = Some(when);
         self
@@ -295,7 +295,7 @@ impl<'a, R> ColumnDefinition<'a, R> {
         }
     }
 
-    /// Its values in these rows, in their order.
+    /// Returns its values in these rows, in order.
     pub fn values(&self, rows: &[R]) -> ColumnValues<'a> {
         fn each<R, T>(rows: &[R], get: impl Fn(&R) -> Option<T>) -> Vec<Option<T>> {
             rows.iter().map(get).collect()
@@ -325,7 +325,7 @@ impl<'a, R> ColumnDefinition<'a, R> {
             ColumnValues::Bool(values) => put::<BoolType, _>(to, values, |it| it),
             ColumnValues::Int32(values) => put::<Int32Type, _>(to, values, |it| it),
             ColumnValues::Int64(values) => put::<Int64Type, _>(to, values, |it| it),
-            // The format keeps the bits, and the declaration says that there is no sign.
+            // The format stores the bits, and the schema marks them as unsigned.
             ColumnValues::UInt64(values) => put::<Int64Type, _>(to, values, u64::cast_signed),
             ColumnValues::Float64(values) => put::<DoubleType, _>(to, values, |it| it),
             ColumnValues::Text(values) => {
@@ -340,14 +340,14 @@ impl<'a, R> ColumnDefinition<'a, R> {
     }
 }
 
-/// A text as it is written, which is copied once for each place where it is kept: most are names, and those are few.
+/// Returns a text for the writer. Copies each distinct text once, as most are repeated names.
 fn shared(text: &str, known: &mut FxHashMap<(*const u8, usize), ByteArray>) -> ByteArray {
     let place = (text.as_ptr(), text.len());
     let known = known.entry(place).or_insert_with(|| text.into());
     known.clone()
 }
 
-/// Where values go: whether any may be null, and the writer of the column.
+/// Destination of values: whether any may be null, and the writer of the column.
 type To<'w, 'x> = (bool, &'w mut SerializedColumnWriter<'x>);
 
 fn put<T: DataType, V>(
@@ -355,7 +355,7 @@ fn put<T: DataType, V>(
     values: Vec<Option<V>>,
     as_written: impl FnMut(V) -> T::T,
 ) -> Result<(), ParquetError> {
-    // The definition level of each row: 1 is there, 0 is null.
+    // Definition level of each row: 1 is a value, 0 is null.
     let level = |value: &Option<V>| i16::from(value.is_some());
     let levels: Option<Vec<i16>> = nullable.then(|| values.iter().map(level).collect());
     let present: Vec<T::T> = values.into_iter().flatten().map(as_written).collect();
@@ -364,8 +364,8 @@ fn put<T: DataType, V>(
     Ok(())
 }
 
-/// Lists as values with a definition level (0: of an empty list, 1: of a value) and a repetition
-/// level (0: begins a row, 1: goes on with it).
+/// Writes lists with a definition level (0: empty list, 1: value) and a repetition level (0: new
+/// row, 1: same row).
 fn put_lists<T: DataType, V>(
     (_, writer): To,
     lists: Vec<Vec<V>>,

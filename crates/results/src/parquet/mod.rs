@@ -1,8 +1,8 @@
-//! Results as Parquet, for DuckDB, Polars and everything else that reads tables.
+//! Results as Parquet files, for DuckDB, Polars and other readers.
 //!
-//! The bytes depend on the manifest and the runs alone, whatever the order in which they finished. Each
-//! table is a list of column definitions (`column.rs`), from which its file, its metadata and
-//! `docs/reference/results.md` are made.
+//! The bytes depend only on the manifest and the runs, not on the order of finishing. Each table is
+//! a list of column definitions (`column.rs`). Its file, its metadata and
+//! `docs/reference/results.md` are generated from it.
 mod about;
 mod bonds;
 mod column;
@@ -26,11 +26,11 @@ use super::manifest::SweepAxes;
 use super::{Finished, FolderError, JournalError, Manifest, Records};
 use row::rows;
 
-/// Captures, releases, phases and whatever else is in one row group of each table, with some more at its end: what is in memory
-/// while tables are written.
+/// Approximate number of captures, releases, phases and other rows per row group. Limits the memory
+/// for writing tables.
 const GROUP: usize = 1 << 17;
 
-/// The tables: the number of each, its columns, and what its rows are in a run.
+/// Tables: index, columns, and rows of a run.
 macro_rules! for_each_table {
     ($do:ident) => {
         $do!(0, runs, |_| [()]);
@@ -41,7 +41,8 @@ macro_rules! for_each_table {
     };
 }
 
-/// Writes the tables of runs into what `begin` gives for the name of each file; `io` says where something went wrong.
+/// Writes the tables of runs to the outputs that `begin` returns for their names. `io` converts
+/// errors.
 pub(crate) fn write<W: Write + Send>(
     manifest: &Manifest,
     finished: &Records,
@@ -66,7 +67,7 @@ pub(crate) fn write<W: Write + Send>(
             ($number:expr, $table:ident, $of:expr) => {
                 let rows = rows(manifest, group, $of);
                 let file = &mut files[$number].1;
-                // A table without rows has a group without rows.
+                // A table without rows has one empty group.
                 if !rows.is_empty() || is_last && file.is_empty() {
                     file.add(&$table::table(axes), &rows)?;
                 }
@@ -84,7 +85,7 @@ pub(crate) fn write<W: Write + Send>(
     files.map_err(|error| io(plain(error)))
 }
 
-/// Shows runs group by group, and which group is the last one; there is one at least.
+/// Calls `show` with groups of runs, at least one, and whether it is the last one.
 fn each_group<E: From<JournalError>>(
     finished: &Records,
     mut show: impl FnMut(&[Finished], bool) -> Result<(), E>,
@@ -110,11 +111,12 @@ fn each_group<E: From<JournalError>>(
     show(&group, true)
 }
 
-/// Shows what the columns of a table hold, group by group of its rows, as they are written into its file; one group
-/// at least. `table` is its number among [`tables`].
+/// Calls `show` with the columns of a table, row group by row group as in its file, at least one.
+/// `table` is its index in [`tables`].
 ///
 /// # Errors
-/// Those of `show`, and where the runs cannot be read again.
+///
+/// Errors of `show`, and of reading the runs.
 pub fn each_row_group<E: From<JournalError>>(
     (manifest, finished): (&Manifest, &Records),
     table: usize,
@@ -136,12 +138,12 @@ pub fn each_row_group<E: From<JournalError>>(
     })
 }
 
-/// What the files of these tables say of their ensemble, as pairs of keys and values.
+/// Returns the metadata of table files about their ensemble, as pairs of keys and values.
 pub fn table_metadata(manifest: &Manifest) -> Vec<(&'static str, String)> {
     about::about(manifest)
 }
 
-/// What the file system has said.
+/// Converts an error to that of the file system.
 fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(error) => match error.downcast::<io::Error>() {
@@ -152,12 +154,13 @@ fn plain(error: ParquetError) -> io::Error {
     }
 }
 
-/// What the tables of a results folder are; those of a sweep have further columns.
+/// Returns the descriptions of the tables of a results folder. Those of a sweep have additional
+/// columns.
 pub fn tables() -> Vec<TableShape> {
     shapes(&SweepAxes::default())
 }
 
-/// What the tables of an ensemble are.
+/// Returns the descriptions of the tables of an ensemble.
 pub fn tables_of(manifest: &Manifest) -> Vec<TableShape> {
     shapes(&manifest.swept())
 }

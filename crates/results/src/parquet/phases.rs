@@ -5,11 +5,11 @@ use super::column::TableDefinition;
 use super::row::{RunContext, RunRow, add_phase, keyed, outcome};
 use crate::manifest::SweepAxes;
 
-/// A phase that a run has reached.
+/// Phase reached by a run.
 pub(super) struct Reached {
     phase: PhaseId,
     began: u64,
-    /// `None`: it was under way when the run ended.
+    /// End. `None` if it was running at the end of the run.
     ended: Option<u64>,
 }
 
@@ -21,7 +21,7 @@ impl Reached {
     }
 }
 
-/// The phases that a run has reached, in their order.
+/// Returns the phases reached by a run, in order.
 pub(super) fn reached(run: RunContext) -> Vec<Reached> {
     let mut began = 0u64;
     let mut phases = Vec::new();

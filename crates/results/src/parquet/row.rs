@@ -1,4 +1,4 @@
-//! Rows of runs, and the columns that all tables have.
+//! Rows of runs, and the columns common to all tables.
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
@@ -6,7 +6,7 @@ use super::column::TableDefinition;
 use crate::manifest::SweepAxes;
 use crate::{EnsembleProgram, Finished, Manifest};
 
-/// The run that a row belongs to.
+/// Run of a row.
 #[derive(Clone, Copy)]
 pub(super) struct RunContext<'a> {
     pub manifest: &'a Manifest,
@@ -21,13 +21,13 @@ impl RunContext<'_> {
     }
 }
 
-/// Something in a run.
+/// Item of a run.
 pub(super) struct RunRow<'a, T> {
     pub run: RunContext<'a>,
     pub of: T,
 }
 
-/// The rows of all runs, in the order of the runs.
+/// Returns the rows of all runs in order.
 pub(super) fn rows<'a, T, I: IntoIterator<Item = T>>(
     manifest: &'a Manifest,
     finished: &'a [Finished],
@@ -42,7 +42,7 @@ pub(super) fn rows<'a, T, I: IntoIterator<Item = T>>(
     rows.collect()
 }
 
-/// Begins a table with the columns of the run and of the axes of a sweep.
+/// Creates a table with the columns of the run and of the axes of a sweep.
 pub(super) fn keyed<'a, T: 'a>(
     name: &'static str,
     row: &'static str,
@@ -102,7 +102,7 @@ pub(super) fn add_phase<'a, T: 'a>(
     );
 }
 
-/// How a run ended, in a word.
+/// Returns the outcome of a run as a word.
 pub(super) fn outcome(outcome: &Outcome) -> &'static str {
     match outcome {
         Outcome::Completed => "completed",

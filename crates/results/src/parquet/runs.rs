@@ -6,7 +6,7 @@ use super::column::TableDefinition;
 use super::row::{RunRow, keyed, outcome};
 use crate::manifest::SweepAxes;
 
-/// The phase in which a run ended without being complete.
+/// Returns the phase of an incomplete run at its end.
 pub(super) fn unfinished(record: &RunRecord) -> Option<PhaseId> {
     match record.outcome {
         Outcome::Completed => None,

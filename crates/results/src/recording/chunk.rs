@@ -1,44 +1,44 @@
-//! The places of all blocks over a stretch of ticks, as bytes.
+//! Chunk: positions of all blocks over a range of ticks, as bytes.
 //!
-//! A coordinate is a whole number of steps from a corner, with a step for the whole chunk that is a
-//! power of two, so that a block at rest stays where it is from chunk to chunk. A quaternion keeps
-//! its sign from frame to frame. What is written is the second difference in time, wrapping in 16
-//! bits: blocks fly straight and turn evenly for most of the time, and so most numbers are small.
+//! A coordinate is an integer number of steps from a corner. The step of a chunk is a power of two,
+//! so that resting blocks stay in place across chunks. A quaternion keeps its sign between frames.
+//! The second difference in time is written, modulo 2^16: blocks mostly move straight and rotate
+//! uniformly, so most numbers are small.
 use stochc_files::budget::RECORDING_PART;
 
 use super::format::{RecordingError, deflate, inflate};
 
-/// Numbers of a place: x, y, z \[side\], then the quaternion's x, y, z, w.
+/// Numbers per position: x, y, z \[block lengths\], then the quaternion's x, y, z, w.
 pub(super) const NUMBERS: usize = 7;
 
-/// What 1 is in a quaternion: as fine as the coordinates of an arena of 60 sides.
+/// Value of 1 in a quaternion: as fine as the coordinates of an arena of 60 block lengths.
 const UNIT: f64 = 4095.0;
-/// The finest step of a coordinate \[side\].
+/// Smallest step of a coordinate \[block lengths\].
 const FINEST: f64 = 1.0 / (1 << 20) as f64;
 
-/// Bytes of the places of so many blocks at so many ticks.
+/// Returns the uncompressed size of the positions of all blocks at a number of ticks.
 pub(super) fn unpacked(bodies: u32, ticks: u32) -> u64 {
-    // More than can be is too many as well.
+    // Saturated sizes exceed every limit.
     u64::from(bodies)
         .saturating_mul(u64::from(ticks))
         .saturating_mul(2 * NUMBERS as u64)
 }
 
-/// The places of all blocks at some ticks, as they are kept.
+/// Positions of all blocks at some ticks, as stored.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PoseChunk {
-    /// Rising.
+    /// Ticks in rising order.
     pub ticks: Vec<u64>,
-    /// Coordinate of the number 0, by axis \[side\].
+    /// Coordinate of the number 0, by axis \[block lengths\].
     pub corner: [f64; 3],
-    /// Of a coordinate \[side\].
+    /// Step of a coordinate \[block lengths\].
     pub step: f64,
-    /// `NUMBERS` x blocks x ticks, the tick fastest.
+    /// `NUMBERS` x blocks x ticks, with the tick as the fastest index.
     pub numbers: Vec<u16>,
 }
 
 impl PoseChunk {
-    /// Rounds places: for each tick, `NUMBERS` for each block.
+    /// Quantizes positions: for each tick, `NUMBERS` for each block.
     pub fn quantize(ticks: Vec<u64>, places: &[f32], bodies: usize) -> PoseChunk {
         let frames = ticks.len();
         let mut low = [f64::INFINITY; 3];
@@ -60,7 +60,7 @@ impl PoseChunk {
                 }
             })
         };
-        // The range of a float ends before this does.
+        // Ends before the range of floats does.
         while (0..3).any(|axis| (high[axis] - corner(step)[axis]) / step > 65535.0) {
             step *= 2.0;
         }
@@ -76,10 +76,10 @@ impl PoseChunk {
                 };
                 for axis in 0..3 {
                     let steps = ((f64::from(place[axis]) - corner[axis]) / step).round();
-                    // A conversion to an integer saturates; nobody records what is not a number.
+                    // Conversion to an integer saturates, and NaN is never recorded.
                     put(axis, steps as u16);
                 }
-                // q and -q are the same rotation; the one that is nearer makes small differences.
+                // q and -q are the same rotation. The nearer one gives smaller differences.
                 let product: f32 = (0..4).map(|i| before[i] * place[3 + i]).sum();
                 let sign = if product < 0.0 { -1.0 } else { 1.0 };
                 for i in 0..4 {
@@ -97,7 +97,7 @@ impl PoseChunk {
         }
     }
 
-    /// Where a block is: x, y, z \[side\], and a quaternion of length one.
+    /// Returns the position of a block: x, y, z \[block lengths\], and a unit quaternion.
     pub fn place(&self, body: usize, frame: usize, bodies: usize) -> [f64; NUMBERS] {
         let frames = self.ticks.len();
         let number = |number: usize| self.numbers[(number * bodies + body) * frames + frame];
@@ -109,7 +109,7 @@ impl PoseChunk {
         [coordinate(0), coordinate(1), coordinate(2), x, y, z, w]
     }
 
-    /// The payload of a section.
+    /// Returns the payload of a section.
     pub fn to_bytes(&self) -> std::io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let first = self.ticks.first().copied().unwrap_or(0);
@@ -129,7 +129,7 @@ impl PoseChunk {
             let (mut before, mut change) = (0u16, 0u16);
             for (frame, &number) in numbers.iter().enumerate() {
                 let delta = number.wrapping_sub(before);
-                // The first number stands for itself, and the second for its difference.
+                // The first number is stored itself, the second as a difference.
                 let second = match frame {
                     0 | 1 => delta,
                     _ => delta.wrapping_sub(change),
@@ -144,7 +144,7 @@ impl PoseChunk {
         Ok(bytes)
     }
 
-    /// The counterpart of [`PoseChunk::to_bytes`].
+    /// Reads the output of [`PoseChunk::to_bytes`].
     pub fn from_bytes(bytes: &[u8], bodies: u32) -> Result<PoseChunk, RecordingError> {
         const PLACES: &str = "its places";
         let damaged = || RecordingError::Damaged(PLACES);
@@ -205,7 +205,7 @@ impl PoseChunk {
     }
 }
 
-/// Small differences of either sign to small numbers.
+/// Maps small differences of either sign to small numbers.
 fn zigzag(delta: u16) -> u16 {
     let delta = delta.cast_signed();
     ((delta << 1) ^ (delta >> 15)).cast_unsigned()
@@ -228,7 +228,7 @@ mod tests {
         assert_eq!(small, [0, 2, 4, 1, 3]);
     }
 
-    /// Numbers that jump from end to end, so that differences and differences of these wrap.
+    /// Returns numbers that jump between extremes, so that first and second differences wrap.
     fn jumping(bodies: usize, frames: usize) -> PoseChunk {
         let mut state = 1u32;
         let mut next = || {
@@ -271,7 +271,7 @@ mod tests {
         }
         let ticks = (0..frames as u64).collect();
         let chunk = PoseChunk::quantize(ticks, &places, bodies);
-        // 42 sides in 65535 steps, and the next power of two.
+        // 42 block lengths in 65535 steps, rounded to a power of two.
         assert_eq!(chunk.step, 1.0 / 1024.0);
         for frame in 0..frames {
             for body in 0..bodies {
@@ -284,8 +284,8 @@ mod tests {
                 let product: f64 = (3..7).map(|i| kept[i] * f64::from(place[i])).sum();
                 let length: f64 = (3..7).map(|i| f64::from(place[i]).powi(2)).sum();
                 let product = product / length.sqrt();
-                // Half a step in each of four parts is an angle of at most one step between two
-                // quaternions, and 1 - cos of that is half its square.
+                // Half a step in each of four components is an angle of at most one step. 1 - cos
+                // of it is half its square.
                 assert!(product.abs() > 1.0 - 0.5 / (UNIT * UNIT), "{product}");
             }
         }

@@ -1,6 +1,6 @@
-//! What happened, as rows of JSON: `[tick, kind, ...]`.
+//! Events as JSON arrays: `[tick, kind, ...]`.
 //!
-//! A free block is its number; a seed is -1 less the number of its role, so that -1 is the role 0.
+//! A free block is given by its number, a seed by -1 minus the number of its role.
 use std::collections::BTreeMap;
 
 use serde_json::value::RawValue;
@@ -10,16 +10,16 @@ use stochc_ir::{Cell, Face};
 use stochc_runtime::observe::{MessageContent, ObservedEvent};
 use stochc_runtime::world::{Body, FreeBond};
 
-/// An event and its tick.
+/// Event with its tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimedEvent {
-    /// When.
+    /// Tick.
     pub tick: u64,
-    /// What.
+    /// Event.
     pub event: ObservedEvent,
 }
 
-/// The seeds of a program, by number and by cell.
+/// Seeds of a program, by number and by cell.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seeds {
     roles: BTreeMap<Cell, u32>,
@@ -33,11 +33,11 @@ impl Seeds {
         Seeds { roles, cells }
     }
 
-    /// As which an event names a block.
+    /// Returns the number of a block in events.
     pub fn number(&self, body: Body) -> i64 {
         match body {
             Body::Free(id) => id.into(),
-            // Nobody but a seed with a role does anything.
+            // Only seeds with a role have events.
             Body::Seed(cell) => -1 - i64::from(self.roles.get(&cell).copied().unwrap_or(0)),
         }
     }
@@ -52,7 +52,7 @@ impl Seeds {
         }
     }
 
-    /// The row of an event.
+    /// Returns the array of an event.
     pub fn row(&self, tick: u64, event: &ObservedEvent) -> Value {
         let n = |body: Body| self.number(body);
         match *event {
@@ -98,7 +98,7 @@ impl Seeds {
         }
     }
 
-    /// The event of a row; `None`: it does not make sense.
+    /// Returns the event of an array, or `None` if it is invalid.
     pub fn event(&self, row: &RawValue) -> Option<TimedEvent> {
         let row: Vec<Value> = serde_json::from_str(row.get()).ok()?;
         let tick = row.first()?.as_u64()?;

@@ -1,5 +1,4 @@
-//! The frame of the file: a mark, a version, a header, and sections of which each can be passed
-//! over without being understood.
+//! File format: magic bytes, version, header, and sections that can be skipped.
 use std::io::{self, Read, Write};
 
 use flate2::Compression;
@@ -12,50 +11,49 @@ use stochc_files::checksum::crc32;
 /// Version of the file format. No other version is read.
 pub const VERSION: u32 = 1;
 
-/// How the file begins.
+/// Magic bytes.
 pub(super) const MARK: [u8; 8] = *b"STOCHREC";
 
-/// Places of all blocks at some ticks.
+/// Positions of all blocks at some ticks.
 pub(super) const POSES: [u8; 4] = *b"POSE";
-/// What happened meanwhile.
+/// Events in the same period.
 pub(super) const EVENTS: [u8; 4] = *b"EVNT";
-/// The record of the run; nothing follows.
+/// Record of the run. The last section.
 pub(super) const DONE: [u8; 4] = *b"DONE";
 
-/// What a recording is of.
+/// Header of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecordingHeader {
-    /// Version of the `stochc` that recorded.
+    /// Version of `stochc`.
     pub stochc: String,
     /// Identity of the ensemble's manifest.
     pub ensemble: String,
     /// Index of the program in the manifest.
     pub program: usize,
-    /// The number of the run, from 0.
+    /// Number of the run, from 0.
     pub run: u64,
-    /// Ticks from one recorded place to the next; places are also kept at every tick that changes
-    /// the structure.
+    /// Ticks between two frames. Ticks with structural changes also have a frame.
     pub every: u32,
-    /// Free blocks at the beginning.
+    /// Number of initially free blocks.
     pub bodies: u32,
 }
 
-/// Why a recording cannot be used.
+/// Error of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// It begins with something else.
-    #[error("it is no recording of a run")]
+    /// It begins with other bytes.
+    #[error("it is not a recording of a run")]
     Foreign,
-    /// It is of a version that this program does not know.
+    /// Its version is unknown.
     #[error("its format is version {0}, and this `stochc` reads version {VERSION}")]
     Version(u32),
-    /// It ends too early.
-    #[error("it was cut short{}", .0.map_or(String::new(), |tick| format!(" after tick {tick}")))]
+    /// It is truncated.
+    #[error("it is truncated{}", .0.map_or(String::new(), |tick| format!(" after tick {tick}")))]
     CutShort(Option<u64>),
-    /// A part of it does not make sense.
+    /// A part of it is invalid.
     #[error("it is damaged: {0}")]
     Damaged(&'static str),
-    /// It is too large to be held in memory as a whole.
+    /// It is too large to be held in memory.
     #[error("it has {} or more, unpacked", size(RECORDING_WHOLE))]
     TooLarge,
     /// It could not be read or written.
@@ -63,10 +61,11 @@ pub enum RecordingError {
     Io(#[from] io::Error),
 }
 
-/// Whether a file begins as a recording does, of any version.
+/// Returns whether a file begins like a recording of any version.
 ///
 /// # Errors
-/// Those of the file.
+///
+/// Errors of the file.
 pub fn is_file(file: &mut std::fs::File) -> io::Result<bool> {
     let mut mark = [0; 8];
     Ok(fill(file, &mut mark)? == mark.len() && mark == MARK)
@@ -87,14 +86,14 @@ fn write_sealed(out: &mut impl Write, parts: &[&[u8]]) -> io::Result<()> {
     out.write_all(&crc32(&part).to_le_bytes())
 }
 
-/// A part of a file that has been read, and is to be held against its checksum.
+/// Part of a file that is being read, for its checksum.
 struct ChecksummedSection<R> {
     from: R,
     bytes: Vec<u8>,
 }
 
 impl<R: Read> ChecksummedSection<R> {
-    /// The next bytes, or what there is of them.
+    /// Reads the next bytes, or fewer at the end of the file.
     fn take(&mut self, count: u64) -> io::Result<&[u8]> {
         let at = self.bytes.len();
         self.from
@@ -104,12 +103,12 @@ impl<R: Read> ChecksummedSection<R> {
         Ok(&self.bytes[at..])
     }
 
-    /// The next number; `None`: the file ends before it does.
+    /// Reads the next number, or returns `None` at the end of the file.
     fn number(&mut self) -> io::Result<Option<u32>> {
         Ok(self.take(4)?.try_into().ok().map(u32::from_le_bytes))
     }
 
-    /// Whether the checksum that follows is right; `None`: the file ends before it does.
+    /// Returns whether the checksum that follows is correct, or `None` at the end of the file.
     fn is_sound(&mut self) -> io::Result<Option<bool>> {
         let crc = crc32(&self.bytes);
         Ok(self.number()?.map(|stored| stored == crc))
@@ -152,11 +151,11 @@ pub(super) fn write_section(out: &mut impl Write, tag: [u8; 4], payload: &[u8]) 
     write_sealed(out, &[&tag, &length.to_le_bytes(), payload])
 }
 
-/// What a section is, and what it holds.
+/// Type and content of a section.
 pub(super) type Section = ([u8; 4], Vec<u8>);
 
-/// Reads the next section of a file, of at most so many bytes; `None`: the file ends here, or in the
-/// midst of it.
+/// Reads the next section of a file, of at most `most` bytes. Returns `None` if the file ends
+/// before or within it.
 pub(super) fn read_section(
     from: &mut impl Read,
     most: u64,
@@ -188,7 +187,7 @@ pub(super) fn read_section(
     Ok(Some((tag, part.bytes)))
 }
 
-/// Reads until the buffer is full or the file ends; how much that was.
+/// Reads until the buffer is full or the file ends. Returns the number of bytes.
 fn fill(from: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
     let mut have = 0;
     while have < buffer.len() {
@@ -202,20 +201,22 @@ fn fill(from: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
     Ok(have)
 }
 
-/// How hard to compress: 6 takes twice the time and gains a fortieth.
+/// Compression level. 6 takes twice the time and saves a fortieth.
 const LEVEL: u32 = 3;
 
-/// Compresses; the zlib format, because its checksum finds what has been damaged.
+/// Compresses bytes. The zlib format has a checksum.
 pub(super) fn deflate(bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(LEVEL));
     encoder.write_all(bytes)?;
     encoder.finish()
 }
 
-/// The counterpart of [`deflate`], for at most `limit` bytes of a part.
+/// Decompresses at most `limit` bytes of a part.
 ///
 /// # Errors
-/// [`RecordingError::Damaged`] where they are damaged, or more; where there is no memory for them, that of reading.
+///
+/// [`RecordingError::Damaged`] if they are corrupted or exceed the limit, and an I/O error without
+/// memory for them.
 pub(super) fn inflate(
     bytes: &[u8],
     limit: u64,

@@ -1,9 +1,8 @@
-//! A run as it can be looked at again: where every block was, and all that happened.
+//! Recording of a run: positions of all blocks, and all events.
 //!
-//! A recording is a file of the results folder; `docs/guides/replay.md` describes it byte by byte. It is
-//! written while the run goes, chunk by chunk, so that a long run needs no more memory than a short
-//! one. Places are kept in 16 bits, for looking and not for computing; a recording of the same run
-//! is always the same, bit for bit.
+//! A recording is a file of the results folder; `docs/guides/replay.md` describes its bytes. It is
+//! written chunk by chunk during the run, so that long runs need no more memory than short ones.
+//! Positions have 16 bits, for display only. Equal runs have equal recordings, bit for bit.
 mod chunk;
 mod events;
 mod format;
@@ -17,10 +16,10 @@ pub use read::{Frame, Outline, Places, Recording, each_places};
 pub use selection::Selection;
 pub use write::Recorder;
 
-/// Ticks from one recorded place to the next, if nothing else is said.
+/// Default ticks between two frames.
 pub const EVERY: u32 = 4;
 
-/// Where a folder of results keeps the recording of a run: `recordings/PROGRAM-RUN.rec`, both
+/// Returns the path of a run's recording in a results folder: `recordings/PROGRAM-RUN.rec`, both
 /// counted from 0.
 pub fn path(folder: &std::path::Path, program: usize, run: u64) -> std::path::PathBuf {
     folder

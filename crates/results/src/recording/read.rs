@@ -16,14 +16,14 @@ use super::format::{
 use crate::records::RecordValidator;
 use crate::{Finished, Manifest};
 
-/// What a recording is of, and what came of the run.
+/// Header of a recording, and the record of its run.
 #[derive(Clone, Debug)]
 pub struct Outline {
     header: RecordingHeader,
     record: RunRecord,
 }
 
-/// A whole recording in memory: its events, and its places in chunks.
+/// Recording in memory: events, and positions in chunks.
 #[derive(Clone, Debug)]
 pub struct Recording {
     outline: Outline,
@@ -31,37 +31,38 @@ pub struct Recording {
     events: Vec<TimedEvent>,
 }
 
-/// What a recording holds, as it is read.
+/// Item of a recording.
 enum Content {
     Places(PoseChunk),
     Event(TimedEvent),
 }
 
-/// Where all blocks were at a tick.
+/// Positions of all blocks at a tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// When.
+    /// Tick.
     pub tick: u64,
-    /// For each block x, y, z \[side\] and the quaternion x, y, z, w, which takes its own
-    /// directions to the structure's.
+    /// For each block x, y, z \[block lengths\] and the quaternion x, y, z, w from block to
+    /// structure axes.
     pub places: Vec<[f64; 7]>,
 }
 
 impl Outline {
-    /// Reads and checks all of a recording of a program with these `tables`, part by part.
+    /// Reads and validates a recording of a program with these `tables`, part by part.
     ///
     /// # Errors
-    /// When it is none, of another version, cut short or damaged.
+    ///
+    /// If it is invalid, of another version, truncated or corrupted.
     pub fn read(from: impl Read, tables: &Tables) -> Result<Outline, RecordingError> {
         walk(from, tables, &mut |_, _| Ok(()))
     }
 
-    /// What came of the run.
+    /// Returns the record of the run.
     pub fn record(&self) -> &RunRecord {
         &self.record
     }
 
-    /// Whether it is that of a run of an ensemble: the one that is `known`, or one that its program can have had.
+    /// Returns whether it belongs to a run of an ensemble: the `known` one, or any valid one.
     pub fn is_of(
         &self,
         manifest: &Manifest,
@@ -81,7 +82,7 @@ impl Outline {
     }
 }
 
-/// Where all blocks were at a tick, as long as it is shown.
+/// Borrowed positions of all blocks at a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Places<'a> {
     chunk: &'a PoseChunk,
@@ -90,28 +91,29 @@ pub struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// When.
+    /// Returns the tick.
     pub fn tick(&self) -> u64 {
         self.chunk.ticks[self.frame]
     }
 
-    /// How many free blocks there are, numbered from 0.
+    /// Returns the number of free blocks, numbered from 0.
     pub fn bodies(&self) -> usize {
         self.bodies
     }
 
-    /// x, y and z of a block \[side\], from the centre of the plate's upper side.
+    /// Returns x, y and z of a block from the centre of the plate's upper side \[block lengths\].
     pub fn place(&self, body: usize) -> [f64; 3] {
         let [x, y, z, ..] = self.chunk.place(body, self.frame, self.bodies);
         [x, y, z]
     }
 }
 
-/// Goes through a recording of a program with these `tables`, and shows all places to `each`, in the order of time and without
-/// holding more than a part of them. Whether all of it is sound is known at the end alone.
+/// Calls `each` with all positions of a recording in order of time, holding only a part of them.
+/// Corruption may be detected only at the end.
 ///
 /// # Errors
-/// Those of [`Outline::read`].
+///
+/// The errors of [`Outline::read`].
 pub fn each_places(
     from: impl Read,
     tables: &Tables,
@@ -140,7 +142,7 @@ pub fn each_places(
     })
 }
 
-/// Reads a recording, and gives what it holds to `each`, in its order.
+/// Reads a recording and calls `each` with its items in order.
 fn walk(
     mut from: impl Read,
     tables: &Tables,
@@ -149,7 +151,7 @@ fn walk(
     let header = read_header(&mut from)?;
     let seeds = Seeds::new(tables);
     let most = budget::record(tables.captures() as u64);
-    // The last tick with places, and of anything.
+    // Last tick with positions, and last tick of any item.
     let (mut last, mut latest) = (None, 0);
     loop {
         let Some((tag, payload)) = read_section(&mut from, most.max(RECORDING_PART))? else {
@@ -201,7 +203,7 @@ fn walk(
     }
 }
 
-/// Takes the rows of a list one by one; `None`: one does not make sense.
+/// Visitor that processes the elements of a list one by one. `None` is an invalid element.
 struct EventListVisitor<'a>(&'a mut dyn FnMut(&RawValue) -> Option<()>);
 
 impl<'de> Visitor<'de> for EventListVisitor<'_> {
@@ -222,10 +224,11 @@ impl<'de> Visitor<'de> for EventListVisitor<'_> {
 }
 
 impl Recording {
-    /// Reads all of a recording of a program with these `tables` into memory.
+    /// Reads a recording of a program with these `tables` into memory.
     ///
     /// # Errors
-    /// Those of [`Outline::read`], and of one that is too large for that.
+    ///
+    /// The errors of [`Outline::read`], and a recording that is too large.
     pub fn read(from: impl Read, tables: &Tables) -> Result<Recording, RecordingError> {
         let (mut chunks, mut events, mut size) = (Vec::new(), Vec::new(), 0);
         let outline = walk(from, tables, &mut |_, content| {
@@ -247,22 +250,22 @@ impl Recording {
         })
     }
 
-    /// What it is of.
+    /// Returns the header.
     pub fn header(&self) -> &RecordingHeader {
         &self.outline.header
     }
 
-    /// All that happened, in its order.
+    /// Returns all events in order.
     pub fn events(&self) -> &[TimedEvent] {
         &self.events
     }
 
-    /// The record of the run.
+    /// Returns the record of the run.
     pub fn record(&self) -> &RunRecord {
         &self.outline.record
     }
 
-    /// All places that were kept, in the order of time.
+    /// Returns all frames in order of time.
     pub fn frames(&self) -> impl Iterator<Item = Frame> + '_ {
         let bodies = self.header().bodies as usize;
         self.chunks.iter().flat_map(move |chunk| {

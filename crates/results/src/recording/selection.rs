@@ -1,17 +1,17 @@
-//! Which runs to record.
+//! Selection of runs to record.
 use std::str::FromStr;
 
-/// Runs by their number: `17`, `0..4` (both ends included), `0,5,10..12` or `all`.
+/// Selection of runs by number: `17`, `0..4` (both ends included), `0,5,10..12` or `all`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Selection {
-    /// Every run that there is.
+    /// All runs.
     All,
-    /// First and last of some ranges.
+    /// First and last run of each range.
     Ranges(Vec<(u64, u64)>),
 }
 
 impl Selection {
-    /// Whether a run is among them.
+    /// Returns whether a run is selected.
     pub fn contains(&self, run: u64) -> bool {
         match self {
             Selection::All => true,
@@ -21,7 +21,7 @@ impl Selection {
         }
     }
 
-    /// The least run that is named and is not among the first `runs`; `None`: all are.
+    /// Returns the smallest selected run that is not among the first `runs`, if there is one.
     pub fn beyond(&self, runs: u64) -> Option<u64> {
         let Selection::Ranges(ranges) = self else {
             return None;

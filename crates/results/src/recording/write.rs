@@ -1,4 +1,4 @@
-//! Recording, while a run goes.
+//! Recording during a run.
 use std::io::{self, BufWriter, Read, Write};
 
 use stochc_files::atomic::Draft;
@@ -14,30 +14,32 @@ use super::chunk::{NUMBERS, PoseChunk, unpacked};
 use super::events::Seeds;
 use super::format::{DONE, EVENTS, POSES, RecordingHeader, deflate, write_header, write_section};
 
-/// Numbers to collect before they are written: some 2 MB.
+/// Numbers per chunk, about 2 MB.
 const ENOUGH: usize = 1 << 19;
-/// With very many blocks more is collected, because a chunk of few ticks compresses badly.
+/// Smallest number of ticks per chunk, because few ticks compress badly.
 const FEWEST_TICKS: usize = 16;
-/// With very few blocks less.
+/// Largest number of ticks per chunk.
 const MAX_TICKS: usize = 512;
 
-/// Events of a part, so that it keeps to its budget: none has 128 bytes.
+/// Largest number of events per section, within its size limit: each has less than 128 bytes.
 const MAX_EVENTS: usize = 1 << 20;
 
-/// Where a recording goes.
+/// Output of a recording.
 pub trait Output: Write {
-    /// How many bytes it has, and those.
+    /// Returns the number of bytes written, and these bytes.
     ///
     /// # Errors
-    /// Those of the file system, and where it cannot be read again.
+    ///
+    /// Errors of the file system, and an output that cannot be read.
     fn written(&self) -> io::Result<(u64, Box<dyn Read>)> {
         Err(io::ErrorKind::Unsupported.into())
     }
 
-    /// Makes it empty.
+    /// Truncates the output.
     ///
     /// # Errors
-    /// As of [`Output::written`].
+    ///
+    /// As for [`Output::written`].
     fn rewind(&mut self) -> io::Result<()> {
         Err(io::ErrorKind::Unsupported.into())
     }
@@ -54,10 +56,10 @@ impl Output for Draft {
     }
 }
 
-/// A file without a name, of a run that is made without a stop.
+/// Anonymous file, for runs without checkpoints.
 impl Output for BufWriter<std::fs::File> {}
 
-/// Records the run that it observes.
+/// Observer that records a run.
 pub struct Recorder<W: Output> {
     out: W,
     every: u64,
@@ -66,15 +68,16 @@ pub struct Recorder<W: Output> {
     ticks: Vec<u64>,
     places: Vec<f32>,
     rows: Vec<serde_json::Value>,
-    /// The first reason why nothing can be written any more.
+    /// First write error.
     broken: Option<io::Error>,
 }
 
 impl<W: Output> Recorder<W> {
-    /// Begins a recording; [`Recorder::finish`] ends it.
+    /// Begins a recording. [`Recorder::finish`] ends it.
     ///
     /// # Errors
-    /// Those of `out`.
+    ///
+    /// Errors of `out`.
     pub fn new(mut out: W, header: &RecordingHeader, tables: &Tables) -> io::Result<Recorder<W>> {
         write_header(&mut out, header)?;
         out.flush()?;
@@ -90,10 +93,11 @@ impl<W: Output> Recorder<W> {
         })
     }
 
-    /// Writes what is left, and the record of the run.
+    /// Writes the rest, and the record of the run.
     ///
     /// # Errors
-    /// The first that `out` had since the beginning.
+    ///
+    /// The first error of `out` since the beginning.
     pub fn finish(mut self, record: &RunRecord) -> io::Result<W> {
         if let Some(error) = self.broken {
             return Err(error);
@@ -114,7 +118,7 @@ impl<W: Output> Recorder<W> {
             || self.rows.len() >= MAX_EVENTS
     }
 
-    /// The events come before the places of the same ticks.
+    /// Events precede the positions of the same ticks.
     fn write_chunk(&mut self) -> io::Result<()> {
         if !self.rows.is_empty() {
             let json = serde_json::to_vec(&self.rows)?;
@@ -127,7 +131,7 @@ impl<W: Output> Recorder<W> {
             write_section(&mut self.out, POSES, &chunk.to_bytes()?)?;
             self.places.clear();
         }
-        // For it to be read again.
+        // Readers can then see it.
         self.out.flush()
     }
 }
@@ -140,7 +144,7 @@ impl<W: Output> Observer for Recorder<W> {
         let tick = arena.tick();
         self.rows
             .extend(events.iter().map(|event| self.seeds.row(tick, event)));
-        // Between two places blocks are shown on a straight line; nothing of note is in between.
+        // Displays interpolate linearly between frames, so notable events need a frame.
         let is_notable = events.iter().any(|event| {
             matches!(
                 event,
@@ -166,7 +170,7 @@ impl<W: Output> Observer for Recorder<W> {
     }
 
     fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
-        // Where it is broken, nothing more is written.
+        // After an error, nothing more is written.
         to.put(&(self.every, self.broken.is_some()))?;
         if self.broken.is_some() {
             return Ok(());

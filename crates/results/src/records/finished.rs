@@ -4,19 +4,19 @@ use stochc_ir::record::RunRecord;
 
 use crate::records::LineLocation;
 
-/// A run of one of the ensemble's programs.
+/// Finished run of one of the ensemble's programs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Finished {
-    /// An index into the manifest's programs.
+    /// Index of the program in the manifest.
     pub program: usize,
-    /// How it went.
+    /// Record.
     pub record: RunRecord,
     /// CPU time of the run \[s\]. It is measured in sweeps over settings, in runs that are not continued from a checkpoint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu: Option<f64>,
 }
 
-/// Two runs are equal if they went the same way. Their CPU time differs from machine to machine.
+/// Equality ignores the CPU time, which differs between machines.
 impl PartialEq for Finished {
     fn eq(&self, other: &Finished) -> bool {
         (self.program, &self.record) == (other.program, &other.record)

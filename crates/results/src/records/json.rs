@@ -1,12 +1,12 @@
-//! A record of a run as JSON that needs no other file to be read.
+//! Self-contained JSON of a run's record.
 use serde_json::{Value, json};
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::{PhaseId, RoleId};
 
 use crate::EnsembleProgram;
 
-/// A record with the names of its program: beside each index of a phase or a role stands its name, as
-/// `phase_name`, `parent_name`, `child_name` or `role_name`.
+/// Returns a record with names: next to each index of a phase or role, `phase_name`, `parent_name`,
+/// `child_name` or `role_name`.
 pub fn record_json(record: &RunRecord, program: &EnsembleProgram) -> Value {
     let mut value = serde_json::to_value(record).expect("a record is plain data");
     name(&mut value, program);

@@ -1,13 +1,14 @@
-//! Where a run is kept.
+//! Position of a run in a file.
 
-/// Where the line of a run is. The order is that of [`Records`]; of two lines for one run, the first counts.
+/// Position of the line of a run. Sorted like [`Records`]; of two lines for one run, the first
+/// counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct LineLocation {
     pub program: u32,
     pub run: u64,
-    /// Its number among the files.
+    /// Index of the file.
     pub file: u32,
-    /// Where it begins \[bytes\].
+    /// Start of the line \[bytes\].
     pub at: u64,
 }
 

@@ -1,4 +1,4 @@
-//! The events of a program, which those of a record have to be.
+//! Events of a program, for validating records.
 use stochc_ir::Cell;
 use stochc_ir::graph::{Dependency, Edge, EventAction, EventGraph, EventId};
 use stochc_ir::record::RunRecord;
@@ -6,19 +6,19 @@ use stochc_ir::table::PhaseId;
 
 use crate::EnsembleProgram;
 
-/// The events of a program, sorted for lookups.
+/// Events of a program, sorted for lookups.
 pub(crate) struct ProgramEvents<'m> {
     graph: &'m EventGraph,
-    /// Sorted by phase and action. Events that are the same in both stay in source order.
+    /// Events by phase and action. Equal ones stay in source order.
     sorted: Vec<EventId>,
 }
 
-/// When an event of a record happened.
+/// Times of an event in a record.
 #[derive(Clone, Copy)]
 struct EventTimes {
-    /// When nothing that it waits for was left.
+    /// Time when all its predecessors had happened.
     ready: u64,
-    /// `None`: it had not happened when the run ended.
+    /// Time of the event. `None` if it had not happened at the end of the run.
     done: Option<u64>,
 }
 
@@ -32,7 +32,7 @@ impl<'m> ProgramEvents<'m> {
         ProgramEvents { graph, sorted }
     }
 
-    /// Checks that the program has every event of a record, and that each comes after all that it waits for.
+    /// Checks that the program has every event of a record, after all its predecessors.
     pub fn check(&self, record: &RunRecord) -> Checked {
         let times = self.times(record)?;
         self.check_phases(&times)?;
@@ -46,7 +46,7 @@ impl<'m> ProgramEvents<'m> {
         Ok(())
     }
 
-    /// Finds the event of every capture, wait and release.
+    /// Returns the event of every capture, wait and release.
     fn times(&self, record: &RunRecord) -> Checked<Vec<Option<EventTimes>>> {
         let mut times = vec![None; self.graph.events.len()];
         for bond in &record.bonds {
@@ -106,9 +106,9 @@ impl<'m> ProgramEvents<'m> {
         found.ok_or("its program has no such event")
     }
 
-    /// Checks that a phase begins when all of those before it have ended.
+    /// Checks that each phase begins at the end of the previous one.
     fn check_phases(&self, times: &[Option<EventTimes>]) -> Checked {
-        // The events of phases that have ended, and when the last of them happened.
+        // Number of events in ended phases, and the time of the last one.
         let mut ended = 0;
         let mut last = 0;
         let mut begin = 0;
@@ -135,13 +135,13 @@ fn key(graph: &EventGraph, id: EventId) -> (PhaseId, EventAction) {
     (event.phase, event.action)
 }
 
-/// Whether what an edge asks for had happened in time. Of choices, none has to be kept.
+/// Returns whether a dependency is fulfilled. Choices are not checked.
 fn is_kept(edge: &Edge, then: EventTimes, times: &[Option<EventTimes>]) -> bool {
     if edge.unneeded || edge.why.is_choice() {
         return true;
     }
     let needed_by = match edge.why {
-        // A face may be switched on while its cell is full.
+        // A face may be switched on while its cell is occupied.
         Dependency::Vacated => then.done.unwrap_or(u64::MAX),
         _ => then.ready,
     };

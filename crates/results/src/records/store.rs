@@ -1,4 +1,4 @@
-//! The finished runs of an ensemble, in order, without all of them in memory.
+//! Finished runs of an ensemble in order, without all of them in memory.
 use std::borrow::Cow;
 use std::io::{self, BufReader, Seek as _, SeekFrom};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -10,9 +10,9 @@ use crate::journal::read_at;
 use crate::records::Finished;
 use crate::records::LineLocation;
 
-/// Finished runs, sorted by program and run, each once; to be gone through as often as need be.
+/// Finished runs, sorted by program and number, each once.
 ///
-/// Those of a folder stay in its files: 24 bytes of memory are kept for each, which say where it is.
+/// Runs of a folder remain in its files. Memory holds only their positions, 24 bytes each.
 #[derive(Clone, Debug)]
 pub struct Records(Arc<Store>);
 
@@ -25,10 +25,10 @@ enum Store {
 /// Lines of files.
 #[derive(Debug)]
 struct Lines {
-    /// Sorted.
+    /// Positions, sorted.
     places: Vec<LineLocation>,
     files: Mutex<Vec<BufReader<File>>>,
-    /// Bytes of a line, fewer than which it has.
+    /// Limit of a line \[bytes\].
     most: u64,
 }
 
@@ -38,7 +38,7 @@ impl Default for Records {
     }
 }
 
-/// Runs in any order, each once.
+/// Sorts unique runs in any order.
 impl From<Vec<Finished>> for Records {
     fn from(mut finished: Vec<Finished>) -> Records {
         finished.sort_by_key(|done| (done.program, done.record.run));
@@ -47,9 +47,10 @@ impl From<Vec<Finished>> for Records {
 }
 
 impl Records {
-    /// The runs at places in any order, in files whose lines have fewer bytes than `most`.
+    /// Returns the runs at positions in any order, in files whose lines have fewer bytes than
+    /// `most`.
     pub(crate) fn at(mut places: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
-        /// Bytes that are read at once: runs that finished one after the other are seldom far apart.
+        /// Buffer size: runs that finished in sequence are seldom far apart.
         const PIECE: usize = 1 << 14;
         places.sort_unstable();
         places.dedup_by_key(|place| place.key());
@@ -62,7 +63,7 @@ impl Records {
         })))
     }
 
-    /// How many there are.
+    /// Returns the number of runs.
     pub fn len(&self) -> usize {
         match &*self.0 {
             Store::Memory(finished) => finished.len(),
@@ -70,12 +71,12 @@ impl Records {
         }
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no runs.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The program and the number of each.
+    /// Returns program and number of each run.
     pub fn keys(&self) -> impl Iterator<Item = (usize, u64)> {
         let (finished, places): (&[Finished], &[LineLocation]) = match &*self.0 {
             Store::Memory(finished) => (finished, &[]),
@@ -85,15 +86,16 @@ impl Records {
         finished.chain(places.iter().map(LineLocation::key))
     }
 
-    /// Whether a run is among them.
+    /// Returns whether a run is present.
     pub fn contains(&self, program: usize, run: u64) -> bool {
         self.place(program, run).is_some()
     }
 
-    /// A run, if it is there.
+    /// Returns a run if it is present.
     ///
     /// # Errors
-    /// Where the files of its folder cannot be read again.
+    ///
+    /// If the files of its folder cannot be read.
     pub fn get(&self, program: usize, run: u64) -> Result<Option<Finished>, JournalError> {
         let Some(number) = self.place(program, run) else {
             return Ok(None);
@@ -104,10 +106,11 @@ impl Records {
         }
     }
 
-    /// Shows each of them, in their order.
+    /// Calls `show` with each run in order.
     ///
     /// # Errors
-    /// Where the files of their folder cannot be read again.
+    ///
+    /// If the files of their folder cannot be read.
     pub fn each(&self, mut show: impl FnMut(&Finished)) -> Result<(), JournalError> {
         self.try_each(|finished| {
             show(finished);
@@ -115,10 +118,11 @@ impl Records {
         })
     }
 
-    /// As [`Records::each`], until the first error.
+    /// Calls `show` with each run until the first error.
     ///
     /// # Errors
-    /// Those, and the ones of `show`.
+    ///
+    /// The errors of [`Records::each`] and of `show`.
     pub fn try_each<E: From<JournalError>>(
         &self,
         mut show: impl FnMut(&Finished) -> Result<(), E>,
@@ -126,7 +130,7 @@ impl Records {
         self.try_take_each(|finished| show(&finished))
     }
 
-    /// As [`Records::try_each`], where those that are read anew may be kept.
+    /// Like [`Records::try_each`], but passes ownership of runs read from files.
     pub(crate) fn try_take_each<E: From<JournalError>>(
         &self,
         mut take: impl FnMut(Cow<Finished>) -> Result<(), E>,
@@ -140,10 +144,11 @@ impl Records {
         }
     }
 
-    /// Shows those of these programs and numbers that are there, until the first error.
+    /// Calls `show` with the present runs among these programs and numbers, until the first error.
     ///
     /// # Errors
-    /// Those of [`Records::try_each`].
+    ///
+    /// The errors of [`Records::try_each`].
     pub fn try_each_of<E: From<JournalError>>(
         &self,
         keys: impl Iterator<Item = (usize, u64)>,
@@ -159,14 +164,15 @@ impl Records {
         }
     }
 
-    /// These, and those at places in a further file.
+    /// Returns these runs and those at positions in another file.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub(crate) fn and(&self, more: &[LineLocation], file: File, most: u64) -> io::Result<Records> {
         let mut files = Vec::new();
         if let Store::Lines(lines) = &*self.0 {
-            let open = lines.files.lock().expect("nobody panics while it is held");
+            let open = lines.files.lock().expect("no panic while it is locked");
             for file in open.iter() {
                 files.push(file.get_ref().try_clone()?);
             }
@@ -175,28 +181,29 @@ impl Records {
         Ok(Records::at([self.places(), more].concat(), files, most))
     }
 
-    /// In how many files they are.
+    /// Returns the number of files.
     pub(crate) fn files(&self) -> u32 {
         match &*self.0 {
             Store::Memory(_) => 0,
             Store::Lines(lines) => {
-                let files = lines.files.lock().expect("nobody panics while it is held");
+                let files = lines.files.lock().expect("no panic while it is locked");
                 u32::try_from(files.len()).expect("few processes have been killed")
             }
         }
     }
 
-    /// All of them in memory, where they are few.
+    /// Returns all runs in memory. For small ensembles.
     ///
     /// # Errors
-    /// Those of [`Records::each`].
+    ///
+    /// The errors of [`Records::each`].
     pub fn to_vec(&self) -> Result<Vec<Finished>, JournalError> {
         let mut all = Vec::with_capacity(self.len());
         self.each(|finished| all.push(finished.clone()))?;
         Ok(all)
     }
 
-    /// Where they are, if that is in files.
+    /// Returns the positions, if the runs are in files.
     pub(crate) fn places(&self) -> &[LineLocation] {
         match &*self.0 {
             Store::Memory(_) => &[],
@@ -214,10 +221,10 @@ impl Records {
     }
 }
 
-/// Reads lines anew.
+/// Reader of lines in files.
 struct LineReader<'a> {
     files: MutexGuard<'a, Vec<BufReader<File>>>,
-    /// Where each file stands; `None`: nobody knows.
+    /// Position of each file. `None` if unknown.
     at: Vec<Option<u64>>,
     line: Vec<u8>,
     most: u64,
@@ -225,7 +232,7 @@ struct LineReader<'a> {
 
 impl Lines {
     fn reader(&self) -> LineReader<'_> {
-        let files = self.files.lock().expect("nobody panics while it is held");
+        let files = self.files.lock().expect("no panic while it is locked");
         LineReader {
             at: vec![None; files.len()],
             files,
@@ -240,7 +247,7 @@ impl LineReader<'_> {
         let number = place.file as usize;
         let (file, at) = (&mut self.files[number], &mut self.at[number]);
         match at.take() {
-            // What has been read already is not read again.
+            // Bytes that were just read are not read again.
             Some(at) => file.seek_relative(place.at.wrapping_sub(at).cast_signed())?,
             None => {
                 file.seek(SeekFrom::Start(place.at))?;

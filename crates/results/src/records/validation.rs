@@ -1,11 +1,11 @@
-//! What a record can say, and what no run of its program can have done.
+//! Validation of records against their program.
 use stochc_ir::record::{Origin, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
 use crate::Manifest;
 use crate::records::ProgramEvents;
 
-/// Checks what records claim against the programs of a manifest.
+/// Validator of records against the programs of a manifest.
 pub(crate) struct RecordValidator<'m> {
     manifest: &'m Manifest,
     programs: Vec<ProgramEvents<'m>>,
@@ -47,7 +47,7 @@ impl<'m> RecordValidator<'m> {
         if bodies(record).any(|body| body >= free) {
             return Some("its scene has no such block".to_owned());
         }
-        // An aggregate has no roles, and no blocks that take one.
+        // An aggregate has no roles.
         if program.tables().aggregate.is_some() {
             return None;
         }
@@ -60,7 +60,7 @@ impl<'m> RecordValidator<'m> {
     }
 }
 
-/// All times of a record, but that of its end.
+/// Returns all times of a record except its end.
 fn times(record: &RunRecord) -> impl Iterator<Item = u64> {
     let bonds = record.bonds.iter();
     let phases = record

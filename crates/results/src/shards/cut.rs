@@ -1,4 +1,4 @@
-//! Into how many pieces an ensemble is cut, and which runs each of them has.
+//! Split of an ensemble into shards.
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -17,30 +17,31 @@ use crate::journal::line as journal_line;
 use crate::journal::{self, JournalHeader, PieceHeader};
 use crate::{Folder, FolderError, Manifest, Resume, this_build};
 
-/// How an ensemble is cut; `shards.json` in its folder.
+/// Split of an ensemble: `shards.json` in its folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cut {
-    /// The identity of the ensemble.
+    /// Identity of the ensemble.
     ensemble: String,
     /// Runs of each program.
     pub runs: u64,
-    /// How many pieces there are.
+    /// Number of shards.
     pub shards: u64,
 }
 
-/// What [`prepare`] has found.
+/// Result of [`prepare`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prepared {
-    /// Nothing, and has made the folder.
+    /// The folder was created.
     New,
-    /// The same ensemble, cut in the same way.
+    /// The folder has the same ensemble with the same split.
     Already,
 }
 
-/// Makes the folder of an ensemble at `path`, and cuts it into so many pieces.
+/// Creates the folder of an ensemble at `path`, split into `shards` shards.
 ///
 /// # Errors
-/// Every error leaves what is there as it was.
+///
+/// Every error leaves existing files unchanged.
 pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared, ShardError> {
     let cut = Cut {
         ensemble: manifest.identity(),
@@ -84,7 +85,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     Ok(Prepared::New)
 }
 
-/// Refuses runs of this build in the ensemble of another.
+/// Rejects runs of this build in the ensemble of another one.
 pub(crate) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderError> {
     if stored.builds == [this_build()] {
         Ok(())
@@ -98,10 +99,11 @@ pub(crate) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderErr
 }
 
 impl Cut {
-    /// Reads the manifest of a folder and how it is cut.
+    /// Reads the manifest of a folder and its split.
     ///
     /// # Errors
-    /// When there is no ensemble, or it is not cut.
+    ///
+    /// If there is no ensemble, or it is not split.
     pub(crate) fn require(path: &Path) -> Result<(Manifest, Cut), ShardError> {
         let manifest = survey(path)?.ok_or_else(|| FolderError::Absent(path.to_owned()))?;
         let Some(cut) = Cut::read(path)? else {
@@ -123,7 +125,7 @@ impl Cut {
         Ok((manifest, cut))
     }
 
-    /// Reads it in a folder; `None`: it is not cut.
+    /// Reads the split of a folder, or returns `None` if there is none.
     pub(crate) fn read(path: &Path) -> Result<Option<Cut>, ShardError> {
         let bytes = match read_file(&path.join(SHARDS_FILE), SHARDS_BUDGET) {
             Ok(bytes) => bytes,
@@ -137,7 +139,7 @@ impl Cut {
         }
     }
 
-    /// Writes it into the folder of its ensemble, and the checksums of both.
+    /// Writes the split into the folder of its ensemble, and the checksums of both.
     pub(crate) fn write(&self, path: &Path) -> Result<(), FolderError> {
         let text = journal_line(self);
         replace(path, SHARDS_FILE, text.as_bytes())?;
@@ -145,7 +147,7 @@ impl Cut {
         write_checksums(path, &[(SHARDS_FILE.to_owned(), sum)])
     }
 
-    /// The jobs of a piece, of so many in `total`: as many as every other piece has, or one fewer.
+    /// Returns the jobs of a shard among `total`. Shards differ by at most one job.
     pub(super) fn jobs(&self, total: u64, piece: u64) -> Range<u64> {
         let begin = |piece: u64| {
             let share = u128::from(piece) * u128::from(total) / u128::from(self.shards);
@@ -154,7 +156,7 @@ impl Cut {
         begin(piece)..begin(piece + 1)
     }
 
-    /// The first line of a piece that this build makes.
+    /// Returns the first line of a shard by this build.
     pub(super) fn header(&self, build: &str, number: u64) -> JournalHeader {
         let piece = PieceHeader {
             number,
@@ -166,7 +168,7 @@ impl Cut {
     }
 }
 
-/// The build that makes all pieces of an ensemble.
+/// Returns the build that makes all shards of an ensemble.
 pub(super) fn build(manifest: &Manifest) -> &str {
     match &manifest.builds[..] {
         [build] => build,
@@ -174,7 +176,7 @@ pub(super) fn build(manifest: &Manifest) -> &str {
     }
 }
 
-/// Where a whole piece is.
+/// Returns the path of a complete shard.
 pub(super) fn piece_file(path: &Path, number: u64) -> PathBuf {
     path.join(SHARDS).join(format!("{number}.jsonl"))
 }
@@ -186,7 +188,7 @@ fn unreadable(path: &Path, reason: &str) -> ShardError {
     }
 }
 
-/// Whether the journal has all runs, so that the pieces are no longer wanted.
+/// Returns whether the journal has all runs, so that the shards are obsolete.
 pub(super) fn is_joined(path: &Path, manifest: &Manifest) -> Result<bool, ShardError> {
     let stored = journal::read(&path.join(JOURNAL), manifest, &manifest.identity())?;
     Ok(stored.finished.len() as u64 == manifest.total())

@@ -1,4 +1,4 @@
-//! Why pieces are not made or put together, and the way out.
+//! Errors of shards, with remedies.
 use std::path::{Path, PathBuf};
 
 use stochc_files::shell::file as shell_file;
@@ -7,54 +7,54 @@ use stochc_text::listed;
 use super::MAX_SHARDS;
 use crate::{EnsembleError, FolderError, JournalError};
 
-/// Why something was refused; whatever was there is as it was.
+/// Error of a shard. Existing files remain unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum ShardError {
-    /// A number of pieces that cannot be.
+    /// The number of shards is invalid.
     #[error(
         "cannot split {runs} runs into {asked} shards; a shard has at least one run, and {MAX_SHARDS} shards are the limit"
     )]
     Uncuttable {
-        /// How many were asked for.
+        /// Requested number.
         asked: u64,
-        /// Runs of all programs together.
+        /// Runs of all programs.
         runs: u64,
     },
-    /// It holds runs already, in one piece.
+    /// It contains unsharded runs.
     #[error(
         "`{path}` holds {done} runs of this ensemble already; resume it with `stochc resume {}`, or choose another folder",
         shell_file(&.path.to_string_lossy())
     )]
     HoldsRuns {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// How many.
+        /// Number of runs.
         done: usize,
     },
-    /// It is cut in another way.
+    /// It has another split.
     #[error(
         "`{path}` is split into {there} shards of {runs} runs of each program; ask for the same, or choose another folder"
     )]
     OtherCut {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// How many pieces it has.
+        /// Its number of shards.
         there: u64,
-        /// Runs of each program for which it was cut.
+        /// Runs of each program in its split.
         runs: u64,
     },
-    /// There are no pieces.
+    /// There are no shards.
     #[error(
         "`{path}` has no shards: it holds {done} of {total} runs, which `stochc show {}` prints{}",
         shell_file(&.path.to_string_lossy()),
         if .done < .total { "; `stochc shard new` splits a new folder" } else { "" }
     )]
     NotCut {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// Runs that it holds.
+        /// Number of its runs.
         done: u64,
-        /// Runs that are asked for.
+        /// Number of requested runs.
         total: u64,
     },
     /// `shards.json` cannot be used.
@@ -64,32 +64,32 @@ pub enum ShardError {
         shell_file(&.path.to_string_lossy())
     )]
     Unreadable {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// Why, in words.
+        /// Reason.
         reason: String,
     },
-    /// There is no such piece.
+    /// There is no such shard.
     #[error("there is no shard {number}; shards are 0 to {last}")]
     NoSuchPiece {
-        /// The number that was asked for.
+        /// Requested number.
         number: u64,
-        /// The last that there is.
+        /// Last number.
         last: u64,
     },
-    /// Files in the place of pieces are of something else.
+    /// Files of shards belong to something else.
     #[error(
         "`{path}`: {}; move these files elsewhere, and run these shards: {}",
         list_reasons(.pieces),
         commands(.path, .pieces.iter().map(|(number, _)| *number))
     )]
     Foreign {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// The numbers of the pieces, and what the files are.
+        /// Numbers of the shards, and descriptions of the files.
         pieces: Vec<(u64, String)>,
     },
-    /// Some pieces are not there, or damaged.
+    /// Some shards are missing or corrupted.
     #[error(
         "`{path}`: {} of {of} shards are missing or corrupted ({}); run them: {}",
         .pieces.len(),
@@ -97,14 +97,14 @@ pub enum ShardError {
         commands(.path, .pieces.iter().copied())
     )]
     Missing {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
         /// Their numbers.
         pieces: Vec<u64>,
-        /// How many there are.
+        /// Number of all shards.
         of: u64,
     },
-    /// A run could not be made or kept.
+    /// A run could not be made or stored.
     #[error(transparent)]
     Run(#[from] EnsembleError),
     /// The folder cannot be used.
@@ -118,7 +118,7 @@ impl From<JournalError> for ShardError {
     }
 }
 
-/// Pieces that are told; of more, how many there are.
+/// Largest number of shards in a list.
 const TOLD: usize = 10;
 
 fn list_reasons(pieces: &[(u64, String)]) -> String {
@@ -137,7 +137,7 @@ fn list_numbers(pieces: &[u64]) -> String {
     listed(&each, pieces.len())
 }
 
-/// Pieces whose numbers stand in a command; those of more are asked for.
+/// Largest number of shards in a command line. Beyond it, the command lists them itself.
 const NAMED: usize = 100;
 
 fn commands(path: &Path, pieces: impl ExactSizeIterator<Item = u64>) -> String {
@@ -153,7 +153,7 @@ fn commands(path: &Path, pieces: impl ExactSizeIterator<Item = u64>) -> String {
             "`for i in {}; do stochc shard run {folder} $i; done`",
             numbers.join(" ")
         ),
-        // What is damaged behind its first line is named once it is moved aside.
+        // Shards with corrupted lines count as missing after they are moved aside.
         _ => format!(
             "`stochc fsck {folder} --repair; for i in $(stochc shard status {folder} --missing); do stochc shard run {folder} $i; done`"
         ),

@@ -1,4 +1,4 @@
-//! Putting pieces together.
+//! Merging of shards.
 use std::io::{self, Write as _};
 use std::path::Path;
 
@@ -16,16 +16,17 @@ use crate::journal::JournalHeader;
 use crate::journal::line as journal_line;
 use crate::{Folder, FolderError, Further, Manifest, Resume};
 
-/// Puts the pieces of a folder together, and gives how many runs they have: it is then as if it had never been cut.
+/// Merges the shards of a folder, as if it had never been split. Returns the number of runs.
 ///
-/// Killed at any time, it comes to the same end when it is called again.
+/// It can be killed at any time and called again.
 ///
 /// # Errors
-/// When a piece is missing, damaged, or of something else; the folder is as it was then.
+///
+/// If a shard is missing, corrupted or foreign. The folder is then unchanged.
 pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     let (_, cut) = Cut::require(path)?;
     let lock = lock(path)?;
-    // Again, now that nobody else can change the answer.
+    // Again, with exclusive access.
     let (manifest, _) = Cut::require(path)?;
     if !is_joined(path, &manifest)? {
         join(path, &manifest, &cut)?;
@@ -53,7 +54,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
             cut.header(build(manifest), number),
             cut.jobs(manifest.total(), number),
         );
-        // Without all of them there is nothing to write.
+        // Writes nothing unless all are valid.
         let is_wanted = missing.is_empty() && foreign.is_empty();
         let found = read(&file, &header, manifest, &jobs, |line| {
             if is_wanted {
@@ -84,7 +85,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
     Ok(draft.keep().map_err(io)?)
 }
 
-/// Removes the pieces, and at last what says that there are any.
+/// Removes the shards, and finally their description.
 fn clear(path: &Path, cut: &Cut) -> io::Result<()> {
     remove_own(&path.join(SHARDS), |name| is_ours(name, cut))?;
     slurm_folder::clear(path)?;
@@ -92,7 +93,7 @@ fn clear(path: &Path, cut: &Cut) -> io::Result<()> {
     sync_folder(path)
 }
 
-/// Whether a file is a piece, or what was left of making one.
+/// Returns whether a file is a shard or a leftover of one.
 fn is_ours(name: &str, cut: &Cut) -> bool {
     let Some((number, what)) = name.split_once('.') else {
         return false;

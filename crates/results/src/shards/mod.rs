@@ -1,15 +1,16 @@
-//! An ensemble in pieces, which are made anywhere and put together again.
+//! Shards of an ensemble, which can be run anywhere and merged.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `shards.json` | into how many pieces it is cut |
-//! | `shards/7.jsonl` | piece 7, whole: a line that says what it is, and one for each of its runs, in the order of the cut |
-//! | `shards/7.part-*` | runs of piece 7 that a process has made which is under way, or was killed |
-//! | `shards/7.draft-*` | piece 7 while it is written |
+//! | `shards.json` | split into shards |
+//! | `shards/7.jsonl` | complete shard 7: a line that identifies it, and one for each of its runs in order |
+//! | `shards/7.part-*` | runs of shard 7 by a process that is running or was killed |
+//! | `shards/7.draft-*` | shard 7 while it is written |
 //!
-//! Whoever makes a piece creates files of its own, gives the whole one its name, and locks nothing: of two who make the
-//! same piece both write the same. [`merge`] makes the folder of an ensemble that was never cut, to the byte: its
-//! journal is the lines of all pieces, one after the other, which is the order in which one thread makes them.
+//! A process that runs a shard creates files of its own, renames the complete one, and locks
+//! nothing. Two processes with the same shard write the same bytes. [`merge`] makes the folder of
+//! an ensemble that was never split, byte for byte. Its journal has the lines of all shards in
+//! order, which is the order of a single thread.
 mod cut;
 mod error;
 mod merge;
@@ -26,5 +27,5 @@ pub use status::{PieceState, ShardStatus, status};
 pub(crate) use cut::same_build;
 pub(crate) use status::health;
 
-/// Pieces of an ensemble, at most: each is a file.
+/// Largest number of shards. Each is a file.
 pub const MAX_SHARDS: u64 = 100_000;

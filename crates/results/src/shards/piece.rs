@@ -1,4 +1,4 @@
-//! Making one piece.
+//! Running one shard.
 use std::io::{self, Write as _};
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -25,7 +25,7 @@ use crate::{
     Manifest, Progress, RunCancelled, RunWatch, this_build,
 };
 
-/// A piece that this process makes.
+/// Shard that this process runs.
 #[derive(Debug)]
 pub struct Piece {
     path: PathBuf,
@@ -34,28 +34,29 @@ pub struct Piece {
     header: JournalHeader,
     jobs: Range<u64>,
     is_made: bool,
-    /// Runs of it that others have made who did not come to its end.
+    /// Runs by other processes that did not complete the shard.
     kept: Records,
     shortest: Option<Finished>,
     checkpoints: Option<Checkpoints>,
 }
 
-/// What the file of a piece is.
+/// State of a shard's file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum PieceFile {
     Nothing,
     Whole,
-    /// Why, in words that go on with the name of the piece.
+    /// Corrupted, with a reason that continues the name of the shard.
     Damaged(String),
-    /// What it is, in such words.
+    /// Foreign, with a description that continues the name of the shard.
     Foreign(String),
 }
 
 impl Piece {
-    /// Piece number `number` of the ensemble at `path`, which is looked through for what there is of it.
+    /// Opens shard `number` of the ensemble at `path`, and collects its existing runs.
     ///
     /// # Errors
-    /// Every error leaves the folder as it was.
+    ///
+    /// Every error leaves the folder unchanged.
     pub fn open(path: &Path, number: u64) -> Result<Piece, ShardError> {
         let (manifest, cut) = Cut::require(path)?;
         same_build(path, &manifest)?;
@@ -70,10 +71,10 @@ impl Piece {
         let file = piece_file(path, number);
         let look = || read(&file, &header, &manifest, &jobs, |_| Ok(()));
         let mut found = look()?;
-        // `merge` may have been stopped when it had begun to remove them.
+        // `merge` may have been killed while it removed them.
         let is_joined = found != PieceFile::Whole && is_joined(path, &manifest)?;
         if matches!(found, PieceFile::Damaged(_)) && !is_joined {
-            // Somebody else who makes it may have put a whole one there by now.
+            // Another process may have completed it in the meantime.
             found = look()?;
         }
         let is_made = found == PieceFile::Whole || is_joined;
@@ -104,10 +105,11 @@ impl Piece {
         Ok(piece)
     }
 
-    /// Has the states of runs under way kept, and has those go on of which there is one.
+    /// Enables checkpoints, and resumes from existing ones.
     ///
     /// # Errors
-    /// Those of the file system.
+    ///
+    /// Errors of the file system.
     pub fn with_checkpoints(mut self, every: Interval) -> Result<Piece, ShardError> {
         let programs = self.manifest.programs.len() as u64;
         let wants = |program: usize, run: u64| {
@@ -121,22 +123,22 @@ impl Piece {
         Ok(self)
     }
 
-    /// The states of its runs, if they are kept.
+    /// Returns the checkpoints, if enabled.
     pub fn checkpoints(&self) -> Option<&Checkpoints> {
         self.checkpoints.as_ref()
     }
 
-    /// What the whole ensemble depends on.
+    /// Returns the manifest of the whole ensemble.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Whether it is there.
+    /// Returns whether it is complete.
     pub fn is_made(&self) -> bool {
         self.is_made
     }
 
-    /// How many runs it has, and how many of them are done.
+    /// Returns the number of its runs, and of those finished.
     pub fn runs(&self) -> (u64, u64) {
         let all = self.jobs.end - self.jobs.start;
         let done = if self.is_made {
@@ -147,14 +149,15 @@ impl Piece {
         (all, done)
     }
 
-    /// The progress of its runs alone, on so many threads.
+    /// Returns the progress of its runs for a number of threads.
     pub fn progress(&self, threads: NonZeroUsize) -> Progress {
         Progress::of_jobs(&self.manifest, &self.jobs, threads)
     }
 
-    /// Makes the shortest run that there is of it again, as [`check_stored`](crate::check_stored) does.
+    /// Repeats its shortest existing run, as [`check_stored`](crate::check_stored) does.
     ///
     /// # Errors
+    ///
     /// [`EnsembleError::Differs`].
     pub fn check_stored(
         &self,
@@ -163,10 +166,11 @@ impl Piece {
         check_again(&self.manifest, self.shortest.as_ref(), simulate)
     }
 
-    /// Makes what there is not of it, as [`run`](crate::run) does; whether it is whole, or was stopped.
+    /// Makes its missing runs, as [`run`](crate::run) does. Returns whether it is complete.
     ///
     /// # Errors
-    /// Those of the file system; runs that are done stay.
+    ///
+    /// Errors of the file system. Finished runs remain.
     pub fn make(
         &self,
         progress: &Progress,
@@ -183,7 +187,7 @@ impl Piece {
         }
         let folder = self.path.join(SHARDS);
         let io = |source| in_folder(&self.path, source);
-        // Whoever has copied the folder may have left it out.
+        // A copy of the folder may lack it.
         make_own_folder(&folder).map_err(io)?;
         let part = new_own(&folder, &format!("{}.part-", self.number)).map_err(io)?;
         sync_folder(&folder).map_err(io)?;
@@ -202,12 +206,12 @@ impl Piece {
             return Ok(false);
         }
         self.finish(&all)?;
-        // What was killed in between is left to `merge`.
+        // `merge` removes leftovers of killed processes.
         disk::remove(&part).map_err(io)?;
         Ok(true)
     }
 
-    /// Gives the piece its name; of several who come to this, each writes the same.
+    /// Writes the complete shard. Concurrent processes write the same bytes.
     fn finish(&self, all: &Records) -> Result<(), ShardError> {
         let io = |source| in_folder(&self.path, source);
         let file = piece_file(&self.path, self.number);
@@ -224,7 +228,7 @@ impl Piece {
         Ok(draft.keep().map_err(io)?)
     }
 
-    /// Finds the runs of the piece that others have made.
+    /// Collects the runs of the shard by other processes.
     fn collect(&mut self) -> Result<(), ShardError> {
         let (mut places, mut parts) = (Vec::new(), Vec::new());
         let mut shortest = Shortest::default();
@@ -249,7 +253,7 @@ impl Piece {
             };
             match read {
                 Ok(opened) => parts.push(opened),
-                // It is of something else, or gone: its owner has come to the end of the piece.
+                // It is foreign, or was removed because its process has completed the shard.
                 Err(_) => places.retain(|place: &LineLocation| place.file != number),
             }
         }
@@ -259,10 +263,11 @@ impl Piece {
     }
 }
 
-/// Reads the file of a piece and holds it against what it should be; `each` is shown the lines of its runs.
+/// Reads the file of a shard and validates it. Calls `each` with the lines of its runs.
 ///
 /// # Errors
-/// Those of `each`.
+///
+/// Errors of `each`.
 pub(super) fn read(
     file: &Path,
     header: &JournalHeader,
@@ -302,7 +307,7 @@ pub(super) fn read(
         return Err(JournalError::Io(error).into());
     }
     Ok(match (lines, wrong) {
-        // Somebody else has moved it since its first line was read.
+        // Another process has moved it in the meantime.
         (Err(JournalError::Io(error)), _) if error.kind() == io::ErrorKind::NotFound => {
             PieceFile::Nothing
         }
@@ -318,10 +323,11 @@ pub(super) fn read(
     })
 }
 
-/// What the first line of a piece says of it.
+/// Identifies a shard by its first line.
 ///
 /// # Errors
-/// Those of the file system, which may be others the next time.
+///
+/// Errors of the file system, which may be temporary.
 pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<PieceFile, JournalError> {
     let found = match journal::read_header(file) {
         Ok(Some(found)) => found,
@@ -353,7 +359,7 @@ pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<PieceFile,
     })
 }
 
-/// Moves a damaged piece to the others, unless somebody else who makes it has moved it.
+/// Moves a corrupted shard aside, unless another process has already moved it.
 fn set_aside(file: &Path, damaged: &Path) -> io::Result<()> {
     match move_aside(file, damaged) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -361,7 +367,7 @@ fn set_aside(file: &Path, damaged: &Path) -> io::Result<()> {
     }
 }
 
-/// What cannot be read, unless it is the system that says so.
+/// Converts an unreadable file to a state, except for errors of the system.
 fn unreadable(error: io::Error) -> Result<PieceFile, JournalError> {
     match error.raw_os_error() {
         Some(_) => Err(error.into()),
@@ -369,7 +375,7 @@ fn unreadable(error: io::Error) -> Result<PieceFile, JournalError> {
     }
 }
 
-/// The files of runs of a piece that is not whole, sorted by name.
+/// Returns the files with runs of an incomplete shard, sorted by name.
 pub(super) fn parts_of(path: &Path, number: u64) -> io::Result<Vec<PathBuf>> {
     let prefix = format!("{number}.part-");
     let mut parts = Vec::new();

@@ -1,4 +1,4 @@
-//! What there is of the pieces.
+//! Status of shards.
 use std::collections::BTreeMap;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
@@ -14,14 +14,14 @@ use crate::Manifest;
 use crate::folder::SHARDS;
 use crate::integrity::{FileIntegrity, Integrity};
 
-/// All pieces of an ensemble.
+/// Status of all shards of an ensemble.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ShardStatus {
-    /// How many there are.
+    /// Number of shards.
     pub shards: u64,
-    /// Runs of all programs together.
+    /// Runs of all programs.
     pub runs: u64,
-    /// Each of them, by number.
+    /// State of each shard, by number.
     pub pieces: Vec<PieceState>,
 }
 
@@ -29,29 +29,29 @@ pub struct ShardStatus {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "state")]
 pub enum PieceState {
-    /// All of it.
+    /// Complete.
     Whole,
-    /// So many runs at most, which somebody makes or has made before he was stopped.
+    /// At most this many runs, by a process that is running or was stopped.
     Begun {
-        /// How many.
+        /// Number of runs.
         runs: u64,
     },
-    /// Nothing.
+    /// Missing.
     Missing,
-    /// A file that is damaged.
+    /// Corrupted file.
     Damaged {
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
-    /// A file of something else.
+    /// Foreign file.
     Foreign {
-        /// What it is.
+        /// Description.
         reason: String,
     },
 }
 
 impl ShardStatus {
-    /// The numbers of the pieces that are to be made, in their order.
+    /// Returns the numbers of the incomplete shards in order.
     pub fn missing(&self) -> impl Iterator<Item = u64> {
         let pieces = (0..).zip(&self.pieces);
         let missing = pieces.filter(|(_, state)| **state != PieceState::Whole);
@@ -59,14 +59,15 @@ impl ShardStatus {
     }
 }
 
-/// Looks what there is of the pieces of an ensemble, at the first line of each.
+/// Returns the status of the shards of an ensemble by their first lines.
 ///
 /// # Errors
-/// When it is not cut into any, or cannot be read.
+///
+/// If it is not split, or cannot be read.
 pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
     let (manifest, cut) = Cut::require(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
-    // `merge` may have been stopped when it had begun to remove them.
+    // `merge` may have been killed while it removed them.
     let is_joined = is_joined(path, &manifest)?;
     let state = |number: u64| {
         if is_joined {
@@ -92,7 +93,7 @@ pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
     })
 }
 
-/// Runs in the files of pieces that are not whole, by their numbers.
+/// Returns the numbers of runs in the files of incomplete shards, by shard.
 fn begun(path: &Path) -> io::Result<BTreeMap<u64, u64>> {
     let mut begun = BTreeMap::new();
     let entries = match disk::list(&path.join(SHARDS)) {
@@ -106,7 +107,7 @@ fn begun(path: &Path) -> io::Result<BTreeMap<u64, u64>> {
             what.starts_with("part-").then(|| number.parse().ok())?
         });
         if let Some(number) = number {
-            // The first line says what it is.
+            // The first line is the header.
             let lines = lines(&entry).unwrap_or_default().saturating_sub(1);
             *begun.entry(number).or_default() += lines;
         }
@@ -128,7 +129,7 @@ fn lines(file: &Path) -> io::Result<u64> {
     }
 }
 
-/// Reads the pieces that are there, all of each.
+/// Reads all existing shards completely and returns their integrity.
 pub(crate) fn health(path: &Path, manifest: &Manifest, cut: &Cut) -> Vec<FileIntegrity> {
     let health = |number: u64| {
         let file = piece_file(path, number);

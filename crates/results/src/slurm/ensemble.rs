@@ -42,7 +42,7 @@ pub enum FoundShards {
     AllBut(Vec<u64>),
 }
 
-/// The lock of the process that submits. Dropping it unlocks.
+/// Lock of the submitting process. Dropping it unlocks.
 ///
 /// On a file system without locks every process gets one. Shards that run twice do no harm.
 #[derive(Debug)]
@@ -54,6 +54,7 @@ impl SlurmEnsemble {
     /// Opens the ensemble in a folder, given as an absolute path.
     ///
     /// # Errors
+    ///
     /// If it is not sharded, or was made by another build, which could not run its shards here.
     pub fn open(path: &Path) -> Result<Opened, ShardError> {
         let (manifest, cut) = match Cut::require(path) {
@@ -80,6 +81,7 @@ impl SlurmEnsemble {
     /// Returns which shards exist, judged by the first line of each.
     ///
     /// # Errors
+    ///
     /// If a shard's file belongs to something else. No job would replace it.
     pub fn find_shards(&self) -> Result<FoundShards, ShardError> {
         let status = match status(&self.path) {
@@ -111,7 +113,8 @@ impl SlurmEnsemble {
     /// Makes the folder for Slurm and locks it. Returns `None` if another process has the lock.
     ///
     /// # Errors
-    /// If the file system reports one.
+    ///
+    /// Errors of the file system.
     pub fn lock(&self) -> Result<Option<SubmitLock>, ShardError> {
         make_own_folder(&self.path.join(SLURM)).map_err(self.io(""))?;
         let mut options = OpenOptions::new();
@@ -124,12 +127,13 @@ impl SlurmEnsemble {
     /// Removes the folder for Slurm of a merged ensemble.
     ///
     /// # Errors
-    /// If the file system reports one.
+    ///
+    /// Errors of the file system.
     pub fn clear(&self) -> Result<(), ShardError> {
         Ok(slurm_folder::clear(&self.path).map_err(self.io(""))?)
     }
 
-    /// Returns whether an array was submitted, as far as its script tells.
+    /// Returns whether an array was submitted, judged by its script.
     pub fn was_submitted(&self) -> bool {
         disk::look(&self.file(SHARDS_SCRIPT)).is_ok()
     }
@@ -144,7 +148,8 @@ impl SlurmEnsemble {
     /// Writes the scripts of an array and of a merge job, and returns their paths.
     ///
     /// # Errors
-    /// If the file system reports one.
+    ///
+    /// Errors of the file system.
     pub fn write_scripts(&self, shards: &str, merge: &str) -> Result<[PathBuf; 2], ShardError> {
         let write = |name: &str, text: &str| {
             let file = self.file(name);
@@ -154,10 +159,11 @@ impl SlurmEnsemble {
         Ok([write(SHARDS_SCRIPT, shards)?, write(MERGE_SCRIPT, merge)?])
     }
 
-    /// Removes the script of an array that Slurm has refused.
+    /// Removes the script of an array that Slurm has rejected.
     ///
     /// # Errors
-    /// If the file system reports one.
+    ///
+    /// Errors of the file system.
     pub fn remove_shards_script(&self) -> Result<(), ShardError> {
         Ok(disk::remove(&self.file(SHARDS_SCRIPT)).map_err(self.io(SHARDS_SCRIPT))?)
     }

@@ -61,7 +61,7 @@ impl Queue {
         active(&self.merges)
     }
 
-    /// Returns the numbers of all listed jobs, ended ones too.
+    /// Returns the numbers of all listed jobs, including ended ones.
     pub fn numbers(&self) -> BTreeSet<u64> {
         let jobs = self.shards.iter().chain(&self.merges);
         jobs.map(|job| job.number).collect()

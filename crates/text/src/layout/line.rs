@@ -1,9 +1,9 @@
-//! Lines of cells that stand below each other.
+//! Lines of aligned cells.
 
-/// Between two columns.
+/// Gap between two columns.
 pub(super) const GAP: &str = "  ";
 
-/// Rows of words as lines, in columns as wide as their widest cells.
+/// Returns rows of words as lines, with aligned columns.
 pub fn aligned<const COLUMNS: usize>(rows: &[[String; COLUMNS]]) -> Vec<String> {
     let widths: [usize; COLUMNS] = std::array::from_fn(|column| {
         let cells = rows.iter().map(|row| chars(&row[column]));
@@ -17,7 +17,8 @@ fn words((cell, width): (&String, usize)) -> (&str, usize, bool) {
     (cell, width, true)
 }
 
-/// A line of cells, each in so many characters: words begin on the left, figures end on the right.
+/// Returns a line of cells of given widths \[characters\]. Words are aligned to the left, numbers
+/// to the right.
 pub(super) fn line<'a>(cells: impl Iterator<Item = (&'a str, usize, bool)>) -> String {
     let padded = cells.map(|(cell, width, is_words)| {
         if is_words {

@@ -1,7 +1,7 @@
 //! Tables and sentences for papers and web pages: Markdown and LaTeX.
 use crate::TextTable;
 
-/// A language of documents.
+/// A markup language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Markup {
     /// GitHub Flavored Markdown.
@@ -11,7 +11,7 @@ pub enum Markup {
 }
 
 impl Markup {
-    /// Returns text as it is written in the language. A `~` is a space that does not break.
+    /// Escapes text for the language. A `~` is a non-breaking space.
     pub fn text(self, text: &str) -> String {
         let escape = |letter: char| match self {
             Markup::Markdown => in_markdown(letter),

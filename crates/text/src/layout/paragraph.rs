@@ -1,11 +1,11 @@
 //! Sentences in lines.
 use crate::visible;
 
-/// Between words that belong together; no name has it.
+/// Non-breaking space in sentences. Names do not contain it.
 const TIE: char = '~';
 
-/// A sentence in lines of `width` characters, all but the first of them indented; it is not broken
-/// at `~`, which becomes a space. What is invisible in it is shown.
+/// Breaks a sentence into lines of `width` characters, indented after the first. A `~` becomes a
+/// non-breaking space. Invisible characters become visible.
 pub fn paragraph(text: &str, width: usize) -> String {
     let mut out = String::new();
     let mut used = 0;

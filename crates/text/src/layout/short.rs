@@ -1,7 +1,7 @@
-//! Names that have little room.
+//! Shortened names.
 use crate::visible;
 
-/// A name that fits into `letters`, its middle left out.
+/// Shortens a name to a number of letters by leaving out its middle.
 pub fn short(name: &str, letters: usize) -> String {
     let signs: Vec<char> = visible(name).chars().collect();
     if signs.len() <= letters {

@@ -1,14 +1,14 @@
-//! A share over time in a few lines of a terminal.
+//! Small plots of a share over time for a terminal.
 use crate::visible;
 
-/// A share that falls from 1, and how far it is known.
+/// A share that decreases from 1, with the range of known times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
-    /// What it is of.
+    /// Name of the plot.
     pub name: String,
-    /// Times at which it falls, with the share from then on, in order.
+    /// Times of decreases, with the share after each, in order.
     pub steps: Vec<(f64, f64)>,
-    /// The last time at which anything is known.
+    /// Last known time.
     pub last: f64,
 }
 
@@ -16,20 +16,20 @@ impl Strip {
     fn at(&self, time: f64) -> Option<f64> {
         let passed = self.steps.partition_point(|step| step.0 <= time);
         let share = passed.checked_sub(1).map_or(1.0, |i| self.steps[i].1);
-        // Once nothing is left, nothing can come.
+        // A share of 0 stays 0.
         (time <= self.last || share == 0.0).then_some(share)
     }
 }
 
-/// Eighths of a block.
+/// Blocks by eighths of the height.
 const EIGHTHS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 
-/// Draws shares below each other, over one axis of time, in `width` columns; `?` stands where
-/// nothing is known. No strips: no text.
+/// Draws shares one below the other over a common time axis, in `width` columns. Unknown times are
+/// shown as `?`. Returns no text without shares.
 ///
-/// `unit` is that of the times.
+/// `unit` is the unit of the times.
 pub fn strips(strips: &[Strip], width: usize, unit: &str) -> String {
-    /// Columns of the axis on the left.
+    /// Columns of the axis at the left.
     const AXIS: usize = 6;
     let end = strips.iter().map(|strip| strip.last).fold(0.0, f64::max);
     if strips.is_empty() || end <= 0.0 {
@@ -68,10 +68,10 @@ pub fn strips(strips: &[Strip], width: usize, unit: &str) -> String {
     out
 }
 
-/// What of a share falls into row `row`, counted from below, of `height`.
+/// Returns the character of a share in row `row`, counted from below, of `height` rows.
 fn sign(share: f64, row: usize, height: usize) -> char {
     let eighths = (share * (8 * height) as f64).round() as usize;
-    // What is not nothing is seen.
+    // A positive share is always visible.
     let eighths = if share > 0.0 { eighths.max(1) } else { 0 };
     EIGHTHS[eighths.saturating_sub(8 * row).min(8)]
 }

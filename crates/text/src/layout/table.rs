@@ -3,37 +3,37 @@ use crate::visible;
 
 use super::line::{GAP, chars, line};
 
-/// A header cell is broken into lines of this many characters.
+/// Width of a line of a header cell \[characters\].
 const HEADER: usize = 22;
 
-/// Columns that are put side by side until a line is full, and then below.
+/// Columns in blocks: side by side until the line is full, then below.
 ///
-/// No library of tables breaks them so: those cut cells, or leave the breaking to the terminal.
+/// Table libraries cut cells instead, or leave line breaks to the terminal.
 #[derive(Clone, Debug, Default)]
 pub struct TextTable {
-    /// What the column on the left is of; it may be empty.
+    /// Header of the label column, possibly empty.
     pub label: String,
-    /// The column on the left, which every block of columns repeats.
+    /// Label column, repeated in each block.
     pub labels: Vec<String>,
-    /// The others.
+    /// Further columns.
     pub columns: Vec<TextColumn>,
-    /// Of the rows, which are red; those beyond its end are not.
+    /// Whether each row is red. Rows beyond its end are not red.
     pub red: Vec<bool>,
 }
 
 /// A column of a [`TextTable`].
 #[derive(Clone, Debug)]
 pub struct TextColumn {
-    /// What it is of; long ones are broken.
+    /// Header. Long headers are broken.
     pub header: String,
-    /// One for each label.
+    /// One cell for each label.
     pub cells: Vec<String>,
-    /// Words begin on the left, figures end on the right.
+    /// Whether the cells are words, aligned to the left. Numbers are aligned to the right.
     pub is_words: bool,
 }
 
 impl TextColumn {
-    /// A column of figures.
+    /// Creates a column of numbers.
     pub fn figures(header: impl Into<String>, cells: Vec<String>) -> TextColumn {
         TextColumn {
             header: header.into(),
@@ -42,7 +42,7 @@ impl TextColumn {
         }
     }
 
-    /// A column of words.
+    /// Creates a column of words.
     pub fn words(header: impl Into<String>, cells: Vec<String>) -> TextColumn {
         TextColumn {
             is_words: true,
@@ -51,7 +51,7 @@ impl TextColumn {
     }
 }
 
-/// A column with what is known of its place.
+/// A column with its layout.
 struct Placed<'a> {
     column: &'a TextColumn,
     header: Vec<String>,
@@ -59,9 +59,10 @@ struct Placed<'a> {
 }
 
 impl TextTable {
-    /// The text, in lines of `width` characters or as many as one column needs; `colour`: red rows are red.
+    /// Returns the text in lines of `width` characters, or more if one column needs it. With
+    /// `colour`, red rows are coloured.
     ///
-    /// What is invisible in a name is shown.
+    /// Invisible characters in names become visible.
     pub fn text(&self, width: usize, colour: bool) -> String {
         self.visible().laid_out(width, colour)
     }
@@ -116,7 +117,7 @@ impl TextTable {
         let height = columns.iter().map(|c| c.header.len()).max().unwrap_or(0);
         let mut lines = Vec::new();
         for number in 0..height {
-            // Short headers stand on the line above the rule.
+            // Short headers stand directly above the rule.
             let cell = |c: &Placed| (number + c.header.len()).checked_sub(height);
             let cells: Vec<String> = columns
                 .iter()
@@ -132,7 +133,7 @@ impl TextTable {
                 &cells.iter().map(String::as_str).collect::<Vec<_>>(),
             ));
         }
-        // Nothing stands above remarks.
+        // Remarks have no header and no rule.
         let rule = |c: &Placed| match &*c.column.header {
             "" => String::new(),
             _ => "─".repeat(c.width),
@@ -142,7 +143,7 @@ impl TextTable {
         lines.push(row(&"─".repeat(label_width), &rules));
         for (i, label) in self.labels.iter().enumerate() {
             let cells: Vec<&str> = columns.iter().map(|c| &*c.column.cells[i]).collect();
-            // A row for others, which stand in another block.
+            // A row that only has cells in another block.
             if cells.iter().all(|cell| cell.is_empty()) {
                 continue;
             }
@@ -158,7 +159,7 @@ impl TextTable {
     }
 }
 
-/// A header in lines, broken behind a sign that joins words where there is one.
+/// Breaks a header into lines, after hyphens if possible.
 fn broken(header: &str) -> Vec<String> {
     let letters: Vec<char> = header.chars().collect();
     let mut rest = &letters[..];

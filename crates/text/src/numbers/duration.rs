@@ -1,10 +1,11 @@
-//! Lengths of time for people: in seconds, and in seconds beside ticks.
+//! Text of times in seconds, also next to ticks.
 use std::time::Duration;
 
-/// A time that somebody has typed, with its unit.
+/// Parses a time with its unit.
 ///
 /// # Errors
-/// What to type instead.
+///
+/// A message with the accepted format.
 pub fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || "give a number and its unit: 90s, 10m, 2h".to_owned();
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
@@ -17,12 +18,12 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     let number: f64 = digits.trim_end().parse().map_err(|_| wrong())?;
     let time = Duration::try_from_secs_f64(number * unit).map_err(|_| wrong())?;
     if time.is_zero() {
-        return Err("no time is too little".to_owned());
+        return Err("the time must be above zero".to_owned());
     }
     Ok(time)
 }
 
-/// A unit that suits a time of this many seconds, with what it is in seconds.
+/// Returns a suitable unit for a time in seconds, as its length in seconds and its symbol.
 fn unit(seconds: f64) -> (f64, &'static str) {
     match seconds.abs() {
         0.0 => (1.0, "s"),
@@ -32,7 +33,7 @@ fn unit(seconds: f64) -> (f64, &'static str) {
     }
 }
 
-/// Decimals that leave a value three digits.
+/// Returns the number of decimals that gives a value three digits.
 fn decimals(value: f64) -> usize {
     match value.abs() {
         0.0 => 0,
@@ -42,23 +43,24 @@ fn decimals(value: f64) -> usize {
     }
 }
 
-/// A time in the unit that suits it, with three digits: `21.4 ms`, `158 s`.
+/// Returns a time in a suitable unit with three digits: `21.4 ms`, `158 s`.
 pub fn seconds(seconds: f64) -> String {
     let (of, unit) = unit(seconds);
     let value = seconds / of;
     format!("{value:.digits$} {unit}", digits = decimals(value))
 }
 
-/// Decimals of a value with half the width of its interval: those of the value, and more where the half would be 0.
+/// Returns the number of decimals of a value with the half-width of its interval. It is larger than
+/// that of the value if the half-width would otherwise round to 0.
 fn decimals_within(value: f64, half: f64) -> usize {
-    /// More say nothing to anybody.
+    /// More decimals are not readable.
     const MAX: usize = 6;
     let shows = |&digits: &usize| (half * 10f64.powi(digits as i32)).round() > 0.0;
     let least = decimals(value);
     (least..=MAX).find(shows).unwrap_or(least)
 }
 
-/// A time with half the width of its interval, in one unit: `158 ± 21 s`.
+/// Returns a time with the half-width of its interval, in one unit: `158 ± 21 s`.
 fn seconds_within(seconds: f64, half_width: f64) -> String {
     let (of, unit) = unit(seconds);
     let (value, half) = (seconds / of, half_width / of);
@@ -66,20 +68,20 @@ fn seconds_within(seconds: f64, half_width: f64) -> String {
     format!("{value:.digits$} ± {half:.digits$} {unit}")
 }
 
-/// The clock of a scene, which tells in seconds what is known in ticks.
+/// Length of a tick of a scene, for the conversion of ticks to seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick(
-    /// Its length \[s\].
+    /// Length \[s\].
     pub f64,
 );
 
 impl Tick {
-    /// A number of ticks in seconds: `158 s`.
+    /// Converts ticks to text in seconds: `158 s`.
     pub fn seconds(self, ticks: f64) -> String {
         seconds(ticks * self.0)
     }
 
-    /// The same with half the width of its interval, where there is one: `158 ± 21 s`.
+    /// Converts ticks and an optional half-width to text in seconds: `158 ± 21 s`.
     pub fn interval(self, ticks: f64, half_width: Option<f64>) -> String {
         match half_width {
             None => self.seconds(ticks),
@@ -87,26 +89,26 @@ impl Tick {
         }
     }
 
-    /// What times in ticks are counted in: `ticks of 20 ms`.
+    /// Returns the unit of times in ticks: `ticks of 20 ms`.
     pub fn unit(self) -> String {
         let (of, unit) = unit(self.0);
-        // Six digits, without the zeros that say nothing.
+        // Six digits without trailing zeros.
         let rounded = format!("{:.5e}", self.0 / of).parse::<f64>();
         format!("ticks of {} {unit}", rounded.unwrap_or(self.0 / of))
     }
 
-    /// A number of ticks in seconds, as it stands behind them: ` (158 s)`.
+    /// Converts ticks to text in seconds that follows a number of ticks: ` (158 s)`.
     pub fn beside(self, ticks: f64) -> String {
         format!(" ({})", self.seconds(ticks))
     }
 
-    /// The same with half the width of its interval: ` (158 ± 21 s)`.
+    /// Converts ticks and an optional half-width to text that follows them: ` (158 ± 21 s)`.
     pub fn beside_interval(self, ticks: f64, half_width: Option<f64>) -> String {
         format!(" ({})", self.interval(ticks, half_width))
     }
 }
 
-/// A time as one says it: `40 s`, `3 min`, `2 h 10 min`.
+/// Returns a rounded time in words: `40 s`, `3 min`, `2 h 10 min`.
 pub fn words(time: Duration) -> String {
     let seconds = time.as_secs_f64().round() as u64;
     match seconds {
@@ -149,7 +151,7 @@ mod tests {
         assert_eq!(tick.beside_interval(160.0, None), " (3.20 s)");
     }
 
-    /// Of many runs the interval is narrow, and not nothing.
+    /// With many runs the interval is narrow, but not zero.
     #[test]
     fn a_narrow_interval_is_not_told_as_none() {
         let told = |seconds, half| Tick(1.0).interval(seconds, Some(half));

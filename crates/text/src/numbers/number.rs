@@ -1,6 +1,6 @@
-//! Numbers for people.
+//! Text of numbers.
 
-/// A number for people: thousands parted by commas, with a minus sign and few digits.
+/// Returns a number as text, with commas between thousands, a minus sign and few digits.
 pub fn number(value: f64) -> String {
     let size = value.abs();
     if !value.is_finite() {
@@ -36,7 +36,7 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// A ratio with two digits.
+/// Returns a ratio with two digits.
 pub fn ratio(ratio: f64) -> String {
     match ratio {
         r if r >= 9.95 => format!("{r:.0}"),

@@ -1,8 +1,9 @@
-//! Percentages for people.
-/// A share of more than 0 and less than 1 that somebody has typed: `5%` or `0.05`.
+//! Text of percentages.
+/// Parses a share above 0 and below 1: `5%` or `0.05`.
 ///
 /// # Errors
-/// What to type instead.
+///
+/// A message with the accepted format.
 pub fn share(text: &str) -> Result<f64, String> {
     let malformed = || {
         "give a percentage between 0 and 100 with its sign, such as 5%, or a part of 1, such as 0.05".to_owned()
@@ -18,7 +19,7 @@ pub fn share(text: &str) -> Result<f64, String> {
         .ok_or_else(malformed)
 }
 
-/// A share, 0 to 1, as a percentage of one decimal at most: `5 %`, `12.5 %`, `< 0.1 %`.
+/// Returns a share, 0 to 1, as a percentage with at most one decimal: `5 %`, `12.5 %`, `< 0.1 %`.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent > 0.0 && percent < 0.05 {
@@ -28,12 +29,12 @@ pub fn percent(share: f64) -> String {
     format!("{} %", text.strip_suffix(".0").unwrap_or(&text))
 }
 
-/// A share, 0 to 1, as a percentage without decimals: `13 %`.
+/// Returns a share, 0 to 1, as a percentage without decimals: `13 %`.
 pub fn whole_percent(share: f64) -> String {
     format!("{} %", percent_number(share))
 }
 
-/// The same without its sign, beside an axis that has one: `13`.
+/// Returns a share as a percentage without its sign, for an axis with a sign: `13`.
 pub fn percent_number(share: f64) -> String {
     format!("{:.0}", 100.0 * share)
 }

@@ -1,6 +1,6 @@
-//! Numbers in few words.
+//! Short text of many numbers.
 
-/// Ascending numbers, stretches of them as `0-4`, with something in between.
+/// Returns ascending numbers as text, with ranges such as `0-4` and a separator between them.
 pub fn ranges(numbers: &[u64], between: &str) -> String {
     let stretches = numbers.chunk_by(|a, b| a + 1 == *b);
     let each = stretches.map(|stretch| match stretch {

@@ -1,6 +1,8 @@
-//! Where blocks are over the runs of a program: before they were captured, near the structure, and at faces that wait.
+//! Positions of blocks over all runs of a program: before their capture, close to the structure,
+//! and at open faces.
 //!
-//! All of it are ratios of sums over runs, in cubes of the lattice, with intervals by a bootstrap over runs.
+//! All values are ratios of sums over runs in cells of the lattice. Their intervals come from a
+//! bootstrap over runs.
 mod structure_membership;
 mod tally;
 
@@ -20,36 +22,37 @@ use self::structure_membership::{PlaceQuery, StructureMembership, wanted};
 use self::tally::{Counts, Tally};
 use super::reported_program::{Input, ReportedProgram};
 
-/// How long before its capture a block is looked for \[ticks\].
+/// Times before the capture for the position of a block \[ticks\].
 pub(crate) const AGES: [u64; 3] = [50, 200, 1000];
 
-/// How far from its cell \[side\].
+/// Largest distance of the shown positions from the target cell \[side\].
 pub(crate) const REACH: i32 = 8;
 
-/// What is left around a structure \[side\], and the most that a map shows of one.
+/// Margin around a structure, and largest shown width \[side\].
 const MARGIN: i32 = 3;
 const WIDEST: i32 = 40;
 
-/// Half the height of a slice through the places before a capture \[side\].
+/// Half the thickness of a slice through the positions before a capture \[side\].
 const HALF_SLICE: f64 = 1.0;
 
-/// Captures beyond which there is no map of their faces.
+/// Largest number of captures for a map of the faces.
 const MAX_CAPTURES: usize = 2000;
 
-/// Reads the recording of a run: of a folder, of a program in there, and its own number; `None`: there is none.
+/// Reader of the recording of a run, given the index of the folder, the index of the program and
+/// the number of the run. `None`: there is no recording.
 pub type RecordingReader<'a> = dyn Fn(usize, usize, u64) -> Option<io::Result<Box<dyn Read>>> + 'a;
 
-/// How a slice lies.
+/// Plane of a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slice {
-    /// East and north, at a height.
+    /// Horizontal plane at a height.
     Horizontal(i32),
-    /// East and up, at a place northwards.
+    /// Vertical plane from west to east, at a north coordinate.
     Vertical(i32),
 }
 
 impl Slice {
-    /// The name of its second axis.
+    /// Returns the name of the second axis.
     pub fn up(self) -> &'static str {
         match self {
             Slice::Horizontal(_) => "north",
@@ -64,14 +67,14 @@ impl Slice {
         }
     }
 
-    /// Where it is, in cells.
+    /// Returns the coordinate of the plane in cells.
     pub fn at(self) -> i32 {
         match self {
             Slice::Horizontal(at) | Slice::Vertical(at) => at,
         }
     }
 
-    /// Where a cell is in it; `None`: it is not.
+    /// Returns the coordinates of a cell in the plane. `None`: the cell is outside the plane.
     fn place(self, cell: Cell) -> Option<(i32, i32)> {
         match self {
             Slice::Horizontal(z) => (cell.z == z).then_some((cell.x, cell.y)),
@@ -80,50 +83,50 @@ impl Slice {
     }
 }
 
-/// A slice through something that was counted.
+/// A slice through a counted quantity.
 #[derive(Clone, Debug)]
 pub(crate) struct SliceMap {
     pub slice: Slice,
-    /// First and last, eastwards and upwards on the page.
+    /// First and last coordinates of both axes.
     pub ends: ((i32, i32), (i32, i32)),
-    /// What is known of each place; what is not among them is not known.
+    /// Estimate at each place. Absent places are unknown.
     pub places: BTreeMap<(i32, i32), Ratio>,
-    /// Places of the structure in it.
+    /// Places of the structure in the plane.
     pub structure: Vec<(i32, i32)>,
 }
 
-/// The face of a capture, and how often blocks entered its reach.
+/// The face of a capture, and the rate of blocks that enter its capture range.
 #[derive(Clone, Debug)]
 pub(crate) struct FaceEntries {
     pub text: String,
     pub cell: Cell,
-    /// For each tick that it waited.
+    /// Entries per tick of waiting.
     pub rate: Ratio,
 }
 
-/// The maps of a program.
+/// Maps of a program.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Maps {
-    /// Recordings that they are of.
+    /// Number of recordings used.
     pub runs: usize,
-    /// Runs whose recordings are of no use, and why.
+    /// Runs with unusable recordings, with reasons.
     pub left_out: Vec<(u64, String)>,
-    /// By [`AGES`]: parts of the captures for each cubic side.
+    /// By [`AGES`]: share of the captured blocks per volume of a cell.
     pub before: Vec<[SliceMap; 2]>,
-    /// Free blocks in each cell, on average over time.
+    /// Mean number of free blocks in each cell.
     pub occupation: Option<[SliceMap; 2]>,
-    /// Entries for each tick of waiting.
+    /// Entries per tick of waiting.
     pub entries: Option<[SliceMap; 2]>,
     pub faces: Vec<FaceEntries>,
 }
 
-/// A place in a slice of some number.
+/// A place in a slice, after the index of the slice.
 type SlicePlace = (usize, i32, i32);
 
-/// A capture: its cell, and the event as a record has it.
+/// A capture: parent, face and child as in the record.
 type LocatedCapture = (u32, usize, u32);
 
-/// What one run tells.
+/// Counts of one run.
 struct RunCounts {
     before: [Counts<SlicePlace>; 3],
     occupation: Counts<SlicePlace>,
@@ -131,10 +134,11 @@ struct RunCounts {
     faces: BTreeMap<LocatedCapture, (f64, f64)>,
 }
 
-/// The maps of a program; `None`: its blocks do not move, or it captures none.
+/// Computes the maps of a program. `None`: its blocks do not move, or it captures none.
 ///
 /// # Errors
-/// Where the runs of the folder cannot be read again.
+///
+/// If the runs of the folder cannot be read again.
 pub(crate) fn maps(
     subject: &ReportedProgram,
     input: &Input,
@@ -161,7 +165,7 @@ pub(crate) fn maps(
             continue;
         };
         let place = first.get_or_insert_with(|| MapPlaces::new(subject));
-        // Nothing of a run counts before its recording has been read as far as its end.
+        // A run counts only after its recording has been read to the end.
         match file
             .map_err(RecordingError::from)
             .and_then(|file| place.read(subject, &known, file))
@@ -230,7 +234,7 @@ pub(crate) fn maps(
     Ok(Some(maps))
 }
 
-/// What is known of each place between two ends.
+/// Returns the estimate at each place between two corners.
 fn every(
     ((west, east), (low, high)): ((i32, i32), (i32, i32)),
     known: impl Fn(i32, i32) -> Option<Ratio>,
@@ -241,16 +245,16 @@ fn every(
         .collect()
 }
 
-/// What maps of a program are of.
+/// Geometry of the maps of a program.
 struct MapPlaces {
-    /// The slices through the cells of most captures, and what they show.
+    /// Planes through the cells of most captures.
     slices: [Slice; 2],
     ends: [((i32, i32), (i32, i32)); 2],
     /// Cells of the plate and of captures.
     cells: Vec<Cell>,
-    /// By parent, face and child.
+    /// Cell and text of each capture, by parent, face and child.
     captures: BTreeMap<LocatedCapture, (Cell, String)>,
-    /// From places in the world to cells.
+    /// Offset from world coordinates to cells.
     corner: [f64; 3],
 }
 
@@ -285,7 +289,7 @@ impl MapPlaces {
             for cell in &captured {
                 *counts.entry(of(cell)).or_default() += 1;
             }
-            // Of equally many the lowest.
+            // The lowest of equally frequent coordinates.
             let most = (counts.into_iter()).max_by_key(|&(at, n)| (n, std::cmp::Reverse(at)));
             most.map_or(0, |(at, _)| at)
         };
@@ -308,7 +312,7 @@ impl MapPlaces {
             range(|cell| cell.x, i32::MIN),
             range(|cell| cell.y, i32::MIN),
         );
-        // Below the ground is nothing.
+        // There are no cells below the ground.
         let z = range(|cell| cell.z, 1);
         let across = |blocks: u32| (f64::from(blocks) - 1.0) / 2.0;
         MapPlaces {
@@ -320,7 +324,7 @@ impl MapPlaces {
         }
     }
 
-    /// Places of the structure in a slice.
+    /// Returns the places of the structure in a slice.
     fn structure(&self, slice: usize) -> Vec<(i32, i32)> {
         let cells = self.cells.iter();
         let mut places: Vec<_> = cells
@@ -331,7 +335,7 @@ impl MapPlaces {
         places
     }
 
-    /// What a run tells, by its recording.
+    /// Reads the counts of a run from its recording.
     fn read(
         &self,
         subject: &ReportedProgram,
@@ -390,7 +394,7 @@ impl MapPlaces {
         faces
     }
 
-    /// Adds where free blocks are, for so many ticks.
+    /// Adds the cells of free blocks, weighted by a number of ticks.
     fn occupy(
         &self,
         places: &Places,
@@ -419,7 +423,7 @@ impl MapPlaces {
         }
     }
 
-    /// Where a block is in cells, not rounded.
+    /// Returns the position of a block in cell coordinates, without rounding.
     fn lattice(&self, place: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|i| place[i] + self.corner[i])
     }
@@ -429,9 +433,9 @@ impl MapPlaces {
         Cell::new(x, y, z)
     }
 
-    /// Adds where a block is that will be captured.
+    /// Adds the position of a block before its capture.
     fn look(&self, places: &Places, wanted: &PlaceQuery, before: &mut [Counts<SlicePlace>; 3]) {
-        // Where few places were kept, this one may be too late to tell.
+        // With sparse recorded positions, this one can be too late.
         let late = places.tick() - wanted.tick;
         if late > AGES[wanted.age] / 10 || wanted.body as usize >= places.bodies() {
             return;
@@ -453,9 +457,9 @@ impl MapPlaces {
     }
 }
 
-/// The cells of the plate.
+/// Returns the cells of the plate.
 fn plate(tables: &Tables) -> Vec<Cell> {
-    /// A larger one is only a floor.
+    /// A larger plate is drawn as the floor.
     const MAX: u32 = 64;
     let (width, depth) = (tables.plate.width.min(MAX), tables.plate.depth.min(MAX));
     let cells = (0..width).flat_map(|x| (0..depth).map(move |y| (x, y)));

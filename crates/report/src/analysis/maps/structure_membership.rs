@@ -1,4 +1,4 @@
-//! When blocks are part of the structure, and where they are looked for before.
+//! Membership of blocks in the structure over time, and queries of positions before their capture.
 use std::collections::BTreeMap;
 
 use stochc_ir::Cell;
@@ -6,9 +6,9 @@ use stochc_ir::record::RunRecord;
 
 use super::AGES;
 
-/// When each block is part of the structure.
+/// Intervals of membership in the structure.
 pub(super) struct StructureMembership {
-    /// By block: from docking to release, in the order of time.
+    /// For each block, the intervals from docking to release, in order of time.
     stretches: BTreeMap<u32, Vec<(u64, u64)>>,
 }
 
@@ -37,18 +37,19 @@ impl StructureMembership {
     }
 }
 
-/// A place that is looked up.
+/// Query of a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PlaceQuery {
     pub tick: u64,
-    /// A number of [`AGES`].
+    /// Index into [`AGES`].
     pub age: usize,
     pub body: u32,
-    /// Where it will be captured.
+    /// Cell of the later capture.
     pub cell: Cell,
 }
 
-/// All places to look up, the first last: those of blocks that were free then.
+/// Returns all queries of positions of blocks that were free at that time, in descending order of
+/// time.
 pub(super) fn wanted(record: &RunRecord, held: &StructureMembership) -> Vec<PlaceQuery> {
     let mut wanted = Vec::new();
     for bond in &record.bonds {
@@ -79,7 +80,7 @@ mod tests {
 
     use super::*;
 
-    /// A block that is captured at 300, let go at 500, and captured again at 1200.
+    /// A block that is captured at 300, released at 500, and captured again at 1200.
     #[test]
     fn blocks_are_looked_for_where_they_were_free() {
         let bond = |docked| BondRecord {
@@ -113,7 +114,8 @@ mod tests {
         let expected = [false, true, true, false, false, true];
         assert_eq!(ticks.map(|tick| held.is_held(7, tick)), expected);
         assert!(!held.is_held(6, 400));
-        // 1000 ticks before the first is before the beginning; 1000 before the second the block was free.
+        // 1000 ticks before the first capture is before the beginning. 1000 ticks before the second
+        // capture the block was free.
         let mut found: Vec<(u64, u64)> = (wanted(&record, &held).iter())
             .map(|it| (it.tick, AGES[it.age]))
             .collect();

@@ -1,13 +1,13 @@
-//! Counts by place, and sums of them over runs.
+//! Counts by place, and their sums over runs.
 use std::collections::BTreeMap;
 
 use stochc_experiments::resampling::{Ratio, Replicates};
 
-/// What a run adds to sums over runs.
+/// Counts of a run for the sums over runs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Counts<K> {
     by: BTreeMap<K, f64>,
-    /// What they are held against.
+    /// Denominator of the counts.
     pub of: f64,
 }
 
@@ -17,7 +17,7 @@ impl<K: Ord> Counts<K> {
     }
 }
 
-/// Sums over runs, in each of the bootstrap's samples.
+/// Sums over runs, for each bootstrap sample.
 pub(super) struct Tally<K> {
     by: BTreeMap<K, Replicates>,
     of: Replicates,
@@ -38,11 +38,11 @@ impl<K: Ord + Copy> Tally<K> {
         self.of.add(counts.of, weights);
     }
 
-    /// Counts over what they are held against and `volume`.
+    /// Returns the ratio of the counts at a place to the denominator times `volume`.
     pub fn ratio(&self, place: K, volume: f64) -> Option<Ratio> {
         match self.by.get(&place) {
             Some(counts) => counts.over(&self.of, volume),
-            // Nowhere seen is 0 in each sample.
+            // A place without counts has 0 in each sample.
             None => Replicates::default().over(&self.of, volume),
         }
     }

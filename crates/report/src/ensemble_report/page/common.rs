@@ -1,4 +1,4 @@
-//! What several parts of the page say alike.
+//! Common parts of the page.
 use stochc_experiments::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::address::address;
 use stochc_text::{Tick, escaped, number};
@@ -15,7 +15,8 @@ pub(super) fn link(folder: &str, file: &str) -> String {
     )
 }
 
-/// Puts a figure on the page, with links to its data, and as it is in print among `drawings`; whether there is one.
+/// Adds a figure with links to its data, and its print version to `drawings`. Returns whether there
+/// is a figure.
 pub(super) fn show(
     parts: &Parts,
     out: &mut Html,
@@ -52,9 +53,9 @@ pub(super) fn show(
     true
 }
 
-/// What is said of two programs everywhere, in HTML.
+/// Returns the sentence on a comparison of two programs as HTML.
 pub(super) fn sentence(parts: &Parts, contrast: &PairwiseTest) -> String {
-    // Two signs that no sentence has, in place of names that bring their own HTML.
+    // Two placeholder characters, later replaced by names in HTML.
     const NAMES: [&str; 2] = ["\u{e000}", "\u{e001}"];
     let is_tested = |it: &&PairwiseTest| matches!(it.verdict, PairwiseResult::Known(_));
     let tested = parts.pairwise_tests.iter().filter(is_tested).count();
@@ -66,7 +67,7 @@ pub(super) fn sentence(parts: &Parts, contrast: &PairwiseTest) -> String {
     told
 }
 
-/// The clock of all programs where times are in ticks; `None`: they are in seconds.
+/// Returns the length of a tick if times are in ticks. `None`: they are in seconds.
 pub(super) fn tick(parts: &Parts) -> Option<Tick> {
     match parts.clock {
         TimeUnit::Ticks => Some(parts.subjects.first()?.tick()),
@@ -74,7 +75,7 @@ pub(super) fn tick(parts: &Parts) -> Option<Tick> {
     }
 }
 
-/// A figure, and below it the same in seconds where it is in ticks.
+/// Returns a cell of a time, with seconds below if it is in ticks.
 pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> HtmlCell {
     let Some(value) = value else {
         return HtmlCell::Number("–".into());
@@ -83,7 +84,7 @@ pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> HtmlCell {
     HtmlCell::Number(number(value) + &seconds)
 }
 
-/// A mean with its interval, and below it the same in seconds where it is in ticks.
+/// Returns a cell of a mean with its interval, with seconds below if it is in ticks.
 pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> HtmlCell {
     let Some(time) = time else {
         return HtmlCell::Number("–".into());
@@ -93,7 +94,8 @@ pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> HtmlCell {
     HtmlCell::Number(mean(time) + &seconds)
 }
 
-/// Mean, median, SD, CV, and the ends; with `tick` in seconds as well.
+/// Returns the cells of the mean, median, SD, CV, minimum and maximum. With `tick` they include
+/// seconds.
 pub(super) fn figures(time: Option<&Time>, tick: Option<Tick>) -> Vec<HtmlCell> {
     let figure = |of: fn(&Time) -> Option<f64>| figure(time.and_then(of), tick);
     vec![
@@ -122,7 +124,7 @@ pub(super) fn mean(time: &Time) -> String {
     }
 }
 
-/// Text of several lines, whose breaks and tabs are kept.
+/// Returns text of several lines as HTML. Line breaks and tabs are preserved.
 pub(super) fn lines(text: &str) -> String {
     let lines: Vec<String> = text
         .lines()

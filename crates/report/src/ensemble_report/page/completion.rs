@@ -1,4 +1,4 @@
-//! When runs completed: curves, means, differences.
+//! Completion section: curves, means and differences.
 use stochc_experiments::{PairwiseResult, PairwiseTest, Time};
 use stochc_text::number;
 
@@ -90,7 +90,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     }
 }
 
-/// Runs whose physics broke down.
+/// Adds the runs with failed physics.
 fn failures(parts: &Parts, subject: &ReportedProgram, out: &mut Html) {
     if subject.failed == 0 {
         return;

@@ -1,4 +1,4 @@
-//! Where blocks are, over the runs that were recorded.
+//! Maps of the positions of blocks in recorded runs.
 use stochc_files::shell;
 
 use super::Parts;
@@ -8,9 +8,10 @@ use crate::ensemble_report::html::{Html, code, name};
 use crate::figures::{MapColumn, maps as picture};
 use crate::svg::{Drawing, PlotAxis};
 
-/// The maps of a program, or how to get them; nothing where its blocks do not move.
+/// Adds the maps of a program, or instructions to make recordings. Adds nothing if its blocks do
+/// not move.
 pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
-    /// Recordings that are told of one by one.
+    /// Largest number of individually mentioned recordings.
     const TOLD: usize = 3;
     let (subject, n) = (&parts.subjects[index], index + 1);
     let Some(maps) = &parts.maps[index] else {

@@ -1,4 +1,4 @@
-//! The page: sections in the order in which somebody asks.
+//! The page with its sections in reading order.
 mod common;
 mod completion;
 mod maps;
@@ -27,21 +27,21 @@ use crate::ensemble_report::html::{Html, name};
 use crate::ensemble_report::{MARK, ReportLocation};
 use crate::svg::{Drawing, STYLE};
 
-/// Rows of a table on the page; the data files have all of them.
+/// Largest number of rows of a table on the page. The data files are complete.
 const ROWS: usize = 60;
 
-/// Points of sweeps that have a section of their own each; of more there is the sweep.
+/// Largest number of points of sweeps with their own sections. Larger sweeps have one section.
 const POINTS: usize = 12;
 
-/// All that a page is made of.
+/// Inputs of the page.
 pub(super) struct Parts<'a> {
     pub inputs: &'a [Input],
     pub subjects: &'a [ReportedProgram<'a>],
     pub clock: TimeUnit,
-    /// The last time that was seen of any run of any program, in the clock's unit.
+    /// Last observed time of all runs of all programs, in the unit of the page.
     pub last: f64,
     pub waits: &'a [Vec<ReportedCapture>],
-    /// Of the programs that are told of one by one.
+    /// Maps of the programs with their own sections.
     pub maps: &'a [Option<Maps>],
     pub pairwise_tests: &'a [PairwiseTest],
     pub sweeps: &'a [Sweep],
@@ -51,19 +51,20 @@ pub(super) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// The programs that are told of one by one, with their numbers: all but the points of a sweep
-    /// with many of them.
+    /// Returns the programs with their own sections, with their indices. Points of large sweeps are
+    /// left out.
     fn detailed(&self) -> impl Iterator<Item = (usize, &'a ReportedProgram<'a>)> {
         detailed(self.subjects)
     }
 
-    /// The time to completion of a program beside the others, in the clock's unit; `None`: there is none.
+    /// Returns the time to completion of a program for comparison with the others, in the unit of
+    /// the page. `None`: there is none.
     fn time(&self, subject: &ReportedProgram) -> Option<Time> {
         Time::beside(&subject.times_by(self.clock), self.last)
     }
 }
 
-/// The programs that are told of one by one, with their numbers.
+/// Returns the programs with their own sections, with their indices.
 pub(super) fn detailed<'a, 'b>(
     subjects: &'a [ReportedProgram<'b>],
 ) -> impl Iterator<Item = (usize, &'a ReportedProgram<'b>)> {
@@ -74,7 +75,7 @@ pub(super) fn detailed<'a, 'b>(
     all.filter(move |(_, subject)| !(are_many && is_point(subject)))
 }
 
-/// Writes the page, and leaves its figures in `drawings`.
+/// Returns the page, and adds its figures to `drawings`.
 pub(super) fn page(parts: &Parts, drawings: &mut Vec<Drawing>) -> String {
     let mut out = Html::default();
     head(parts, &mut out);
@@ -105,7 +106,7 @@ fn head(parts: &Parts, out: &mut Html) {
         let seconds = time.as_secs_f64().ceil();
         format!("<meta http-equiv=\"refresh\" content=\"{seconds}\"/>\n")
     });
-    // Nothing is loaded from anywhere, and nothing in a name could run if it came through.
+    // The policy forbids all external resources and all scripts, also if a name were not escaped.
     out.raw(&format!(
         "{MARK}\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n{reload}\

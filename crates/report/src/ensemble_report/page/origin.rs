@@ -1,4 +1,4 @@
-//! What was run, how to run it again, and how to read the page.
+//! Origin of the results, commands to repeat them, and reading instructions.
 use stochc_files::shell;
 use stochc_ir::scene::describe;
 use stochc_results::{ChosenSetting, EnsembleProgram};
@@ -11,7 +11,7 @@ use crate::ensemble_report::data;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
 use crate::svg::Drawing;
 
-/// What was run, and how to run it again.
+/// Adds the origin section with the commands to repeat the ensemble.
 pub(super) fn origin(parts: &Parts, out: &mut Html) {
     out.heading(2, "origin", "What was run");
     for (folder, input) in parts.inputs.iter().enumerate() {
@@ -49,7 +49,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
             out.raw(&command(&line));
         }
         let programs = manifest.programs.iter().enumerate();
-        // The points of a sweep have one text, and its table has their values.
+        // All points of a sweep share one text. The table lists their values.
         let first = |(number, _): &(usize, &EnsembleProgram)| {
             first_of_text(&manifest.programs, *number) == *number
         };
@@ -78,12 +78,12 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
     }
 }
 
-/// What the text of a program of a folder is called on the page.
+/// Returns the HTML identifier of the text of a program of a folder.
 pub(super) fn text_id(folder: usize, program: usize) -> String {
     format!("text-{}-{}", folder + 1, program + 1)
 }
 
-/// The first program with the same text: that of another point of a sweep, or itself.
+/// Returns the index of the first program with the same text.
 pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usize {
     let program = &programs[number];
     let is_same =
@@ -95,12 +95,13 @@ pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usiz
     }
 }
 
-/// The steps of a tick; `None`: nothing moves.
+/// Returns the substeps of a tick. `None`: blocks do not move.
 fn steps(settings: &Settings) -> Option<String> {
     (settings.model.has_places()).then(|| settings.steps().to_string())
 }
 
-/// Settings besides model and substeps, as options of `simulate`: the iterations, and what is not as usual. None where nothing moves.
+/// Returns settings other than model and substeps as options of `simulate`: the iterations, and all
+/// non-default settings. Empty if blocks do not move.
 fn further(settings: &Settings) -> Vec<(&'static str, String)> {
     if !settings.model.has_places() {
         return Vec::new();
@@ -115,7 +116,8 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
     further
 }
 
-/// Returns the command line that makes an ensemble. `None` if its settings are not all combinations of some values.
+/// Returns the command line that makes an ensemble. `None`: its settings are not all combinations
+/// of some values.
 pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
     let axes = manifest.axes();
     let chosen = setting_axes(manifest)?;
@@ -171,7 +173,7 @@ pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
     Some(words.join(" "))
 }
 
-/// Returns the settings that a sweep varies, with their values. `None` if the sweep is not all combinations of them.
+/// Returns the swept settings with their values. `None`: the sweep is not all combinations of them.
 fn setting_axes(manifest: &stochc_results::Manifest) -> Option<Vec<(&str, Vec<&str>)>> {
     let mut points: Vec<&[ChosenSetting]> = Vec::new();
     for program in &manifest.programs {

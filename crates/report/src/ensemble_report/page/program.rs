@@ -1,4 +1,4 @@
-//! One program: its phases, captures, where its blocks came from, and single runs.
+//! Section of a program: its phases, captures, origins of blocks, and single runs.
 use stochc_experiments::Time;
 use stochc_experiments::statistics::Observation;
 use stochc_files::shell;
@@ -18,7 +18,7 @@ use crate::figures as picture;
 use crate::figures::SurvivalCurve;
 use crate::svg::{Colours, Drawing, PlotAxis};
 
-/// Converts times of a program \[ticks\] to those of its figures.
+/// Converts times of a program \[ticks\] to the unit of its figures.
 fn on_axis(subject: &ReportedProgram, mut times: Vec<Observation>) -> Vec<Observation> {
     let placed = times.iter_mut();
     placed.for_each(|it| it.time = subject.on_axis(it.time));
@@ -66,7 +66,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     runs(parts, n, subject, out);
 }
 
-/// The section on how often blocks come, and how long the last one takes; none without physics.
+/// Adds the section on the rate of entries and the docking times. Adds nothing without physics.
 fn entries(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let n = index + 1;
     let figure = |medium| picture::entries(medium, n, &parts.subjects[index], &parts.waits[index]);
@@ -87,7 +87,7 @@ fn entries(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawi
     }
 }
 
-/// How the largest group of an aggregate grows.
+/// Adds the growth of the largest group of an aggregate.
 fn sizes(
     parts: &Parts,
     n: usize,
@@ -150,7 +150,7 @@ fn sizes(
     out.table(caption, &header, &rows);
 }
 
-/// Where the text of a program is on the page.
+/// Returns a link to the text of a program.
 fn text_link(parts: &Parts, subject: &ReportedProgram) -> String {
     let programs = &parts.inputs[subject.folder].manifest.programs;
     let first = first_of_text(programs, subject.number);

@@ -1,4 +1,4 @@
-//! What comes first: the page in a few sentences.
+//! Summary: the page in a few sentences.
 use stochc_experiments::statistics::{Observation, Status};
 use stochc_text::whole_percent;
 
@@ -29,7 +29,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
                 item += &format!(", {n} {what}");
             }
         }
-        // Of runs that a timeout has ended, all of them, no mean says anything: none completes.
+        // If a timeout ended all runs, no mean is meaningful, because none completes.
         let may_complete = |it: &Observation| it.status != Status::Competing;
         let is_any = subject.times().iter().any(may_complete);
         let mut of = "the time";
@@ -51,7 +51,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         }
         items.push(item);
     }
-    // Of many pairs the table tells.
+    // For many pairs, the table replaces the sentences.
     for contrast in parts
         .pairwise_tests
         .iter()

@@ -1,4 +1,4 @@
-//! What was varied, and what became of the times.
+//! Swept parameters, and the resulting times.
 use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::series;
 use stochc_text::{number, percent};
@@ -36,7 +36,7 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
     }
 }
 
-/// Returns a sentence on what the points of a sweep differ in, in HTML.
+/// Returns a sentence of HTML on the differences between the points of a sweep.
 fn differences(sweep: &Sweep) -> String {
     if sweep.axes.is_empty() {
         let settings: Vec<String> = sweep.settings.iter().map(|of| code(of)).collect();

@@ -9,7 +9,7 @@ use crate::ensemble_report::html::{Html, HtmlCell, code};
 use crate::figures::trade as picture;
 use crate::svg::Drawing;
 
-/// Writes figure, table and advice of each trade.
+/// Adds the figure, table and advice of each trade.
 pub(super) fn trades(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
     if parts.trades.is_empty() {
         return;

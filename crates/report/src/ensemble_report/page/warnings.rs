@@ -1,4 +1,4 @@
-//! What a reader has to know before believing anything.
+//! Warnings at the top of the page.
 use stochc_files::shell;
 use stochc_runtime::Model;
 
@@ -6,7 +6,7 @@ use crate::analysis::reported_program::Input;
 use crate::ensemble_report::html::{code, name};
 use crate::tables::{KNOWN_BIAS, lower_bounds};
 
-/// Returns warnings about a folder, in HTML. `is_running` if its runs are being simulated.
+/// Returns warnings about a folder as HTML. `is_running`: its runs are being simulated.
 pub(super) fn warnings(input: &Input, is_running: bool) -> Vec<String> {
     let mut found = Vec::new();
     let manifest = &input.manifest;

@@ -1,4 +1,4 @@
-//! What figures over a number that was varied have in common.
+//! Common parts of the figures over a swept parameter.
 use stochc_experiments::sweep::{Sweep, SweepPoint, SweptValue};
 use stochc_text::number;
 
@@ -8,7 +8,7 @@ use crate::svg::{
     Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class, dashes, plot_height,
 };
 
-/// A figure with its axes, and where values are drawn in it.
+/// A figure with its axes and scales.
 pub(super) struct AxesFrame {
     pub out: Drawing,
     pub x: Scale,
@@ -16,30 +16,30 @@ pub(super) struct AxesFrame {
     pub bottom: f64,
 }
 
-/// How far curve number `i` of `n` is moved aside, so that its intervals hide no others.
+/// Returns the horizontal offset of curve `i` of `n`, which keeps intervals distinguishable.
 pub(super) fn aside(i: usize, n: usize) -> f64 {
     4.0 * (i as f64 - (n as f64 - 1.0) / 2.0)
 }
 
-/// The points of one figure.
+/// Points of one figure.
 pub(super) struct Panel<'a> {
     pub medium: Medium,
     pub sweep: &'a Sweep,
     pub points: Vec<&'a SweepPoint>,
-    /// Of its file, without the ending.
+    /// Name of its file, without the extension.
     pub name: String,
-    /// The values of the third number and those after it, which all its points share.
+    /// Common values of the third and further parameters.
     pub rest: &'a [SweptValue],
 }
 
-/// The points that are joined by a line, by value.
+/// A curve: points in order of the value.
 pub(super) struct SweepCurve<'a> {
     pub name: String,
     pub points: Vec<(f64, &'a SweepPoint)>,
 }
 
 impl<'a> Panel<'a> {
-    /// A curve for each program and each value of the second number.
+    /// Returns a curve for each program and each value of the second parameter.
     pub fn curves(&self) -> Vec<SweepCurve<'a>> {
         let several = self.sweep.programs().len() > 1;
         let second = |point: &SweepPoint| point.values.get(1).copied();
@@ -68,27 +68,27 @@ impl<'a> Panel<'a> {
         keys.into_iter().map(curve).collect()
     }
 
-    /// What is the same in all of it, `tick=10 ms`; `None`: nothing is.
+    /// Returns the common values of all points, such as `tick=10 ms`. `None`: there are none.
     pub fn fixed(&self) -> Option<String> {
         let further = self.sweep.axes.iter().skip(2).zip(self.rest);
         let values: Vec<String> = further.map(|(dial, value)| dial.at(*value)).collect();
         (!values.is_empty()).then(|| values.join(", "))
     }
 
-    /// The same, for its title: ` at tick=10 ms`.
+    /// Returns the common values for the title: ` at tick=10 ms`.
     pub fn at(&self) -> String {
         let fixed = self.fixed();
         fixed.map_or(String::new(), |fixed| format!(" at {fixed}"))
     }
 
-    /// The axis of number `i`.
+    /// Returns the axis of parameter `i`.
     pub fn axis(&self, i: usize) -> PlotAxis {
         let number = &self.sweep.axes[i];
         PlotAxis::new(&number.of, &number.unit)
     }
 
-    /// A figure with the axis of the first number, one from 0 to `most` that shows `of`, and the keys of the curves below;
-    /// `of` is marked with what `label` says.
+    /// Draws the axes and the legend: the first parameter across, and `of` from 0 to `most` upward.
+    /// `label` gives the text of its marks.
     pub fn frame(
         &self,
         name: &str,
@@ -133,10 +133,10 @@ impl<'a> Panel<'a> {
     }
 }
 
-/// Numbers that span more are drawn by their logarithms: what follows a power of them is a line then.
+/// Smallest ratio of values for a logarithmic axis. A power law is then a straight line.
 pub(super) const DECADE: f64 = 10.0;
 
-/// The values of a vertical axis.
+/// Vertical scale.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum YScale {
     Linear(f64, f64),
@@ -152,7 +152,7 @@ impl YScale {
     }
 }
 
-/// One sentence for each curve, of what `each` says of its points.
+/// Returns a sentence for each curve, with `each` for its points.
 pub(super) fn description(curves: &[SweepCurve], each: impl Fn(&SweepPoint) -> String) -> String {
     let curve = |curve: &SweepCurve| {
         let points = (curve.points.iter())

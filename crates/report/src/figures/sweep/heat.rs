@@ -1,4 +1,4 @@
-//! Mean times over two numbers that were varied, as a map.
+//! Heat map of mean times over two swept parameters.
 use stochc_experiments::sweep::{SweepPoint, SweptValue};
 use stochc_text::number;
 
@@ -8,7 +8,8 @@ use crate::figures::EDGE;
 use crate::svg::letters::{fitted, widest, width as width_of};
 use crate::svg::{Drawing, Style};
 
-/// A field for each pair of values, the darker the longer; `None`: no run of the program has a time.
+/// Draws a field for each pair of values. Longer times are darker. `None`: no run of the program
+/// has a time.
 pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> {
     const HEIGHT: f64 = 30.0;
     let own = || panel.points.iter().filter(|point| point.program == program);
@@ -81,7 +82,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
             ..Style::default()
         };
         out.field("s0", corner, (width - 2.0, HEIGHT - 2.0), own, tooltip);
-        // What does not fit is told by a pointer over the field.
+        // Text that does not fit is shown as a tooltip.
         if width_of(&text) + 4.0 <= width {
             let place = (corner.0 + width / 2.0, corner.1 + HEIGHT / 2.0 + 3.0);
             out.text_around("ink", place, &text);
@@ -98,7 +99,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
     Some(out.high(foot - 8.0))
 }
 
-/// The values of an axis that points have, each once, the smallest first.
+/// Returns the distinct values of an axis in ascending order.
 fn values<'a>(points: impl Iterator<Item = &'a &'a SweepPoint>, axis: usize) -> Vec<SweptValue> {
     let mut found: Vec<SweptValue> = Vec::new();
     for point in points {

@@ -1,4 +1,4 @@
-//! The figures of a sweep.
+//! Figures of a sweep.
 mod frame;
 mod heat;
 mod share;
@@ -9,17 +9,18 @@ use stochc_experiments::sweep::{Sweep, SweepPoint, SweptValue};
 
 use crate::svg::{Drawing, Medium};
 
-/// Curves that can be told apart in one figure; more become a map.
+/// Largest number of curves in one figure. More become a heat map.
 const CURVES: usize = 6;
 
-/// Figures for the values of a third number and those after it; for more there is the table.
+/// Largest number of figures for the values of the third and further parameters. The table shows
+/// larger sweeps.
 const PANELS: usize = 6;
 
-/// Figures of mean times and of shares of runs that completed; `prefix` begins the names of their
-/// files.
+/// Draws mean times and shares of completed runs. `prefix` begins the names of their files.
 ///
-/// The first number is on the axis, each combination of settings counts as a program, and each value of the second has its curve, or its row in a map.
-/// Each combination of values of further numbers has figures of its own; none where these are many.
+/// The first parameter is the horizontal axis. Each combination of settings counts as a program.
+/// Each value of the second parameter has its curve, or its row in a map. Each combination of
+/// further values has its own figures, unless there are too many.
 pub fn pictures(medium: Medium, sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
     // Settings have no axis.
     if sweep.axes.is_empty() {

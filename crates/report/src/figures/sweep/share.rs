@@ -1,11 +1,11 @@
-//! The share of runs that completed over a number that was varied.
+//! Share of completed runs over a swept parameter.
 use stochc_experiments::sweep::SweepPoint;
 use stochc_text::percent_number;
 
 use super::frame::{AxesFrame, Panel, YScale, aside, description};
 use crate::svg::{Drawing, PlotAxis, Style, class, dashes};
 
-/// Shares with their 95 % intervals; `None`: no run is finished.
+/// Draws shares with their 95 % intervals. `None`: no run is finished.
 pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let curves = panel.curves();
     panel.points.iter().find(|point| point.share.is_some())?;

@@ -1,4 +1,4 @@
-//! Mean times over a number that was varied.
+//! Mean times over a swept parameter.
 use stochc_experiments::Time;
 use stochc_experiments::sweep::SweepPoint;
 use stochc_text::number;
@@ -6,7 +6,7 @@ use stochc_text::number;
 use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, description};
 use crate::svg::{Drawing, PlotAxis, Style, class, dashes};
 
-/// Means with their 95 % intervals, and medians; `None`: no run has a time.
+/// Draws means with their 95 % intervals, and medians. `None`: no run has a time.
 pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     let curves = panel.curves();
     let unit = panel.sweep.unit;
@@ -76,8 +76,8 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     Some(out)
 }
 
-/// By their logarithms where both the number and the times span more than a factor of ten: there a power of the number is a
-/// line. From 0 otherwise.
+/// Returns a logarithmic scale if both the parameter and the times span more than a factor of ten.
+/// A power law is then a straight line. Otherwise the scale is linear from 0.
 fn scale(points: &[&SweepPoint], last: f64) -> YScale {
     let spans = |values: &mut dyn Iterator<Item = f64>| {
         let (least, most) = values.fold((f64::INFINITY, 0.0_f64), |(least, most), value| {
@@ -91,10 +91,10 @@ fn scale(points: &[&SweepPoint], last: f64) -> YScale {
     let times = || points.iter().filter_map(|it| it.time.as_ref());
     let means = || times().map(|time| time.mean).filter(|mean| *mean > 0.0);
     if !spans(&mut numbers) || !spans(&mut means()) {
-        // Room for a sign above the highest dot.
+        // Includes space for a mark above the highest dot.
         return YScale::Linear(0.0, 1.06 * last);
     }
-    // An interval may reach down to 0, where no logarithm is: it ends at the edge.
+    // An interval can reach 0, which a logarithmic axis cannot show. It ends at the edge.
     let least = means().fold(f64::INFINITY, f64::min);
     let ends = times().flat_map(|time| {
         [
