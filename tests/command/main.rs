@@ -21,10 +21,11 @@ mod interrupted;
 mod json;
 #[cfg(unix)]
 mod kinds;
-#[path = "../report/layout.rs"]
+#[path = "../../crates/report/tests/report/layout.rs"]
 #[allow(dead_code, reason = "shared with the tests of reports")]
 mod layout;
 mod levels;
+mod lsp;
 mod manifest;
 mod manual;
 #[cfg(target_os = "linux")]
@@ -36,7 +37,10 @@ mod plan_scene;
 mod plan_voxels;
 mod proof;
 mod rates;
+#[path = "../../crates/report/tests/report/reading.rs"]
+mod reading;
 mod refused;
+mod report;
 #[cfg(target_os = "linux")]
 mod scarce;
 mod scene;

@@ -7,9 +7,6 @@ mod findings;
 mod fuzz_corpus;
 mod gallery;
 mod language;
-#[path = "../report/layout.rs"]
-#[allow(dead_code, reason = "shared with the tests of reports")]
-mod layout;
 mod mistakes;
 #[path = "../../crates/control/tests/exploration/mutations.rs"]
 mod mutations;
@@ -22,5 +19,4 @@ mod random_programs;
 mod sarif;
 mod stages;
 mod students;
-mod trade;
 mod vocabulary;

@@ -1,10 +1,10 @@
 //! The page as a reader gets it.
 use std::collections::HashSet;
 
-use stochc::report::ensemble_report::{Figures, ReportError, ReportLocation, report};
+use stochc_report::ensemble_report::{Figures, ReportError, ReportLocation, report};
 
-use crate::sample::{five, parsed, report_of};
-use crate::stochc::{path, stochc_with};
+use crate::reading::parsed;
+use crate::sample::{five, report_of};
 
 /// The text of a page: without its style, its pictures and the program, each paragraph and row on
 /// a line of its own.
@@ -174,67 +174,6 @@ fn the_page_is_whole_and_loads_nothing() {
             );
         }
     }
-}
-
-/// What the commands on the page say is what the command line takes.
-#[test]
-fn the_commands_on_the_page_work() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = path(folder.path(), "it's out");
-    let again = path(folder.path(), "again");
-    let simulate =
-        "simulate --quiet --model shuffle --runs 3 --max-ticks 50 tests/fixtures/tower.sa";
-    assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
-    let said = stochc_with("report", &[&out]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
-    let document = parsed(&page);
-    let commands: Vec<String> = (document.descendants())
-        .filter(|node| node.attribute("class") == Some("command"))
-        .map(|node| {
-            node.descendants()
-                .filter_map(|node| node.text())
-                .next()
-                .unwrap()
-                .to_owned()
-        })
-        .collect();
-    let mut simulated = 0;
-    for command in commands {
-        let arguments = command.strip_prefix("stochc ").unwrap();
-        if arguments.starts_with("replay '") {
-            continue;
-        }
-        simulated += 1;
-        let target = format!("{again}-{simulated}");
-        let line = arguments.replace("AGAIN", &target);
-        let shell = format!("{} --quiet {line}", env!("CARGO_BIN_EXE_stochc"));
-        let status = std::process::Command::new("sh")
-            .args(["-c", &shell])
-            .stdout(std::process::Stdio::null())
-            .status();
-        assert!(status.unwrap().success(), "{shell}");
-        for table in ["runs.parquet", "bonds.parquet"] {
-            let of = |folder: &str| std::fs::read(path(folder.as_ref(), table)).unwrap();
-            assert!(of(&target) == of(&out), "{command}");
-        }
-    }
-    assert_eq!(simulated, 2);
-}
-
-/// Thirteen waits of one tick each are not worth thirteen sentences.
-#[test]
-fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = path(folder.path(), "out");
-    let simulate = "simulate --quiet --model shuffle --runs 2 examples/line.sa";
-    assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
-    assert_eq!(stochc_with("report", &[&out]).status, 0);
-    let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
-    let told = "<ol>\n<li>13 waits of at most 1 tick (20.0 ms), one after the other, took 13 ticks \
-                (260 ms), from tick 0 to 13.</li>\n</ol>";
-    assert!(page.contains(told), "{page}");
-    assert!(page.contains("has no physics: its times mean nothing"));
 }
 
 /// Where a run can be watched, what is told of it leads to the ticks.

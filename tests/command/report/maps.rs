@@ -9,7 +9,7 @@ use stochc::results::recording::{Recording, path as recording_path};
 use stochc::results::{Finished, Folder, Records};
 
 use crate::layout::check;
-use crate::sample::{fields, parsed};
+use crate::reading::{fields, parsed};
 use crate::stochc::{path, stochc_with};
 
 const RUNS: u64 = 3;

@@ -2,7 +2,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::sample::{fields, parsed};
+use crate::reading::{fields, parsed};
 use crate::stochc::{path, stochc_with};
 
 #[test]

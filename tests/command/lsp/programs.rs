@@ -1,7 +1,7 @@
 //! What is asked about programs.
 use serde_json::{Value, json};
 
-use crate::client::{Client, edited, place, shown};
+use crate::lsp::client::{Client, edited, place, shown};
 
 const URI: &str = "file:///nowhere/tower.sa";
 

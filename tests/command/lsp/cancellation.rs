@@ -3,7 +3,7 @@
 //! No test here looks at a clock: a large program takes seconds at least, and what is asserted is the order of answers.
 use serde_json::{Value, json};
 
-use crate::client::{Client, place};
+use crate::lsp::client::{Client, place};
 
 const LARGE: &str = "file:///nowhere/large.sa";
 const SMALL: &str = "file:///nowhere/small.sa";

@@ -3,7 +3,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::client::{Client, edited, place};
+use crate::lsp::client::{Client, edited, place};
 
 const MODIFIED: i64 = -32801;
 

@@ -1,11 +1,12 @@
 //! Names that would be more than names.
 use std::sync::Arc;
 
-use stochc::files::address::address;
-use stochc::ir::record::{Limit, Outcome};
-use stochc::ir::table::{PhaseId, RoleId};
+use stochc_files::address::address;
+use stochc_ir::record::{Limit, Outcome};
+use stochc_ir::table::{PhaseId, RoleId};
 
-use crate::sample::{five, parsed, report_of};
+use crate::reading::parsed;
+use crate::sample::{five, report_of};
 
 const NAMES: [&str; 7] = [
     "</script><script>alert(1)</script>",

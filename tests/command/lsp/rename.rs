@@ -1,7 +1,7 @@
 //! New names, and those that are refused.
 use serde_json::{Value, json};
 
-use crate::client::{Client, edited, place};
+use crate::lsp::client::{Client, edited, place};
 
 const URI: &str = "file:///nowhere/a.sa";
 

@@ -1,7 +1,7 @@
 //! The conversation itself.
 use serde_json::{Value, json};
 
-use crate::client::{Client, place, shown};
+use crate::lsp::client::{Client, place, shown};
 
 const URI: &str = "file:///nowhere/a%20b.sa";
 

@@ -1,11 +1,11 @@
 //! Trades from runs that were made up: numbers, order, text and picture.
-use stochc::experiments::trade::{Convergence, Trade};
-use stochc::ir::record::{Limit, Outcome, RunRecord};
-use stochc::ir::table::PhaseId;
-use stochc::report::figures;
-use stochc::report::tables::trade_to_text;
-use stochc::results::{ChosenSetting, EnsembleProgram, Finished, Manifest, Records};
-use stochc::runtime::Settings;
+use stochc_experiments::trade::{Convergence, Trade};
+use stochc_ir::record::{Limit, Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
+use stochc_report::figures;
+use stochc_report::tables::trade_to_text;
+use stochc_results::{ChosenSetting, EnsembleProgram, Finished, Manifest, Records};
+use stochc_runtime::Settings;
 
 /// Ticks after which runs are stopped, which takes longer than any.
 const LIMIT: u64 = 10_000;

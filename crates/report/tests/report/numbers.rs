@@ -1,8 +1,8 @@
 //! What the tables say, against sums done by hand.
-use stochc::experiments::statistics::{Observation, Runs, compare};
-use stochc::ir::record::Outcome;
-use stochc::ir::table::PhaseId;
-use stochc::results::{Finished, Manifest, Records};
+use stochc_experiments::statistics::{Observation, Runs, compare};
+use stochc_ir::record::Outcome;
+use stochc_ir::table::PhaseId;
+use stochc_results::{Finished, Manifest, Records};
 
 use crate::sample::{Waits, file, five, manifest, record, report_of, rows};
 

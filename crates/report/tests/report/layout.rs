@@ -1,6 +1,6 @@
 //! Whether a figure is laid out well: nothing is cut or hidden, and every axis says what it shows.
 use roxmltree::{Document, Node};
-use stochc::report::figures::Medium;
+use stochc_report::figures::Medium;
 use ttf_parser::Face;
 
 pub const MEDIA: [Medium; 4] = [
@@ -107,7 +107,7 @@ fn faults(svg: &str, medium: Medium, face: &Face) -> Vec<String> {
 
 /// Complains of what is wrong with a figure.
 pub fn check(what: &str, svg: &str, medium: Medium) {
-    let font = include_bytes!("../../crates/report/fonts/LiberationSans-Regular.ttf");
+    let font = include_bytes!("../../fonts/LiberationSans-Regular.ttf");
     let face = Face::parse(font, 0).unwrap();
     let faults = faults(svg, medium, &face);
     assert!(faults.is_empty(), "{what} for {medium}: {faults:#?}\n{svg}");

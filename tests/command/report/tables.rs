@@ -8,7 +8,7 @@ use parquet::record::Field;
 use stochc::experiments::Time;
 use stochc::experiments::statistics::{Observation, Summary};
 
-use crate::sample::fields;
+use crate::reading::fields;
 use crate::stochc::{path, stochc_with};
 
 /// A capture, from `bonds.parquet`.

@@ -17,11 +17,11 @@ fn neovim_is_served() {
 
     let folder = tempfile::tempdir().unwrap();
     let program = folder.path().join("tower.sa");
-    std::fs::copy("tests/lsp/neovim.sa", &program).unwrap();
+    std::fs::copy("tests/command/lsp/neovim.sa", &program).unwrap();
     let log = folder.path().join("log");
     let editor = Command::new("nvim")
         .args(["--headless", "-u", "NONE", "-i", "NONE", "-n"])
-        .args(["-c", "luafile tests/lsp/neovim.lua"])
+        .args(["-c", "luafile tests/command/lsp/neovim.lua"])
         .arg(&program)
         .env("STOCHC", env!("CARGO_BIN_EXE_stochc"))
         .env("STOCHC_LOG", &log)

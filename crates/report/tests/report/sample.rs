@@ -1,16 +1,15 @@
 //! An ensemble small enough to reckon with by hand.
 use std::collections::BTreeMap;
 
-use roxmltree::{Document, ParsingOptions};
-use stochc::compiler::{Limits, LintLevels};
-use stochc::ir::record::{
+use stochc_compiler::{Limits, LintLevels};
+use stochc_ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
 };
-use stochc::ir::table::{PhaseId, RoleId};
-use stochc::ir::{Cell, Executable, Face};
-use stochc::report::ensemble_report::{CHAINS, Figures, Input, Report, ReportLocation, report};
-use stochc::results::{EnsembleProgram, Finished, Manifest, Source};
-use stochc::runtime::{Model, Settings};
+use stochc_ir::table::{PhaseId, RoleId};
+use stochc_ir::{Cell, Executable, Face};
+use stochc_report::ensemble_report::{CHAINS, Figures, Input, Report, ReportLocation, report};
+use stochc_results::{EnsembleProgram, Finished, Manifest, Source};
+use stochc_runtime::{Model, Settings};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.
 pub const TEXT: &str = "\
@@ -30,7 +29,7 @@ assembly pair {
 /// A manifest of the program, whose friction is `friction`.
 pub fn manifest(friction: f64, runs: u64) -> Manifest {
     let mut read = |_: &str| Ok(TEXT.as_bytes().to_vec());
-    let checked = stochc::compiler::check_with(
+    let checked = stochc_compiler::check_with(
         "pair.sa",
         &mut read,
         Limits::default(),
@@ -46,7 +45,7 @@ pub fn manifest(friction: f64, runs: u64) -> Manifest {
         ),
     };
     let mut read = |_: &str| Ok(text.as_bytes().to_vec());
-    let checked = stochc::compiler::check_with(
+    let checked = stochc_compiler::check_with(
         "pair.sa",
         &mut read,
         Limits::default(),
@@ -213,29 +212,5 @@ pub fn file<'a>(report: &'a Report, name: &str) -> &'a str {
 
 /// The rows of a table of a report.
 pub fn rows(report: &Report, name: &str) -> Vec<BTreeMap<String, String>> {
-    fields(file(report, name))
-}
-
-/// The rows of a table by the names of its columns; no field of it has a comma.
-pub fn fields(text: &str) -> Vec<BTreeMap<String, String>> {
-    let mut lines = text.split_terminator("\r\n");
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let row = |line: &str| {
-        let fields: Vec<&str> = line.split(',').collect();
-        assert_eq!(fields.len(), names.len(), "{line}");
-        let pairs = names.iter().zip(fields);
-        pairs
-            .map(|(name, field)| ((*name).to_owned(), field.to_owned()))
-            .collect()
-    };
-    lines.map(row).collect()
-}
-
-/// A page or a picture that is well-formed.
-pub fn parsed(text: &str) -> Document<'_> {
-    let options = ParsingOptions {
-        allow_dtd: true,
-        ..ParsingOptions::default()
-    };
-    Document::parse_with_options(text, options).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    crate::reading::fields(file(report, name))
 }
