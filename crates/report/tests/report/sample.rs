@@ -2,9 +2,7 @@
 use std::collections::BTreeMap;
 
 use stochc_compiler::{Limits, LintLevels};
-use stochc_ir::record::{
-    BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
-};
+use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_ir::{Cell, Executable, Face};
 use stochc_report::ensemble_report::{CHAINS, Figures, Input, Report, ReportLocation, report};
