@@ -1,9 +1,12 @@
 //! The command line.
 use std::ffi::OsString;
 use std::num::{IntErrorKind, ParseIntError};
+use std::path::Path;
 
+use clap::builder::{StyledStr, Styles};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use stochc_files::shell::file as shell_file;
 use stochc_text::{is_invisible, visible};
 
 use crate::command::interrupt::outlive_file_limit;
@@ -11,7 +14,7 @@ pub use crate::command::terminal::show_deferred;
 use crate::command::terminal::{Color, TerminalOptions, configure, output_has_colour, print_drawn};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, fsck, lsp, man,
-    plan, repeat, replay, report, resume, shard, show, simulate, sweep, trace, trade, verify,
+    new, plan, repeat, replay, report, resume, shard, show, simulate, sweep, trace, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -50,47 +53,105 @@ Exit status:
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a commented program to start from
+    #[command(after_help = "Examples:\n  stochc new tower\n  stochc new tank --template scene")]
+    New(new::NewArguments),
     /// Check programs: report errors and warnings, and prove that they finish
+    #[command(
+        after_help = "Examples:\n  stochc check tower.sa\n  stochc check tower.sa --fix --dry-run"
+    )]
     Check(check::CheckArguments),
     /// Check programs, and execute their event tables in every order of events
+    #[command(
+        after_help = "Examples:\n  stochc verify tower.sa\n  stochc verify programs/ --states 100000"
+    )]
     Verify(verify::VerifyArguments),
     /// Format programs
+    #[command(after_help = "Examples:\n  stochc fmt tower.sa\n  stochc fmt --check programs/")]
     Fmt(fmt::FmtArguments),
     /// Write a program that builds a shape
+    #[command(
+        after_help = "Examples:\n  stochc plan shape.txt -o tower.sa\n  stochc plan castle.vox --time 10s -o castle.sa"
+    )]
     Plan(Box<plan::PlanArguments>),
     /// Print a stage of the compilation: structure, graph or event tables
     Compile(compile::CompileArguments),
     /// Explain an error or a warning by its code
     Explain(explain::ExplainArguments),
     /// Simulate programs many times and compare their completion times
+    #[command(
+        after_help = "Examples:\n  stochc simulate tower.sa -n 100 -o results/tower\n  stochc simulate one.sa other.sa --until 3% -o results/both"
+    )]
     Simulate(Box<simulate::SimulateArguments>),
     /// Simulate programs for several values of scene parameters or settings
+    #[command(
+        after_help = "Examples:\n  stochc sweep tower.sa --vary free=100..500/5 -n 20 -o results/free\n  stochc sweep tower.sa --vary substeps=1,2,4 --vary free=200,400"
+    )]
     Sweep(Box<sweep::SweepArguments>),
     /// Simulate one run and print all its events
+    #[command(
+        after_help = "Examples:\n  stochc trace tower.sa\n  stochc trace tower.sa --run 17 --seed 2"
+    )]
     Trace(Box<trace::TraceArguments>),
     /// Make the runs that an interrupted ensemble lacks, or more runs
+    #[command(
+        after_help = "Examples:\n  stochc resume results/tower\n  stochc resume results/tower -n 400"
+    )]
     Resume(Box<resume::ResumeArguments>),
     /// Make the runs of a results folder again, with the same settings
+    #[command(
+        after_help = "Examples:\n  stochc repeat results/tower -o results/again\n  stochc repeat results/tower --record all -o results/recorded"
+    )]
     Repeat(Box<repeat::RepeatArguments>),
     /// Estimate completion times from calibrated rates, in milliseconds
+    #[command(
+        after_help = "Examples:\n  stochc estimate tower.sa\n  stochc estimate tower.sa --captures=10"
+    )]
     Estimate(estimate::EstimateArguments),
     /// Print the results of a folder
+    #[command(
+        after_help = "Examples:\n  stochc show results/tower\n  stochc show results/tower --run 17"
+    )]
     Show(show::ShowArguments),
     /// Write an HTML report: completion curves, waiting times, comparisons
+    #[command(
+        after_help = "Examples:\n  stochc report results/tower\n  stochc report results/one results/other -o report.html"
+    )]
     Report(report::ReportArguments),
     /// Write an HTML page that replays a run
+    #[command(
+        after_help = "Examples:\n  stochc replay results/tower\n  stochc replay results/tower --run 17 --tour"
+    )]
     Replay(replay::ReplayArguments),
     /// Export the trajectories of a run: Parquet table or glTF animation
+    #[command(
+        after_help = "Examples:\n  stochc export results/tower -o run.parquet\n  stochc export results/tower --run 17 -o run.glb"
+    )]
     Export(export::ExportArguments),
     /// Measure speed against accuracy of models and time steps
+    #[command(
+        after_help = "Examples:\n  stochc trade tower.sa -o results/trade\n  stochc trade tower.sa --time 10m"
+    )]
     Trade(trade::TradeArguments),
     /// Measure the rates of a scene, for `--model rate`
+    #[command(
+        after_help = "Examples:\n  stochc calibrate hemisphere -o hemisphere.rates\n  stochc calibrate tower.sa -n 20 -o tank.rates"
+    )]
     Calibrate(calibrate::CalibrateArguments),
     /// Fit scene parameters to measured times
+    #[command(
+        after_help = "Examples:\n  stochc fit tower.sa --data times.csv --vary free=50..500\n  stochc fit a.sa b.sa --data times.csv --vary 'bond.pull=2..12 N' --hold-out b"
+    )]
     Fit(Box<fit::FitArguments>),
     /// Split an ensemble into shards, run them anywhere, and merge them
+    #[command(
+        after_help = "Examples:\n  stochc shard new tower.sa --shards 8 -n 1000 -o results/tower\n  stochc shard run results/tower 0"
+    )]
     Shard(shard::ShardArguments),
     /// Check the integrity of a results folder, and repair it
+    #[command(
+        after_help = "Examples:\n  stochc fsck results/tower\n  stochc fsck results/tower --repair"
+    )]
     Fsck(fsck::FsckArguments),
     /// Start the language server for editors
     Lsp(lsp::LspArguments),
@@ -121,7 +182,14 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
             "{}; look at `{argument}`, and at `--help`",
             error.kind()
         ))),
-        None => with_nearest_option(error).exit(),
+        None => {
+            let mut error = with_nearest_option(with_command(error));
+            // No argument is a value that looks like an option.
+            if error.kind() == ErrorKind::UnknownArgument {
+                error.remove(ContextKind::Suggested);
+            }
+            error.exit()
+        }
     }
 }
 
@@ -151,6 +219,44 @@ fn with_nearest_option(mut error: clap::Error) -> clap::Error {
     error
 }
 
+/// Names of commands that users of other programs try, and what they are called here.
+const OTHER_NAMES: [(&str, &str); 14] = [
+    ("run", "stochc simulate"),
+    ("sim", "stochc simulate"),
+    ("init", "stochc new"),
+    ("version", "stochc --version"),
+    ("build", "stochc compile"),
+    ("format", "stochc fmt"),
+    ("lint", "stochc check"),
+    ("test", "stochc verify"),
+    ("prove", "stochc verify"),
+    ("results", "stochc show"),
+    ("status", "stochc shard status"),
+    ("merge", "stochc shard merge"),
+    ("submit", "stochc shard submit"),
+    ("continue", "stochc resume"),
+];
+
+/// Suggests the command for the name that another program has for it, or for a file.
+fn with_command(mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+        return error;
+    };
+    let word = word.clone();
+    let other = OTHER_NAMES.iter().find(|(name, _)| *name == word);
+    let meant = match other {
+        Some((_, command)) => (*command).to_owned(),
+        None if word.ends_with(".sa") || Path::new(&word).exists() => {
+            format!("stochc check {}", shell_file(&word))
+        }
+        None => return error,
+    };
+    error.remove(ContextKind::SuggestedSubcommand);
+    let tip = StyledStr::from(format!("did you mean `{meant}`?"));
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+    error
+}
+
 /// Which arguments are no UTF-8, as it is needed of names and of programs' files.
 fn no_utf8(arguments: impl Iterator<Item = OsString>) -> String {
     let strange = arguments.filter(|it| it.to_str().is_none());
@@ -175,11 +281,50 @@ pub fn parse() -> Result<Cli, clap::Error> {
         it.mut_args(negative)
             .mut_subcommands(|it| it.mut_args(negative))
     };
-    let mut command = Cli::command().mut_subcommands(nested);
+    let command = Cli::command().mut_subcommands(nested);
+    let template = help_template(&command);
+    let mut command = command.help_template(template).max_term_width(100);
     let matches = command
         .try_get_matches_from_mut(std::env::args_os())
         .map_err(about_numbers)?;
     Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+}
+
+/// Groups of subcommands in the help.
+const GROUPS: [(&str, &[&str]); 6] = [
+    (
+        "Write",
+        &[
+            "new", "check", "verify", "fmt", "plan", "compile", "explain",
+        ],
+    ),
+    (
+        "Run",
+        &["simulate", "sweep", "trace", "resume", "repeat", "estimate"],
+    ),
+    ("Look", &["show", "report", "replay", "export"]),
+    ("Trust", &["trade", "calibrate", "fit"]),
+    ("Many machines", &["shard"]),
+    ("Keep", &["fsck", "lsp", "completions", "man"]),
+];
+
+/// Returns the template of the help, with the subcommands in groups.
+fn help_template(command: &clap::Command) -> String {
+    let styles = Styles::default();
+    let (header, literal) = (styles.get_header(), styles.get_literal());
+    let mut groups = String::new();
+    for (group, names) in GROUPS {
+        groups += &format!("{header}{group}:{header:#}\n");
+        for name in names {
+            let about = command.find_subcommand(name).and_then(|it| it.get_about());
+            let about = about.map(ToString::to_string).unwrap_or_default();
+            groups += &format!("  {literal}{name:12}{literal:#}{about}\n");
+        }
+        groups += "\n";
+    }
+    format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}{header}Options:{header:#}\n{{options}}{{after-help}}"
+    )
 }
 
 /// The error of what should be a whole number, in words for people; others as they are.
@@ -210,6 +355,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         color: cli.color,
     });
     match cli.command {
+        Command::New(options) => new::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Fmt(options) => fmt::run(&options),

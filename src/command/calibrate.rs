@@ -15,7 +15,7 @@ use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::new_file::NewFile;
 use super::run_options::ThreadsOption;
-use super::terminal::{output_width, print};
+use super::terminal::{argument, close, output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
 use crate::operations::rates::{Effort, MAX_TICKS, RUNS, SEED, measure};
@@ -71,6 +71,10 @@ pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     print(&rates_to_text(&rates, output_width()))?;
     if let Some(out) = out {
         out.write(&rates.to_text())?;
+        let file = options.out.as_deref().map(argument).unwrap_or_default();
+        close(&format!(
+            "Saved in {file}. Next: stochc estimate FILE --rates {file}\n"
+        ));
     }
     Ok(Exit::Success)
 }

@@ -1,38 +1,111 @@
 //! `stochc explain`.
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use console::style;
 use stochc_compiler::diagnostic::{Code, Severity};
 
-use super::terminal::print;
+use super::terminal::{output_has_colour, output_is_watched, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
 use crate::operations::codes::explain;
 
-/// What `explain` is given.
+/// Arguments of `explain`.
 #[derive(Debug, Args)]
 pub struct ExplainArguments {
-    /// Code of an error or a warning, such as `cycle`; without one, all codes are listed
+    /// Code of an error or a warning, such as `cycle`; without a code, all codes are listed
     #[arg(value_parser = CodeParser, hide_possible_values = true)]
     code: Option<String>,
 }
 
-/// Prints the page of a code, or the list of all.
+/// Widest text that is easy to read.
+const MAX_WIDTH: usize = 80;
+
+/// Prints the page of a code, or the list of all codes.
 pub fn run(options: &ExplainArguments) -> Result<Exit, Failure> {
-    let Some(name) = &options.code else {
-        let lines = Code::ALL.iter().map(|code| {
-            let severity = match code.severity() {
-                Severity::Error => "error",
-                Severity::Warning => "warning",
-            };
-            format!("{:20} {severity:8} {}\n", code.name(), code.meaning())
-        });
-        print(&lines.collect::<String>())?;
-        return Ok(Exit::Success);
-    };
-    print(explain(name).map_err(Failure::usage)?)?;
+    let width = output_width().min(MAX_WIDTH);
+    match &options.code {
+        None => print(&list(width))?,
+        Some(name) => {
+            let page = explain(&name.to_lowercase()).map_err(Failure::usage)?;
+            if output_is_watched() {
+                print_drawn(&rendered(page, width, output_has_colour()))?;
+            } else {
+                print(page)?;
+            }
+        }
+    }
     Ok(Exit::Success)
 }
 
-/// Takes any word, and lets a shell complete the codes.
+/// Lists all codes by topic.
+fn list(width: usize) -> String {
+    let mut text = String::new();
+    for (topic, codes) in Code::TOPICS {
+        text += &format!("{topic}\n");
+        for code in *codes {
+            let warning = match code.severity() {
+                Severity::Error => "",
+                Severity::Warning => "warning: ",
+            };
+            let name = format!("  {:20} ", code.name());
+            text += &wrapped(&format!("{warning}{}", code.meaning()), &name, width);
+        }
+        text += "\n";
+    }
+    text + "stochc explain CODE explains one of them.\n"
+}
+
+/// Wraps a text. The first line begins with `first`, the others with as many spaces.
+fn wrapped(text: &str, first: &str, width: usize) -> String {
+    let indent = first.chars().count();
+    let (mut out, mut used) = (first.to_owned(), indent);
+    for (number, word) in text.split_whitespace().enumerate() {
+        let length = word.chars().count();
+        if number > 0 && used + 1 + length > width {
+            out += &format!("\n{:indent$}", "");
+            used = indent;
+        } else if number > 0 {
+            out.push(' ');
+            used += 1;
+        }
+        out += word;
+        used += length;
+    }
+    out + "\n"
+}
+
+/// Renders a page for a terminal: wrapped text, and programs without fences.
+fn rendered(page: &str, width: usize, has_colour: bool) -> String {
+    let (mut out, mut paragraph, mut in_program) = (String::new(), String::new(), false);
+    let heading = |text: &str| style(text).bold().force_styling(has_colour).to_string() + "\n";
+    for line in page.lines() {
+        let is_fence = line.starts_with("```");
+        if in_program && !is_fence {
+            out += &format!("    {line}\n");
+            continue;
+        }
+        if is_fence || line.is_empty() || line.starts_with(['#', '|', '-']) {
+            if !paragraph.is_empty() {
+                out += &wrapped(&paragraph, "", width);
+                paragraph.clear();
+            }
+            match line.trim_start_matches('#').trim_start() {
+                _ if is_fence => in_program = !in_program,
+                "" => out.push('\n'),
+                text if line.starts_with('#') => out += &heading(text),
+                text if line.starts_with('-') => paragraph += text,
+                text => out += &format!("{text}\n"),
+            }
+        } else {
+            paragraph += &format!(" {line}");
+        }
+    }
+    if !paragraph.is_empty() {
+        out += &wrapped(&paragraph, "", width);
+    }
+    out
+}
+
+/// Accepts any word. A shell completes the codes.
 #[derive(Clone)]
 struct CodeParser;
 
@@ -51,5 +124,28 @@ impl TypedValueParser for CodeParser {
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
         let codes = Code::ALL.iter();
         Some(Box::new(codes.map(|code| PossibleValue::new(code.name()))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_fit_a_terminal() {
+        for code in Code::ALL {
+            let text = rendered(code.page(), MAX_WIDTH, false);
+            assert!(!text.contains("```"), "{code}");
+            let mut lines = text.lines().filter(|line| !line.starts_with("    "));
+            assert!(
+                lines.all(|line| line.chars().count() <= MAX_WIDTH),
+                "{text}"
+            );
+        }
+        let text = list(MAX_WIDTH);
+        assert!(
+            text.lines().all(|line| line.chars().count() <= MAX_WIDTH),
+            "{text}"
+        );
     }
 }

@@ -4,6 +4,7 @@ use stochc_report::figures::{FigureFormat, Figures, Medium};
 
 /// What figures are for, and the form of their files.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
 pub struct FigureOptions {
     /// Width of the figures in files in print, with 7 pt type: such as `89mm` or `183mm` (80 to 300) [default: for a screen]
     #[arg(long, value_name = "WIDTH")]

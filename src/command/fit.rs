@@ -17,7 +17,7 @@ use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::run_options::MeasuringOptions;
-use super::terminal::{is_quiet, output_width, print, warn};
+use super::terminal::{argument, close, is_quiet, output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::fit::{
     FitSetup, Unused, fit, fitted_scenes, forecast, matched, measured_times, of_scenes,
@@ -65,7 +65,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Folder for `fit.json`, the figure `fit.svg` and the fitted scenes, `fitted.sa`; it must be new or empty
-    #[arg(long, short, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Print the expected CPU time and end
     #[arg(long)]
@@ -131,6 +131,11 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     if let Some(out) = &options.out {
         let scenes = fitted_scenes(&setup, &measured, &fit, &host)?;
         keep(out, &fit, &scenes, &figures(&fit, &priors, options)?)?;
+        let scenes = argument(&out.join("fitted.sa"));
+        close(&format!(
+            "Saved in {}. Next: stochc check {scenes} --physics\n",
+            argument(out)
+        ));
     }
     Ok(Exit::Success)
 }

@@ -6,8 +6,9 @@ use stochc_files::bound::folder;
 
 /// Where imports may lie.
 #[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Warnings and imports")]
 pub struct ImportOptions {
-    /// Let programs import files of this folder as well, which is not that of the program; may be given several times
+    /// Let programs import files of this folder too
     #[arg(long = "allow-import", value_name = "DIR", value_parser = resolved)]
     pub folders: Vec<PathBuf>,
 }

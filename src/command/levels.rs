@@ -21,18 +21,19 @@ const OPTIONS: [(&str, Level, &str); 3] = [
     (
         "allow",
         Level::Allow,
-        "Do not report this warning; `warnings` stands for all of them",
+        "Do not report this warning; `warnings` stands for all, `stochc explain` lists them",
     ),
-    ("warn", Level::Warn, "Report this warning (the default)"),
+    ("warn", Level::Warn, "Report this warning [default]"),
     (
         "deny",
         Level::Deny,
-        "Report this warning as an error; `allow` and `deny` in the file take precedence",
+        "Report this warning as an error; levels in the file take precedence",
     ),
 ];
 
 impl Args for LevelOptions {
     fn augment_args(command: Command) -> Command {
+        let command = command.next_help_heading("Warnings and imports");
         command.args(OPTIONS.map(|(name, _, help)| {
             Arg::new(name)
                 .long(name)
@@ -40,7 +41,7 @@ impl Args for LevelOptions {
                 .help(help)
                 .action(ArgAction::Append)
                 .value_delimiter(',')
-                .hide_possible_values(name != "allow")
+                .hide_possible_values(true)
                 .value_parser(Warnings)
         }))
     }

@@ -13,7 +13,7 @@ use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::new_file::NewFile;
 use super::run_options::{JsonOption, RatesOption, SeedOption};
-use super::terminal::{print, warn};
+use super::terminal::{argument, close, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::json::document;
 use crate::operations::plan::{
@@ -168,6 +168,10 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
         is_right_at(path, &planned, &options.imports.folders)?;
     }
     write(&planned, out, options)?;
+    if let Some(path) = &options.out {
+        let file = argument(path);
+        close(&format!("Saved in {file}. Next: stochc check {file}\n"));
+    }
     if !stopped {
         Ok(Exit::Success)
     } else {

@@ -4,6 +4,7 @@ use stochc_report::presentation::{Presentation, ProgramLabel};
 
 /// The unit of times and the names of programs.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
 pub struct PresentationOptions {
     /// Unit of the times in tables for documents and in figures
     #[arg(long, value_name = "UNIT", default_value = "ticks")]

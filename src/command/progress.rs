@@ -84,7 +84,7 @@ fn print_last(state: &WorkProgress, elapsed: Duration) {
     if state.done.is_empty() {
         return;
     }
-    print_line(&format!("{}, after {}", state.done, words(elapsed)));
+    print_line(&format!("{} in {}", state.done, words(elapsed)));
 }
 
 /// A line on standard error, if there still is somebody to read it.

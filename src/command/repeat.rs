@@ -12,12 +12,13 @@ use crate::exit::{Exit, Failure};
 
 /// Arguments of `repeat`.
 #[derive(Debug, Args)]
+#[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct RepeatArguments {
     /// Results folder, or its `manifest.json`
     #[arg(value_name = "DIR|MANIFEST")]
     from: PathBuf,
     /// Folder for the new results; it must be new or empty
-    #[arg(long, short, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     making: MakingOptions,

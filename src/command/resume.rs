@@ -19,7 +19,7 @@ pub struct ResumeArguments {
     #[command(flatten)]
     making: MakingOptions,
     /// Resume runs of another build of stochc, if one of them is reproduced exactly
-    #[arg(long)]
+    #[arg(long, help_heading = "Runs")]
     mixed_builds: bool,
     #[command(flatten)]
     figures: FigureOptions,

@@ -5,6 +5,7 @@ use clap::Args;
 
 /// How many runs are made at the same time.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Runs")]
 pub struct ThreadsOption {
     /// Number of runs at the same time [default: number of cores]
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -13,6 +14,7 @@ pub struct ThreadsOption {
 
 /// The random numbers of runs.
 #[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Runs")]
 pub struct SeedOption {
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -21,6 +23,7 @@ pub struct SeedOption {
 
 /// The output format of commands that print text or JSON.
 #[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Output")]
 pub struct JsonOption {
     /// Print JSON
     #[arg(long)]
@@ -40,6 +43,7 @@ pub struct MeasuringOptions {
 
 /// What is printed of the runs of an ensemble.
 #[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Output")]
 pub struct ResultsOptions {
     /// Also list every capture, or the N with the longest waiting times
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = ALL, value_parser = count)]

@@ -15,7 +15,7 @@ pub struct SimulateArguments {
     #[command(flatten)]
     programs: ProgramOptions,
     /// Folder for the results; it must be new or empty
-    #[arg(long, short, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     making: MakingOptions,

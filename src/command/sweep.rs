@@ -12,15 +12,16 @@ use crate::exit::{Exit, Failure};
 
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
+#[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct SweepArguments {
     #[command(flatten)]
     programs: ProgramOptions,
     /// Scene parameter or setting, and its values: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `substeps=1,2,4`;
     /// with several, every combination is simulated
-    #[arg(long, value_name = "NAME=VALUES", required = true, value_parser = Axis::parse)]
+    #[arg(long, value_name = "NAME=VALUES", required = true, help_heading = "Runs", value_parser = Axis::parse)]
     vary: Vec<Axis>,
     /// Folder for the results; it must be new or empty
-    #[arg(long, short, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     making: MakingOptions,

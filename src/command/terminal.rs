@@ -1,10 +1,12 @@
 //! Writing to the terminal, or to whatever stands in its place.
 use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
+use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use clap::ValueEnum;
 use console::Term;
-use stochc_text::visible_lines;
+use stochc_files::shell::file as shell_file;
+use stochc_text::{visible, visible_lines};
 
 use crate::exit::{Exit, Failure};
 
@@ -50,6 +52,41 @@ pub fn is_quiet() -> bool {
 /// the command with a word.
 pub fn print(text: &str) -> Result<(), Failure> {
     print_with(|out| out.write_all(text.as_bytes()))
+}
+
+/// [`print`]s lines, folded to the width of a terminal.
+pub fn print_folded(text: &str) -> Result<(), Failure> {
+    if output_is_watched() {
+        print(&folded(text, output_width()))
+    } else {
+        print(text)
+    }
+}
+
+/// Breaks lines that are wider than `width` at spaces. The rest of a line is indented by four more columns.
+fn folded(text: &str, width: usize) -> String {
+    let mut out = String::new();
+    for line in text.lines() {
+        let indent = line.chars().take_while(|&it| it == ' ').count();
+        let rest_indent = (indent + 4).min(width / 2);
+        let mut left: Vec<char> = line.chars().collect();
+        while left.len() > width {
+            let start = left.iter().take_while(|&&it| it == ' ').count();
+            let words = left.get(start..=width).unwrap_or_default();
+            let space = words.iter().rposition(|&it| it == ' ');
+            let Some(space) = space.filter(|&space| space > 0) else {
+                break;
+            };
+            let rest = left.split_off(start + space);
+            out.extend(left);
+            out.push('\n');
+            left = vec![' '; rest_indent];
+            left.extend(rest.into_iter().skip(1));
+        }
+        out.extend(left);
+        out.push('\n');
+    }
+    out
 }
 
 /// [`print`]s what is written to a stream, as it comes.
@@ -118,6 +155,18 @@ impl<W: Write> Write for VisibleWriter<W> {
 /// Says something about the work on standard error, with what is invisible shown; nobody listening is no reason to stop.
 pub fn warn(text: &str) {
     warn_drawn(&visible_lines(text));
+}
+
+/// Says where results are and what to run next, unless the command is quiet.
+pub fn close(text: &str) {
+    if !is_quiet() {
+        warn(text);
+    }
+}
+
+/// Returns a path as an argument of a command in a message.
+pub fn argument(path: &Path) -> String {
+    shell_file(&visible(&path.to_string_lossy()))
 }
 
 /// [`warn`]s with what may have colours of ours; in the names of others, everything is visible already.
@@ -204,6 +253,15 @@ fn columns(terminal: &Term) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn wide_lines_are_folded_at_spaces() {
+        let text = "  phase grow: one two three four\nshort\nunbreakableunbreakable\n";
+        let expected =
+            "  phase grow: one\n      two three\n      four\nshort\nunbreakableunbreakable\n";
+        assert_eq!(folded(text, 18), expected);
+        assert_eq!(folded(text, 100), text);
+    }
 
     #[test]
     fn a_terminal_is_shown_what_is_invisible_however_it_comes() {

@@ -15,7 +15,7 @@ use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::run_options::MeasuringOptions;
-use super::terminal::{output_has_colour, output_width, print, print_drawn};
+use super::terminal::{argument, close, output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
 use crate::operations::programs::programs;
@@ -45,7 +45,7 @@ pub struct TradeArguments {
     #[arg(long, value_name = "N", default_value_t = FINEST, value_parser = clap::value_parser!(u32).range(1..=1000))]
     finest: u32,
     /// Folder for the results, `trade.json` and the figure `trade.svg`; it must be new or empty
-    #[arg(long, short, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Size and format of the figure.
     #[command(flatten)]
@@ -105,6 +105,11 @@ pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
         print_drawn(&trade_to_text(&trade, output_width(), output_has_colour()))?;
     }
     if is_complete {
+        if let Some(folder) = options.out.as_deref().map(argument) {
+            close(&format!(
+                "Saved in {folder}. Next: stochc report {folder}\n"
+            ));
+        }
         Ok(Exit::Success)
     } else {
         Err(stopped(options.out.as_deref()))

@@ -13,7 +13,7 @@ use stochc_text::{counted, visible};
 
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
-use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
+use super::terminal::{exit_of, has_colour, message_width, print, print_folded, warn, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
@@ -115,7 +115,7 @@ fn explore(
         let Some(tables) = &program.tables else {
             continue;
         };
-        print(&status_line(checked, number))?;
+        print_folded(&status_line(checked, number))?;
         if tables.aggregate.is_some() {
             continue;
         }

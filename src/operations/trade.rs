@@ -91,7 +91,7 @@ pub fn manifest(
             Some(told) if points.iter().all(Vec::is_empty) => {
                 return Err(Failure::invalid_program(told));
             }
-            Some(told) => host.warn(&format!("note: left out, {told}\n")),
+            Some(told) => host.report_warnings(&format!("note: left out, {told}\n")),
         }
     }
     let points = points.into_iter().flatten().collect();

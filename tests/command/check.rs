@@ -402,7 +402,7 @@ fn the_programs_of_a_folder_are_simulated() {
     let empty = stochc_with("simulate", &[own]);
     assert_eq!(empty.status, 2);
     assert!(
-        empty.err.contains("holds no program (`*.sa`)"),
+        empty.err.contains("contains no program (`*.sa`)"),
         "{}",
         empty.err
     );

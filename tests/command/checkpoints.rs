@@ -171,7 +171,7 @@ fn pieces_go_on() {
             "--checkpoints",
             "100ticks",
         ];
-        killed_and_resumed(&shard, &[], &out);
+        killed_and_resumed(&shard, &shard, &out);
     }
     assert_eq!(stochc_with("shard merge", &[&out]).status, 0);
     assert!(files(&Path::new(&out).join("checkpoints")).is_empty());

@@ -40,7 +40,7 @@ fn names_of_files_are_shown_as_what_they_are() {
     for (line, file) in [
         ("check tests/fixtures/tower.sa", &good),
         ("check --physics", &good),
-        ("verify", &good),
+        ("verify", &wrong),
         ("check", &wrong),
         ("check --format short", &wrong),
         ("check --fix --dry-run", &wrong),

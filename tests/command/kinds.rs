@@ -40,7 +40,10 @@ fn only_ordinary_files_are_read() {
     for name in ["pipe", "socket", "device", "link", "folder"] {
         let file = here(name);
         for line in ["check", "check --fix", "compile", "simulate", "repeat"] {
-            refused(&stochc_with(line, &[&file]), 2, &format!("{line} {name}"));
+            // A folder of results has a manifest.
+            if (line, name) != ("repeat", "folder") {
+                refused(&stochc_with(line, &[&file]), 2, &format!("{line} {name}"));
+            }
         }
         if name != "folder" {
             for line in ["fmt", "fmt --check"] {

@@ -28,6 +28,7 @@ mod levels;
 mod lsp;
 mod manifest;
 mod manual;
+mod new;
 #[cfg(target_os = "linux")]
 #[path = "../pages/mod.rs"]
 mod pages;

@@ -13,7 +13,7 @@ fn a_physical_run_depends_on_nothing_but_its_inputs() {
             &[&out, "--threads", threads],
         );
         assert_eq!(said.status, 0, "{}", said.err);
-        assert!(said.err.starts_with("3 of 3 runs, after "), "{}", said.err);
+        assert!(said.err.starts_with("3 of 3 runs in "), "{}", said.err);
         out
     });
     assert!(

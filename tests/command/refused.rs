@@ -99,6 +99,51 @@ fn an_option_without_effect_is_refused() {
     }
 }
 
+/// What users of other programs try, and a file without a command.
+#[test]
+fn the_command_that_is_meant_is_suggested() {
+    for (line, meant) in [
+        ("run tests/fixtures/tower.sa", "stochc simulate"),
+        ("init", "stochc new"),
+        ("version", "stochc --version"),
+        (
+            "tests/fixtures/tower.sa",
+            "stochc check tests/fixtures/tower.sa",
+        ),
+    ] {
+        let said = stochc(line);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        let tip = format!("did you mean `{meant}`?");
+        assert!(said.err.contains(&tip), "{line}: {}", said.err);
+    }
+}
+
+/// Every command is in a group, and help fits the width that is easy to read.
+#[test]
+fn help_is_grouped_and_wrapped() {
+    let help = stochc("--help").out;
+    let command = <stochc::cli::Cli as clap::CommandFactory>::command();
+    for subcommand in command.get_subcommands() {
+        let row = format!("\n  {:12}", subcommand.get_name());
+        assert!(help.contains(&row), "{row}: {help}");
+    }
+    for group in [
+        "Write:",
+        "Run:",
+        "Look:",
+        "Trust:",
+        "Many machines:",
+        "Keep:",
+    ] {
+        assert!(help.contains(group), "{help}");
+    }
+    for subcommand in command.get_subcommands() {
+        let help = stochc_with("help", &[subcommand.get_name()]).out;
+        let wide = help.lines().find(|line| line.chars().count() > 100);
+        assert_eq!(wide, None, "{}", subcommand.get_name());
+    }
+}
+
 #[test]
 fn help_and_version_are_output() {
     for line in [

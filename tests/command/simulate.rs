@@ -70,7 +70,7 @@ fn captures_are_told_on_request() {
 fn a_timeout_is_told_and_a_status() {
     let said = stochc("simulate --model shuffle --runs 3 tests/fixtures/late.sa");
     assert_eq!(said.status, 3);
-    let told = "3 of 3 runs, 3 stopped, after ";
+    let told = "3 of 3 runs, 3 stopped in ";
     assert!(said.err.starts_with(told), "{}", said.err);
     assert_eq!(said.row("Timed out"), ["3"]);
     let mean = said.row("Mean time to completion").join(" ");
@@ -84,7 +84,7 @@ fn a_timeout_is_told_and_a_status() {
     // The limit of the command is a status like the program's own.
     let said = stochc_with(TOWER, &["--runs", "3", "--max-ticks", "2"]);
     assert_eq!(said.status, 3);
-    assert_eq!(said.row("Timed out"), ["0"]);
+    assert!(!said.out.contains("Timed out"), "{}", said.out);
     assert_eq!(said.row("At --max-ticks (censored)"), ["3"]);
 }
 

@@ -20,7 +20,7 @@ fn every_physical_example_runs_in_both_models() {
             assert!([0, 3].contains(&said.status), "{example}: {}", said.err);
             assert_eq!(said.err, "", "{example}");
             assert!(
-                said.row("Failed").iter().all(|failed| *failed == "0"),
+                !said.out.contains("Failed"),
                 "{example}, {model}: {}",
                 said.out
             );

@@ -1,6 +1,8 @@
 //! What `check --cost` says of a program.
 use serde_json::{Value, json};
+use stochc_compiler::diagnostic::Code;
 use stochc_compiler::{MAX_ESTIMATED, Program, Symbols};
+use stochc_ir::JamRisk;
 use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out, lower_bound};
 use stochc_report::text::event_labels;
 use stochc_runtime::rates::{CaptureCost, Cost, PhaseCost, Rates, Times};
@@ -65,6 +67,14 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let (true, Some(rates)) = (program.plan.events.len() <= MAX_ESTIMATED, rates) else {
         return String::new();
     };
+    if !program.jam_risks.is_empty() {
+        let risks = program.jam_risks.iter().map(|risk| match risk {
+            JamRisk::TightApproach => Code::TightApproach.name(),
+            JamRisk::CrowdedCaptures => Code::CrowdedCaptures.name(),
+        });
+        let risks: Vec<&str> = risks.collect();
+        return format!("  no estimate: blocks may jam ({})\n", risks.join(", "));
+    }
     let Some(cost) = program.estimate(Some(rates)) else {
         return String::new();
     };

@@ -18,7 +18,9 @@ use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
 use super::run_options::{JsonOption, count};
-use super::terminal::{exit_of, has_colour, message_width, print, warn, warn_drawn};
+use super::terminal::{
+    exit_of, has_colour, message_width, output_width, print, print_folded, warn, warn_drawn,
+};
 use crate::diagnostics::{CheckDocument, DiagnosticCounts, Format, SarifLog, show};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::{cannot_read, is_readable, verdict};
@@ -111,7 +113,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
                 warn(said);
                 Ok(())
             } else {
-                print(said)
+                print_folded(said)
             }
         };
         let checked = match check(file, text, options) {
@@ -250,12 +252,20 @@ fn chains(program: &Program, checked: &Checked) -> String {
         .zip(&order.chains)
         .filter(|(phase, _)| !phase.planted)
     {
-        out.push_str(&format!(
-            "  phase {:width$}  longest serial chain {}: {}\n",
-            phase.name,
-            Order::length(plan, chain),
-            chain_text(chain, |&id| plan.describe(id, &checked.symbols)),
-        ));
+        let describe = |at: usize| plan.describe(chain[at], &checked.symbols);
+        let length = Order::length(plan, chain);
+        let mut line = format!(
+            "  phase {:width$}  longest serial chain {length}: ",
+            phase.name
+        );
+        let whole = chain_text(chain, |&id| plan.describe(id, &checked.symbols));
+        let is_wide = line.chars().count() + whole.chars().count() > output_width();
+        if is_wide && chain.len() > 2 {
+            line += &format!("{}, ..., {}", describe(0), describe(chain.len() - 1));
+        } else {
+            line += &whole;
+        }
+        out.push_str(&(line + "\n"));
     }
     let all: usize = order
         .chains

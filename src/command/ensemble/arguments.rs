@@ -115,6 +115,7 @@ impl ModelOptions {
 
 /// How the runs of an ensemble are made, and what is printed of them. The command has an argument `out`.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Runs")]
 pub struct MakingOptions {
     /// Runs of each program; the limit of `--until` [default: 50; 10000 with `--until`; those of the folder that is resumed or repeated]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
@@ -125,16 +126,16 @@ pub struct MakingOptions {
     #[command(flatten)]
     pub work: ThreadsOption,
     /// Interval of checkpoints: a time (90s, 5m, 2h), ticks of each run (20000ticks) or `never`; `rapier` runs have none
-    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out")]
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out", help_heading = "Output")]
     pub checkpoints: Interval,
     /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
-    #[arg(long, value_name = "RUNS", requires = "out")]
+    #[arg(long, value_name = "RUNS", requires = "out", help_heading = "Output")]
     pub record: Option<Selection>,
     /// Record positions once per this many ticks
-    #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", help_heading = "Output", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub record_every: u32,
     /// Rewrite `report.html` in the folder every few seconds; open it in a browser
-    #[arg(long, requires = "out")]
+    #[arg(long, requires = "out", help_heading = "Output")]
     pub watch: bool,
     /// Print the expected CPU time, and make no runs
     #[arg(long, conflicts_with_all = ["watch", "captures"])]

@@ -1,12 +1,9 @@
 //! The completion curves under the results of an ensemble, on a terminal.
-use std::path::Path;
-
 use stochc_experiments::completion_time;
 use stochc_experiments::statistics::{KaplanMeier, TimeSample};
-use stochc_files::shell::file as shell_file;
 use stochc_results::{EnsembleProgram, JournalError, Manifest, Records};
+use stochc_text::Tick;
 use stochc_text::{Strip, strips};
-use stochc_text::{Tick, visible};
 
 use super::super::terminal::{is_quiet, output_is_watched, output_width, print};
 use crate::exit::Failure;
@@ -14,8 +11,8 @@ use crate::exit::Failure;
 /// Programs that fit on a screen.
 const SHOWN: usize = 4;
 
-/// Draws curves of the runs, and names the command that tells more; on a terminal only.
-pub fn close(out: Option<&Path>, manifest: &Manifest, finished: &Records) -> Result<(), Failure> {
+/// Draws curves of the runs on a terminal.
+pub fn draw(manifest: &Manifest, finished: &Records) -> Result<(), Failure> {
     if is_quiet() || !output_is_watched() {
         return Ok(());
     }
@@ -24,10 +21,6 @@ pub fn close(out: Option<&Path>, manifest: &Manifest, finished: &Records) -> Res
     let mut text = strips(&curves, output_width(), &unit.unwrap_or_default());
     if !text.is_empty() {
         text.insert(0, '\n');
-    }
-    if let Some(out) = out {
-        let folder = shell_file(&visible(&out.to_string_lossy()));
-        text += &format!("\nFor a report: stochc report {folder}\n");
     }
     print(&text)
 }

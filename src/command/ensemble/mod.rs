@@ -14,7 +14,7 @@ pub use arguments::{MAX_TICKS, MAX_UNTIL, MakingOptions, ProgramOptions, RUNS};
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
 use super::show::{ResultsView, TableFormat, show};
-use super::terminal::{print, warn};
+use super::terminal::{argument, close, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
@@ -123,9 +123,13 @@ pub fn run(
     };
     let exit = show(&manifest, &results.finished, &shown)?;
     if !is_json {
-        completion_curves::close(out, &manifest, &results.finished)?;
+        completion_curves::draw(&manifest, &results.finished)?;
     }
     if results.complete {
+        close(&match out.map(argument) {
+            Some(folder) => format!("Saved in {folder}. Next: stochc report {folder}\n"),
+            None => "Not saved; `-o DIR` saves the results in a folder.\n".to_owned(),
+        });
         return unrecorded.map_or(Ok(exit), Err);
     }
     Err(stopped(out))
@@ -133,10 +137,8 @@ pub fn run(
 
 /// Returns the end of an ensemble that was interrupted.
 pub fn stopped(out: Option<&Path>) -> Failure {
-    use stochc_files::shell::file as shell_file;
-    let message = match out {
-        Some(out) => {
-            let folder = shell_file(&stochc_text::visible(&out.to_string_lossy()));
+    let message = match out.map(argument) {
+        Some(folder) => {
             format!("interrupted; finished runs are kept. Next: stochc resume {folder}\n")
         }
         None => "interrupted; with `--out DIR`, finished runs are kept\n".to_owned(),

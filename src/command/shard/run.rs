@@ -2,6 +2,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use stochc_files::shell::file as shell_file;
 use stochc_results::Interval;
 use stochc_text::visible;
 
@@ -50,7 +51,8 @@ pub fn run(options: &RunArguments) -> Result<Exit, Failure> {
     if !is_quiet() {
         let number = options.shard;
         print(&format!(
-            "shard {number} of `{shown}` is complete: {runs} runs\n"
+            "shard {number} of `{shown}` is complete: {runs} runs. Next: stochc shard status {}\n",
+            shell_file(&shown)
         ))?;
     }
     Ok(Exit::Success)

@@ -47,11 +47,15 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
         let cv = c.time.as_ref().and_then(|time| time.cv);
         cv.map_or(NONE.into(), |cv| format!("{cv:.2}"))
     });
-    rows.add("Timed out", |c| c.timed_out.to_string());
+    if comparison.programs.iter().any(|c| c.timed_out > 0) {
+        rows.add("Timed out", |c| c.timed_out.to_string());
+    }
     if comparison.programs.iter().any(|c| c.censored > 0) {
         rows.add("At --max-ticks (censored)", |c| c.censored.to_string());
     }
-    rows.add("Failed", |c| c.failed.to_string());
+    if comparison.programs.iter().any(|c| c.failed > 0) {
+        rows.add("Failed", |c| c.failed.to_string());
+    }
     let phases = comparison
         .programs
         .iter()

@@ -1,0 +1,109 @@
+//! `stochc new`: a commented program to start from.
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use stochc_files::atomic::{Replaces, replace};
+use stochc_files::shell::file as shell_file;
+use stochc_text::visible;
+
+use super::terminal::{is_quiet, print};
+use crate::exit::{Exit, Failure};
+
+/// Arguments of `new`.
+#[derive(Debug, Args)]
+pub struct NewArguments {
+    /// Name of the program; the file is NAME.sa
+    #[arg(value_name = "NAME")]
+    name: String,
+    /// What the program shows
+    #[arg(long, value_name = "TEMPLATE", default_value = "structure")]
+    template: Template,
+}
+
+/// A program to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Template {
+    /// A structure in two phases
+    Structure,
+    /// A tank of your own with a small structure
+    Scene,
+    /// A shape that `stochc plan` writes a program for
+    Plan,
+}
+
+impl Template {
+    fn text(self) -> &'static str {
+        match self {
+            Template::Structure => include_str!("structure.sa"),
+            Template::Scene => include_str!("scene.sa"),
+            Template::Plan => include_str!("plan.sa"),
+        }
+    }
+
+    /// Returns the commands to try on the file, and what they do.
+    fn next(self, file: &str, name: &str) -> [(String, &'static str); 3] {
+        let check = |options: &str| format!("stochc check {file}{options}");
+        let simulate = |file: &str| format!("stochc simulate {file} -n 20 -o results/{name}");
+        match self {
+            Template::Structure => [
+                (check(""), "proves that it finishes"),
+                (simulate(file), "simulates 20 runs"),
+                (format!("stochc replay results/{name}"), "shows a run"),
+            ],
+            Template::Scene => [
+                (check(" --physics"), "lists the physics of the tank"),
+                (simulate(file), "simulates 20 runs"),
+                (format!("stochc report results/{name}"), "writes a report"),
+            ],
+            Template::Plan => {
+                let planned = format!("{name}_planned.sa");
+                [
+                    (
+                        format!("stochc plan {file} -o {planned}"),
+                        "writes the captures",
+                    ),
+                    (format!("stochc check {planned}"), "proves that it finishes"),
+                    (simulate(&planned), "simulates 20 runs"),
+                ]
+            }
+        }
+    }
+}
+
+/// Writes the program and prints the next commands.
+pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
+    let stem = options.name.strip_suffix(".sa").unwrap_or(&options.name);
+    let path = format!("{stem}.sa");
+    let name = Path::new(stem).file_name().and_then(|it| it.to_str());
+    let name = name.filter(|name| is_name(name)).ok_or_else(|| {
+        Failure::usage(format!(
+            "`{}` is not a name: use letters, digits and `_`, and begin with a letter",
+            visible(stem)
+        ))
+    })?;
+    let text = options.template.text().replace("NAME", name);
+    let path = Path::new(&path);
+    replace(path, text.as_bytes(), Replaces::Nothing)
+        .map_err(|error| Failure::not_written(path, error))?;
+    if is_quiet() {
+        return Ok(Exit::Success);
+    }
+    let file = shell_file(&path.to_string_lossy());
+    let next = options.template.next(&file, name);
+    let width = next.iter().map(|(command, _)| command.len()).max();
+    let width = width.unwrap_or(0);
+    let lines = next.map(|(command, meaning)| format!("  {command:width$}  # {meaning}\n"));
+    print(&format!(
+        "Wrote {}. Next:\n{}",
+        path.display(),
+        lines.concat()
+    ))?;
+    Ok(Exit::Success)
+}
+
+/// Returns whether a program can have this name.
+fn is_name(name: &str) -> bool {
+    let mut letters = name.chars();
+    let is_first = letters.next().is_some_and(|it| it.is_ascii_alphabetic());
+    is_first && letters.all(|it| it.is_ascii_alphanumeric() || it == '_')
+}

@@ -1,0 +1,48 @@
+//! `stochc new`, and the commands that it proposes.
+use crate::stochc::{command, said};
+
+/// Each template is a program, in its layout, and the three commands work one after the other.
+#[test]
+fn the_next_commands_work() {
+    for template in ["structure", "scene", "plan"] {
+        let folder = tempfile::tempdir().unwrap();
+        let run = |words: &[&str]| said(command(words.iter().copied()).current_dir(folder.path()));
+        let new = run(&["new", "tower", "--template", template]);
+        assert_eq!((new.status, new.err.as_str()), (0, ""), "{template}");
+        let formatted = run(&["fmt", "--check", "tower.sa"]);
+        assert_eq!(
+            (formatted.status, formatted.out.as_str()),
+            (0, ""),
+            "{template}"
+        );
+        let next: Vec<&str> = (new.out.lines().skip(1))
+            .map(|line| line.split('#').next().unwrap().trim())
+            .collect();
+        assert_eq!(next.len(), 3, "{}", new.out);
+        for line in next {
+            let mut words: Vec<&str> = line.split(' ').skip(1).collect();
+            // Physics takes a while.
+            if words[0] == "simulate" {
+                words.extend(["--model", "shuffle"]);
+            }
+            // Runs without places cannot be replayed.
+            if words[0] != "replay" {
+                let done = run(&words);
+                assert_eq!(done.status, 0, "{line}: {}", done.err);
+                assert!(!done.err.contains("warning"), "{line}: {}", done.err);
+            }
+        }
+        let again = run(&["new", "tower"]);
+        assert_eq!(again.status, 2, "{template}: nothing is replaced");
+    }
+}
+
+#[test]
+fn what_is_no_name_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["", "2towers", "a-b", "a b"] {
+        let refused = said(command(["new", name]).current_dir(folder.path()));
+        assert_eq!(refused.status, 2, "{name}");
+        assert!(refused.err.contains("is not a name"), "{}", refused.err);
+    }
+}
