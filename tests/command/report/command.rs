@@ -86,29 +86,6 @@ fn a_chain_has_the_way_of_news_in_it() {
     );
 }
 
-/// The dots of "Arriving and docking" are captures.
-#[test]
-fn what_is_attached_by_hand_has_no_dot() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = path(folder.path(), "hand.sa");
-    let text = fs::read_to_string("tests/fixtures/dense.sa").unwrap();
-    let text = text
-        .replace("M at (1, 1)", "M at (1, 1)  M.up -> L")
-        .replace("M.up ->> T[1..2]", "L.up -> T");
-    fs::write(&file, text).unwrap();
-    let out = path(folder.path(), "out");
-    let said = stochc_with("simulate --quiet --runs 3", &[&file, "--out", &out]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
-    let figure = path(out.as_ref(), "report-figures/entries-1.svg");
-    let figure = fs::read_to_string(figure).unwrap();
-    assert_eq!(
-        figure.matches("class=\"rest faint\"").count(),
-        3,
-        "{figure}"
-    );
-}
-
 #[test]
 fn several_folders_make_one_page_here() {
     let folder = tempfile::tempdir().unwrap();
@@ -380,14 +357,13 @@ fn figures_are_in_seconds_with_labels_of_programs() {
         "survival",
         "phases-1",
         "waits-1",
-        "entries-1",
         "before-1",
         "near-1",
     ];
     for name in names {
         let text = fs::read_to_string(path(figures.as_ref(), &format!("{name}.svg"))).unwrap();
         assert!(!text.contains("ticks"), "{name}");
-        // The heading of the entries is broken into lines; maps have times in titles.
+        // Maps have times in titles.
         let is_on_axis = ["survival", "phases-1", "waits-1"].contains(&name);
         assert!(!is_on_axis || text.contains("[s]"), "{name}");
         shown += usize::from(text.contains("Five towers"));

@@ -6,7 +6,7 @@ use stochc_experiments::sweep::{PointTally, Sweep, SweepTally};
 use stochc_experiments::{
     TimeUnit, WaitsTally, completion_status, completion_time, phase_time, sort_by_time,
 };
-use stochc_ir::record::{BondRecord, Outcome, RunRecord};
+use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 use stochc_results::{EnsembleProgram, JournalError, Manifest, Records};
 use stochc_text::{Tick, number};
@@ -62,7 +62,6 @@ pub(crate) struct ReportedProgram<'a> {
     pub failed: usize,
     /// First failed runs.
     pub failures: Vec<FailedRun>,
-    pub dots: Dots,
     /// Data of the program as a point of a sweep.
     pub point: PointTally,
     pub waits: WaitsTally,
@@ -199,7 +198,6 @@ impl<'a> ReportedProgram<'a> {
             times: Vec::new(),
             failed: 0,
             failures: Vec::new(),
-            dots: Dots::default(),
             point: PointTally::new(clock.tick(program)),
             waits: WaitsTally::default(),
             decisive: DecisiveEvents::new(&events),
@@ -242,11 +240,6 @@ impl<'a> ReportedProgram<'a> {
             }
             _ => {
                 self.decisive.add(record.ticks, &run.critical_path);
-                // A pre-attached block has no origin.
-                let docked = |bond: &&BondRecord| !self.program.is_planted(bond.phase);
-                for bond in record.bonds.iter().filter(docked) {
-                    self.dots.add(f64::from(bond.entries), bond.docking as f64);
-                }
             }
         }
     }
@@ -400,48 +393,7 @@ pub struct RunCounts {
     pub failed: usize,
 }
 
-/// Entries and docking times of captures, one point for each. Many captures are thinned evenly.
-#[derive(Clone, Debug)]
-pub(crate) struct Dots {
-    pub kept: Vec<(f64, f64)>,
-    /// Largest values of all captures.
-    pub most: (f64, f64),
-    /// Number of captures per stored point.
-    every: usize,
-    count: usize,
-}
-
-impl Default for Dots {
-    fn default() -> Dots {
-        Dots {
-            kept: Vec::new(),
-            most: (1.0, 0.0),
-            every: 1,
-            count: 0,
-        }
-    }
-}
-
-impl Dots {
-    fn add(&mut self, entries: f64, docking: f64) {
-        const MAX: usize = 1 << 17;
-        self.most = (self.most.0.max(entries), self.most.1.max(docking));
-        if self.count.is_multiple_of(self.every) {
-            if self.kept.len() == MAX {
-                let mut number = 0;
-                self.kept.retain(|_| {
-                    number += 1;
-                    number % 2 == 1
-                });
-                self.every *= 2;
-            }
-            self.kept.push((entries, docking));
-        }
-        self.count += 1;
-    }
-}
-
-/// Returns the last observed time of all runs of all programs, in a unit.
+/// The last time that was seen of any run of any program, in the unit of a clock.
 pub fn last_seen(programs: &[ReportedProgram<'_>], clock: TimeUnit) -> f64 {
     let times = programs.iter().flat_map(|it| it.times_by(clock));
     stochc_experiments::last_seen(times)

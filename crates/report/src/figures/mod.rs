@@ -1,6 +1,5 @@
 //! Figures (SVG and PDF) of ensembles, sweeps and trades, laid out for the width of their medium.
 mod completion;
-mod entries;
 mod files;
 mod fit;
 mod maps;
@@ -12,7 +11,6 @@ mod sweep;
 mod trade;
 mod waits;
 
-pub(crate) use entries::entries;
 pub(crate) use maps::{MapColumn, maps};
 pub(crate) use means::means;
 pub(crate) use origins::origins;

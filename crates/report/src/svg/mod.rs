@@ -21,4 +21,4 @@ pub(crate) use drawing::{LINE, LegendEntry, LegendSymbol};
 pub(crate) use medium::plot_height;
 pub(crate) use scale::Scale;
 pub(crate) use shape::Marker;
-pub(crate) use style::{Colours, Paint, STYLE, Style, class, dashes, phase};
+pub(crate) use style::{Colours, Paint, STYLE, Style, class, dashes};

@@ -240,7 +240,6 @@ fn a_failed_run_counts_nowhere() {
         [
             cells("Times of the phases"),
             cells("The captures; waits"),
-            file(&report, "entries-1.svg").to_owned(),
         ]
     };
     let mut runs: Vec<Finished> = Vec::new();

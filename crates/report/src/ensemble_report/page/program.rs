@@ -61,30 +61,8 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     );
     captures(subject, waits, out);
     origins(parts, index, out, drawings);
-    entries(parts, index, out, drawings);
     maps(parts, index, out, drawings);
     runs(parts, n, subject, out);
-}
-
-/// Adds the section on the rate of entries and the docking times. Adds nothing without physics.
-fn entries(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
-    let n = index + 1;
-    let figure = |medium| picture::entries(medium, n, &parts.subjects[index], &parts.waits[index]);
-    let mut section = Html::default();
-    section.heading(3, &format!("entries-of-{n}"), "Arriving and docking");
-    let caption = "Discs are captures at their means, coloured by phase, and dots single ones; \
-                   the six that were waited for longest have names. To the right many blocks \
-                   come before one is caught; above, the last one takes long to dock.";
-    if show(
-        parts,
-        &mut section,
-        drawings,
-        figure,
-        caption,
-        &["waits.csv"],
-    ) {
-        out.raw(&section.finish());
-    }
 }
 
 /// Adds the growth of the largest group of an aggregate.
