@@ -5,8 +5,8 @@ use crate::Symbols;
 use crate::format::lay_out;
 use crate::parse::is_unit;
 use crate::tree::{
-    Argument, Arrow, EventReference, Expr, ExprKind, Item, ItemKind, Place, Quantity, Subscript,
-    Term, Tree,
+    Argument, Arrow, Chain, EventReference, Expr, ExprKind, Instance, Item, ItemKind, Place,
+    Quantity, Subscript, Term, Tree,
 };
 
 /// The text of a tree, laid out as [`crate::format()`] does it; parsing it gives the same tree.
@@ -47,35 +47,13 @@ impl Printer<'_> {
             );
         }
         match &item.kind {
-            ItemKind::Chain(chain) => {
-                self.place(&chain.head);
-                for link in &chain.links {
-                    self.out.push_str(match link.arrow {
-                        Arrow::One => " -> ",
-                        Arrow::Row => " ->> ",
-                    });
-                    self.place(&link.place);
-                }
-                self.after(&chain.after);
-            }
+            ItemKind::Chain(chain) => self.chain(chain),
             ItemKind::Release(release) => {
                 self.out.push_str("release ");
                 self.list(&release.places, Printer::place);
                 self.after(&release.after);
             }
-            ItemKind::Instance(instance) => {
-                self.out.push_str(&self.word(instance.pattern.symbol));
-                self.out.push('(');
-                self.list(&instance.arguments, |printer, argument| match argument {
-                    Argument::Expr(expr) => printer.expr(expr, 0),
-                    Argument::Place(place) => printer.place(place),
-                });
-                self.out.push(')');
-                if let Some(alias) = &instance.alias {
-                    self.out.push_str(" as ");
-                    self.place(alias);
-                }
-            }
+            ItemKind::Instance(instance) => self.instance(instance),
             ItemKind::Seat(seat) => {
                 self.place(&seat.place);
                 self.out.push_str(" at ");
@@ -155,6 +133,32 @@ impl Printer<'_> {
             }
         }
         self.out.push('\n');
+    }
+
+    fn chain(&mut self, chain: &Chain) {
+        self.place(&chain.head);
+        for link in &chain.links {
+            self.out.push_str(match link.arrow {
+                Arrow::One => " -> ",
+                Arrow::Row => " ->> ",
+            });
+            self.place(&link.place);
+        }
+        self.after(&chain.after);
+    }
+
+    fn instance(&mut self, instance: &Instance) {
+        self.out.push_str(&self.word(instance.pattern.symbol));
+        self.out.push('(');
+        self.list(&instance.arguments, |printer, argument| match argument {
+            Argument::Expr(expr) => printer.expr(expr, 0),
+            Argument::Place(place) => printer.place(place),
+        });
+        self.out.push(')');
+        if let Some(alias) = &instance.alias {
+            self.out.push_str(" as ");
+            self.place(alias);
+        }
     }
 
     fn body(&mut self, items: &[Item]) {

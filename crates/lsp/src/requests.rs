@@ -266,6 +266,13 @@ impl Query {
                 })
                 .with_edits()
             }
+            _ => return Query::parse_for_document(method, raw),
+        })
+    }
+
+    /// Parses a request about a whole document.
+    fn parse_for_document(method: &str, raw: Value) -> Result<Query, RequestFailure> {
+        Ok(match method {
             "textDocument/documentSymbol" => {
                 let it: DocumentSymbolParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Own, |context| {

@@ -69,7 +69,6 @@ pub(crate) fn waits(
     let top = 18.0 + LINE * shows.len().max(if decisive { shares.len() } else { 1 }) as f64;
     let height = top + rows;
     let x = Scale::linear((0.0, subject.on_axis(last)), (left, right));
-    let at = |ticks: f64| x.at(subject.on_axis(ticks));
     let axis = subject.time_axis("wait");
     let mut foot = out.across(&x, (left, right), height, top, &axis);
     let bar = Scale::linear((0.0, most.max(0.01)), (bars, bars_end));
@@ -103,40 +102,9 @@ pub(crate) fn waits(
         // The largest share is highlighted.
         let hot = most > 0.0 && wait.share.is_some_and(|share| share >= 0.999 * most);
         let class = if hot { "hot" } else { "s0" };
-        if let Some((low, high)) = wait.spread() {
-            let style = Style::line(1.0).faint(0.65);
-            out.stroke(class, (at(low), middle), (at(high), middle), style);
-        }
-        match wait.time() {
-            Some(time) => {
-                let half = time.half_width.unwrap_or(0.0);
-                let (low, high) = (at(time.mean - half), at(time.mean + half));
-                out.stroke(class, (low, middle), (high, middle), Style::line(4.0));
-                let bound = if time.incomplete > 0 { "at least " } else { "" };
-                let tooltip = format!(
-                    "{}: {bound}{} ± {}, {} captures",
-                    wait.text,
-                    number(subject.on_axis(time.mean)),
-                    subject.described(half),
-                    time.completed
-                );
-                out.disc(class, (at(time.mean), middle), 4.5, &tooltip);
-                if time.incomplete > 0 {
-                    out.text("ink", (high + 6.0, middle + 4.0), "≥");
-                }
-            }
-            None => out.text("dim", (left + 4.0, middle + 4.0), "never waited for"),
-        }
+        draw_wait(&mut out, subject, wait, class, &x, middle);
         if let Some(share) = wait.share {
-            let tooltip = format!("{}: {}", wait.text, percent(share));
-            let size = (bar.at(share) - bars, 10.0);
-            out.rectangle(
-                &format!("bar {class}"),
-                (bars, middle - 5.0),
-                size,
-                &tooltip,
-            );
-            out.text("dim", (bar.at(share) + 5.0, middle + 4.0), &percent(share));
+            draw_share(&mut out, wait, share, class, &bar, middle);
         }
         y += ROW;
     }
@@ -149,6 +117,56 @@ pub(crate) fn waits(
         foot = out.paragraph("dim", (EDGE, foot), all - 2.0 * EDGE, &note);
     }
     Some(out.high(foot - 8.0))
+}
+
+/// Draws the mean of a capture with its interval and its spread, in the row whose middle is `y`.
+fn draw_wait(
+    out: &mut Drawing,
+    subject: &ReportedProgram,
+    wait: &ReportedCapture,
+    class: &str,
+    x: &Scale,
+    y: f64,
+) {
+    let at = |ticks: f64| x.at(subject.on_axis(ticks));
+    if let Some((low, high)) = wait.spread() {
+        let style = Style::line(1.0).faint(0.65);
+        out.stroke(class, (at(low), y), (at(high), y), style);
+    }
+    let Some(time) = wait.time() else {
+        return out.text("dim", (at(0.0) + 4.0, y + 4.0), "never waited for");
+    };
+    let half = time.half_width.unwrap_or(0.0);
+    let (low, high) = (at(time.mean - half), at(time.mean + half));
+    out.stroke(class, (low, y), (high, y), Style::line(4.0));
+    let bound = if time.incomplete > 0 { "at least " } else { "" };
+    let tooltip = format!(
+        "{}: {bound}{} ± {}, {} captures",
+        wait.text,
+        number(subject.on_axis(time.mean)),
+        subject.described(half),
+        time.completed
+    );
+    out.disc(class, (at(time.mean), y), 4.5, &tooltip);
+    if time.incomplete > 0 {
+        out.text("ink", (high + 6.0, y + 4.0), "≥");
+    }
+}
+
+/// Draws the share of the time that a capture decided, as a bar in the row whose middle is `y`.
+fn draw_share(
+    out: &mut Drawing,
+    wait: &ReportedCapture,
+    share: f64,
+    class: &str,
+    bar: &Scale,
+    y: f64,
+) {
+    let tooltip = format!("{}: {}", wait.text, percent(share));
+    let size = (bar.at(share) - bar.at(0.0), 10.0);
+    let class = format!("bar {class}");
+    out.rectangle(&class, (bar.at(0.0), y - 5.0), size, &tooltip);
+    out.text("dim", (bar.at(share) + 5.0, y + 4.0), &percent(share));
 }
 
 /// Returns the captures to show, in their order.
