@@ -12,7 +12,7 @@ mod phrases;
 pub mod suggest;
 mod visible;
 
-pub use layout::{Markup, Strip, TextColumn, TextTable, aligned, paragraph, short, strips};
+pub use layout::{Markup, TextColumn, TextTable, aligned, paragraph, short};
 pub use numbers::{
     Tick, duration, number, percent, percent_number, ranges, ratio, seconds, share, whole_percent,
     words,

@@ -1,10 +1,10 @@
 //! Ensembles: what `simulate`, `sweep`, `resume` and `repeat` have in common.
 mod arguments;
-mod completion_curves;
 pub mod input;
 
 use std::path::Path;
 
+use stochc_files::shell::file as shell_file;
 use stochc_report::figures::Figures;
 use stochc_report::presentation::Presentation;
 use stochc_results::{Manifest, Resume};
@@ -122,9 +122,6 @@ pub fn run(
         folder: out,
     };
     let exit = show(&manifest, &results.finished, &shown)?;
-    if !is_json {
-        completion_curves::draw(&manifest, &results.finished)?;
-    }
     if results.complete {
         close(&match out.map(argument) {
             Some(folder) => format!("Saved in {folder}. Next: stochc report {folder}\n"),

@@ -287,7 +287,7 @@ pub(crate) fn class(i: usize) -> &'static str {
 }
 
 /// Returns the class of phase `i`.
-pub(crate) fn phase(i: usize) -> &'static str {
+fn phase(i: usize) -> &'static str {
     ["p0", "p1", "p2", "p3", "p4", "p5", "p6", "p7"][i % PHASES.len()]
 }
 

@@ -3,12 +3,10 @@ mod line;
 mod markup;
 mod paragraph;
 mod short;
-mod strip;
 mod table;
 
 pub use line::aligned;
 pub use markup::Markup;
 pub use paragraph::paragraph;
 pub use short::short;
-pub use strip::{Strip, strips};
 pub use table::{TextColumn, TextTable};
