@@ -13,7 +13,7 @@ use crate::reader::DiskReader;
 
 /// Checks a file of the disk and all it imports, and compiles its assemblies.
 ///
-/// Never fails: a file that cannot be read is a finding as well.
+/// Never fails: a file that cannot be read is a diagnostic as well.
 pub fn check(path: &str) -> Checked {
     check_with(path, &LintLevels::default())
 }
@@ -38,12 +38,12 @@ pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Che
 /// A program that cannot be run.
 #[derive(Debug)]
 pub struct CompileError {
-    /// Its findings, and the texts that they are about.
+    /// Its diagnostics, and the texts that they are about.
     pub checked: Checked,
 }
 
 impl fmt::Display for CompileError {
-    /// One line for each finding.
+    /// One line for each diagnostic.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(show(&self.checked, Format::Short, false, 0).trim_end())
     }

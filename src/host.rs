@@ -20,10 +20,10 @@ pub trait Host: Sync {
     /// Hears why a part of the work has failed while the rest of it goes on, in whole lines.
     fn report_failure(&self, message: &str);
 
-    /// Hears the findings of a file, errors or not.
-    fn report_findings(&self, checked: &Checked);
+    /// Hears the diagnostics of a file, errors or not.
+    fn report_diagnostics(&self, checked: &Checked);
 
-    /// Draws findings as it shows them, to stand within a message.
+    /// Draws diagnostics as it shows them, to stand within a message.
     fn draw(&self, checked: &Checked) -> String;
 
     /// Is set to have the work stop at the next tick.

@@ -10,14 +10,14 @@ const MODULE: &str = "stochc._errors";
 /// Returns the exception for a failure, including reasons reported before.
 pub fn exception(py: Python<'_>, failure: &Failure, log: &HostLog) -> PyErr {
     let message = log.failures.clone() + &failure.message;
-    let findings = serde_json::Value::from(log.findings.clone()).to_string();
+    let diagnostics = serde_json::Value::from(log.diagnostics.clone()).to_string();
     let kind = match failure.exit {
         Exit::Success | Exit::Usage => "usage",
         Exit::InvalidProgram => "program",
         Exit::UnsuccessfulRun => "run",
         Exit::Interrupted => "interrupted",
     };
-    raised(py, kind, &message, &findings)
+    raised(py, kind, &message, &diagnostics)
 }
 
 /// Returns the exception for a defect of `stochc` itself.
@@ -27,10 +27,10 @@ pub fn defect(py: Python<'_>, panic: &(dyn std::any::Any + Send)) -> PyErr {
     raised(py, "defect", text.unwrap_or("unknown reason"), "[]")
 }
 
-fn raised(py: Python<'_>, kind: &str, message: &str, findings: &str) -> PyErr {
+fn raised(py: Python<'_>, kind: &str, message: &str, diagnostics: &str) -> PyErr {
     let made = py
         .import(MODULE)
-        .and_then(|module| module.call_method1("made", (kind, message, findings)));
+        .and_then(|module| module.call_method1("made", (kind, message, diagnostics)));
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
@@ -40,7 +40,7 @@ fn raised(py: Python<'_>, kind: &str, message: &str, findings: &str) -> PyErr {
 ///
 /// The warning, if the caller turns warnings into errors.
 pub fn warn(py: Python<'_>, log: &HostLog) -> PyResult<()> {
-    let all = log.doubts.iter().map(|text| ("findings", text));
+    let all = log.doubts.iter().map(|text| ("diagnostics", text));
     let all = all.chain(log.warnings.iter().map(|text| ("note", text)));
     for (kind, text) in all {
         py.import(MODULE)?.call_method1("warn", (kind, text))?;

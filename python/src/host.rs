@@ -32,7 +32,7 @@ pub struct HostLog {
     /// Reasons of partial failures.
     pub failures: String,
     /// Diagnostics of files with errors.
-    pub findings: Vec<serde_json::Value>,
+    pub diagnostics: Vec<serde_json::Value>,
 }
 
 /// Locks a mutex. Data left by a panic of another thread are still valid.
@@ -61,12 +61,12 @@ impl Host for Caller {
         lock(&self.log).failures += message;
     }
 
-    fn report_findings(&self, checked: &Checked) {
+    fn report_diagnostics(&self, checked: &Checked) {
         let drawn = self.draw(checked);
         let mut log = lock(&self.log);
         if checked.has_errors() {
             log.failures += &drawn;
-            log.findings.extend(values(checked));
+            log.diagnostics.extend(values(checked));
         } else if !drawn.is_empty() {
             log.doubts.push(drawn.trim_end().to_owned());
         }

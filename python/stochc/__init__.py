@@ -25,8 +25,9 @@ from ._ensemble import (
     status,
     sweep,
 )
+from ._diagnostics import Diagnostic, Fix, Position, Proof, Span
 from ._errors import (
-    FindingWarning,
+    DiagnosticWarning,
     InternalError,
     Interrupted,
     ProgramError,
@@ -35,7 +36,6 @@ from ._errors import (
     StochcWarning,
     UsageError,
 )
-from ._findings import Finding, Fix, Position, Proof, Span
 from ._measure import Estimates, Plan, Trade, estimate, plan, trade
 from ._program import Checked, Program, Source, check, compile, compile_all, explain
 from ._progress import Progress
@@ -54,10 +54,10 @@ __all__ = [
     "Axes",
     "Checked",
     "Column",
+    "Diagnostic",
+    "DiagnosticWarning",
     "Ensemble",
     "Estimates",
-    "Finding",
-    "FindingWarning",
     "Fix",
     "InternalError",
     "Interrupted",

@@ -10,7 +10,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ._findings import Finding
+    from ._diagnostics import Diagnostic
 
 
 class StochcError(Exception):
@@ -25,18 +25,18 @@ class StochcError(Exception):
 
 
 class ProgramError(StochcError):
-    """A program has errors, or cannot be run. `findings` are the diagnostics, if available."""
+    """A program has errors, or cannot be run. `diagnostics` are the diagnostics, if available."""
 
-    def __init__(self, text: str = "", findings: tuple[Finding, ...] = ()) -> None:
+    def __init__(self, text: str = "", diagnostics: tuple[Diagnostic, ...] = ()) -> None:
         super().__init__(text)
-        self.findings = findings
+        self.diagnostics = diagnostics
 
     def __str__(self) -> str:
         # Rendered diagnostics begin on a separate line.
-        return f"\n{self.text}" if self.findings else self.text
+        return f"\n{self.text}" if self.diagnostics else self.text
 
-    def __reduce__(self) -> tuple[type[ProgramError], tuple[str, tuple[Finding, ...]]]:
-        return (type(self), (self.text, self.findings))
+    def __reduce__(self) -> tuple[type[ProgramError], tuple[str, tuple[Diagnostic, ...]]]:
+        return (type(self), (self.text, self.diagnostics))
 
 
 class UsageError(StochcError, ValueError):
@@ -59,7 +59,7 @@ class StochcWarning(UserWarning):
     """Warning about an ensemble or a folder."""
 
 
-class FindingWarning(StochcWarning):
+class DiagnosticWarning(StochcWarning):
     """A program is valid, but has warnings."""
 
 
@@ -87,14 +87,14 @@ def _in_python(text: str) -> str:
     return re.sub(r"^--([a-z]+): ", r"\1: ", text)
 
 
-def made(kind: str, text: str, findings: str) -> StochcError:
+def made(kind: str, text: str, diagnostics: str) -> StochcError:
     """Returns the exception for a failure of the native part."""
     text = _in_python(text.removeprefix("error: ").rstrip())
     if kind == "program":
-        from ._findings import finding
+        from ._diagnostics import diagnostic
 
-        found: list[dict[str, Any]] = json.loads(findings)
-        return ProgramError(text, tuple(finding(it) for it in found))
+        found: list[dict[str, Any]] = json.loads(diagnostics)
+        return ProgramError(text, tuple(diagnostic(it) for it in found))
     if kind == "defect":
         return InternalError(
             f"a defect of stochc: {text}; please report it with your call"
@@ -104,7 +104,7 @@ def made(kind: str, text: str, findings: str) -> StochcError:
 
 def warn(kind: str, text: str) -> None:
     """Issues a warning of the native part at the first caller outside of this package."""
-    category = FindingWarning if kind == "findings" else StochcWarning
+    category = DiagnosticWarning if kind == "diagnostics" else StochcWarning
     text = text.removeprefix("warning: ")
     level = 1
     frame: FrameType | None = sys._getframe()  # pyright: ignore[reportPrivateUsage]

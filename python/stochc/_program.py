@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from typing import Any, TypeAlias
 
 from . import _arguments, _html, _native
+from ._diagnostics import Diagnostic, Proof, diagnostic
 from ._errors import ProgramError, UsageError
-from ._findings import Finding, Proof, finding
 
 Source: TypeAlias = str | os.PathLike[str]
 """Source of a program, or the path of its file. A string with a `{` or several lines is a source."""
@@ -34,13 +34,13 @@ class Checked:
     >>> checked = stochc.check("assembly pair { }")
     >>> checked.ok
     False
-    >>> print(checked.findings[0])
-    text.sa:1:10: error[missing-plate]: the assembly has no seed plate
+    >>> print(checked.diagnostics[0])
+    text.sa:1:10: error[missing-plate]: assembly `pair` has no seed plate
     """
 
-    __slots__ = ("_drawn", "findings", "ok", "programs", "proofs")
+    __slots__ = ("_drawn", "diagnostics", "ok", "programs", "proofs")
 
-    findings: tuple[Finding, ...]
+    diagnostics: tuple[Diagnostic, ...]
     """Diagnostics in source order."""
     ok: bool
     """Whether there are no errors."""
@@ -52,33 +52,33 @@ class Checked:
     def __init__(self, found: tuple[str, str, bool, list[_native.Program]]) -> None:
         text, self._drawn, is_wrong, programs = found
         document = json.loads(text)
-        self.findings = tuple(finding(it) for it in document["diagnostics"])
+        self.diagnostics = tuple(diagnostic(it) for it in document["diagnostics"])
         proved = ((it["name"], it["proved"]) for it in document["programs"])
         self.proofs = {name: Proof(**proof) for name, proof in proved if proof}
         self.ok = not is_wrong
         self.programs = tuple(Program(it) for it in programs)
 
     @property
-    def errors(self) -> tuple[Finding, ...]:
+    def errors(self) -> tuple[Diagnostic, ...]:
         """Diagnostics that are errors."""
-        return tuple(it for it in self.findings if it.severity == "error")
+        return tuple(it for it in self.diagnostics if it.severity == "error")
 
     @property
-    def warnings(self) -> tuple[Finding, ...]:
+    def warnings(self) -> tuple[Diagnostic, ...]:
         """Diagnostics that are warnings."""
-        return tuple(it for it in self.findings if it.severity != "error")
+        return tuple(it for it in self.diagnostics if it.severity != "error")
 
     def raise_if_wrong(self) -> None:
         """Raises a `ProgramError` if there are errors."""
         if not self.ok:
-            raise ProgramError(self._drawn.rstrip(), self.findings)
+            raise ProgramError(self._drawn.rstrip(), self.diagnostics)
 
     def __str__(self) -> str:
         return self._drawn.rstrip() or "no assembly or aggregate"
 
     def __repr__(self) -> str:
         verdict = "ok" if self.ok else "wrong"
-        return f"<stochc.Checked {verdict}: {len(self.findings)} findings>"
+        return f"<stochc.Checked {verdict}: {len(self.diagnostics)} diagnostics>"
 
 
 class Program:

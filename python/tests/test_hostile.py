@@ -100,7 +100,7 @@ def test_messages_say_the_way_out(tmp_path: Path) -> None:
         ({"model": "rapier", "without": "corners"}, "without: not used by the model `rapier`"),
         ({"rates": ["lively.rates"]}, "rates: not used by the model `rigid`"),
         ({"record": "all"}, "record: name a folder with `out`"),
-        ({"allow": "no-such-code"}, "no finding has the code `no-such-code`"),
+        ({"allow": "no-such-code"}, "`no-such-code` is not a code of a warning or error"),
         ({"vary": {"no_such": 1}}, "no_such"),
     ]:
         with pytest.raises(stochc.UsageError, match="^"):
@@ -132,7 +132,7 @@ def test_a_missing_file_is_a_wrong_argument(tmp_path: Path) -> None:
             call(str(tmp_path / "missing.sa"))
 
 
-def test_a_text_with_a_nul_has_findings() -> None:
+def test_a_text_with_a_nul_has_diagnostics() -> None:
     assert not stochc.check("assembly \0 { }\n").ok
 
 
@@ -170,8 +170,8 @@ def test_doubts_about_a_program_are_warnings() -> None:
     doubtful = "assembly a { seed plate 2 x 1 { M at (0, 0)  N at (1, 0) } phase p { M.up -> A } }"
     checked = stochc.check(doubtful)
     assert checked.ok
-    assert [finding.code for finding in checked.warnings] == ["unused-seed"]
-    with pytest.warns(stochc.FindingWarning, match="unused-seed"):
+    assert [diagnostic.code for diagnostic in checked.warnings] == ["unused-seed"]
+    with pytest.warns(stochc.DiagnosticWarning, match="unused-seed"):
         stochc.compile(doubtful)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -241,12 +241,12 @@ def test_pickles(tower: str, tmp_path: Path) -> None:
         pickle.dumps(ours)
     with pytest.raises(TypeError, match="pickle the ensemble"):
         pickle.dumps(ours.runs)
-    findings = stochc.check("assembly a { }").findings
-    assert pickle.loads(pickle.dumps(findings)) == findings
+    diagnostics = stochc.check("assembly a { }").diagnostics
+    assert pickle.loads(pickle.dumps(diagnostics)) == diagnostics
     with pytest.raises(stochc.ProgramError) as raised:
         stochc.compile("assembly a { }")
     error = pickle.loads(pickle.dumps(raised.value))
-    assert (str(error), error.findings) == (str(raised.value), findings)
+    assert (str(error), error.diagnostics) == (str(raised.value), diagnostics)
     with pytest.raises(stochc.UsageError, match="it is not the manifest"):
         type(program._native).from_json("{}")  # pyright: ignore[reportPrivateUsage]
 

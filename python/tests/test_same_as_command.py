@@ -142,12 +142,12 @@ def test_pieces_are_the_same(tower: str, command: Command, tmp_path: Path) -> No
         assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
-def test_findings_are_the_same(command: Command, tmp_path: Path) -> None:
+def test_diagnostics_are_the_same(command: Command, tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.sa"
     wrong.write_text("assembly a { seed plate 3 x 3 { M at (1, 1) } phase p { M.up -> A, A.upp -> B } }\n")
     checked = stochc.check(wrong)
     told = json.loads(command("check", wrong, "--json", status=1).stdout)
-    assert [(it.code, it.title, it.help) for it in checked.findings] == [
+    assert [(it.code, it.title, it.help) for it in checked.diagnostics] == [
         (it["code"], it["title"], it["help"]) for it in told["diagnostics"]
     ]
     drawn = command("check", wrong, status=1).stderr
@@ -155,7 +155,7 @@ def test_findings_are_the_same(command: Command, tmp_path: Path) -> None:
     with pytest.raises(stochc.ProgramError) as raised:
         stochc.simulate(wrong)
     assert str(raised.value).strip("\n") == drawn.rstrip()
-    assert raised.value.findings == checked.findings
+    assert raised.value.diagnostics == checked.diagnostics
 
 
 def test_proofs_are_the_same(command: Command, tower: str) -> None:

@@ -44,7 +44,7 @@ impl Host for Terminal {
     }
 
     /// Draws errors. Warnings are one line each, which `check` shows in full.
-    fn report_findings(&self, checked: &Checked) {
+    fn report_diagnostics(&self, checked: &Checked) {
         if checked.has_errors() {
             warn_drawn(&drawn_errors(checked, has_colour(), message_width()));
         }

@@ -1,4 +1,4 @@
-//! Findings by the names of their kinds.
+//! Diagnostics by the names of their kinds.
 use stochc_compiler::diagnostic::{Code, Severity};
 
 /// The word for every warning.

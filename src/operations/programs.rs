@@ -97,7 +97,7 @@ fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
     programs.collect()
 }
 
-/// The programs of a file in which nothing is wrong; its findings are told.
+/// The programs of a file in which nothing is wrong; its diagnostics are told.
 ///
 /// # Errors
 /// If it has errors, or nothing to run.
@@ -106,7 +106,7 @@ pub fn accept(
     checked: Checked,
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
-    host.report_findings(&checked);
+    host.report_diagnostics(&checked);
     if checked.has_errors() {
         return Err(Failure::silent(verdict(&checked)));
     }
@@ -150,7 +150,7 @@ pub fn recompile(
     crate::check_texts(&texts, levels, assembly, &changes.collect::<Vec<_>>())
 }
 
-/// What the findings of a file mean for the exit status.
+/// What the diagnostics of a file mean for the exit status.
 pub fn verdict(checked: &Checked) -> Exit {
     if !checked.has_errors() {
         Exit::Success

@@ -171,14 +171,19 @@ fn findings_are_drawn_on_standard_error() {
     for part in ["unknown-name", "wrong.sa:5:", "│", "help:"] {
         assert!(said.err.contains(part), "{part} in {}", said.err);
     }
-    assert!(said.err.ends_with("\n1 error\n"), "{}", said.err);
+    assert!(
+        said.err
+            .ends_with("\n1 error\nFor an explanation, run `stochc explain unknown-name`.\n"),
+        "{}",
+        said.err
+    );
 }
 
 #[test]
 fn a_warning_is_no_error() {
     let said = stochc("check tests/fixtures/careless.sa");
     assert_eq!(said.status, 0);
-    assert!(said.err.contains("the seed `N` is never used"));
+    assert!(said.err.contains("seed `N` is never used"));
     assert!(
         said.out.contains("used twice. 1 warning.\n"),
         "{}",
@@ -307,8 +312,7 @@ scene s from hemisphere { tick 1 m }
 /// `check` draws them; other commands name them, once the command line has proved to be right.
 #[test]
 fn warnings_are_one_line_for_other_commands() {
-    let line =
-        "tests/fixtures/careless.sa:4:37: warning[unused-seed]: the seed `N` is never used\n";
+    let line = "tests/fixtures/careless.sa:4:37: warning[unused-seed]: seed `N` is never used\n";
     for command in ["simulate --runs 1 --model shuffle", "estimate"] {
         let file = "tests/fixtures/careless.sa";
         let said = stochc_with(command, &[file]);
@@ -438,8 +442,9 @@ fn a_folder_is_the_programs_in_it() {
     assert_eq!(lines(&said.out), ["/a.sa", "/deep/b.sa"]);
     let said = stochc_with("check", &[own]);
     assert!(
-        said.err
-            .ends_with("\n2 warnings; `stochc check --fix` can fix them all\n"),
+        said.err.contains(
+            "\n2 warnings; `stochc check --fix` can fix them all\nFor an explanation, run "
+        ),
         "{}",
         said.err
     );
@@ -508,13 +513,18 @@ fn the_last_line_counts_the_findings_of_all_files() {
     let said = stochc("check tests/fixtures/wrong.sa tests/fixtures/careless.sa");
     assert!(
         said.err
-            .ends_with("\n1 error, 1 warning; `stochc check --fix` can fix 1 of them\n"),
+            .ends_with("\n1 error, 1 warning; `stochc check --fix` can fix 1 of them\nFor explanations, run `stochc explain CODE` with unknown-name or unused-seed.\n"),
         "{}",
         said.err
     );
     for command in ["compile", "simulate"] {
         let said = stochc(&format!("{command} tests/fixtures/wrong.sa"));
-        assert!(said.err.ends_with("\n1 error\n"), "{}", said.err);
+        assert!(
+            said.err
+                .ends_with("\n1 error\nFor an explanation, run `stochc explain unknown-name`.\n"),
+            "{}",
+            said.err
+        );
     }
 }
 
@@ -562,7 +572,7 @@ fn short_findings_are_one_to_a_line() {
     let said = stochc("check --format short tests/fixtures/wrong.sa tests/fixtures/tower.sa");
     assert_eq!((said.status, said.err.as_str()), (1, ""));
     let lines = "\
-tests/fixtures/wrong.sa:5:18: error[unknown-name]: no block is called `Q`
+tests/fixtures/wrong.sa:5:18: error[unknown-name]: cannot find block `Q`
 ";
     assert_eq!(said.out, lines);
 }
@@ -675,11 +685,15 @@ fn json_is_told_as_such() {
     let said = stochc_with("check", &[&file]);
     assert_eq!(said.status, 1);
     assert!(
-        said.err.contains("the file is JSON, and no program"),
+        said.err.contains("the file is JSON, not a program"),
         "{}",
         said.err
     );
-    assert!(said.err.contains("rates by `--rates`"), "{}", said.err);
+    assert!(
+        said.err.contains("rates are passed with `--rates`"),
+        "{}",
+        said.err
+    );
     assert!(said.err.contains("\n1 error\n"), "{}", said.err);
 }
 

@@ -74,7 +74,7 @@ fn a_dry_run_writes_nothing() {
     assert_eq!(said.status, 1);
     assert!(said.err.contains("1 change to make\n"), "{}", said.err);
     assert!(
-        said.err.contains("no block is called `Quux`"),
+        said.err.contains("cannot find block `Quux`"),
         "{}",
         said.err
     );

@@ -139,7 +139,7 @@ fn nothing_else_is_done_by_hand() {
         ("P.up -> A  release A", "misplaced"),
         (
             "P.up -> A.up -> B after A",
-            "an `after` does not belong in a seed plate",
+            "an `after` must be inside a phase",
         ),
         ("P.east -> A", "embedded-face"),
         ("P.up -> A  P.up -> B", "occupied-cell"),

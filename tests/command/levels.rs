@@ -18,7 +18,8 @@ fn a_denied_warning_is_an_error_for_every_command() {
                 "{command} {denied}"
             );
             assert!(
-                said.err.contains("× the seed `N` is never used"),
+                said.err
+                    .contains("error[unused-seed]: seed `N` is never used"),
                 "{}",
                 said.err
             );

@@ -420,7 +420,7 @@ fn a_run_that_was_stopped_is_finished() {
     let unknown = stochc_with("plan --run 1 --dead Nobody", &[&results]);
     assert_eq!(unknown.status, 2);
     assert!(
-        unknown.err.contains("no block is called `Nobody`"),
+        unknown.err.contains("cannot find block `Nobody`"),
         "{}",
         unknown.err
     );

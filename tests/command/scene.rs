@@ -122,15 +122,15 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
     let told = |steps: &str| stochc_with(line, &[steps]).err;
     assert!(!told("4").contains("warning"));
     let one = told("1");
-    let title = "warning[coarse-step]: in the scene `dense`, blocks overlap deeply";
+    let title = "warning[coarse-step]: in scene `dense`, blocks overlap deeply";
     assert_eq!(one.matches(title).count(), 1, "{one}");
     // It is denied like any other.
     let denied = stochc_with(line, &["1", "--deny", "warnings"]);
     assert_eq!(denied.status, 1, "{}", denied.err);
     for text in [
         "v τ / a is ",
-        "F τ² / (m d) is 6 with one step a tick, more than 1: a pulled block jumps",
-        "`--substeps 3` resolves it",
+        "F τ² / (m d) is 6 with one step per tick, more than 1: a pulled",
+        "run with `--substeps 3`, or shorten the `tick`",
     ] {
         assert!(denied.err.contains(text), "{}", denied.err);
     }

@@ -72,7 +72,10 @@ fn a_terminal_gets_the_next_command() {
     let Some(watched) = on_a_terminal(&format!("{simulate} --out {out}")) else {
         return;
     };
-    assert!(watched.contains(&format!("stochc report {out}")), "{watched}");
+    assert!(
+        watched.contains(&format!("stochc report {out}")),
+        "{watched}"
+    );
     // Without a folder there is nothing to report on.
     assert!(!on_a_terminal(simulate).unwrap().contains("stochc report"));
     for (number, quiet) in ["--quiet", "--json"].iter().enumerate() {

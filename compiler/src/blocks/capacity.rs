@@ -11,7 +11,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::{EventKind, ProgramPlan};
 use crate::shapes::layout::Layout;
 
-/// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
+/// Compares an aggregate with its scene: blocks must bond to each other, and there must be enough.
 pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     if !BondKind::from_scene(scene).is_passive() {
         let (said, what) = match &scene.bond {
@@ -59,7 +59,8 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
     }
 }
 
-/// Whether the free blocks of the scene have room at the beginning, which models without physics do not need.
+/// Whether the free blocks of the scene have room at the beginning, which models without physics do
+/// not need.
 pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     let Err(error) = scene.has_room(&plan.plate) else {
         return;
@@ -81,11 +82,12 @@ pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagn
     );
 }
 
-/// Compares a program with its scene; `order`: an order of it, with what surely comes before what, if it has one.
+/// Compares a program with its scene; `order`: an order of it, with what surely comes before what,
+/// if it has one.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
     plan: &ProgramPlan,
     layout: &Layout,

@@ -28,7 +28,7 @@ pub const MISTAKE: &str =
     "this is a bug in stochc, not in your program; please report it with the program";
 
 /// Explores the tables of small programs in a file without errors. Where some order goes wrong, that is a
-/// finding, and there are no tables.
+/// diagnostic, and there are no tables.
 pub fn try_out(checked: &mut Checked) {
     if checked.has_errors() {
         return;

@@ -44,7 +44,7 @@ pub fn has_choice(graph: &DependencyGraph) -> bool {
 /// Earliest end of every event, and the event that it waited for last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Earliest {
-    /// By event, after the start of its phase. Infinite if it never happens.
+    /// Ends by event, after the start of its phase. Infinite if it never happens.
     pub over: Vec<f64>,
     /// By event. `u32::MAX` if it waited for nothing.
     pub last: Vec<u32>,

@@ -1,4 +1,4 @@
-//! What stands at the end of each phase: as layers of text, as JSON, and as what is drawn.
+//! Structures at the ends of phases, as text, as JSON and for drawings.
 use std::fmt::{self, Display, Formatter};
 use std::rc::Rc;
 
@@ -108,7 +108,7 @@ pub fn structure_json<'a>(
 /// Blocks that a picture can show before it is of no use.
 const MAX_BLOCKS: usize = 20_000;
 
-/// The structures to be drawn; `None`: too many blocks for a picture.
+/// Returns the structures to draw. Returns `None` if there are too many blocks for a picture.
 pub fn built_structure(
     plan: &ProgramPlan,
     layout: &Layout,

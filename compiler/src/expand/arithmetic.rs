@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
-    /// The value of an expression; what it cannot work out it tells of.
+    /// Returns the value of an expression. Errors are reported.
     pub fn evaluate(&mut self, expr: &Expr) -> Option<i64> {
         match &expr.kind {
             ExprKind::Int(value) => Some(*value),
@@ -59,7 +59,7 @@ impl Expander<'_, '_> {
         }
     }
 
-    /// Counts an operation: so many of them take as long as a statement.
+    /// Counts an operation. Eight of them take as long as a statement.
     fn operation(&mut self) {
         const OF_A_STEP: usize = 8;
         self.operations += 1;

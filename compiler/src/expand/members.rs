@@ -4,7 +4,7 @@ use stochc_text::listed;
 
 use crate::plan::{NameKey, Roles};
 
-/// Names that are told, at most; ranges count once.
+/// Largest number of names that are listed. Ranges count once.
 const MAX: usize = 4;
 
 /// The names of one word.
@@ -17,7 +17,7 @@ pub(crate) struct Members {
 }
 
 impl Members {
-    /// Describes which there are of what `noun` calls one.
+    /// Lists the existing names. `noun` is the word for one of them.
     pub fn describe(&self, noun: &str) -> String {
         let Members { word, names, .. } = self;
         if self.is_single {
@@ -42,7 +42,7 @@ pub(crate) fn members(
         .collect();
     boxes.sort_unstable();
     boxes.dedup();
-    // Those of the same number of indices are what was meant.
+    // Names with the same number of indices are the likeliest.
     let arity = |arity: u8| move |one: &IndexBounds| one.arity == arity;
     if boxes.iter().any(arity(wanted.arity)) {
         boxes.retain(arity(wanted.arity));

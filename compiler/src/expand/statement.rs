@@ -91,7 +91,7 @@ impl<'a> Expander<'a, '_> {
             .help("remove the face, or add a capture: `-> X`");
             if last.place.face.is_some() {
                 let dotted = self.location(Span::new(span.start - 1, span.end));
-                // Something may have been forgotten behind it.
+                // A capture may be missing after it.
                 diagnostic.fix = Some(Fix::remove(dotted, "remove the face").unsafe_if(true));
             }
             self.diagnostics.push(diagnostic);
@@ -172,7 +172,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn after(&mut self, event: EventId, subjects: &'a [EventReference]) {
-        // An order among blocks that are attached by hand has been told of.
+        // Orders among pre-attached blocks have been reported.
         let subjects = if self.seeding.is_some() {
             &[]
         } else {
@@ -315,7 +315,7 @@ impl<'a> Expander<'a, '_> {
         }
         let mark = self.scope.enter_instance(inside);
         let outer_file = std::mem::replace(&mut self.file, file);
-        // Of what is around it, a pattern sees the numbers of the assembly.
+        // A pattern can use the numbers of the assembly.
         let outer_blocks = self.blocks.split_off(1.min(self.blocks.len()));
         self.instances.push((name, location));
         for (parameter, value) in pattern.parameters.iter().zip(values) {

@@ -11,11 +11,12 @@ use crate::plan::EventId;
 /// Captures of a phase that are shown, at most.
 const MAX_SHOWN: usize = 5;
 
-/// Squares of four cells that are looked at in a phase, at most: what is crowded in more is crowded enough.
+/// Largest number of visited squares of a phase.
 const MAX_SQUARES: usize = 10_000;
 
 impl ReachAnalysis<'_> {
-    /// Tells of three or more faces that may be open at the same time towards cells of one square of four.
+    /// Tells of three or more faces that may be open at the same time towards cells of one square
+    /// of four.
     pub fn report_crowded(
         &mut self,
         number: usize,
@@ -91,7 +92,7 @@ impl ReachAnalysis<'_> {
             let graph = self.subject.certain;
             graph.contains_edge(node(id), node(other))
         };
-        // Most wait for each other without anything between them; what follows from an event is a search.
+        // Most captures wait for each other directly. Descendants need a search.
         let mut others = events.iter();
         if others.any(|id| events.iter().any(|other| waits(id, other))) {
             return false;
@@ -107,8 +108,8 @@ impl ReachAnalysis<'_> {
     }
 }
 
-/// The squares of four cells, in each plane, of which at least three are captured in and this cell is the lowest that may be: each
-/// square is found from one cell.
+/// The squares of four cells, in each plane, of which at least three are captured in and this cell
+/// is the lowest that may be: each square is found from one cell.
 fn squares(cell: Cell, at: &FxHashMap<Cell, EventId>) -> Vec<[Option<EventId>; 4]> {
     let found = |offset| at.get(&cell.offset(offset)?).copied();
     let axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
@@ -116,7 +117,7 @@ fn squares(cell: Cell, at: &FxHashMap<Cell, EventId>) -> Vec<[Option<EventId>; 4
     for (u, v) in [(0, 1), (0, 2), (1, 2)] {
         let (u, v): ([i32; 3], [i32; 3]) = (axes[u], axes[v]);
         let place = |i: i32, j: i32| found([0, 1, 2].map(|k| i * u[k] + j * v[k]));
-        // Its lowest cell is this one; or it is empty, and this one is beside it.
+        // The lowest cell is this one, or it is empty and this one is next to it.
         squares.push([place(0, 0), place(1, 0), place(0, 1), place(1, 1)]);
         if place(-1, 0).is_none() {
             squares.push([None, place(0, 0), place(-1, 1), place(0, 1)]);

@@ -1,4 +1,4 @@
-//! Which events of a phase follow from which.
+//! Descendants of the events of a phase.
 //!
 //! The descendants of an event are asked for once per event, so they are not stored but looked up:
 //! a spanning forest gives nearly all of them as one interval of a preorder, and the few edges that
@@ -40,7 +40,7 @@ impl DescendantIndex {
         for (i, &id) in events.iter().enumerate() {
             rank[local(id)] = i as u32;
         }
-        // The parent in the forest is what comes last of all that an event waits for.
+        // The parent in the forest is the last event that an event waits for.
         let node = |id: EventId| NodeIndex::new(id.0 as usize);
         let before = |id: EventId| {
             (graph.edges_directed(node(id), Incoming)).map(|edge| graph[edge.source()])
@@ -116,7 +116,7 @@ impl DescendantIndex {
         })
     }
 
-    /// Gives up after so many steps.
+    /// Stops after this many steps.
     fn add_cross(&self, intervals: &mut Vec<(u32, u32)>, steps: &mut u64, most: u64) {
         if self.cross.is_empty() {
             return;

@@ -10,13 +10,13 @@ use super::moving_cube::MovingCube;
 /// Positions from which a cube of one size gets out, whatever the captures of the current phase do.
 #[derive(Default)]
 pub struct KnownPaths {
-    /// Next position on the path (itself at the end), and the phase for which it was shown.
+    /// Next position on the path (itself at the end), and the phase of the proof.
     next: FxHashMap<Cell, (Cell, u32)>,
     phase: u32,
 }
 
 impl KnownPaths {
-    /// Starts a phase, in which other cells may be occupied.
+    /// Starts a phase. Other cells may be occupied in it.
     pub fn begin_phase(&mut self) {
         self.phase += 1;
     }

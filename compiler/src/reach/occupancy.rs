@@ -25,7 +25,7 @@ pub struct OccupiedCells {
 }
 
 impl OccupiedCells {
-    /// Room for so many blocks.
+    /// Reserves space for a number of blocks.
     pub fn with_capacity(count: usize) -> OccupiedCells {
         OccupiedCells {
             cells: FxHashMap::with_capacity_and_hasher(count, Default::default()),
@@ -33,7 +33,7 @@ impl OccupiedCells {
         }
     }
 
-    /// A capture fills a cell, from which the block before may not have gone.
+    /// Fills a cell by a capture. The block before may not be gone yet.
     pub fn fill(&mut self, cell: Cell, by: EventId) {
         if self.cells.insert(cell, by).is_some() {
             self.held_over.insert(cell);
@@ -67,7 +67,7 @@ impl OccupiedCells {
         };
     }
 
-    /// What fills a cell.
+    /// Returns the event that fills a cell.
     pub fn at(&self, cell: Cell) -> Option<EventId> {
         self.cells.get(&cell).copied()
     }
@@ -100,7 +100,8 @@ impl OccupiedCells {
         !self.held_over.is_empty() && self.held_over.contains(&cell)
     }
 
-    /// The height of the lowest blocked cell of a column from `z` on; needs [`OccupiedCells::sort`].
+    /// The height of the lowest blocked cell of a column from `z` on; needs
+    /// [`OccupiedCells::sort`].
     pub fn ceiling(&self, x: i32, y: i32, z: i32, has: Has) -> Option<i32> {
         if self.is_clear(x, y, z) {
             return None;

@@ -7,7 +7,7 @@ use super::path_search::SearchOutcome;
 use super::{Cell, EventId, ReachAnalysis, after};
 use crate::dependencies::face_turns::is_ready;
 
-/// A capture that may wait for ever.
+/// A capture that may wait forever.
 pub struct BlockedCapture {
     /// Which.
     pub capture: EventId,
@@ -64,7 +64,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// What can be said without a search.
+    /// Decides a capture without a search, if possible.
     fn is_clearly_safe(&mut self, id: EventId) -> bool {
         let Some(cell) = self.cell(id) else {
             return true;
@@ -78,7 +78,7 @@ impl ReachAnalysis<'_> {
         {
             return true;
         }
-        // A block that waits for this one, comes to a cell beside it, and has a way out.
+        // A waiting block comes to a neighbouring cell and has a path.
         after(self.subject.certain, id).any(|next| {
             self.is_safe[next.0 as usize]
                 && (self.cell(next))

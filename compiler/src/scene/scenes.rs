@@ -12,7 +12,7 @@ use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::sources::load::Module;
 use crate::{FileId, SourceLocation};
 
-/// Scenes that a program may declare so that all are listed where none is meant.
+/// Largest number of declared scenes that a message lists.
 const MAX_LISTED: usize = 20;
 
 /// Every scene that a program may name.
@@ -93,7 +93,8 @@ impl<'a> Scenes<'a> {
         }
     }
 
-    /// The scene of an assembly; `None` if it is unknown or wrong, which has been told.
+    /// Returns the scene of an assembly. Returns `None` if it is unknown or wrong, which has been
+    /// reported.
     pub fn get(
         &self,
         name: Option<Name>,
@@ -150,7 +151,7 @@ impl<'a> Scenes<'a> {
     }
 }
 
-/// Scenes of which each is based on the next, and the last on one of them.
+/// Returns the error of scenes that are derived from each other.
 fn cycle(line: &[&DeclaredScene<'_>]) -> Diagnostic {
     let title = "scenes are derived from each other in a cycle";
     let mut diagnostic = Diagnostic::new(Code::UnknownScene, title);

@@ -17,7 +17,7 @@ pub struct DeclaredShapes<'a> {
 pub struct DeclaredShape<'a> {
     /// Its file.
     pub file: FileId,
-    /// What declares it.
+    /// Its declaration.
     pub item: &'a Item,
     /// The shape itself.
     pub shape: &'a Shape,
@@ -26,7 +26,7 @@ pub struct DeclaredShape<'a> {
 }
 
 impl<'a> DeclaredShapes<'a> {
-    /// Those of a file that has been checked and of all that it imports.
+    /// Returns the shapes of a checked file and its imports.
     pub fn new(checked: &'a Checked) -> DeclaredShapes<'a> {
         let mut shapes = Vec::new();
         for (file, tree) in checked.trees() {
@@ -53,7 +53,7 @@ impl<'a> DeclaredShapes<'a> {
         }
     }
 
-    /// All of them: those of imported files before those of the files that import them.
+    /// Returns all shapes. Imported files come before the files that import them.
     pub fn all(&self) -> &[DeclaredShape<'a>] {
         &self.shapes
     }

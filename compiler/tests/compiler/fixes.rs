@@ -1,11 +1,11 @@
-//! Changes that mend findings: each does what it says and nothing else.
+//! Fixes: each does what it says and nothing else.
 mod syntax_hints;
 
 use proptest::prelude::*;
 use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, TextChange};
 use stochc_compiler::{Checked, FileId, Fixed, Limits, LintLevels, check};
 
-/// Reads a text as `a.sa`, beside those that the fixtures import.
+/// Reads a text as `a.sa`, next to the files that the fixtures import.
 fn files(text: &str) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
     move |asked| match asked {
         "a.sa" => Ok(text.as_bytes().to_vec()),
@@ -36,7 +36,7 @@ fn fixed(text: &str) -> String {
     mend(text).text.to_string()
 }
 
-/// What is told, without its place.
+/// Returns the messages without their places.
 fn reported(diagnostics: &[Diagnostic]) -> Vec<(Code, String)> {
     let mut told: Vec<_> = (diagnostics.iter())
         .map(|diagnostic| (diagnostic.code, diagnostic.title.clone()))
@@ -45,7 +45,7 @@ fn reported(diagnostics: &[Diagnostic]) -> Vec<(Code, String)> {
     told
 }
 
-/// What the comments of a text say, one after the other.
+/// Returns the comments of a text in order.
 fn comments(text: &str) -> Vec<&str> {
     let comment = |line: &'_ str| line.find("//").map(|at| at..line.len());
     text.lines()
@@ -209,7 +209,7 @@ fn slips_in_a_phase_are_mended() {
     }
 }
 
-/// For most editors it ends a line, so that what stands behind a comment looks like a part of the program.
+/// Most editors show a line end, so the source after a comment looks like a part of the program.
 #[test]
 fn a_carriage_return_alone_is_no_end_of_a_line() {
     let text = program("phase rest { A.up -> B N.up -> C }").replace('\n', "\r");
@@ -217,7 +217,7 @@ fn a_carriage_return_alone_is_no_end_of_a_line() {
     let first = &found.diagnostics[0];
     assert_eq!(first.title, "a carriage return without a line feed");
     assert_eq!(fixed(&text), text.replace('\r', "\n"));
-    // What a comment has swallowed is not brought back unasked, if that is wrong.
+    // A fix does not restore source that a comment contains, if that is wrong.
     let text = format!("{PLATE}    phase base {{ M.up -> A N.up -> C }} // D.up\r}}\n}}\n");
     assert!(checked(&text).has_errors());
     assert_eq!(fixed(&text), text);
@@ -320,12 +320,12 @@ fn a_fix_that_brings_something_new_is_only_offered() {
             "scene s from hemisphere { enclosure hemisphere { radius 5m  wall N/m } }",
             Code::Syntax,
         ),
-        // With the word mended, a circle comes to light.
+        // With the fixed word, a cycle appears.
         (
             "asembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A after B  A.up -> B }\n}\n",
             Code::Syntax,
         ),
-        // What would be imported imports itself.
+        // The imported file would import itself.
         ("let n = 1\nimport a.sa", Code::Syntax),
     ] {
         let found = checked(wrong).diagnostics;
@@ -517,7 +517,7 @@ proptest! {
     }
 }
 
-/// A program with more warnings than are told can be run, and all of them be mended.
+/// A program with more warnings than are reported can be run, and all of them can be fixed.
 #[test]
 fn more_warnings_than_are_told_refuse_nothing() {
     let rest = ", A".repeat(1_500);
@@ -532,13 +532,13 @@ fn more_warnings_than_are_told_refuse_nothing() {
     let found = checked(&program(&format!("{empty} phase last {{ N.up -> B }}")));
     assert_eq!(found.diagnostics.len(), 1_001);
     assert!(!found.has_errors());
-    // An error is told beside them.
+    // An error is reported in addition.
     let wrong = program(&format!("phase p {{ N.up -> B after A{rest}  X.up -> Y }}"));
     let told = checked(&wrong).diagnostics;
     assert!(told.iter().any(|it| it.code == Code::UnknownName));
 }
 
-/// `after release A` is what may have been meant, but not by the release of A itself.
+/// `after release A` may be meant, but not for the release of A itself.
 #[test]
 fn a_release_is_not_told_to_wait_for_itself() {
     let help = |event: &str| {
@@ -558,7 +558,7 @@ fn a_release_is_not_told_to_wait_for_itself() {
     assert_eq!(fixed(&text), text.replace(" after A", ""));
 }
 
-/// Where faces attract by themselves, to leave a seed out changes what happens.
+/// If faces attract by themselves, removing a seed changes the program.
 #[test]
 fn a_seed_that_attracts_is_not_taken_away_unasked() {
     let text = |scene: &str| {

@@ -1,4 +1,4 @@
-//! Where an `allow` or `deny` of a file reaches.
+//! Scope of an `allow` or `deny` in a file.
 use std::collections::BTreeMap;
 
 use stochc_compiler::diagnostic::{Code, Severity};
@@ -13,7 +13,7 @@ fn files(files: &[(&str, &str)], levels: &LintLevels) -> Checked {
     check_with("a.sa", &mut reader, Limits::default(), levels)
 }
 
-/// The codes of what is told, in capitals if it is an error.
+/// Returns the reported codes, in capitals for errors.
 fn reported(text: &str) -> Vec<String> {
     let checked = files(&[("a.sa", text)], &LintLevels::default());
     let name = |diagnostic: &stochc_compiler::diagnostic::Diagnostic| match diagnostic.severity {
@@ -80,7 +80,7 @@ fn the_innermost_statement_counts() {
     );
 }
 
-/// Nothing of what stands right behind a block is in it.
+/// The source right after a block is not in it.
 #[test]
 fn a_statement_does_not_reach_over_the_end_of_its_block() {
     let text = "assembly a { seed plate 2 x 1 { for i in 0..0 { allow unused-seed \"x\" M at (0, 0) }N at (1, 0) } \
@@ -225,7 +225,7 @@ fn what_nobody_uses_is_told_of() {
         phase p { let c = 1 for i in 1..1 { let d = 1 t(M) } M.up -> A } }";
     let codes = reported(local);
     let of = |code: &str| codes.iter().filter(|told| *told == code).count();
-    // It is in error, and after that is mended:
+    // First it has an error. After the fix:
     assert_eq!((of("unused-let"), codes.len()), (0, 1), "{codes:?}");
     let codes = reported(&local.replace("M.up -> A", ""));
     let of = |code: &str| codes.iter().filter(|told| *told == code).count();
@@ -281,12 +281,12 @@ fn no_warning_follows_from_an_error() {
         program("phase q { for i in 1..k { N.up -> B } }"),
         ["UNKNOWN-NAME"]
     );
-    // What is wrong about the cells leaves no use unseen.
+    // Errors of cells do not hide unused names.
     assert_eq!(
         program("phase q { A.down -> B }"),
         ["ANCHORING-FACE", "unused-seed"]
     );
-    // A misspelt name may be that of what seems to be unused.
+    // A misspelt name may stand for a name that seems unused.
     let unused = |used: &str| {
         reported(&format!(
             "shape flat {{ layer 1 {{ # }} }} assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}

@@ -13,7 +13,7 @@ use stochc_ir::{Cell, Face};
 
 use crate::{checked, checked_within};
 
-/// Cells of the box in which random programs build.
+/// Cells of the box for random programs.
 #[derive(Clone, Copy)]
 struct Room {
     edge: i32,
@@ -164,11 +164,11 @@ fn is_open(room: Room, target: Cell, full: &BTreeMap<Cell, EventId>) -> bool {
     false
 }
 
-/// What comes of a phase in every order.
+/// Outcome of a phase over all orders.
 struct Orders {
     /// Whether one comes to a stand before everything has happened.
     can_get_stuck: bool,
-    /// What happens in one of them at least.
+    /// Events that happen in at least one order.
     reached: BTreeSet<EventId>,
 }
 
@@ -323,7 +323,7 @@ fn cube(low: Cell) -> impl Iterator<Item = Cell> {
     (0..8).map(move |i| Cell::new(low.x + (i & 1), low.y + (i >> 1 & 1), low.z + (i >> 2)))
 }
 
-/// Whether a cube of two cells can bring a block to a cell from outside; or beside it, if it is a gap along `way`, with nothing but the ground beside it.
+/// Whether a cube of two cells can bring a block to a cell, or next to it for a gap along `way` on free ground.
 fn is_wide(room: Room, target: Cell, way: Face, full: &BTreeMap<Cell, EventId>) -> bool {
     let aside = || {
         let faces = Face::ALL.into_iter();
@@ -371,7 +371,7 @@ fn sealed(checked: &Checked) -> Vec<&Diagnostic> {
         .collect()
 }
 
-/// The captures that findings speak of: those of one statement in a loop are told of in one.
+/// Returns the captures that diagnostics report. The captures of a statement in a loop are merged.
 fn sealed_captures(diagnostics: &[&Diagnostic]) -> usize {
     diagnostics
         .iter()
@@ -379,7 +379,7 @@ fn sealed_captures(diagnostics: &[&Diagnostic]) -> usize {
         .sum()
 }
 
-/// The event that a finding speaks of first.
+/// Returns the first event of a diagnostic.
 fn diagnostic_event(program: &Program, diagnostic: &Diagnostic) -> u32 {
     let location = diagnostic.labels[0].location;
     (program.plan.events.iter())
@@ -416,7 +416,7 @@ proptest! {
         prop_assert_eq!(verdict, can_get_stuck(&checked.programs[0]), "{}", text);
     }
 
-    /// Of the captures of one block any may be the one that leaves it a face.
+    /// Any capture of a block may be the one that leaves a face for it.
     #[test]
     fn choices_of_faces_change_nothing_of_that(
         choices in prop::collection::vec(any::<u32>(), 10..120),
@@ -543,7 +543,7 @@ proptest! {
             prop_assert!(sealed(&then).len() < sealed(&now).len(), "{text}\n{better}");
             text = better;
         }
-        // What is written out has blocks with one face at a time.
+        // Blocks of the expanded program switch on one face at a time.
         if faces == 1 {
             apply_remedies(&text);
         }
@@ -584,8 +584,8 @@ fn follow(checked: &Checked, diagnostic: &Diagnostic) -> Option<bool> {
     Some(!is_open(SMALL, cell(EventId(target)), &full))
 }
 
-/// What came of the remedies of a program: those that are changes of the text, those that have to be written out,
-/// findings for which there is none, and those of several captures with different remedies.
+/// Numbers of remedies of a program: changes of the source, remedies to be written by hand,
+/// diagnostics without a remedy, and merged diagnostics with different remedies.
 #[derive(Debug, Default)]
 struct Remedies {
     changes: usize,
@@ -595,7 +595,7 @@ struct Remedies {
     never: usize,
 }
 
-/// Applies every remedy that is proposed, as it is told: the finding goes, and no error comes; with a part of it left
+/// Applies every proposed remedy: the error is gone, and no other one appears. With a part of it left
 /// out, the finding stays.
 fn apply_remedies(text: &str) -> Remedies {
     let now = checked(text);
@@ -613,7 +613,7 @@ fn apply_remedies(text: &str) -> Remedies {
             );
             for (i, edit) in fix.edits.iter().enumerate() {
                 let at = edit.text.rfind(" after ").or_else(|| edit.text.rfind(", "));
-                // The part of a chain that goes on in a line of its own does not wait.
+                // The rest of a chain on its own line does not wait.
                 let Some(at) = at.filter(|_| !edit.text.contains('\n')) else {
                     continue;
                 };
@@ -675,9 +675,9 @@ fn changed(text: &str, fix: &Fix) -> String {
     change.text()
 }
 
-/// Whether all that a finding speaks of is gone, and nothing is told that was not told before.
+/// Whether all events of a diagnostic are gone and no new diagnostics appear.
 ///
-/// Findings of one place are told as one, so that this is looked at where each event has a place of its own.
+/// Diagnostics of one place are merged, so each event needs its own place here.
 fn is_resolved(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bool {
     if !others(after).is_empty() {
         return false;
@@ -696,7 +696,7 @@ fn is_resolved(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bo
         && at_its_place(&now) + diagnostic.others.count < at_its_place(&then)
 }
 
-/// The events that are told of in a program where each has a place of its own.
+/// Returns the reported events of a program with one place per event.
 fn checked_plain(text: &str) -> BTreeSet<u32> {
     let checked = checked(text);
     assert!(
@@ -716,7 +716,7 @@ fn diagnostic_named(checked: &Checked, diagnostic: &Diagnostic) -> u32 {
     plan.events.iter().position(is_it).unwrap() as u32
 }
 
-/// A program without loops and patterns, event by event, and more orders: what waits, and for which block.
+/// A program without loops and patterns, event by event, with more orders: the waiting event and the block.
 fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
     let plan = &checked.programs[0].plan;
     let (width, depth) = (plan.plate.width, plan.plate.depth);
@@ -894,7 +894,7 @@ fn looped(choices: &[u32]) -> String {
     text
 }
 
-/// Choices of faces have to come up with cavities: orders that are shown, `never`, and what is left open.
+/// Choices of faces must occur with cavities: orders, `never`, and open cases.
 #[test]
 fn many_random_programs_with_choices_have_cavities() {
     let mut draws = 1u64;
@@ -1080,14 +1080,10 @@ fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
     pillars.retain(|diagnostic| !is_never(diagnostic));
     assert_eq!(sealed_captures(&pillars), 75);
     for diagnostic in pillars {
-        assert!(
-            diagnostic
-                .title
-                .ends_with("can be walled in before its block comes")
-        );
+        assert!(diagnostic.title.ends_with("can become unreachable"));
     }
     let first = sealed(&checked)[0];
-    // Each capture of the statement has a remedy of its own: the first one's is told, and no change offered for all.
+    // Each capture of the statement has its own remedy. The first one is shown, without a change for all.
     assert_eq!(first.fix, None);
     let (late, wait) = ("R[0, i].up ->> W[0, i, 1..5]", "after T[i, i, 1]");
     let remedy = format!("`{late}` must come later: write `{wait}` there\n");
@@ -1163,7 +1159,7 @@ fn three_of_a_square_at_the_same_time_are_told_of() {
     ] {
         assert_eq!(crowded(&grow(&few)), [""; 0], "{few}");
     }
-    // Nor are three of which one waits, by `after`, in a chain or for its phase.
+    // Three captures do not warn if one waits, by `after`, in a chain or for its phase.
     let waits = foot(0, 0) + &foot(1, 0) + "M[0, 1].up -> A[0, 1] after A[1, 0]";
     assert_eq!(crowded(&grow(&waits)), [""; 0]);
     let chain = foot(0, 0) + "A[0, 0].up -> B " + "B.east -> C " + "M[1, 0].up -> D after B";
@@ -1196,7 +1192,7 @@ fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
         let now = checked(text);
         let found = sealed(&now);
         assert_eq!(found.len(), 1, "{found:#?}");
-        assert_eq!(found[0].fix, None, "it would mend one of them");
+        assert_eq!(found[0].fix, None, "it would fix one of them");
         found[0].help.clone().unwrap()
     };
     let remedy = |k: i32| {
@@ -1212,7 +1208,7 @@ fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
         remedy(2)
     );
     assert!(four.contains(&reported), "{four}");
-    // What is told does cure.
+    // The reported remedy helps.
     let resolved = |text: String, k: i32| {
         let wall = format!("M[{}, 1].up -> E[{k}]", 4 * k + 2);
         text.replace(&wall, &format!("{wall} after CORE[{k}]"))
@@ -1236,7 +1232,11 @@ fn what_a_loop_cannot_wait_for_is_cured_elsewhere() {
     let now = checked(GRID);
     let found = sealed(&now);
     assert_eq!(found.len(), 1, "{found:#?}");
-    assert!(found[0].title.starts_with("`W[1, 1]` can be walled in"));
+    assert!(
+        found[0]
+            .title
+            .starts_with("`W[1, 1]` can become unreachable")
+    );
     let help = found[0].help.as_deref().unwrap();
     assert!(
         help.contains("`V.east -> LID` must come later: write `after W[1, 1]` there"),
@@ -1315,7 +1315,7 @@ fn two_that_close_each_other_in_are_no_never() {
     assert_eq!(sealed_captures(&found), 2, "{found:#?}");
     for diagnostic in found {
         assert!(
-            diagnostic.title.contains("can be walled in"),
+            diagnostic.title.contains("can become unreachable"),
             "{diagnostic:#?}"
         );
         let help = diagnostic.help.as_deref().unwrap();
@@ -1331,7 +1331,7 @@ fn two_that_close_each_other_in_are_no_never() {
     );
 }
 
-/// In the middle of a beam there is no wide way; a block that is handed over there needs none, as long as it is taken as soon as it is let go.
+/// The middle of a beam has no wide path. A block that is handed over needs none, if it is captured at once.
 #[test]
 fn what_is_handed_over_stays_where_it_is() {
     let codes = |hand_over: &str| {
@@ -1358,7 +1358,7 @@ fn what_is_handed_over_stays_where_it_is() {
         codes("T[2].up -> Z   release X after Z   U[2].west -> Y after Z"),
         none
     );
-    // Somebody else may have come between, or nobody.
+    // Another block may have come between.
     assert_eq!(
         codes("T[2].up -> Z   release X   U[2].west -> Y after Z"),
         ["tight-approach"]
@@ -1370,7 +1370,7 @@ fn what_is_handed_over_stays_where_it_is() {
     assert_eq!(codes("release X   U[2].west -> Y   U[2].up -> Z"), none);
 }
 
-/// Where the rates of a scene say so, and only along the face's normal.
+/// Only in scenes with such rates, and only along the normal of the face.
 #[test]
 fn gaps_between_a_face_and_a_block_ahead_are_passed_in_the_default_scene() {
     let codes = |scene: &str, walls: &str, capture: &str| {
@@ -1393,7 +1393,7 @@ fn gaps_between_a_face_and_a_block_ahead_are_passed_in_the_default_scene() {
     assert_eq!(codes("hemisphere", "", close), none);
     assert_eq!(codes("hemisphere_soft", "", close), tight);
     assert_eq!(codes("hemisphere_2005", "", close), tight);
-    // On a floor, or beside a wall.
+    // On a floor, or next to a wall.
     assert_eq!(codes("hemisphere", "M.up -> F", close), tight);
     let wall = "N.up ->> V[1..2]";
     assert_eq!(codes("hemisphere", wall, close), tight);

@@ -1,4 +1,4 @@
-//! Columns: of seeds, and of comments behind code.
+//! Aligns seeds, and comments after code.
 use super::line::{FormattedLine, LineKind, SEAT_GAP, columns};
 use super::{INDENT, WIDTH};
 
@@ -33,7 +33,7 @@ pub fn write(mut lines: Vec<FormattedLine>) -> String {
     out
 }
 
-/// Where the group of neighbouring lines that begins at `start` ends.
+/// Returns the end of a group of lines that begins at `start`.
 fn end_of(
     lines: &[FormattedLine],
     start: usize,
@@ -95,7 +95,7 @@ fn align_seats(lines: &mut [FormattedLine]) {
 }
 
 fn write_group(lines: &[FormattedLine], out: &mut String) {
-    // A comment that goes on follows the others, wherever its own line is indented.
+    // The continuation of a comment follows the others at any indentation.
     let leads = |line: &&FormattedLine| line.note.is_some() && line.kind != LineKind::Continued;
     let with_note = lines.iter().filter(leads);
     let column = with_note.map(FormattedLine::width).max().unwrap_or(0) + NOTE_GAP;

@@ -1,4 +1,4 @@
-//! What stands between tokens.
+//! Space and comments between tokens.
 
 /// The first byte from `at` on that is neither blank nor part of a comment.
 pub fn skip(text: &str, mut at: usize) -> usize {
@@ -14,7 +14,7 @@ pub fn skip(text: &str, mut at: usize) -> usize {
     }
 }
 
-/// The newline at or behind `at`, or the end of the text.
+/// Returns the line end at or after `at`, or the end of the source.
 pub fn end_of_line(bytes: &[u8], at: usize) -> usize {
     bytes[at..]
         .iter()

@@ -1,11 +1,11 @@
-//! The layout changes nothing but the layout, and is its own.
+//! Formatting changes only the layout, and formatting twice changes nothing.
 use proptest::prelude::*;
 use stochc_grammar::{FormatError, Symbols, format, parse, print};
 
 /// Stands in every comment that is put in, and nowhere else; a number follows it.
 const MARK: char = '\u{a4}';
 
-/// What a line stands in.
+/// Surroundings of a line.
 #[derive(Clone, Copy, PartialEq)]
 enum Within {
     Statements,
@@ -27,7 +27,7 @@ impl Dice<'_> {
         choices[usize::from(byte.copied().unwrap_or(0)) % choices.len()]
     }
 
-    /// Blanks and comments, all of which may stand between two tokens.
+    /// Space and comments, which can stand between two tokens.
     fn trivia(&mut self) -> String {
         let kinds = [
             "",
@@ -277,7 +277,7 @@ proptest! {
     }
 }
 
-/// What is written, and what it becomes.
+/// Source and formatted source.
 fn becomes(text: &str, expected: &str) {
     let formatted = format(text).unwrap();
     assert_eq!(formatted, expected);

@@ -4,7 +4,6 @@ pub mod input;
 
 use std::path::Path;
 
-use stochc_files::shell::file as shell_file;
 use stochc_report::figures::Figures;
 use stochc_report::presentation::Presentation;
 use stochc_results::{Manifest, Resume};

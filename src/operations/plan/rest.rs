@@ -36,7 +36,7 @@ pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completi
     let checked = target::checked(options)?;
     Completion::new(&checked, options.shape).map_err(|error| match error {
         NotCompleted::Wrong => {
-            host.report_findings(&checked);
+            host.report_diagnostics(&checked);
             Failure::silent(verdict(&checked)).into()
         }
         NotCompleted::Refused(reason) => refused(options.target, &reason).into(),

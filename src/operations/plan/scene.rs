@@ -107,7 +107,7 @@ fn take(
     }
     let checked = target::checked_file(file, options.imports)?;
     if checked.has_errors() {
-        host.report_findings(&checked);
+        host.report_diagnostics(&checked);
         return Err(Failure::silent(verdict(&checked)));
     }
     goal.take_scene(&checked, name).map_err(|names| {

@@ -86,7 +86,7 @@ fn voxels(
 fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let checked = checked(options)?;
     if checked.has_errors() {
-        host.report_findings(&checked);
+        host.report_diagnostics(&checked);
         let mut codes = checked.diagnostics.iter().map(|it| it.code);
         let is_unbuilt =
             codes.all(|code| code == Code::ShapeMismatch || code.severity() == Severity::Warning);

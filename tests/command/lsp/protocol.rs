@@ -134,7 +134,7 @@ fn diagnostics_follow_the_text() {
         found[0]["message"]
             .as_str()
             .unwrap()
-            .starts_with("no block is called `B`\n")
+            .starts_with("cannot find block `B`\n")
     );
 
     // `B` becomes `A`, by a change of one character.

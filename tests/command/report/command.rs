@@ -353,13 +353,7 @@ fn figures_are_in_seconds_with_labels_of_programs() {
     assert_eq!(said.status, 0, "{}", said.err);
     let figures = path(out.as_ref(), "report-figures");
     let mut shown = 0;
-    let names = [
-        "survival",
-        "phases-1",
-        "waits-1",
-        "before-1",
-        "near-1",
-    ];
+    let names = ["survival", "phases-1", "waits-1", "before-1", "near-1"];
     for name in names {
         let text = fs::read_to_string(path(figures.as_ref(), &format!("{name}.svg"))).unwrap();
         assert!(!text.contains("ticks"), "{name}");

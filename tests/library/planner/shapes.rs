@@ -99,7 +99,7 @@ fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding
         let others = plan
             .alternatives
             .iter()
-            .filter(|other| other.finding.is_none());
+            .filter(|other| other.diagnostic.is_none());
         for other in others {
             free += 1;
             assert!(
@@ -112,7 +112,7 @@ fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding
         let crowded = plan
             .alternatives
             .iter()
-            .any(|other| other.finding == Some("tight-approach"));
+            .any(|other| other.diagnostic == Some("tight-approach"));
         assert!(goal.name != "five_towers" || crowded);
     }
     assert!(free > 20, "{free}");

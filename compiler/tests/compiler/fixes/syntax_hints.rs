@@ -1,4 +1,4 @@
-//! Whatever slips into a program, `--fix` never makes it worse, and leaves nothing that it could mend.
+//! Random slips: `--fix` never makes a program worse, and leaves nothing that it could fix.
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
@@ -40,7 +40,7 @@ fn tokens(text: &str) -> Vec<(usize, usize)> {
     tokens
 }
 
-/// What happens to a token.
+/// A slip of one token.
 #[derive(Clone, Copy, Debug)]
 enum Slip {
     Deleted,
@@ -49,7 +49,7 @@ enum Slip {
     Misspelt { letter: usize, how: u8 },
 }
 
-/// A text in which something has happened to a token.
+/// A text with a slip of one token.
 fn slipped(text: &str, token: usize, slip: Slip) -> String {
     let tokens = tokens(text);
     let (start, end) = tokens[token];
@@ -178,7 +178,7 @@ fn any_slip_is_mended_or_left_alone() {
         panic!("{error}");
     }
     // Most slips leave more than one thing to be meant; but not all.
-    println!("{} of {SLIPS} slips are mended", mended.get());
+    println!("{} of {SLIPS} slips are fixed", mended.get());
     assert!(mended.get() > SLIPS / 50);
 }
 
@@ -209,7 +209,7 @@ fn a_forgotten_opening_brace_is_all_that_is_told_and_mended() {
             let line = &right[right[..at].rfind(['\n', '{', '}']).map_or(0, |at| at + 1)..];
             let head = line.split_whitespace().next().unwrap_or_default();
             let follows = right[at + 1..].trim_start();
-            // Without anything in the block nobody can know; a scene in one line has words in its head.
+            // An empty block has no hint, and a scene in one line has words in its head.
             let is_plain = !follows.starts_with('}') && !follows.starts_with("//");
             let is_scene_line =
                 head == "scene" && !right[at + 1..].trim_start_matches(' ').starts_with('\n');

@@ -63,7 +63,7 @@ pub struct Planned {
     pub plan: BuildPlan,
     /// The program.
     pub text: String,
-    /// What findings call the text; what it imports is relative to that.
+    /// What diagnostics call the text; what it imports is relative to that.
     pub name: String,
     /// The assembly that builds the shape.
     pub assembly: String,
@@ -80,17 +80,17 @@ pub struct Planned {
 pub enum Unplanned {
     /// The shape cannot be built.
     Refused(TargetError),
-    /// The names, the scene or the room that it has are wrong, as these findings say.
+    /// The names, the scene or the room that it has are wrong, as these diagnostics say.
     Wrong(Box<Checked>),
 }
 
-/// What programs are called in findings.
+/// What programs are called in diagnostics.
 const NAME: &str = "planned.sa";
 
 /// Cells of a shape for which plans that need no thought are looked at as well, at most.
 const MAX_COMPARED: usize = 1000;
 
-/// Findings behind which others may not be told of.
+/// Diagnostics behind which others may not be told of.
 const MANY: usize = 100;
 
 /// Whether a warning is about the scene, which a plan does not change.
@@ -401,11 +401,11 @@ impl Goal {
                 let estimate = plan.estimate;
                 // What the scene is warned of holds for all plans.
                 let is_of_scene = |it: &&Diagnostic| is_of_scene(it.code);
-                let mut findings = checked.diagnostics.iter();
-                let finding = findings.find(|it| !is_of_scene(it));
-                let finding = finding.map(|it| it.code.name());
+                let mut diagnostics = checked.diagnostics.iter();
+                let diagnostic = diagnostics.find(|it| !is_of_scene(it));
+                let diagnostic = diagnostic.map(|it| it.code.name());
                 let is_better = estimate.of(objective) < best.plan.estimate.of(objective);
-                if finding.is_none() && is_better {
+                if diagnostic.is_none() && is_better {
                     plan.baseline = Some(baseline);
                     plan.rounds = best.plan.rounds;
                     plan.scaffolds = best.plan.scaffolds.unused();
@@ -417,7 +417,7 @@ impl Goal {
                 alternatives.push(Alternative {
                     baseline,
                     estimate,
-                    finding,
+                    diagnostic,
                 });
             }
         }
@@ -525,7 +525,7 @@ impl Goal {
         let found_codes = codes.len();
         let allowed = codes.into_iter().filter_map(allowance);
         let allowed: Vec<(&str, String)> = allowed.collect();
-        // Where there are many findings, others may not have been told of.
+        // Where there are many diagnostics, others may not have been told of.
         let is_accepted = allowed.len() == found_codes
             && (found.diagnostics.len() < MANY
                 || self.check(target, &plan, &allowed).diagnostics.is_empty());

@@ -65,7 +65,7 @@ pub struct Alternative {
     /// Estimated completion time if no block jams \[ticks\].
     pub estimate: PlanEstimate,
     /// First diagnostic of its program, if there is one.
-    pub finding: Option<&'static str>,
+    pub diagnostic: Option<&'static str>,
 }
 
 /// Returns the number of runs for an estimate. Large targets use fewer.

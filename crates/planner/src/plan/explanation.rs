@@ -101,13 +101,13 @@ pub fn explanation(plan: &BuildPlan) -> String {
     for Alternative {
         baseline,
         estimate,
-        finding,
+        diagnostic,
     } in &plan.alternatives
     {
-        let finding = finding.map_or(String::new(), |code| format!("; `check` finds {code}"));
+        let diagnostic = diagnostic.map_or(String::new(), |code| format!("; `check` finds {code}"));
         let _ = writeln!(
             out,
-            "  {}: {}{:.0} ticks{finding}",
+            "  {}: {}{:.0} ticks{diagnostic}",
             baseline.words(),
             estimate.lower_bound.prefix(),
             estimate.mean

@@ -4,7 +4,7 @@ use stochc_ir::record::Outcome;
 use stochc_ir::table::PhaseId;
 use stochc_results::{Finished, Manifest, Records};
 
-use crate::sample::{Waits, file, five, manifest, record, report_of, rows};
+use crate::sample::{Waits, five, manifest, record, report_of, rows};
 
 fn number(text: &str) -> f64 {
     text.parse().unwrap()
@@ -237,10 +237,7 @@ fn a_failed_run_counts_nowhere() {
             let (_, table) = report.page.split_once(caption).unwrap();
             table.split_once("</table>").unwrap().0.to_owned()
         };
-        [
-            cells("Times of the phases"),
-            cells("The captures; waits"),
-        ]
+        [cells("Times of the phases"), cells("The captures; waits")]
     };
     let mut runs: Vec<Finished> = Vec::new();
     five(0.2)

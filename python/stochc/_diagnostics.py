@@ -42,7 +42,7 @@ class Fix:
 
 
 @dataclass(frozen=True)
-class Finding:
+class Diagnostic:
     """Diagnostic: an error or a warning."""
 
     code: str
@@ -90,10 +90,10 @@ def _span(value: dict[str, Any]) -> Span:
     return Span(value["file"], start, end, value["text"])
 
 
-def finding(value: dict[str, Any]) -> Finding:
+def diagnostic(value: dict[str, Any]) -> Diagnostic:
     """Returns a diagnostic from its JSON."""
     fix = value["fix"]
-    return Finding(
+    return Diagnostic(
         code=value["code"],
         severity=value["severity"],
         title=value["title"],
