@@ -37,7 +37,7 @@ impl Neighbourhood {
     }
 
     /// Returns the part of a neighbourhood in `which`. Calls `is_full` for no other cells.
-    pub fn of_interest(
+    pub(crate) fn of_interest(
         which: Neighbourhood,
         cell: Cell,
         is_full: impl Fn(Cell) -> bool,

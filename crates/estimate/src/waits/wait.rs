@@ -77,7 +77,7 @@ impl Wait {
     }
 
     /// Returns [`Wait::time_of`] faster, with a relative error of 1e-7.
-    pub fn about_time_of(self, cumulative_hazard: f64) -> f64 {
+    pub(crate) fn about_time_of(self, cumulative_hazard: f64) -> f64 {
         self.docking * about_when_summed(cumulative_hazard / (self.rate * self.docking))
     }
 

@@ -13,7 +13,8 @@ pub use block_units::BlockUnits;
 pub use gas::Gas;
 pub use settling::Settling;
 pub(super) use speed::rms_of_range;
-pub use speed::{Speed, SpeedFrom, carried, kick, speed, turn_in_steps};
+pub(crate) use speed::turn_in_steps;
+pub use speed::{Speed, SpeedFrom, carried, kick, speed};
 
 use super::warnings::SceneWarningKind;
 use super::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene, Substeps};
