@@ -4,7 +4,7 @@ use std::path::Path;
 use stochc_experiments::sweep::Axis;
 use stochc_files::budget::MANIFEST as MAX_MANIFEST;
 use stochc_files::read_file;
-use stochc_results::{MANIFEST, Manifest, check_manifest, survey, this_build};
+use stochc_results::{MANIFEST, Manifest, ManifestError, check_manifest, survey, this_build};
 use stochc_runtime::Model;
 use stochc_text::visible;
 
@@ -77,7 +77,7 @@ pub fn from_manifest(path: &Path, runs: Option<u64>, host: &dyn Host) -> Result<
         .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
     check_manifest(path).map_err(Failure::usage)?;
     let text = String::from_utf8_lossy(&bytes);
-    let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
+    let refuse = |reason: ManifestError| Failure::usage(format!("`{shown}`: {reason}"));
     let manifest = Manifest::from_json(&text).map_err(refuse)?;
     manifest.within_limits().map_err(refuse)?;
     warn_of_build(&manifest.builds, host);

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use stochc_files::shell::file as shell_file;
 
 use crate::journal::JournalError;
+use crate::manifest::ManifestError;
 
 /// Error of a results folder.
 #[derive(Debug, thiserror::Error)]
@@ -32,7 +33,7 @@ pub enum FolderError {
         /// Folder.
         path: PathBuf,
         /// Reason.
-        reason: String,
+        reason: ManifestError,
     },
     /// The checksum of the manifest differs.
     #[error(

@@ -564,8 +564,8 @@ pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
             let file = path.join(MANIFEST);
             let bytes = files::read_file(&file, budget::MANIFEST).map_err(FolderError::at(file))?;
             as_written(path)?;
-            let json = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
-            return Manifest::from_json(&json).map(Some).map_err(unreadable);
+            let json = std::str::from_utf8(&bytes).map_err(|error| unreadable(error.into()))?;
+            return Manifest::from_json(json).map(Some).map_err(unreadable);
         }
         foreign |= !is_remnant(&entry);
     }

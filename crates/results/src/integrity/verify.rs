@@ -13,7 +13,7 @@ use crate::journal::JournalError;
 use crate::journal::read as read_journal;
 use crate::recording::{Outline, RecordingError, path as recording_path};
 use crate::shards::{self, Cut};
-use crate::{Folder, FolderError, Further, Manifest, Records, Resume};
+use crate::{Folder, FolderError, Further, Manifest, ManifestError, Records, Resume};
 use stochc_text::visible;
 
 pub use crate::folder::DAMAGED;
@@ -186,18 +186,18 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
 }
 
 /// Reads the manifest, ignoring its checksum. The inner error explains why it is unreadable.
-fn manifest(path: &Path) -> std::io::Result<Result<Manifest, String>> {
+fn manifest(path: &Path) -> std::io::Result<Result<Manifest, ManifestError>> {
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST)?;
     Ok(parsed(&bytes))
 }
 
-fn parsed(bytes: &[u8]) -> Result<Manifest, String> {
-    let json = std::str::from_utf8(bytes).map_err(|error| error.to_string())?;
+fn parsed(bytes: &[u8]) -> Result<Manifest, ManifestError> {
+    let json = std::str::from_utf8(bytes)?;
     Manifest::from_json(json)
 }
 
 /// Reads a damaged manifest that still belongs to the journal.
-fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
+fn saved(path: &Path) -> std::io::Result<Result<Manifest, ManifestError>> {
     // The identity determines the runs and must match the journal.
     let belongs = |manifest: &Manifest| {
         let identity = manifest.identity();
@@ -207,7 +207,7 @@ fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
         if belongs(&manifest) {
             Ok(manifest)
         } else {
-            Err("it does not belong to the journal; nothing was changed".to_owned())
+            Err(ManifestError::NotOfTheJournal)
         }
     }))
 }

@@ -1,5 +1,6 @@
 //! Manifest: everything needed to repeat an ensemble exactly.
 mod chosen;
+mod error;
 mod stored;
 
 use std::borrow::Cow;
@@ -15,6 +16,7 @@ use stochc_ir::{Executable, JamRisk, sha256};
 use stochc_runtime::{Model, Settings};
 
 pub use chosen::ChosenSetting;
+pub use error::ManifestError;
 
 use super::build::this_build;
 
@@ -225,25 +227,20 @@ impl Manifest {
     ///
     /// # Errors
     ///
-    /// A message, if there is nothing to run, or more than the limits allow.
-    pub fn within_limits(&self) -> Result<(), String> {
+    /// If there is nothing to run, or more than the limits allow.
+    pub fn within_limits(&self) -> Result<(), ManifestError> {
         if self.programs.is_empty() || self.runs == 0 {
-            return Err("it has no programs, or no runs".to_owned());
+            return Err(ManifestError::Empty);
         }
         if self.runs > MAX_RUNS {
-            let runs = self.runs;
-            return Err(format!(
-                "{runs} runs of each program; at most {MAX_RUNS} are possible"
-            ));
+            return Err(ManifestError::TooManyRuns(self.runs));
         }
         let mut together: BTreeMap<String, usize> = BTreeMap::new();
         for program in &self.programs {
             *together.entry(program.point()).or_default() += 1;
         }
         match together.into_values().max() {
-            Some(count) if count > MAX_PROGRAMS => Err(format!(
-                "{count} programs that are all compared with each other; at most {MAX_PROGRAMS} are possible"
-            )),
+            Some(count) if count > MAX_PROGRAMS => Err(ManifestError::TooManyPrograms(count)),
             _ => Ok(()),
         }
     }

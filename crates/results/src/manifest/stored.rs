@@ -10,7 +10,9 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
 use stochc_runtime::Settings;
 
-use super::{ChosenSetting, Compiled, EnsembleProgram, FORMAT, Manifest, Source, Varied};
+use super::{
+    ChosenSetting, Compiled, EnsembleProgram, FORMAT, Manifest, ManifestError, Source, Varied,
+};
 
 #[derive(Serialize, Deserialize)]
 struct StoredManifest {
@@ -121,13 +123,13 @@ impl Manifest {
     ///
     /// # Errors
     ///
-    /// A message, if it is invalid, has another format, or is corrupted.
-    pub fn from_json(json: &str) -> Result<Manifest, String> {
+    /// If it is invalid, has another format, or is corrupted.
+    pub fn from_json(json: &str) -> Result<Manifest, ManifestError> {
         let format = Manifest::format(json)?;
         if format != FORMAT {
-            return Err(format!("its format is {format}, and this is {FORMAT}"));
+            return Err(ManifestError::OtherFormat(format));
         }
-        let damaged = |error: &dyn std::fmt::Display| format!("it is damaged, {error}");
+        let damaged = |error: &dyn std::fmt::Display| ManifestError::Damaged(error.to_string());
         let stored: StoredManifest = serde_json::from_str(json).map_err(|error| damaged(&error))?;
         if !stored.settings.steps().are_sound() || stored.settings.solver_iterations == Some(0) {
             return Err(damaged(&"it has no steps"));
@@ -141,7 +143,7 @@ impl Manifest {
             graph.validate(&tables).map_err(|reason| damaged(&reason))?;
             Ok(Arc::new(Compiled::new(tables, graph, jam_risks)))
         });
-        let compiled: Vec<Arc<Compiled>> = compiled.collect::<Result<_, String>>()?;
+        let compiled: Vec<Arc<Compiled>> = compiled.collect::<Result<_, ManifestError>>()?;
         let programs = stored.programs.into_iter().map(|program| {
             let missing = || damaged(&"a part of it is missing");
             let sources = program.sources.iter();
@@ -170,19 +172,19 @@ impl Manifest {
             seed: stored.seed,
             runs: stored.runs,
             builds: stored.builds,
-            programs: programs.collect::<Result<_, String>>()?,
+            programs: programs.collect::<Result<_, ManifestError>>()?,
         };
         manifest.within_limits().map(|()| manifest)
     }
 
     /// Returns the format of the text of a `manifest.json`, which may differ from [`FORMAT`].
-    fn format(json: &str) -> Result<u32, String> {
+    fn format(json: &str) -> Result<u32, ManifestError> {
         #[derive(Deserialize)]
         struct ManifestVersion {
             format: u32,
         }
         let version: ManifestVersion =
-            serde_json::from_str(json).map_err(|_| "it is not the manifest of an ensemble")?;
+            serde_json::from_str(json).map_err(|_| ManifestError::NotAManifest)?;
         Ok(version.format)
     }
 }

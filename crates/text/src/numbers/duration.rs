@@ -1,24 +1,37 @@
 //! Text of times in seconds, also next to ticks.
 use std::time::Duration;
 
+/// Reason why a text is not a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DurationError {
+    /// It has no number or no unit.
+    #[error("give a number and its unit: 90s, 10m, 2h")]
+    Malformed,
+    /// It is zero.
+    #[error("the time must be above zero")]
+    Zero,
+}
+
 /// Parses a time with its unit.
 ///
 /// # Errors
 ///
-/// A message with the accepted format.
-pub fn duration(text: &str) -> Result<Duration, String> {
-    let wrong = || "give a number and its unit: 90s, 10m, 2h".to_owned();
+/// If it is malformed or zero.
+pub fn duration(text: &str) -> Result<Duration, DurationError> {
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let unit = match &text[digits.len()..] {
         "s" => 1.0,
         "m" | "min" => 60.0,
         "h" => 3600.0,
-        _ => return Err(wrong()),
+        _ => return Err(DurationError::Malformed),
     };
-    let number: f64 = digits.trim_end().parse().map_err(|_| wrong())?;
-    let time = Duration::try_from_secs_f64(number * unit).map_err(|_| wrong())?;
+    let number: f64 = digits
+        .trim_end()
+        .parse()
+        .map_err(|_| DurationError::Malformed)?;
+    let time = Duration::try_from_secs_f64(number * unit).map_err(|_| DurationError::Malformed)?;
     if time.is_zero() {
-        return Err("the time must be above zero".to_owned());
+        return Err(DurationError::Zero);
     }
     Ok(time)
 }

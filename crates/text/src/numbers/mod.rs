@@ -4,7 +4,7 @@ mod number;
 mod percent;
 mod ranges;
 
-pub use duration::{Tick, duration, seconds, words};
+pub use duration::{DurationError, Tick, duration, seconds, words};
 pub use number::{number, ratio};
-pub use percent::{percent, percent_number, share, whole_percent};
+pub use percent::{ShareError, percent, percent_number, share, whole_percent};
 pub use ranges::ranges;

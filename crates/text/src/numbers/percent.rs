@@ -1,22 +1,27 @@
 //! Text of percentages.
+
+/// A text is not a share between 0 and 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "give a percentage between 0 and 100 with its sign, such as 5%, or a part of 1, such as 0.05"
+)]
+pub struct ShareError;
+
 /// Parses a share above 0 and below 1: `5%` or `0.05`.
 ///
 /// # Errors
 ///
-/// A message with the accepted format.
-pub fn share(text: &str) -> Result<f64, String> {
-    let malformed = || {
-        "give a percentage between 0 and 100 with its sign, such as 5%, or a part of 1, such as 0.05".to_owned()
-    };
+/// If it is malformed or out of range.
+pub fn share(text: &str) -> Result<f64, ShareError> {
     let (number, unit) = match text.strip_suffix('%') {
         Some(number) => (number.trim_end(), 100.0),
         None => (text, 1.0),
     };
-    let number: f64 = number.parse().map_err(|_| malformed())?;
+    let number: f64 = number.parse().map_err(|_| ShareError)?;
     let share = number / unit;
     (share > 0.0 && share < 1.0)
         .then_some(share)
-        .ok_or_else(malformed)
+        .ok_or(ShareError)
 }
 
 /// Returns a share, 0 to 1, as a percentage with at most one decimal: `5 %`, `12.5 %`, `< 0.1 %`.
