@@ -219,7 +219,7 @@ fn with_nearest_option(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Names of commands that users of other programs try, and what they are called here.
+/// Names that other programs have for a command, and the command.
 const OTHER_NAMES: [(&str, &str); 14] = [
     ("run", "stochc simulate"),
     ("sim", "stochc simulate"),

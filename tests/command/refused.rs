@@ -99,7 +99,7 @@ fn an_option_without_effect_is_refused() {
     }
 }
 
-/// What users of other programs try, and a file without a command.
+/// Names that other programs use, and a file without a command.
 #[test]
 fn the_command_that_is_meant_is_suggested() {
     for (line, meant) in [

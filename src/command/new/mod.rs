@@ -15,7 +15,7 @@ pub struct NewArguments {
     /// Name of the program; the file is NAME.sa
     #[arg(value_name = "NAME")]
     name: String,
-    /// What the program shows
+    /// Subject of the program
     #[arg(long, value_name = "TEMPLATE", default_value = "structure")]
     template: Template,
 }
@@ -40,7 +40,7 @@ impl Template {
         }
     }
 
-    /// Returns the commands to try on the file, and what they do.
+    /// Returns the commands to try on the file, each with a comment.
     fn next(self, file: &str, name: &str) -> [(String, &'static str); 3] {
         let check = |options: &str| format!("stochc check {file}{options}");
         let simulate = |file: &str| format!("stochc simulate {file} -n 20 -o results/{name}");
