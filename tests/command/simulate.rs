@@ -7,7 +7,7 @@ const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa";
 fn the_table_is_the_output() {
     let said = stochc("simulate --model shuffle --runs 5 tests/fixtures/tower.sa");
     assert_eq!(said.status, 0);
-    assert!(said.err.starts_with("5 of 5 runs, after "), "{}", said.err);
+    assert!(said.err.starts_with("5 of 5 runs in "), "{}", said.err);
     insta::assert_snapshot!(said.out);
     let quiet = stochc_with(TOWER, &["--runs", "5"]);
     assert_eq!((quiet.status, quiet.err.as_str()), (0, ""));
