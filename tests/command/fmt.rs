@@ -109,7 +109,7 @@ fn a_lone_carriage_return_is_refused() {
     let said = stochc_with("fmt", &[&file]);
     assert_eq!(said.status, 1);
     assert!(
-        said.err.contains("a carriage return without a line feed"),
+        said.err.contains("carriage return without a line feed"),
         "{}",
         said.err
     );

@@ -215,7 +215,7 @@ fn a_carriage_return_alone_is_no_end_of_a_line() {
     let text = program("phase rest { A.up -> B N.up -> C }").replace('\n', "\r");
     let found = checked(&text);
     let first = &found.diagnostics[0];
-    assert_eq!(first.title, "a carriage return without a line feed");
+    assert_eq!(first.title, "carriage return without a line feed");
     assert_eq!(fixed(&text), text.replace('\r', "\n"));
     // A fix does not restore source that a comment contains, if that is wrong.
     let text = format!("{PLATE}    phase base {{ M.up -> A N.up -> C }} // D.up\r}}\n}}\n");

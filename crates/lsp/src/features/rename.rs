@@ -31,7 +31,7 @@ pub fn renameable(analysis: &Analysis, at: usize) -> Result<SourceLocation, Requ
         return Err(RequestFailure::request_failed(
             match names.kind(name.definition) {
                 NameKind::Scene => format!("the scene `{word}` is built in"),
-                kind => format!("no {} is called `{word}`", kind.noun()),
+                kind => format!("cannot find {} `{word}`", kind.noun()),
             },
         ));
     }

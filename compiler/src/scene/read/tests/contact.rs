@@ -67,53 +67,58 @@ fn a_contact_is_not_both() {
 
 #[test]
 fn what_is_wrong_with_a_contact_is_told_of() {
-    let missing = |what: &str| vec![(Code::MissingTerm, format!("`contact` without {what}"))];
-    assert_eq!(reported("contact"), missing("its braces"));
+    let missing = |what: &str| vec![(Code::MissingTerm, format!("`contact` {what}"))];
+    assert_eq!(reported("contact"), missing("has no fields in braces"));
     assert_eq!(
         reported("contact { friction 0.2 }"),
-        missing("`restitution`"),
+        missing("lacks `restitution`"),
         "the older kind is the one asked for"
     );
     assert_eq!(
         reported("contact { damping 5 kg/s  friction 0.2 }"),
-        missing("`stiffness`")
+        missing("lacks `stiffness`")
     );
     assert_eq!(
         reported("contact { stiffness 25 N/m }"),
-        missing("`friction`")
+        missing("lacks `friction`")
     );
-    let both = [missing("`restitution`"), missing("`friction`")].concat();
+    let both = [missing("lacks `restitution`"), missing("lacks `friction`")].concat();
     assert_eq!(reported("contact { }"), both);
 
-    let range = || (Code::WrongValue, "a value out of its range".to_owned());
+    let range = |name: &str| {
+        (
+            Code::WrongValue,
+            format!("`contact.{name}` is out of range"),
+        )
+    };
     assert_eq!(
         reported("contact { stiffness 0 N/m  damping -1 kg/s  friction 0.2 }"),
-        [range(), range()]
+        [range("stiffness"), range("damping")]
     );
     assert_eq!(
         reported("contact { stiffness 1e60 N/m  damping 1e-60 kg/s  friction 0.2 }"),
-        [range(), range()]
+        [range("stiffness"), range("damping")]
     );
     let (stiffest, _) = scene("contact { stiffness 1e40 N/m  damping 0 kg/s  friction 0.2 }");
     assert_ne!(stiffest, None);
-    let dimension = |example: &str| (Code::WrongDimension, format!("expected {example}"));
+    let dimension = |text: &str| (Code::WrongDimension, format!("`contact.{text}`"));
     assert_eq!(
         reported("contact { stiffness 25 N  damping 5 N/m  friction 0.2 }"),
         [
-            dimension("a stiffness, such as `25 N/m`"),
-            dimension("a damping, such as `5 N s/m`")
+            dimension("stiffness` must be a stiffness, such as `25 N/m"),
+            dimension("damping` must be a damping, such as `5 N s/m")
         ]
     );
     assert_eq!(
         reported("contact { stiffness 25 N/m  damping  friction 0.2 }"),
         [(
             Code::MissingTerm,
-            "expected a damping, such as `5 N s/m`".to_owned()
+            "`contact.damping` needs a damping, such as `5 N s/m`".to_owned()
         )]
     );
     assert_eq!(
         reported("contact { stifness 25 N/m  stiffness 25 N/m  friction 0.2 }"),
-        [(Code::UnknownTerm, "`stifness` is no field".to_owned())]
+        [(Code::UnknownTerm, "`stifness` is not a field".to_owned())]
     );
     assert_eq!(
         reported("contact { stiffness 25 N/m  stiffness 5 N/m  friction 0.2 }"),
@@ -128,6 +133,6 @@ fn fields_without_braces_are_known_as_such() {
     let [diagnostic] = &diagnostics[..] else {
         panic!("{diagnostics:?}");
     };
-    assert_eq!(diagnostic.title, "`contact` without its braces");
+    assert_eq!(diagnostic.title, "`contact` has no fields in braces");
     assert!(diagnostic.fix.is_some());
 }

@@ -72,32 +72,32 @@ fn what_has_nothing_to_move_is_told_once() {
     };
     missing(
         "agitation brownian { temperature 3 K }",
-        "Brownian motion without a viscous fluid",
+        "Brownian motion needs a viscous fluid",
     );
     missing(
         "fluid { density 1 kg/m^3 }  agitation brownian { temperature 3 K }",
-        "Brownian motion without a viscous fluid",
+        "Brownian motion needs a viscous fluid",
     );
     missing(
         "fluid { viscosity 1 Pa s  added_mass 0.64 }",
-        "an added mass without a density",
+        "an added mass needs a density",
     );
-    missing("fluid { }", "`fluid` without `viscosity`");
+    missing("fluid { }", "`fluid` lacks `viscosity`");
     missing(
         "flow jets { count 1  flow 1 L/min  nozzle 1cm }",
-        "a flow without a fluid",
+        "a flow needs a fluid",
     );
     missing(
         "agitation turbulence { speed 1 m/s  length 1 m }",
-        "turbulence without a fluid",
+        "turbulence needs a fluid",
     );
     missing(
         "fluid { viscosity 1 Pa s }  agitation turbulence { intensity 10%  length 1 m }",
-        "an intensity of turbulence without a flow",
+        "an intensity of turbulence needs a flow",
     );
     missing(
         "fluid { viscosity 1 Pa s }  agitation turbulence { length 1 m }",
-        "`agitation` without `speed`",
+        "`agitation` lacks `speed`",
     );
 }
 
