@@ -4,7 +4,6 @@
 //! face available, and no open face may [jam with it](crate::space::crowding).
 mod phase;
 mod priorities;
-mod serial;
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -191,21 +190,8 @@ impl<'a> SchedulingJob<'a> {
         priorities: &Priorities,
         cancellation: Cancellation<'_>,
     ) -> Result<Schedule, Cancelled> {
-        let serial = if priorities.is_serial && self.has_serial() {
-            self.serial(priorities, cancellation)?
-        } else {
-            None
-        };
-        let schedule = match serial {
-            Some(schedule) => Some(schedule),
-            None => self.within(priorities, f32::INFINITY, cancellation)?,
-        };
-        let mut schedule = schedule.expect("a complete order is known");
-        if priorities.is_settled {
-            let waiting = self.waiting(&schedule);
-            schedule.set_means(self.sites, self.hardware, self.waits, &waiting);
-        }
-        Ok(schedule)
+        let schedule = self.within(priorities, f32::INFINITY, cancellation)?;
+        Ok(schedule.expect("a complete order is known"))
     }
 
     /// Returns a schedule if there is one. With scaffolds there may be none.
@@ -456,33 +442,4 @@ impl ScheduleState<'_> {
             self.consider(near);
         }
     }
-}
-
-/// Calls `look` with the job of a target for a number of free blocks, one face per block and
-/// typical rates.
-#[cfg(test)]
-pub(crate) fn with_job<T>(
-    target: &crate::Target,
-    free: u32,
-    look: impl FnOnce(&SchedulingJob<'_>) -> T,
-) -> T {
-    let sites = Sites::new(target);
-    let spaces = [2, 1].map(|side| crate::space::free_space::FreeSpace::new(&sites, side));
-    let keys = vec![0.5; sites.len()];
-    let disassembly = crate::disassembly::disassemble(&sites, spaces, &keys, Cancellation::NEVER);
-    let disassembly = disassembly.unwrap();
-    let corridors = Corridors::new(&sites, &disassembly, Cancellation::NEVER).unwrap();
-    let hardware = Hardware {
-        faces: 1,
-        attracts_always: false,
-        free,
-    };
-    let law = RateLaw::new(None);
-    look(&SchedulingJob::new(
-        &sites,
-        &disassembly,
-        &corridors,
-        hardware,
-        &law,
-    ))
 }

@@ -157,10 +157,6 @@ const WAYS: u64 = 2000;
 /// Consecutive variations of priorities after that.
 const PRIORITIES: u64 = 150;
 
-/// Number of independent starts for small targets. Single changes seldom lead from one local
-/// optimum to another.
-const STARTS: u64 = 8;
-
 /// Largest number of schedules tried with the less promising access paths.
 const MAX_FIRST: u64 = 1500;
 
@@ -252,33 +248,14 @@ pub fn search(
             ..best
         }
     };
-    // No more starts than tries.
-    let starts = if sites.len() <= SMALL {
-        share.clamp(1, STARTS)
-    } else {
-        1
-    };
     let mut found: Option<ScheduleCandidate> = None;
     for first in best {
-        let has_gaps = first.has_gaps;
-        let mut next = Some(first);
-        for _ in 0..starts {
-            let from = match next.take() {
-                Some(first) => Ok(first),
-                None => {
-                    let order = (0..sites.len()).map(|_| rng.random()).collect();
-                    let any = Priorities::random(sites.len(), &mut rng);
-                    candidate(order, any, has_gaps, search.enough)
-                }
-            };
-            let Ok(from) = from else { break };
-            let most = rounds + share / starts;
-            let best = reschedule(from, &mut rounds, most, &mut rng);
-            found = match found {
-                Some(found) if found.value <= best.value => Some(found),
-                _ => Some(best),
-            };
-        }
+        let most = rounds + share;
+        let best = reschedule(first, &mut rounds, most, &mut rng);
+        found = match found {
+            Some(found) if found.value <= best.value => Some(found),
+            _ => Some(best),
+        };
     }
     let mut found = found.expect("at least one candidate");
     // Alternates between other access paths and other priorities.
@@ -362,7 +339,7 @@ pub fn improved(
     while rounds < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
         (search.tried)(rounds, value(&best));
-        let priorities = current.priorities.changed(&critical, job.has_serial(), rng);
+        let priorities = current.priorities.changed(&critical, rng);
         let schedule = match job.any(&priorities, search.enough) {
             Ok(Some(schedule)) => schedule,
             Ok(None) => continue,

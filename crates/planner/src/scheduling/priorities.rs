@@ -1,13 +1,11 @@
-//! Priorities of a schedule: urgency and direction of each site, and the method of placing sites.
+//! Priorities of a schedule: urgency and direction of each site.
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
-
-use crate::target::limits::SMALL;
 
 /// Priorities of all sites of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Priorities {
-    /// Urgency of each site relative to its tail: usually 0 to 1, above -0.5.
+    /// Urgency of each site relative to its tail, 0 to 1.
     ///
     /// # Source
     ///
@@ -16,11 +14,6 @@ pub struct Priorities {
     keys: Vec<f32>,
     /// Number of better directions skipped for each site.
     skipped: Vec<u8>,
-    /// Whether sites are placed one by one, instead of opened as soon as possible.
-    pub is_serial: bool,
-    /// Whether the program's mean waiting times decide which of several nearby faces closes last
-    /// and need not be waited for.
-    pub is_settled: bool,
 }
 
 impl Priorities {
@@ -29,16 +22,7 @@ impl Priorities {
         Priorities {
             keys: vec![0.5; sites],
             skipped: vec![0; sites],
-            is_serial: false,
-            is_settled: false,
         }
-    }
-
-    /// Returns random priorities.
-    pub fn random(sites: usize, rng: &mut ChaCha8Rng) -> Priorities {
-        let critical = vec![1.0; sites];
-        let even = Priorities::even(sites);
-        (0..sites).fold(even, |other, _| other.changed(&critical, true, rng))
     }
 
     /// Returns the urgency of a site with this tail \[ticks\].
@@ -58,22 +42,12 @@ impl Priorities {
         Some(ways.swap_remove(skipped.min(last)).0)
     }
 
-    /// Returns changed priorities. Most changes are at critical sites. `may_be_serial` is whether
-    /// serial schedules are allowed.
-    pub fn changed(
-        &self,
-        critical: &[f32],
-        may_be_serial: bool,
-        rng: &mut ChaCha8Rng,
-    ) -> Priorities {
+    /// Returns changed priorities. Most changes are at critical sites.
+    pub fn changed(&self, critical: &[f32], rng: &mut ChaCha8Rng) -> Priorities {
         const MAX: usize = 4;
-        /// One in this many changes selects another direction, and one in as many another method or
-        /// source of means.
+        /// One in this many changes selects another direction.
         const WAYS: u32 = 4;
-        const PLACING: u32 = 8;
         let mut other = self.clone();
-        other.is_serial ^= may_be_serial && rng.random_range(0..PLACING) == 0;
-        other.is_settled ^= may_be_serial && rng.random_range(0..PLACING) == 0;
         for _ in 0..rng.random_range(1..=MAX) {
             let site = critical_site(critical, rng) as usize;
             if rng.random_range(0..WAYS) == 0 {
@@ -83,24 +57,10 @@ impl Priorities {
                     _ => 0,
                 };
             } else {
-                other.keys[site] = key(critical.len(), rng);
+                other.keys[site] = rng.random();
             }
         }
         other
-    }
-}
-
-/// Returns a random urgency relative to the tail. In small targets, some are extreme, so that the
-/// last site by tails can come first.
-fn key(sites: usize, rng: &mut ChaCha8Rng) -> f32 {
-    const OFTENEST: u32 = 4;
-    const MAX: f32 = 7.0;
-    const MIN: f32 = -0.45;
-    let is_far = sites <= SMALL && rng.random_ratio(1, OFTENEST.max(sites as u32));
-    match is_far {
-        false => rng.random(),
-        true if rng.random() => 1.0 + MAX * rng.random::<f32>(),
-        true => MIN * rng.random::<f32>(),
     }
 }
 

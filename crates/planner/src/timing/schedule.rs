@@ -64,13 +64,6 @@ impl Schedule {
         adjacent.filter(move |&other| self.parent(sites, other) == parent)
     }
 
-    /// Updates the positions of all sites after a change of the order.
-    pub(crate) fn set_ranks(&mut self) {
-        for (rank, &site) in (0..).zip(&self.order) {
-            self.rank[site as usize] = rank;
-        }
-    }
-
     /// Returns the position of the block that must be captured in the same phase to hold a site.
     /// `None` if it exists before.
     pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
