@@ -103,7 +103,7 @@ local function run()
     params = place("Middle")
     params.newName = "C"
     local result, refusal = ask("rename", params)
-    expect(result == nil and refusal.message:find("already means", 1, true), refusal)
+    expect(result == nil and refusal.message:find("already has a meaning", 1, true), refusal)
     ok("rename refused")
 
     local edits = ask("formatting", vim.lsp.util.make_formatting_params())

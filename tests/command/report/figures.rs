@@ -10,7 +10,7 @@ fn the_command_writes_figures_for_print() {
     let out = path(folder.path(), "out");
     let simulate = "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa";
     assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
-    let print = "report --figure-width 89mm --format pdf,pdf";
+    let print = "report --figure-width 89mm --figure-format pdf,pdf";
     assert_eq!(stochc_with(print, &[&out]).status, 0);
     let figures = folder.path().join("out/report-figures");
     let is_there = |name: &str| figures.join(name).is_file();

@@ -103,10 +103,10 @@ fn every_picture_is_well_formed_and_told_in_words() {
             );
         }
     }
-    // The curves and the means, two of the sweep, and five for each of the two.
+    // The curves and the means, two of the sweep, and three for each of the two.
     assert_eq!(
         pictures,
-        4 + 2 * 4,
+        4 + 2 * 3,
         "{:?}",
         report.files.iter().map(|f| &f.0).collect::<Vec<_>>()
     );
