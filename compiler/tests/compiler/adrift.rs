@@ -13,18 +13,18 @@ fn the_help_says_what_can_be_released_and_when() {
     for (wrong, help, right) in [
         (
             "phase p { M.up -> A.up -> B } phase q { release A }",
-            "release `B` as well, in this phase or before it",
+            "release `B` too, in this phase or earlier",
             "phase p { M.up -> A.up -> B } phase q { release A, B }",
         ),
         (
             "phase p { M.up -> A } phase q { A.up -> B release A }",
-            "release `B` as well, in this phase",
+            "release `B` too, in this phase",
             "phase p { M.up -> A } phase q { A.up -> B release A, B }",
         ),
         // A name is released once in a phase: here it is that of an earlier block.
         (
             "phase p { M.up -> A.up -> B } phase q { release B A.north -> B release A }",
-            "the `B` that this phase releases is an earlier one: release `A` in a later phase, together with the new `B`",
+            "release `A` in a later phase, together with the new `B`: this phase releases an earlier `B`",
             "phase p { M.up -> A.up -> B } phase q { release B A.north -> B } phase r { release A, B }",
         ),
     ] {

@@ -69,7 +69,7 @@ fn an_after_that_helps_all_rounds_of_a_loop_comes_first() {
         panic!("{:#?}", checked.diagnostics);
     };
     let help = sealed.help.as_ref().unwrap();
-    assert!(help.contains("write `after CORE[i, j]` there"), "{help}");
+    assert!(help.contains(" after CORE[i, j]`"), "{help}");
     assert!(!help.contains("for `"), "{help}");
     assert!(sealed.fix.is_some());
 }

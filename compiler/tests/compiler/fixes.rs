@@ -577,6 +577,6 @@ fn a_seed_that_attracts_is_not_taken_away_unasked() {
         attracting
             .help
             .unwrap()
-            .contains("attracts blocks all the same")
+            .contains("attracts no blocks there")
     );
 }

@@ -278,7 +278,7 @@ fn all_before(program: &Program, id: EventId) -> BTreeSet<EventId> {
 }
 
 fn is_never(diagnostic: &Diagnostic) -> bool {
-    diagnostic.title.starts_with("no block can ever come")
+    diagnostic.title.ends_with(" can never be reached")
 }
 
 /// Every capture with its phase and the cells that are full in its worst case, word by word.
@@ -497,7 +497,7 @@ proptest! {
             let is_reached = reached.contains(&id);
             prop_assert!(!is_never(diagnostic) || !is_reached, "{text}\n{}", diagnostic.title);
             // With choices it may be left open.
-            let is_open = releases || (faces > 1 && diagnostic.title.contains(" may be "));
+            let is_open = releases || (faces > 1 && diagnostic.title.contains(" may become "));
             prop_assert!(is_open || is_never(diagnostic) || is_reached, "{text}\n{}", diagnostic.title);
         }
         for id in (0..program.plan.events.len() as u32).map(EventId) {
@@ -556,7 +556,7 @@ fn follow(checked: &Checked, diagnostic: &Diagnostic) -> Option<bool> {
     let program = &checked.programs[0];
     let plan = &program.plan;
     let help = diagnostic.help.as_deref()?;
-    let order = (help.lines()).find_map(|line| line.strip_prefix("an order that leads there: "))?;
+    let order = (help.lines()).find_map(|line| line.strip_prefix("one order that blocks it: "))?;
     let target = diagnostic_event(program, diagnostic);
     let mut phases = plan.phases.iter();
     let phase = phases.find(|phase| phase.events.contains(&target))?;
@@ -658,12 +658,12 @@ fn apply_remedies(text: &str) -> Remedies {
                     "{text}\n{help}"
                 );
             }
-        } else if diagnostic.others.count > 0 && help.contains("must come later") {
+        } else if diagnostic.others.count > 0 && help.starts_with("write `") {
             // Each capture of the statement has a remedy of its own.
             remedies.several += 1;
         } else {
             remedies.none += 1;
-            assert!(help.contains("no `after`"), "{help}");
+            assert!(help.contains("leave an opening: no "), "{help}");
         }
     }
     remedies
@@ -914,7 +914,7 @@ fn many_random_programs_with_choices_have_cavities() {
         for diagnostic in sealed(&checked) {
             shown += usize::from(follow(&checked, diagnostic).is_some());
             never += usize::from(is_never(diagnostic));
-            open += usize::from(diagnostic.title.contains(" may be "));
+            open += usize::from(diagnostic.title.contains(" may become "));
         }
     }
     println!("of 400 programs with choices: {shown} orders shown, {never} never, {open} left open");
@@ -1086,7 +1086,7 @@ fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
     // Each capture of the statement has its own remedy. The first one is shown, without a change for all.
     assert_eq!(first.fix, None);
     let (late, wait) = ("R[0, i].up ->> W[0, i, 1..5]", "after T[i, i, 1]");
-    let remedy = format!("`{late}` must come later: write `{wait}` there\n");
+    let remedy = format!("write `{late} {wait}`\n");
     assert!(
         first.help.as_deref().unwrap().contains(&remedy),
         "{first:#?}"
@@ -1197,7 +1197,7 @@ fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
     };
     let remedy = |k: i32| {
         let east = 4 * k + 2;
-        format!("`M[{east}, 1].up -> E[{k}]` must come later: write `after CORE[{k}]` there\n")
+        format!("write `M[{east}, 1].up -> E[{k}] after CORE[{k}]`\n")
     };
     let two = help(&wells(2));
     let reported = format!("{}for `CORE[1]`, {}", remedy(0), remedy(1));
@@ -1239,7 +1239,7 @@ fn what_a_loop_cannot_wait_for_is_cured_elsewhere() {
     );
     let help = found[0].help.as_deref().unwrap();
     assert!(
-        help.contains("`V.east -> LID` must come later: write `after W[1, 1]` there"),
+        help.contains("write `V.east -> LID after W[1, 1]`"),
         "{help}"
     );
     assert_eq!(apply_remedies(GRID).changes, 1);
