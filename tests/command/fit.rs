@@ -124,7 +124,7 @@ fn what_does_not_fit_together_is_told() {
             "line 2: `ten` is not a number above 0 and up to 1e15",
         ),
         (good, "frei=8..60", "", "no number `frei`"),
-        (good, "free=60..8", "", "is no range"),
+        (good, "free=60..8", "", "is not a range"),
         (good, "free=-5..60", "", "free"),
         (good, "free=8..60", "--vary free=8..60", "given twice"),
         (
@@ -233,7 +233,7 @@ fn a_scene_that_cannot_be_at_a_point_is_told_of() {
         &[&file, "--data", &data, "--vary", "free=40..100"],
     );
     assert_eq!(said.status, 1, "{}", said.err);
-    assert!(said.err.contains("which has room for 60"), "{}", said.err);
+    assert!(said.err.contains("which holds 60"), "{}", said.err);
 }
 
 /// Times of two programs with 20 blocks, of runs that were stopped at 350 ticks: in a third of one, and in most of the other.

@@ -262,7 +262,7 @@ fn a_file_is_read_once_by_whatever_path_it_is_imported() {
     let circle = |said: crate::stochc::Said| {
         assert_eq!(said.status, 1);
         let code = said.err.lines().next().unwrap_or_default();
-        assert_eq!(code, "import-cycle", "{}", said.err);
+        assert!(code.starts_with("error[import-cycle]"), "{}", said.err);
         assert!(!said.err.contains("duplicate-name"), "{}", said.err);
     };
     circle(program(r#"import "tower.sa" import "../lib/program.sa" "#));

@@ -14,7 +14,7 @@ fn a_program_is_planned_and_passes_every_check() {
     let said = stochc_with(FIVE, &["--explain", "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(
-        said.out.contains("order in which faces open"),
+        said.out.contains("opening order of the faces"),
         "{}",
         said.out
     );
@@ -25,7 +25,7 @@ fn a_program_is_planned_and_passes_every_check() {
     let said = stochc(&format!("{FIVE} --explain"));
     assert_eq!(said.out, fs::read_to_string(&out).unwrap());
     assert!(
-        said.err.contains("order in which faces open"),
+        said.err.contains("opening order of the faces"),
         "{}",
         said.err
     );
@@ -420,7 +420,7 @@ fn a_run_that_was_stopped_is_finished() {
     let unknown = stochc_with("plan --run 1 --dead Nobody", &[&results]);
     assert_eq!(unknown.status, 2);
     assert!(
-        unknown.err.contains("cannot find block `Nobody`"),
+        unknown.err.contains("no block is called `Nobody`"),
         "{}",
         unknown.err
     );
@@ -448,7 +448,7 @@ fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
         let said = stochc_with(&line, &[]);
         assert_eq!(said.status, 0, "{}", said.err);
         (said.out + &said.err)
-            .matches("an uncalibrated estimate")
+            .matches("this scene has not been calibrated")
             .count()
     };
     assert_eq!(planned("hemisphere"), 0);

@@ -102,7 +102,7 @@ fn output_is_replaced_if_that_is_asked_for() {
     fs::write(&mine, "let mine = 1\n").unwrap();
     let (status, told) = wrong(PLAN, &[&file, "--out", &mine, "--force"]);
     assert_eq!(
-        (status, told.contains("somebody else's")),
+        (status, told.contains("was not written by stochc")),
         (2, true),
         "{told}"
     );

@@ -293,7 +293,7 @@ fn what_rates_do_not_speak_of_is_refused_by_name() {
         assert_eq!(cost.status, 0, "{}", cost.err);
         assert!(!cost.out.contains("mean ticks"), "{file}: {}", cost.out);
         if what != "aggregate" {
-            let reason = format!("No times: the model `rate` has no {what}");
+            let reason = format!("No times: the model `rate` does not support {what}");
             assert!(cost.out.contains(&reason), "{file}: {}", cost.out);
             let said = stochc_with("calibrate --quiet", &[file]);
             assert_eq!(said.status, 1, "{}", said.err);
@@ -311,7 +311,12 @@ fn nothing_is_recorded_of_blocks_that_have_no_places() {
         &[&out],
     );
     assert_eq!(said.status, 2);
-    assert!(said.err.contains("`rate` has no places"), "{}", said.err);
+    assert!(
+        said.err
+            .contains("blocks have no positions in the model `rate`"),
+        "{}",
+        said.err
+    );
     let tank = stochc("simulate --model rate --runs 2 --quiet examples/suction_growth.sa");
     assert_ne!(tank.status, 0);
     assert!(tank.err.contains("suction"), "{}", tank.err);

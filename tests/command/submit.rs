@@ -215,13 +215,13 @@ fn shards_whose_files_arrive_late_are_not_submitted_again() {
     let late = format!(
         "echo $number
 case $name in *-merge) exit;; esac
-(exec >/dev/null 2>&1; sleep 3; for i in 0 1 2 3; do {stochc} shard {out} $i; done; {stochc} merge {out}) &"
+(exec >/dev/null 2>&1; sleep 3; for i in 0 1 2 3; do {stochc} shard run {out} $i; done; {stochc} shard merge {out}) &"
     );
     slurm.sbatch(&late);
     assert_eq!(slurm.submit("").status, 0);
     let said = slurm.submit("");
     assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("is whole: 10 runs"), "{}", said.out);
+    assert!(said.out.contains("is complete: 10 runs"), "{}", said.out);
     assert!(!Path::new(out).join("slurm").exists());
     slurm.has_submitted_once();
 }
@@ -256,7 +256,7 @@ fn shards_are_merged_if_none_is_missing() {
     fs::write(&shard, text).unwrap();
     let said = slurm.submit("--grace 1s");
     assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("is whole: 10 runs"), "{}", said.out);
+    assert!(said.out.contains("is complete: 10 runs"), "{}", said.out);
     slurm.has_submitted_once();
 }
 
@@ -352,7 +352,7 @@ fn the_scripts_are_plain_shell() {
     assert!(
         log("merge_13.log")
             .unwrap()
-            .contains("5 of 5 pieces are missing")
+            .contains("5 of 5 shards are missing")
     );
     for task in ["2", "0"] {
         let said = run(shards, task);
@@ -363,13 +363,13 @@ fn the_scripts_are_plain_shell() {
     fs::copy(files.join("0.jsonl"), files.join("3.jsonl")).unwrap();
     assert_eq!(run(shards, "1").status, 2);
     let told = log("12_1.log").unwrap();
-    assert!(told.contains("is in fact piece 0 of 5"), "{told}");
+    assert!(told.contains("is in fact shard 0 of 5"), "{told}");
     assert!(told.ends_with("shard 3 ended with status 2\n"), "{told}");
     assert!(files.join("2.jsonl").exists());
     let refused = submit(&[&out, "--dry-run"]);
     assert_eq!(refused.status, 2);
     assert!(
-        refused.err.contains("piece 3 is in fact piece 0"),
+        refused.err.contains("shard 3 is in fact shard 0"),
         "{}",
         refused.err
     );
@@ -384,7 +384,7 @@ fn the_scripts_are_plain_shell() {
     assert!(!Path::new(&out).join("slurm").exists());
     let again = submit(&[&out]);
     assert_eq!(again.status, 0, "{}", again.err);
-    assert!(again.out.contains("is whole: 10 runs"), "{}", again.out);
+    assert!(again.out.contains("is complete: 10 runs"), "{}", again.out);
 }
 
 #[test]
@@ -434,7 +434,7 @@ fn what_cannot_be_submitted_is_refused() {
     let text = fs::read_to_string(&journal).unwrap();
     let part: Vec<&str> = text.split_inclusive('\n').take(3).collect();
     fs::write(&journal, part.concat()).unwrap();
-    refused(&[&begun], "is not cut into pieces: 2 of 10 runs");
+    refused(&[&begun], "has no shards: it holds 2 of 10 runs");
 }
 
 #[test]

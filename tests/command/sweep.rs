@@ -408,7 +408,7 @@ fn a_point_at_which_the_program_is_wrong_is_told() {
     );
     assert!(
         said.err
-            .contains("needs 3 free blocks at once, the scene has 1"),
+            .contains("needs 3 free blocks at once, but scene `hemisphere` has 1"),
         "{}",
         said.err
     );

@@ -1,6 +1,7 @@
 //! The inputs that fuzzing has kept are answered like any other.
 
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 #[path = "../../fuzz/src/lib.rs"]
 mod files;
@@ -37,8 +38,12 @@ fn is_of_programs(folder: &str) -> bool {
     ["check", "parse"].contains(&folder)
 }
 
+/// The readers share folders, so the tests of this file take turns.
+static TURN: Mutex<()> = Mutex::new(());
+
 #[test]
 fn every_kept_file_is_read_or_refused() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     for (folder, read) in READERS {
         let paths = kept(folder);
         assert!(!paths.is_empty(), "{folder}");
@@ -114,6 +119,7 @@ fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
 /// `STOCHC_CHANGES` says how many of each kind; docs/validation/stability.md reports a longer run.
 #[test]
 fn changed_files_are_read_or_refused() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let changes = std::env::var("STOCHC_CHANGES");
     let changes: u64 = changes.map_or(2_000, |text| text.parse().unwrap());
     for (folder, read) in READERS {

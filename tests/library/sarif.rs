@@ -109,10 +109,7 @@ fn every_code_is_a_rule_and_every_result_has_its_number() {
         .find(|rule| rule["id"] == "unused-seed")
         .unwrap();
     assert_eq!(unused["defaultConfiguration"]["level"], "warning");
-    assert_eq!(
-        unused["shortDescription"]["text"],
-        "a seed that captures nothing"
-    );
+    assert_eq!(unused["shortDescription"]["text"], "a seed is never used");
 }
 
 #[test]

@@ -119,12 +119,7 @@ impl Expander<'_, '_> {
         if blocks.ranged {
             let location = self.location(place.span);
             let written = self.sources.text(location);
-            let count = match blocks.keys.count {
-                0 => "an empty range".to_owned(),
-                1 => "a range".to_owned(),
-                count => format!("a range of {count} blocks"),
-            };
-            let title = format!("one block is needed, but `{written}` is {count}");
+            let title = format!("one block is needed, but `{written}` is a range");
             let mut diagnostic = Diagnostic::new(Code::RangeMisused, title)
                 .label(location, "only one block can stand here")
                 .help(help);

@@ -663,7 +663,7 @@ fn apply_remedies(text: &str) -> Remedies {
             remedies.several += 1;
         } else {
             remedies.none += 1;
-            assert!(help.contains("leave an opening: no "), "{help}");
+            assert!(help.contains("leave an opening: no "), "{help}\n{text}");
         }
     }
     remedies
@@ -1146,7 +1146,7 @@ fn three_of_a_square_at_the_same_time_are_told_of() {
     let corner = foot(0, 0) + &foot(1, 0) + &foot(0, 1);
     assert_eq!(
         crowded(&grow(&corner)),
-        ["`A[0, 0]`, `A[1, 0]` and `A[0, 1]` may be waited for side by side"]
+        ["the blocks for `A[0, 0]`, `A[1, 0]` and `A[0, 1]` may jam each other"]
     );
     // Without the cell that would be the lowest of its square.
     let other = foot(1, 0) + &foot(0, 1) + &foot(1, 1);

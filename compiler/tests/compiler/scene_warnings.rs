@@ -248,7 +248,7 @@ fn what_is_advised_resolves_all_and_keeps_the_steps_near_faces() {
         let all = with(taken);
         assert!(!all.is_empty(), "{taken}");
         let advised = |warning: &SceneWarning| {
-            let advice = warning.remedy.strip_prefix("`--substeps ");
+            let advice = warning.remedy.strip_prefix("run with `--substeps ");
             let (steps, _) = advice
                 .and_then(|it| it.split_once('`'))
                 .expect("there is advice");

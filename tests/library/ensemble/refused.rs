@@ -52,9 +52,9 @@ fn runs_without_a_manifest_are_not_touched() {
     let before = content(folder.path());
     assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` contains runs, but no `manifest.json`, which is needed to read them; restore it, or choose another folder");
     let told = Folder::read(folder.path()).unwrap_err().to_string();
-    assert!(told.contains("is gone"), "{told}");
+    assert!(told.contains("no `manifest.json`"), "{told}");
     let told = verify(folder.path()).unwrap_err().to_string();
-    assert!(told.contains("is gone"), "{told}");
+    assert!(told.contains("no `manifest.json`"), "{told}");
     assert_eq!(content(folder.path()), before);
 }
 

@@ -316,7 +316,7 @@ fn holes_are_refused_and_named() {
     cut(folder.path(), 5);
     refused(
         folder.path(),
-        "5 of 5 pieces are missing or damaged (0, 1, 2, 3 and 4)",
+        "5 of 5 shards are missing or corrupted (0, 1, 2, 3 and 4)",
     );
     for number in [0, 2, 4] {
         make(folder.path(), number, 1);
@@ -325,7 +325,7 @@ fn holes_are_refused_and_named() {
     assert_eq!(missing(folder.path()), [1, 3]);
     refused(
         folder.path(),
-        "2 of 5 pieces are missing or damaged (1 and 3)",
+        "2 of 5 shards are missing or corrupted (1 and 3)",
     );
     make(folder.path(), 1, 1);
     refused(folder.path(), "stochc shard");
@@ -347,20 +347,20 @@ fn pieces_of_something_else_are_refused() {
     another.seed = 7;
     let more = manifest(RUNS + 2);
     for (of, shards, number, expected) in [
-        (&another, 2, 1, "piece 1 belongs to another manifest"),
+        (&another, 2, 1, "shard 1 belongs to another manifest"),
         (
             &manifest(RUNS),
             2,
             0,
-            "piece 1 is in fact piece 0 of 2, for 12 runs",
+            "shard 1 is in fact shard 0 of 2, for 12 runs",
         ),
         (
             &manifest(RUNS),
             3,
             1,
-            "piece 1 is in fact piece 1 of 3, for 12 runs",
+            "shard 1 is in fact shard 1 of 3, for 12 runs",
         ),
-        (&more, 2, 1, "piece 1 is in fact piece 1 of 2, for 14 runs"),
+        (&more, 2, 1, "shard 1 is in fact shard 1 of 2, for 14 runs"),
     ] {
         let place = other
             .path()
@@ -380,7 +380,7 @@ fn pieces_of_something_else_are_refused() {
     fs::copy(other.path().join("plain/journal.jsonl"), &piece).unwrap();
     refused(
         folder.path(),
-        "piece 1 is in fact the journal of a whole ensemble",
+        "shard 1 is in fact the journal of a whole ensemble",
     );
     // Of another build.
     let text = String::from_utf8(own.clone()).unwrap();
@@ -439,7 +439,7 @@ fn what_cannot_be_cut_is_refused() {
             .unwrap_err()
             .to_string();
         assert!(
-            told.contains("is cut into 4 pieces of 12 runs of each program"),
+            told.contains("is split into 4 shards of 12 runs of each program"),
             "{told}"
         );
     }
@@ -468,7 +468,7 @@ fn what_cannot_be_cut_is_refused() {
     ] {
         assert!(
             told.to_string()
-                .contains("is not cut into pieces: 24 of 24 runs"),
+                .contains("has no shards: it holds 24 of 24 runs"),
             "{told}"
         );
     }

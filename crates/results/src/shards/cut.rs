@@ -120,7 +120,7 @@ impl Cut {
             return Err(unreadable(path, "it belongs to another ensemble"));
         }
         if cut.shards == 0 || cut.shards > MAX_SHARDS.min(manifest.total()) {
-            return Err(unreadable(path, "it says an impossible number of pieces"));
+            return Err(unreadable(path, "it says an impossible number of shards"));
         }
         Ok((manifest, cut))
     }

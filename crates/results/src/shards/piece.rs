@@ -352,7 +352,7 @@ pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<PieceFile,
             ))
         }
         (Some(there), _) => PieceFile::Foreign(format!(
-            "is in fact piece {} of {}, for {} runs of each program",
+            "is in fact shard {} of {}, for {} runs of each program",
             there.number, there.of, there.runs
         )),
         (None, _) => PieceFile::Foreign("is in fact the journal of a whole ensemble".to_owned()),
