@@ -4,7 +4,7 @@
 //! An edge of the dependency graph is met when its first event has happened. An event needs all
 //! edges into it, except its edges from captures of the same block: a number of them is enough
 //! ([`LocatedDependency::Face`]). This module turns such a graph into one in which all edges are
-//! needed. [`straight`] is one way in which everything can happen as early as possible. [`certain`]
+//! needed. [`straight`] is one way in which everything can happen as early as possible. `certain`
 //! is what holds in every order.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

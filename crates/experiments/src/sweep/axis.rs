@@ -365,8 +365,8 @@ mod tests {
                 "bond.pull=3 m",
                 "`bond.pull` is a force, such as `15 N`, not a length",
             ),
-            ("free=50,50", "`free` is 50 twice"),
-            ("free=50..50/3", "`free` is 50 twice"),
+            ("free=50,50", "`free` has the value 50 twice"),
+            ("free=50..50/3", "`free` has the value 50 twice"),
             ("fre=50", "did you mean `free`?"),
         ] {
             assert!(told(text).contains(reason), "{text}: {}", told(text));
