@@ -45,7 +45,8 @@ fn pages(command: clap::Command, folder: &Path) -> io::Result<()> {
         let subcommands = command.get_subcommands();
         left.extend(subcommands.filter(|it| it.get_name() != "help").cloned());
         let name = command.get_display_name().unwrap_or(command.get_name());
-        write(folder, &name.to_owned(), &page(command)?)?;
+        let name = name.to_owned();
+        write(folder, &name, &page(command)?)?;
     }
     Ok(())
 }

@@ -58,9 +58,10 @@ fn without_memory_a_command_says_so_and_ends() {
         assert_eq!(stochc_with("shard run --quiet", &[&cut, piece]).status, 0);
     }
     let mut refused = 0;
-    // In less than it takes up itself, no command can begin.
-    let own = fs::metadata(env!("CARGO_BIN_EXE_stochc")).unwrap().len() / 1000;
-    let own = u32::try_from(own).unwrap();
+    // The least with which any command begins.
+    let mut limits = (20_000..).step_by(5_000);
+    let begins = |&kilobytes: &u32| with_memory(kilobytes, &["--version"]).status == 0;
+    let own = 5_000 + limits.find(begins).unwrap();
     for kilobytes in [own, own + 20_000, own + 80_000, 1_000_000] {
         let new = path(place.path(), &kilobytes.to_string());
         for arguments in [

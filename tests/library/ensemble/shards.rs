@@ -445,7 +445,7 @@ fn what_cannot_be_cut_is_refused() {
     }
     for number in [4, u64::MAX] {
         let told = Piece::open(&place, number).unwrap_err().to_string();
-        assert!(told.ends_with("they are 0 to 3"), "{told}");
+        assert!(told.ends_with("shards are 0 to 3"), "{told}");
     }
     for resume in [false, true] {
         let told = Folder::open(&place, &manifest(RUNS), resume).unwrap_err();

@@ -145,9 +145,12 @@ impl<'a> Events<'a> {
     /// Returns the events of a phase in source order.
     pub fn of_phase(&self, phase: PhaseId) -> Vec<PhaseEvent> {
         let graph = self.parts.graph;
-        let level_in_phase = |capture: EventId| match graph.event(capture).phase == phase {
-            true => self.levels[capture.0 as usize],
-            false => 0,
+        let level_in_phase = |capture: EventId| {
+            if graph.event(capture).phase == phase {
+                self.levels[capture.0 as usize]
+            } else {
+                0
+            }
         };
         let events = graph.events_of(phase).filter_map(|id| {
             let event = graph.event(id);
