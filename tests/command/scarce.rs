@@ -58,11 +58,11 @@ fn without_memory_a_command_says_so_and_ends() {
         assert_eq!(stochc_with("shard run --quiet", &[&cut, piece]).status, 0);
     }
     let mut refused = 0;
-    // The least with which any command begins.
+    // Somewhat more than the least with which any command begins.
     let mut limits = (20_000..).step_by(5_000);
     let begins = |&kilobytes: &u32| with_memory(kilobytes, &["--version"]).status == 0;
-    let own = 5_000 + limits.find(begins).unwrap();
-    for kilobytes in [own, own + 20_000, own + 80_000, 1_000_000] {
+    let own = 15_000 + limits.find(begins).unwrap();
+    for kilobytes in [own, own + 10_000, own + 80_000, 1_000_000] {
         let new = path(place.path(), &kilobytes.to_string());
         for arguments in [
             &["check", &large][..],
