@@ -84,6 +84,7 @@ def _in_python(text: str) -> str:
         return f"`{name.replace('-', '_')}`" if name in _OPTIONS else found[0]
 
     text = re.sub(r"`--([a-z-]+)`", written, text)
+    text = re.sub(r"`stochc resume [^`]*`", "`resume=True`", text)
     return re.sub(r"^--([a-z]+): ", r"\1: ", text)
 
 

@@ -237,7 +237,7 @@ def test_pickles(tower: str, tmp_path: Path) -> None:
     kept = stochc.simulate(program, runs=2, model="shuffle", out=tmp_path / "results")
     assert pickle.loads(pickle.dumps(kept)).results() == kept.results()
     assert copy.copy(kept).results() == kept.results()
-    with pytest.raises(TypeError, match="make it with `out=`"):
+    with pytest.raises(TypeError, match="use `out=`"):
         pickle.dumps(ours)
     with pytest.raises(TypeError, match="pickle the ensemble"):
         pickle.dumps(ours.runs)

@@ -257,7 +257,7 @@ impl Held {
         let path = folder.as_os_str().as_encoded_bytes();
         let find = || {
             processes(
-                |arguments, _| matches!(arguments, [_, b"shard", of, number, ..] if *of == path && *number == piece.as_bytes()),
+                |arguments, _| matches!(arguments, [_, b"shard", b"run", of, number, ..] if *of == path && *number == piece.as_bytes()),
             )
         };
         let lines = |path| {

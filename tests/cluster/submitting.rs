@@ -24,7 +24,7 @@ fn of_two_that_submit_one_does() {
     assert_eq!(jobs.lines().count(), 4, "{jobs}");
     let (status, said) = cluster.submit(&ensemble.path, "");
     assert_eq!(status, 0, "{said}");
-    assert!(said.contains("is whole: 12 runs"), "{said}");
+    assert!(said.contains("is complete: 12 runs"), "{said}");
 }
 
 /// The message of Slurm is printed.
@@ -47,7 +47,7 @@ fn a_refusal_is_reported() {
 fn the_document_can_be_followed() {
     let Some(cluster) = cluster() else { return };
     let page = fs::read_to_string("docs/guides/cluster.md").unwrap();
-    let section = page.split("## With Slurm\n").nth(1).unwrap();
+    let section = page.split("## Slurm\n").nth(1).unwrap();
     let block = section.split("```sh\n").nth(1).unwrap();
     let block = block.split("```").next().unwrap();
     let (submit, results) = block.split_at(block.find("stochc show").unwrap());

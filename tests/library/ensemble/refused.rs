@@ -101,7 +101,7 @@ fn paths_and_the_number_of_runs_are_no_part_of_the_identity() {
 fn going_on_has_to_be_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(3), 1);
-    assert_snapshot!(error(folder.path(), &manifest(5), false), @"`DIR` contains 6 of the 10 runs of this ensemble; resume it: stochc resume DIR");
+    assert_snapshot!(error(folder.path(), &manifest(5), false), @"`DIR` contains 6 of the 10 runs of this ensemble; resume it with `stochc resume DIR`");
     assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` is an ensemble of 3 runs of each program, more than the 2 asked for; ask for 3, or choose another folder");
 }
 

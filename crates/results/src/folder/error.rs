@@ -57,7 +57,7 @@ pub enum FolderError {
         differences: Vec<String>,
     },
     /// It contains the same ensemble, unfinished, and resuming was not requested.
-    #[error("`{path}` contains {done} of the {total} runs of this ensemble; resume it: stochc resume {}", shell_file(&.path.to_string_lossy()))]
+    #[error("`{path}` contains {done} of the {total} runs of this ensemble; resume it with `stochc resume {}`", shell_file(&.path.to_string_lossy()))]
     Unfinished {
         /// Folder.
         path: PathBuf,
