@@ -2,7 +2,7 @@
 use stochc_ir::table::PhaseId;
 
 use super::column::TableDefinition;
-use super::row::{RunContext, RunRow, add_phase, keyed, outcome};
+use super::row::{RunContext, RunRow, add_phase, add_ticks, keyed, outcome};
 use crate::manifest::SweepAxes;
 
 /// Phase reached by a run.
@@ -70,17 +70,11 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         .integer("ended", "when it was complete", |row| row.of.ended)
         .unit("ticks")
         .null("the run ended before");
-    table
-        .integer(
-            "ticks",
-            "how long it took, or had taken when the run ended",
-            |row| row.of.ticks(row.run),
-        )
-        .unit("ticks");
-    table
-        .real("seconds", "the same in seconds of the scene", |row| {
-            row.run.seconds(row.of.ticks(row.run))
-        })
-        .unit("s");
+    add_ticks(
+        &mut table,
+        "ticks",
+        "how long it took, or had taken when the run ended",
+        |row| row.of.ticks(row.run),
+    );
     table
 }

@@ -102,6 +102,20 @@ pub(super) fn add_phase<'a, T: 'a>(
     );
 }
 
+/// Adds a column of ticks, and the column `seconds` with the same time.
+pub(super) fn add_ticks<'a, T: 'a>(
+    table: &mut TableDefinition<'a, RunRow<'a, T>>,
+    name: &'static str,
+    meaning: &'static str,
+    ticks: impl Fn(&RunRow<'a, T>) -> u64 + Copy + 'a,
+) {
+    table.integer(name, meaning, ticks).unit("ticks");
+    let seconds = move |row: &RunRow<'a, T>| row.run.seconds(ticks(row));
+    table
+        .real("seconds", "the same in seconds of the scene", seconds)
+        .unit("s");
+}
+
 /// Returns the outcome of a run as a word.
 pub(super) fn outcome(outcome: &Outcome) -> &'static str {
     match outcome {

@@ -3,7 +3,7 @@ use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
 use super::column::TableDefinition;
-use super::row::{RunRow, keyed, outcome};
+use super::row::{RunRow, add_ticks, keyed, outcome};
 use crate::manifest::SweepAxes;
 
 /// Returns the phase of an incomplete run at its end.
@@ -49,14 +49,9 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
             }
         })
         .null("it did not fail");
-    table
-        .integer("ticks", "time until its end", |row| row.run.record.ticks)
-        .unit("ticks");
-    table
-        .real("seconds", "the same in seconds of the scene", |row| {
-            row.run.seconds(row.run.record.ticks)
-        })
-        .unit("s");
+    add_ticks(&mut table, "ticks", "time until its end", |row| {
+        row.run.record.ticks
+    });
     table
         .real("tick_seconds", "length of a tick", |row| {
             row.run.program.scene.tick

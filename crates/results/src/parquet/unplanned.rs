@@ -2,7 +2,7 @@
 use stochc_ir::record::UnplannedRecord;
 
 use super::column::TableDefinition;
-use super::row::{RunRow, add_phase, keyed};
+use super::row::{RunRow, add_phase, add_ticks, keyed};
 use crate::manifest::SweepAxes;
 
 pub(super) fn table<'a>(
@@ -14,16 +14,12 @@ pub(super) fn table<'a>(
         axes,
     );
     add_phase(&mut table, |of: &&UnplannedRecord| of.phase);
-    table
-        .integer("tick", "when, from the beginning of the run", |row| {
-            row.of.tick
-        })
-        .unit("ticks");
-    table
-        .real("seconds", "the same in seconds of the scene", |row| {
-            row.run.seconds(row.of.tick)
-        })
-        .unit("s");
+    add_ticks(
+        &mut table,
+        "tick",
+        "when, from the beginning of the run",
+        |row| row.of.tick,
+    );
     table.text("parent", "role of the block that it docked on", |row| {
         row.run.program.role(row.of.parent)
     });
