@@ -23,7 +23,7 @@
 //! assert!(error.to_string().contains("pair.sa:1:1"), "{error}");
 //! ```
 //!
-//! Many runs, and what they say, are in [`results`] and [`experiments`]; pages and tables on them in [`report`].
+//! [`results`] runs ensembles, [`experiments`] compares them, and [`report`] makes pages and tables.
 //!
 //! The feature `command`, which is on by default, adds the command line; programs that want the functions alone do without it.
 #[cfg(feature = "command")]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""How high gravity lets blocks float, against what `stochc check --physics` expects (docs/concepts/physical-model.md).
+"""Compares the height of free blocks under gravity with the height that `stochc check --physics` expects.
 
-python3 lab/sedimentation/run.py [STOCHC]    needs nothing but Python; some minutes
+python3 lab/sedimentation/run.py [STOCHC]    needs only Python, and takes some minutes
 """
 import json
 import struct

@@ -41,7 +41,7 @@ pub struct MeasuringOptions {
     pub output: JsonOption,
 }
 
-/// What is printed of the runs of an ensemble.
+/// Options of the printed results of an ensemble.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct ResultsOptions {

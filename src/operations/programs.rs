@@ -97,7 +97,7 @@ fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
     programs.collect()
 }
 
-/// The programs of a file in which nothing is wrong; its diagnostics are told.
+/// Returns the programs of a file without errors, and shows its diagnostics.
 ///
 /// # Errors
 /// If it has errors, or nothing to run.
@@ -150,7 +150,7 @@ pub fn recompile(
     crate::check_texts(&texts, levels, assembly, &changes.collect::<Vec<_>>())
 }
 
-/// What the diagnostics of a file mean for the exit status.
+/// Returns the exit status for the diagnostics of a file.
 pub fn verdict(checked: &Checked) -> Exit {
     if !checked.has_errors() {
         Exit::Success

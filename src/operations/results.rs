@@ -75,7 +75,7 @@ pub struct EnsembleResults<'a> {
     pub sweep: Option<Sweep>,
     /// `None`: no settings are varied.
     pub trade: Option<Trade>,
-    /// Of each program; empty if captures are not listed.
+    /// Waiting times of each program. Empty if captures are not listed.
     waits: Vec<WaitsTally>,
     /// Most captures that are listed of a program.
     max_captures: usize,

@@ -1,4 +1,4 @@
-//! The library as a whole: what needs several crates and no command.
+//! Tests that need several crates but not the command.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 mod ensemble;
 mod estimate;

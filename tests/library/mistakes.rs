@@ -1,10 +1,10 @@
-//! Mistakes in the tables are reported before anybody gets them.
+//! Mistakes in event tables are reported before the tables are written.
 use stochc::compiler::diagnostic::Code;
 use stochc_control::explore::Property;
 
 use crate::mutations::{explore_twice, mutants};
 
-/// What is forgotten altogether is not seen in the tables themselves: they are held against the graph.
+/// Tables do not show an event that is missing in all of them, so they are compared with the graph.
 #[test]
 fn no_mistake_of_the_compiler_reaches_a_user() {
     let mut checked = stochc::check("examples/five_tower_reconfigured.sa");

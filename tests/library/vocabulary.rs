@@ -130,7 +130,7 @@ fn action_rows() -> Vec<(Value, String)> {
     all.into_iter().map(row).collect()
 }
 
-/// What a row of the page begins with: the word in an executable, in `--json`, and in the text.
+/// Returns the first cells of a row of the page: the word in an executable, in `--json`, and in the text.
 fn row(word: &impl Serialize, json: &Value, text: &str) -> String {
     // As the file has it: its fields in their order.
     let file = serde_json::to_string(word).expect("JSON");

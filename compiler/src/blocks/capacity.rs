@@ -82,8 +82,8 @@ pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagn
     );
 }
 
-/// Compares a program with its scene; `order`: an order of it, with what surely comes before what,
-/// if it has one.
+/// Compares a program with its scene. `order` is a possible order of its events with the order that is
+/// certain, or `None` if the program has none.
 ///
 /// # Errors
 ///

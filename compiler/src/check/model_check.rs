@@ -1,7 +1,7 @@
-//! Event tables in every order of events, before anybody gets them.
+//! Explores event tables in every order of events.
 //!
-//! The compiler has an argument that its tables are right (docs/concepts/protocol.md); here nobody relies on it. Small programs
-//! are explored on every check, and `verify` goes on where that ends.
+//! The argument that the tables are right is in docs/concepts/protocol.md. This check does not rely on it. Every `check`
+//! explores small programs. `verify` also explores large ones.
 use std::fmt::Write as _;
 
 use stochc_control::explore::{

@@ -3,9 +3,9 @@
 //!
 //! An edge of the dependency graph is met when its first event has happened. An event needs all
 //! edges into it, except its edges from captures of the same block: a number of them is enough
-//! ([`LocatedDependency::Face`]). This module turns such a graph into one in which all edges are
-//! needed. [`straight`] is one way in which everything can happen as early as possible. `certain`
-//! is what holds in every order.
+//! ([`LocatedDependency::Face`]). This module derives two graphs whose edges are all needed.
+//! [`straight`] lets every event happen as early as possible. `certain` has the edges that hold in
+//! every order.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -46,7 +46,7 @@ pub fn has_choice(graph: &DependencyGraph) -> bool {
 pub struct Earliest {
     /// Ends by event, after the start of its phase. Infinite if it never happens.
     pub over: Vec<f64>,
-    /// By event. `u32::MAX` if it waited for nothing.
+    /// Last event that each event waited for. `u32::MAX` if there was none.
     pub last: Vec<u32>,
     /// Events that happen, in the order of their ends.
     pub events: Vec<EventId>,
@@ -127,8 +127,7 @@ pub fn unneeded(graph: &DependencyGraph, earliest: &Earliest) -> FxHashSet<EdgeI
     unneeded
 }
 
-/// Returns the graph without the edges that are [`unneeded`]: one way in which everything can
-/// happen.
+/// Returns the graph without the edges that are [`unneeded`]. All its events can happen.
 pub fn straight(graph: &DependencyGraph, unneeded: &FxHashSet<EdgeIndex>) -> DependencyGraph {
     graph.filter_map(
         |_, &id| Some(id),
@@ -136,10 +135,10 @@ pub fn straight(graph: &DependencyGraph, unneeded: &FxHashSet<EdgeIndex>) -> Dep
     )
 }
 
-/// Returns what comes before what in every order: the other edges, and for every choice the events
+/// Returns the edges that hold in every order: those without a choice, and for every choice the events
 /// that too many of its captures wait for.
 ///
-/// `order` is one in which everything can happen. The search is bounded. Edges may be missing
+/// `order` contains all events in a possible order. The search is bounded. Edges may be missing
 /// beyond the bound, and if captures of a choice wait for others with a choice.
 pub(crate) fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
     let is_choice = |id: EventId| {

@@ -34,13 +34,13 @@ pub struct Diagnostic {
     pub title: String,
     /// Places, the most important first. Empty only if there is no source to show.
     pub labels: Vec<Label>,
-    /// What to do, with a patch where possible.
+    /// Advice, with a patch if there is one.
     pub help: Option<String>,
     /// Part of `help` that may differ between merged diagnostics.
     pub(crate) remedy: Option<String>,
     /// Change of the source that fixes it.
     pub fix: Option<Fix>,
-    /// Format of the title and what it was filled with. `None` if diagnostics like it are never merged.
+    /// Format of the title and its subjects. `None` if diagnostics like it are never merged.
     pub(crate) subjects: Option<Subjects>,
     /// Diagnostics that were merged into this one, such as those of other rounds of a loop.
     pub others: Others,
@@ -51,7 +51,7 @@ pub struct Diagnostic {
 /// Change of the source that fixes a diagnostic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// What it does, in the imperative: ``add an `after` ``.
+    /// Action in the imperative: ``add an `after` ``.
     pub title: String,
     /// Changes that do not overlap.
     pub edits: Vec<Edit>,
@@ -107,8 +107,8 @@ fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
     codes.filter(|code| code.severity() == severity).count()
 }
 
-/// Largest number of diagnostics for which similar names are searched. The search takes time, and is
-/// repeated whenever a fix is tried.
+/// With more diagnostics than this, similar names are not searched. The search takes time and is
+/// repeated for every fix.
 const MAX_MEANT: usize = 200;
 
 /// Returns the known word that is closest to an unknown one. Returns `None` after [`MAX_MEANT`] diagnostics.
@@ -184,8 +184,8 @@ impl Diagnostic {
 
     /// Returns a diagnostic whose title is `format` with `subjects` in the place of each `{}`.
     ///
-    /// Diagnostics of one place with the same format are merged: the title of the first is shown, with
-    /// the subjects in which the others differ.
+    /// Diagnostics of one place with the same format are merged: the title of the first is shown, followed
+    /// by the other subjects.
     pub(crate) fn about(code: Code, format: &'static str, subjects: &[&str]) -> Diagnostic {
         let subjects = Subjects::new(format, subjects);
         Diagnostic {

@@ -1,11 +1,11 @@
-//! Merges diagnostics of one statement that differ only in what they are about.
+//! Merges diagnostics of one statement that differ only in their subjects.
 //!
 //! A statement in a loop or a pattern may be wrong many times.
 use stochc_text::listed;
 
 use super::Diagnostic;
 
-/// Format of a title and what it was filled with.
+/// Format of a title and its subjects.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Subjects {
     /// Diagnostics with the same format can be merged.

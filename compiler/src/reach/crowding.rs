@@ -108,8 +108,8 @@ impl ReachAnalysis<'_> {
     }
 }
 
-/// The squares of four cells, in each plane, of which at least three are captured in and this cell
-/// is the lowest that may be: each square is found from one cell.
+/// Returns the squares of four cells around this cell, in each plane, if at least three of their cells are
+/// captured. Each square is found from only one cell.
 fn squares(cell: Cell, at: &FxHashMap<Cell, EventId>) -> Vec<[Option<EventId>; 4]> {
     let found = |offset| at.get(&cell.offset(offset)?).copied();
     let axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];

@@ -1,7 +1,7 @@
 //! Access paths that were found earlier.
 //!
 //! Blocks of many phases enter by the same opening. A path is kept as long as its cells are empty,
-//! so that the next search ends where it meets one.
+//! so the next search can end at such a path.
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 

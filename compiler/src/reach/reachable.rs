@@ -12,8 +12,8 @@ use crate::dependencies::graph::DependencyGraph;
 /// Order in which the blocks of a phase can be removed again, the last block first.
 ///
 /// The phase has no releases, so removing a block only opens paths. A block that can be removed now
-/// can be removed later too, so the first choice does not matter. A block that stays keeps what it
-/// waits for.
+/// can be removed later too, so the first choice does not matter. A block that stays keeps its
+/// dependencies.
 pub struct Dismantled {
     first: u32,
     /// Number of events removed before each event of the phase.

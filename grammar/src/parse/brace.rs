@@ -9,7 +9,7 @@ use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::ItemKind;
 
-/// Number of bytes that are read to see what comes next.
+/// Number of bytes of lookahead.
 const AHEAD: usize = 1 << 12;
 
 impl Parser<'_, '_> {

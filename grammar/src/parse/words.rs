@@ -52,7 +52,7 @@ pub fn word(rule: Rule) -> Option<&'static str> {
     })
 }
 
-/// Returns what can begin in the innermost open block.
+/// Returns the keywords that can begin a statement in the innermost open block.
 pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
     use crate::tree::ItemKind;
     let Some(frame) = frame else {

@@ -147,7 +147,7 @@ fn a_block_next_to_the_middle_of_a_magnet_stays_there<K: Kind>() {
     }
 }
 
-/// Also where a docking takes less than a tick: what `check --physics` tells of it.
+/// `check --physics` also states docking times of less than a tick.
 #[test]
 fn a_docking_takes_as_long_as_a_constant_force_says() {
     const CASES: u32 = 32;

@@ -113,7 +113,7 @@ impl ModelOptions {
     }
 }
 
-/// How the runs of an ensemble are made, and what is printed of them. The command has an argument `out`.
+/// Options of the runs of an ensemble and of their results. The command has an argument `out`.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct MakingOptions {

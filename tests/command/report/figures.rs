@@ -51,11 +51,11 @@ fn figures_of_a_sweep_are_for_print_as_well() {
     is_printed(&out, "sweep");
     is_printed(&out, "sweep-completed");
     assert_eq!(stochc_with("fsck", &[&out]).status, 0);
-    // Written by a later command that is told nothing of them, they are for a screen.
+    // A later command without these options writes figures for a screen.
     assert_eq!(stochc_with("resume --quiet --runs 4", &[&out]).status, 0);
     let svg = std::fs::read_to_string(path(out.as_ref(), "sweep.svg")).unwrap();
     check("sweep", &svg, Medium::Screen);
-    // What is no sweep has none, and what is kept nowhere neither.
+    // An ensemble without axes has no such figure, and neither has one without a folder.
     let alone = "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa";
     let none = path(folder.path(), "none");
     let said = stochc_with(alone, &[&["--out", &none], &PRINTED[..]].concat());

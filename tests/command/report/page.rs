@@ -2,7 +2,7 @@
 use crate::reading::parsed;
 use crate::stochc::{path, stochc_with};
 
-/// What the commands on the page say is what the command line takes.
+/// The command line accepts the commands on the page.
 #[test]
 fn the_commands_on_the_page_work() {
     let folder = tempfile::tempdir().unwrap();

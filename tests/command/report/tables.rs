@@ -162,8 +162,7 @@ fn a_report_says_what_the_tables_say() {
     chains_fill(&chains, &runs, &bonds);
 }
 
-/// Where runs are stopped, `show --captures`, the report and the table of bonds have the same waits, none of
-/// which is left out.
+/// If runs are stopped, `show --captures`, the report and the table of bonds have the same waiting times. None is left out.
 #[test]
 fn stopped_runs_have_the_same_waits_in_every_table() {
     let folder = tempfile::tempdir().unwrap();

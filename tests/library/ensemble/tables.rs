@@ -372,9 +372,9 @@ fn every_table_says_what_it_is_and_of_what() {
     }
 }
 
-/// `docs/reference/results.md` has every column, with its type, its unit, what it says, and when it is null.
+/// `docs/reference/results.md` has every column, with its type, unit, meaning, and when it is null.
 ///
-/// Written anew with `STOCHC_WRITE_DOCS=1 cargo test --workspace --test library columns`.
+/// Written by `STOCHC_WRITE_DOCS=1 cargo test --workspace --test library columns`.
 #[test]
 fn all_columns_are_documented() {
     const PAGE: &str = "docs/reference/results.md";

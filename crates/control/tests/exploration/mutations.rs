@@ -35,7 +35,7 @@ pub fn explore_twice(mutant: &Tables, original: &Tables) -> [ExplorationReport; 
     })
 }
 
-/// Every program that comes from another by one mistake, with what the mistake is.
+/// Returns every variant of a program with one mistake, and the description of the mistake.
 pub fn mutants(tables: &Tables) -> Vec<(String, Tables)> {
     let all = duties(tables);
     let mut mutants = Vec::new();

@@ -1,6 +1,6 @@
-//! What the check proves of small programs, against their tables executed in every order.
+//! Compares the proofs of `check` for small programs with their tables, executed in every order.
 //!
-//! The page of the results is written anew with `STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration`.
+//! Write the page of the results with `STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration`.
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

@@ -1,4 +1,4 @@
-//! The events of a program: in which order they can happen, and who is attached to whom.
+//! Events of a program, their dependencies and the parents of their blocks.
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use stochc_ir::graph::{Dependency, Edge, EventGraph, EventId};
@@ -215,7 +215,7 @@ pub struct PhaseEvent {
     pub level: u32,
     /// The face that captures. `None` for a release.
     pub face: Option<Face>,
-    /// For a release: the level of the phase at which the block came, 0 if it was there before.
+    /// Level in the phase at which a released block was captured. 0 if it was attached before.
     pub releases_since: Option<u32>,
 }
 
@@ -225,13 +225,13 @@ impl PhaseEvent {
         self.face.is_none()
     }
 
-    /// By how many the event reduces the number of free blocks.
+    /// Returns the decrease of the number of free blocks.
     pub fn taken(&self) -> i64 {
         taken(!self.is_release())
     }
 }
 
-/// By how many a capture or a release reduces the number of free blocks.
+/// Returns the decrease of the number of free blocks by a capture or a release.
 pub fn taken(is_capture: bool) -> i64 {
     if is_capture { 1 } else { -1 }
 }

@@ -20,8 +20,8 @@ pub struct ComparedProgram<'a> {
     pub varied: &'a [Varied],
     /// Settings selected by a sweep.
     pub chosen: &'a [ChosenSetting],
-    /// What decides its runs ([`Manifest::runs_identity`](stochc_results::Manifest::runs_identity)): programs of one identity have the
-    /// same runs; `None`: its runs are its own.
+    /// [`Manifest::runs_identity`](stochc_results::Manifest::runs_identity). Programs with the same identity
+    /// have the same runs. `None` if its runs are shared with no other program.
     pub identity: Option<String>,
     /// Its runs, in the unit of a [`TimeUnit`].
     pub runs: Runs,

@@ -208,7 +208,7 @@ impl Completion {
         };
         let text = format(&whole).unwrap_or(whole);
         let others = self.texts[1..].iter();
-        // Diagnostics are in a text that nobody has seen.
+        // The diagnostics are about a text that the user does not have.
         let name = format!("{} (completed)", self.texts[0].0);
         let texts: Vec<(&str, &str)> = std::iter::once((name.as_str(), text.as_str()))
             .chain(others.map(|(name, text)| (name.as_str(), text.as_str())))

@@ -63,7 +63,7 @@ pub struct Planned {
     pub plan: BuildPlan,
     /// The program.
     pub text: String,
-    /// What diagnostics call the text; what it imports is relative to that.
+    /// Name of the text in diagnostics. Imports are relative to it.
     pub name: String,
     /// The assembly that builds the shape.
     pub assembly: String,
@@ -84,13 +84,13 @@ pub enum Unplanned {
     Wrong(Box<Checked>),
 }
 
-/// What programs are called in diagnostics.
+/// Name of programs in diagnostics.
 const NAME: &str = "planned.sa";
 
 /// Cells of a shape for which plans that need no thought are looked at as well, at most.
 const MAX_COMPARED: usize = 1000;
 
-/// Diagnostics behind which others may not be told of.
+/// With as many diagnostics, others may have been left out.
 const MANY: usize = 100;
 
 /// Whether a warning is about the scene, which a plan does not change.
@@ -525,7 +525,7 @@ impl Goal {
         let found_codes = codes.len();
         let allowed = codes.into_iter().filter_map(allowance);
         let allowed: Vec<(&str, String)> = allowed.collect();
-        // Where there are many diagnostics, others may not have been told of.
+        // With many diagnostics, others may have been left out.
         let is_accepted = allowed.len() == found_codes
             && (found.diagnostics.len() < MANY
                 || self.check(target, &plan, &allowed).diagnostics.is_empty());

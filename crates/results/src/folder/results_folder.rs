@@ -6,7 +6,7 @@
 //! | `journal.jsonl` | every finished run, in the order of finishing |
 //! | `runs.parquet`, `phases.parquet`, `bonds.parquet`, `releases.parquet`, `unplanned.parquet` | the same as tables, in the order of program and run; see `docs/reference/results.md` |
 //! | `recordings/` | runs to watch; see [`crate::recording`] |
-//! | `checkpoints/` | the states of runs under way; see [`crate::checkpoint`] |
+//! | `checkpoints/` | the states of running runs; see [`crate::checkpoint`] |
 //! | `checksums.json` | of the others, when they were last written as a whole; see [`crate::folder`] |
 //! | `.lock` | held by the process that writes |
 //!

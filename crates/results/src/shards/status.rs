@@ -25,7 +25,7 @@ pub struct ShardStatus {
     pub pieces: Vec<PieceState>,
 }
 
-/// What there is of a piece, by its first line: [`merge`](super::merge()) and [`verify`](crate::integrity::verify) look at all of it.
+/// State of a shard by its first line. [`merge`](super::merge()) and [`verify`](crate::integrity::verify) read all lines.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "state")]
 pub enum PieceState {
