@@ -274,6 +274,6 @@ def explain(code: str) -> str:
 
     >>> import stochc
     >>> stochc.explain("cycle").splitlines()[0]
-    '# cycle: events that wait for each other in a cycle'
+    '# cycle: events wait for each other in a cycle'
     """
     return _native.explain(_arguments.word("code", code))
