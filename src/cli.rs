@@ -327,7 +327,7 @@ fn help_template(command: &clap::Command) -> String {
     )
 }
 
-/// The error of what should be a whole number, in words for people; others as they are.
+/// Returns the error of what should be a whole number, in words for people; others as they are.
 fn about_numbers(error: clap::Error) -> clap::Error {
     let source = std::error::Error::source(&error);
     let Some(number) = source.and_then(|it| it.downcast_ref::<ParseIntError>()) else {

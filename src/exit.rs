@@ -29,7 +29,7 @@ impl Exit {
         }
     }
 
-    /// The number that the shell sees.
+    /// Returns the number that the shell sees.
     pub const fn status(self) -> u8 {
         match self {
             Exit::Success => 0,
@@ -40,7 +40,7 @@ impl Exit {
         }
     }
 
-    /// The one that a shell should rather hear of.
+    /// Returns the one that a shell should rather hear of.
     pub fn or_worse(self, other: Exit) -> Exit {
         if other.status() > self.status() {
             other
@@ -60,22 +60,22 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// The command line is wrong, or a file cannot be used.
+    /// Returns the command line is wrong, or a file cannot be used.
     pub fn usage(reason: impl Display) -> Failure {
         Failure::error(Exit::Usage, reason)
     }
 
-    /// A file cannot be written, for this reason.
+    /// Returns a file cannot be written, for this reason.
     pub fn not_written(path: &Path, reason: impl Display) -> Failure {
         Failure::usage(format!("cannot write `{}`: {reason}", path.display()))
     }
 
-    /// A program cannot be run.
+    /// Returns a program cannot be run.
     pub fn invalid_program(reason: impl Display) -> Failure {
         Failure::error(Exit::InvalidProgram, reason)
     }
 
-    /// An error in one sentence, whatever names of others it holds.
+    /// Returns an error in one sentence, whatever names of others it holds.
     pub(crate) fn error(exit: Exit, reason: impl Display) -> Failure {
         Failure {
             exit,
@@ -83,7 +83,7 @@ impl Failure {
         }
     }
 
-    /// An end of which there is nothing to say, or nothing more.
+    /// Returns an end of which there is nothing to say, or nothing more.
     pub(crate) fn silent(exit: Exit) -> Failure {
         Failure {
             exit,

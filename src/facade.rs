@@ -51,7 +51,7 @@ impl fmt::Display for CompileError {
 
 impl std::error::Error for CompileError {}
 
-/// The programs of a file that has been checked, ready to run.
+/// Returns the programs of a file that has been checked, ready to run.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {

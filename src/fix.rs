@@ -58,7 +58,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed
 }
 
 impl FixedFile {
-    /// The changes as a unified diff; empty if there is none.
+    /// Returns the changes as a unified diff; empty if there is none.
     pub fn diff(&self) -> String {
         if self.changes == 0 {
             return String::new();

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use stochc::cli::{parse, report_usage_error, run, show_deferred};
 
-/// The one place where failures are told, and the process ends.
+/// Returns the one place where failures are told, and the process ends.
 fn main() -> ExitCode {
     let done = parse().map_or_else(report_usage_error, run);
     let exit = done.unwrap_or_else(|failure| {

@@ -50,7 +50,7 @@ impl ProgramPlan {
         phase.events.contains(&event.0).then_some(number)
     }
 
-    /// Whether a block may be missing because of a wrong statement.
+    /// Returns whether a block may be missing because of a wrong statement.
     pub(crate) fn is_doubtful(&self, role: RoleId) -> bool {
         self.doubtful.contains(&self.roles.key(role).word)
     }
@@ -132,12 +132,12 @@ impl Timeout {
         }
     }
 
-    /// Whether a quantity is in ticks.
+    /// Returns whether a quantity is in ticks.
     pub(crate) fn is_in_ticks(quantity: &Quantity) -> bool {
         to_si(quantity).1 == Dimension::TICKS
     }
 
-    /// Whether a quantity is in ticks or in a unit of time.
+    /// Returns whether a quantity is in ticks or in a unit of time.
     pub(crate) fn is_a_time(quantity: &Quantity) -> bool {
         [Dimension::TICKS, Dimension::TIME].contains(&to_si(quantity).1)
     }

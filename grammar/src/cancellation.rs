@@ -20,7 +20,7 @@ impl<'a> Cancellation<'a> {
         Cancellation(is_cancelled)
     }
 
-    /// Whether the result is not wanted any more.
+    /// Returns whether the result is not wanted any more.
     pub fn is_cancelled(self) -> bool {
         self.0()
     }

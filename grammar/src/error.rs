@@ -84,7 +84,7 @@ pub enum SyntaxErrorKind {
 }
 
 impl SyntaxErrorKind {
-    /// Whether the grammar rejects the source.
+    /// Returns whether the grammar rejects the source.
     ///
     /// Surroundings of statements, reserved names, limits of numbers and reasons of levels are
     /// checked after the grammar.

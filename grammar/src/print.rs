@@ -9,7 +9,8 @@ use crate::tree::{
     Quantity, Subscript, Term, Tree,
 };
 
-/// The text of a tree, laid out as [`crate::format()`] does it; parsing it gives the same tree.
+/// Returns the text of a tree, laid out as [`crate::format()`] does it; parsing it gives the same
+/// tree.
 pub fn print(tree: &Tree, symbols: &Symbols) -> String {
     let mut printer = Printer {
         symbols,

@@ -36,26 +36,26 @@ impl Symbols {
         symbols
     }
 
-    /// The symbol of `word`.
+    /// Returns the symbol of `word`.
     pub fn intern(&mut self, word: &str) -> Symbol {
         Symbol(self.0.get_or_intern(word).to_usize() as u32)
     }
 
-    /// The symbol of `word`, if it occurs.
+    /// Returns the symbol of `word`, if it occurs.
     pub fn get(&self, word: &str) -> Option<Symbol> {
         self.0
             .get(word)
             .map(|symbol| Symbol(symbol.to_usize() as u32))
     }
 
-    /// The word of a symbol.
+    /// Returns the word of a symbol.
     pub fn word(&self, symbol: Symbol) -> &str {
         SymbolU32::try_from_usize(symbol.0 as usize)
             .and_then(|symbol| self.0.resolve(symbol))
             .unwrap_or_default()
     }
 
-    /// Whether the word belongs to the language.
+    /// Returns whether the word belongs to the language.
     pub(crate) fn is_reserved(&self, symbol: Symbol) -> bool {
         (symbol.0 as usize) < RESERVED.len()
     }
@@ -65,7 +65,7 @@ impl Symbols {
         self.0.len()
     }
 
-    /// Whether there is none; never, because of the reserved words.
+    /// Returns whether there is none; never, because of the reserved words.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -79,7 +79,7 @@ pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// The scene that is named, or that a program runs in.
+/// Returns the scene that is named, or that a program runs in.
 fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure> {
     if let Some(scene) = built_in(&options.target) {
         return Ok(scene);

@@ -209,7 +209,7 @@ fn document(programs: Json<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out)
 }
 
-/// A stage of one program as JSON; `None` if the program did not come that far.
+/// Returns a stage of one program as JSON; `None` if the program did not come that far.
 fn json<'a>(
     program: &'a Program,
     graph: Option<&'a EventGraph>,
@@ -224,7 +224,7 @@ fn json<'a>(
     })
 }
 
-/// A stage of one program as text; `None` if the program did not come that far.
+/// Returns a stage of one program as text; `None` if the program did not come that far.
 fn text<'a>(
     program: &'a Program,
     graph: Option<&'a EventGraph>,

@@ -26,7 +26,7 @@ pub fn run(options: &CompletionsArguments, mut command: clap::Command) -> Result
     Ok(Exit::Success)
 }
 
-/// The generator for fish knows the values of options only, and a code is an argument.
+/// Returns the generator for fish knows the values of options only, and a code is an argument.
 fn codes_for_fish() -> String {
     let codes: Vec<&str> = Code::ALL.iter().map(|code| code.name()).collect();
     let codes = codes.join(" ");

@@ -140,7 +140,7 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// The figure of a fit in all formats that are wanted: names and contents.
+/// Returns the figure of a fit in all formats that are wanted: names and contents.
 fn figures(
     fit: &Fit,
     priors: &[Prior],

@@ -59,7 +59,7 @@ pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// A line for each file, and for all that is wrong with it.
+/// Returns a line for each file, and for all that is wrong with it.
 fn table(files: &[FileIntegrity]) -> String {
     let mut text = String::new();
     for FileIntegrity { name, health } in files {

@@ -56,7 +56,8 @@ fn listen() -> io::Result<()> {
     ctrlc::set_handler(interrupted).map_err(io::Error::other)
 }
 
-/// Whether a signal was ignored when the process began; only Linux says so without unsafe code.
+/// Returns whether a signal was ignored when the process began; only Linux says so without unsafe
+/// code.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let mask = stochc_files::process::status("SigIgn");

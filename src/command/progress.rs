@@ -28,7 +28,8 @@ struct Cadence {
 }
 
 impl Display {
-    /// A bar where standard error is a terminal that can draw it, lines where it is none, nothing for `quiet`.
+    /// Returns a bar where standard error is a terminal that can draw it, lines where it is none,
+    /// nothing for `quiet`.
     pub fn on_standard_error(quiet: bool) -> Display {
         if quiet {
             Display::Quiet
@@ -103,7 +104,7 @@ impl Cadence {
         }
     }
 
-    /// Whether to write a line now, `elapsed` after the start.
+    /// Returns whether to write a line now, `elapsed` after the start.
     fn due(&mut self, elapsed: Duration, state: &WorkProgress) -> bool {
         let since = elapsed.saturating_sub(self.at);
         let tenth = tenths(state);

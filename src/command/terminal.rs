@@ -197,12 +197,12 @@ pub fn exit_of(done: Result<Exit, Failure>) -> Exit {
     })
 }
 
-/// Whether standard error shows colours.
+/// Returns whether standard error shows colours.
 pub fn has_colour() -> bool {
     uses_colour(std::io::stderr().is_terminal())
 }
 
-/// Whether the output shows colours.
+/// Returns whether the output shows colours.
 pub fn output_has_colour() -> bool {
     uses_colour(std::io::stdout().is_terminal())
 }
@@ -215,17 +215,18 @@ fn uses_colour(is_terminal: bool) -> bool {
     }
 }
 
-/// Whether nobody says otherwise: by `NO_COLOR`, or by a terminal that does nothing but print.
+/// Returns whether nobody says otherwise: by `NO_COLOR`, or by a terminal that does nothing but
+/// print.
 fn wants_colour() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && !is_dumb()
 }
 
-/// Whether a terminal knows none of the sequences that colour text and move the cursor.
+/// Returns whether a terminal knows none of the sequences that colour text and move the cursor.
 pub fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|name| name == "dumb")
 }
 
-/// Whether somebody looks at the output, now.
+/// Returns whether somebody looks at the output, now.
 pub fn output_is_watched() -> bool {
     std::io::stdout().is_terminal()
 }

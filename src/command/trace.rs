@@ -68,7 +68,7 @@ pub fn show_runs(
     Ok(Exit::of_runs(outcomes.all(|it| *it == Outcome::Completed)))
 }
 
-/// A run in lines: a phase, what happened in it, its end.
+/// Returns a run in lines: a phase, what happened in it, its end.
 fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
     let narrator = RunNarrator { record, program };
     let mut out = String::new();
@@ -117,7 +117,7 @@ impl RunNarrator<'_> {
         visible(self.program.role(role))
     }
 
-    /// A number of ticks, in seconds as well.
+    /// Returns a number of ticks, in seconds as well.
     fn ticks(&self, n: u64) -> String {
         counted(n as usize, "tick") + &self.tick().beside(n as f64)
     }

@@ -28,7 +28,7 @@ pub struct SarifLog {
 }
 
 impl SarifLog {
-    /// An empty one; files below `folder`, an absolute path, get addresses relative to it.
+    /// Returns an empty one; files below `folder`, an absolute path, get addresses relative to it.
     pub fn new(folder: Option<&Path>) -> SarifLog {
         let folder = folder.and_then(Path::to_str).map(|folder| {
             let folder = slashes(folder);
@@ -65,7 +65,7 @@ impl SarifLog {
         self.complete = false;
     }
 
-    /// The whole document.
+    /// Returns the whole document.
     pub fn document(self) -> String {
         let version = env!("CARGO_PKG_VERSION");
         let rules: Value = Code::ALL.iter().map(|&code| rule(code)).collect();
@@ -200,7 +200,8 @@ fn rule(code: Code) -> Value {
     })
 }
 
-/// The address of a file: relative to `folder` if it is below it or its name is relative already.
+/// Returns the address of a file: relative to `folder` if it is below it or its name is relative
+/// already.
 fn file_address(name: &str, folder: Option<&str>) -> String {
     let name = slashes(name);
     let path = folder
@@ -215,7 +216,7 @@ fn file_address(name: &str, folder: Option<&str>) -> String {
     }
 }
 
-/// A path with `/` between its parts.
+/// Returns a path with `/` between its parts.
 fn slashes(path: &str) -> String {
     match std::path::MAIN_SEPARATOR {
         '/' => path.to_owned(),

@@ -28,7 +28,7 @@ pub struct ChosenRun {
     pub program: usize,
     /// The number of the run.
     pub run: u64,
-    /// What the folder says of the run; `None`: it has not been made yet.
+    /// What the folder says of the run. `None` means it has not been made yet.
     known: Option<Finished>,
 }
 
@@ -81,7 +81,8 @@ pub fn median_run(
     })
 }
 
-/// The place of a program among those of a folder or file, by its name, which may be left out if there is no other.
+/// Returns the place of a program among those of a folder or file, by its name, which may be left
+/// out if there is no other.
 ///
 /// # Errors
 /// In words, if there is none, or a name is needed.
@@ -103,17 +104,17 @@ pub fn index(names: &[&str], name: Option<&str>, holder: &str) -> Result<usize, 
 }
 
 impl ChosenRun {
-    /// The program.
+    /// Returns the program.
     pub fn entry(&self) -> &EnsembleProgram {
         &self.manifest.programs[self.program]
     }
 
-    /// The run, if it has been made.
+    /// Returns the run, if it has been made.
     pub fn known(&self) -> Option<&RunRecord> {
         self.known.as_ref().map(|known| &known.record)
     }
 
-    /// The name of a file about the run, with what stands before and behind its number.
+    /// Returns the name of a file about the run, with what stands before and behind its number.
     pub fn file_name(&self, before: &str, behind: &str) -> String {
         // A program's name may be any text, in a manifest that somebody has edited; an assembly's is
         // a word.
@@ -159,12 +160,14 @@ impl ChosenRun {
         Ok(record)
     }
 
-    /// The recording of the run, from its beginning; if there is none, the run is made again.
+    /// Returns the recording of the run, from its beginning; if there is none, the run is made
+    /// again.
     ///
     /// A new one is kept in the folder, where that can be written to.
     ///
     /// # Errors
-    /// Those of [`ChosenRun::again`], and if what stands in the place of the recording is none of this run.
+    /// Those of [`ChosenRun::again`], and if what stands in the place of the recording is none of
+    /// this run.
     pub fn recording(&self, host: &dyn Host) -> Result<BufReader<File>, Failure> {
         let folder = self.folder.as_deref();
         let place = folder.map(|folder| path(folder, self.program, self.run));
@@ -208,7 +211,7 @@ impl ChosenRun {
         Ok(BufReader::new(file.into()))
     }
 
-    /// A recording that is whole, and of this run.
+    /// Returns a recording that is whole, and of this run.
     fn checked(&self, file: File, path: &Path) -> Result<BufReader<File>, Failure> {
         let refuse = |reason: &str| useless(path, reason);
         let length = file

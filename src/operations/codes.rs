@@ -4,7 +4,7 @@ use stochc_compiler::diagnostic::{Code, Severity};
 /// The word for every warning.
 pub const ALL_WARNINGS: &str = "warnings";
 
-/// A kind of warning by its name; `None`: all of them.
+/// Returns a kind of warning by its name. `None` means all of them.
 ///
 /// # Errors
 /// In words, if there is none of that name.

@@ -27,7 +27,7 @@ use crate::progress::of_ensemble;
 /// How the runs of a manifest are made, and where they are kept.
 #[derive(Clone, Copy, Debug)]
 pub struct EnsembleOptions<'a> {
-    /// The folder for them; `None`: they are kept nowhere.
+    /// The folder for them. `None` means they are kept nowhere.
     pub out: Option<&'a Path>,
     /// Whether to go on with what the folder holds.
     pub resume: Resume,
@@ -37,7 +37,7 @@ pub struct EnsembleOptions<'a> {
     pub record_every: u32,
     /// How often the states of runs under way are kept in the folder.
     pub checkpoints: Interval,
-    /// Runs at the same time; `None`: as many as there are cores.
+    /// Runs at the same time. `None` means as many as there are cores.
     pub threads: Option<u16>,
     /// Whether it has been told already that other builds have made runs of the manifest.
     pub has_warned_of_build: bool,

@@ -24,14 +24,14 @@ const MIN: u64 = 20;
 pub struct Estimating<'a> {
     /// Files of rates. Scenes that none is about are guessed, and measured before runs by rates.
     pub rates: &'a [PathBuf],
-    /// Runs of each program; `None`: waits are added up along its graph, and what is compiled already gets as many runs as draw a
-    /// million captures.
+    /// Runs of each program. `None` means waits are added up along its graph, and what is compiled
+    /// already gets as many runs as draw a million captures.
     pub runs: Option<u64>,
     /// Ticks of a run, at most.
     pub max_ticks: u64,
     /// Seed of the runs.
     pub seed: u64,
-    /// Runs at the same time; `None`: as many as there are cores.
+    /// Runs at the same time. `None` means as many as there are cores.
     pub threads: Option<u16>,
 }
 

@@ -46,7 +46,7 @@ pub struct Unused<'a> {
 pub struct FitSetup<'a> {
     /// The numbers to find, and where they may be.
     pub priors: &'a [Prior],
-    /// Points of each round; `None`: three for each coefficient of the polynomials.
+    /// Points of each round. `None` means three for each coefficient of the polynomials.
     pub points: Option<usize>,
     /// Each within what the one before has left; one at least.
     pub rounds: u64,
@@ -58,16 +58,17 @@ pub struct FitSetup<'a> {
     pub settings: Settings,
     /// Of all chance.
     pub seed: u64,
-    /// Runs at the same time; `None`: as many as there are cores.
+    /// Runs at the same time. `None` means as many as there are cores.
     pub threads: Option<u16>,
     /// What becomes of warnings.
     pub levels: &'a LintLevels,
 }
 
-/// The numbers to find as those of the scenes of all programs.
+/// Returns the numbers to find as those of the scenes of all programs.
 ///
 /// # Errors
-/// If one is given twice, is none of a scene, may have no value there that an end of its range is, or only a few.
+/// If one is given twice, is none of a scene, may have no value there that an end of its range is,
+/// or only a few.
 pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<Prior>, Failure> {
     for (i, prior) in priors.iter().enumerate() {
         if priors[..i].iter().any(|other| other.of == prior.of) {
@@ -83,7 +84,8 @@ pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<
     Ok(priors)
 }
 
-/// The times of a file (CSV), program by program. Warns if they look like those of stopped runs.
+/// Returns the times of a file (CSV), program by program. Warns if they look like those of stopped
+/// runs.
 ///
 /// # Errors
 /// If it cannot be read, or is no such file.
@@ -207,7 +209,7 @@ impl FitSetup<'_> {
         self.seed.wrapping_add(1_000_000 * round)
     }
 
-    /// The points of a round, at values that the numbers may have.
+    /// Returns the points of a round, at values that the numbers may have.
     fn design(&self, ends: &[(f64, f64)], round: u64) -> Result<Design, Failure> {
         let mut design = Design::latin_hypercube(ends, self.points()?, self.seed_of_round(round));
         for point in &mut design.points {
@@ -225,7 +227,7 @@ impl FitSetup<'_> {
         }
     }
 
-    /// The runs of a round.
+    /// Returns the runs of a round.
     fn manifest(
         &self,
         measured: &[FitProgram],
@@ -346,7 +348,8 @@ fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure>
     Ok(())
 }
 
-/// The times of every program at every point of a design, and the number of runs that lack a time that the fit needs.
+/// Returns the times of every program at every point of a design, and the number of runs that lack
+/// a time that the fit needs.
 fn simulated(
     setup: &FitSetup,
     measured: &[FitProgram],
@@ -386,7 +389,8 @@ fn simulated(
     Ok((found, stopped))
 }
 
-/// The scenes of all programs with the medians of a fit, as the text of a program that others can import.
+/// Returns the scenes of all programs with the medians of a fit, as the text of a program that
+/// others can import.
 ///
 /// # Errors
 /// If a scene cannot have these numbers.

@@ -18,13 +18,13 @@ pub fn cpu_time(manifest: &Manifest, host: &dyn Host) -> Result<CpuForecast, Fai
     forecast.ok_or_else(|| stopped("nothing was simulated"))
 }
 
-/// The mean time to completion by the rate model \[ticks\].
+/// Returns the mean time to completion by the rate model \[ticks\].
 fn expected_ticks(program: &EnsembleProgram) -> Option<f64> {
     let rates = Rates::known_or_guessed(&[], &program.scene)?;
     estimate(program.parts(), Some(&rates))?.total?.mean
 }
 
-/// A forecast as a line of text: `576 runs, about 30 s of CPU time (15 s on 2 threads)`.
+/// Returns a forecast as a line of text: `576 runs, about 30 s of CPU time (15 s on 2 threads)`.
 pub fn forecast_to_text(forecast: &CpuForecast, threads: Option<u16>) -> String {
     let about = if forecast.is_lower_bound {
         "at least"

@@ -30,7 +30,7 @@ impl<'a> KeptText<'a> {
         }
     }
 
-    /// The program; `None`: the texts do not declare it, or there are none.
+    /// Returns the program. `None` means the texts do not declare it, or there are none.
     pub fn program(&self) -> Option<&Program> {
         let mut programs = self.checked.programs.iter();
         programs.find(|it| it.plan.name == self.kept.assembly())

@@ -11,7 +11,7 @@ use stochc_results::{EnsembleProgram, Source, Varied};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// The programs of files, if nothing is wrong in any of them.
+/// Returns the programs of files, if nothing is wrong in any of them.
 ///
 /// # Errors
 /// If one cannot be read or run; all are looked at before.
@@ -55,7 +55,7 @@ fn expanded(arguments: &[String]) -> Result<Vec<String>, Failure> {
     files.map(|file| file.map_err(Failure::usage)).collect()
 }
 
-/// Whether an argument is a file that can be opened.
+/// Returns whether an argument is a file that can be opened.
 ///
 /// # Errors
 /// If it is not, with the reason.

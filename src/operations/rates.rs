@@ -25,8 +25,8 @@ pub const MAX_TICKS: u64 = 60_000;
 /// Not that of `simulate`: the kicks of a calibration are never those of what it is held against.
 pub const SEED: u64 = 0x5ca1_e000;
 
-/// The rates of the scenes of programs, each once: those that are known, or come with `stochc`.
-/// What has to be measured first takes so many threads.
+/// Returns the rates of the scenes of programs, each once: those that are known, or come with
+/// `stochc`. What has to be measured first takes so many threads.
 ///
 /// # Errors
 /// If what has to be measured cannot be.
@@ -114,12 +114,13 @@ pub(crate) fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
     files.iter().map(|path| read(path)).collect()
 }
 
-/// The rates of a scene that are known, or come with the program; `None` as well where no rates speak of the scene.
+/// Returns the rates of a scene that are known, or come with the program; `None` as well where no
+/// rates speak of the scene.
 pub(crate) fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
     Rates::known(known, scene).filter(|_| RateWorld::unsupported(scene).is_none())
 }
 
-/// Whether rates speak of a program and its scene.
+/// Returns whether rates speak of a program and its scene.
 ///
 /// # Errors
 /// What they know nothing of, and what does.

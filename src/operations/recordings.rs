@@ -46,7 +46,7 @@ impl<'a> Recordings<'a> {
         }
     }
 
-    /// Where a run is recorded; `None`: it is not.
+    /// Where a run is recorded. `None` means it is not.
     pub fn of(&'a self, program: usize, run: u64) -> Option<RecordingOfRun<'a>> {
         let (folder, _) = self.wanted.filter(|(_, runs)| runs.contains(run))?;
         Some(RecordingOfRun {

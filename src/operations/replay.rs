@@ -41,7 +41,7 @@ pub fn write(
     out.keep().map_err(cannot)
 }
 
-/// The page of a run.
+/// Returns the page of a run.
 ///
 /// # Errors
 /// If a run cannot be shown.

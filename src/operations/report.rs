@@ -104,7 +104,8 @@ fn write_page(
     Ok(page)
 }
 
-/// The folders, each once, with all that they hold; tells everything that is wrong with them.
+/// Returns the folders, each once, with all that they hold; tells everything that is wrong with
+/// them.
 fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Failure> {
     let mut seen = Vec::new();
     let mut folders = Vec::new();
@@ -165,7 +166,7 @@ struct Beside {
     earlier: Vec<u8>,
 }
 
-/// The folder beside the page, if neither would take the place of something else.
+/// Returns the folder beside the page, if neither would take the place of something else.
 fn claim(page: &Path) -> Result<Beside, String> {
     let shown = page.display();
     let (Some(stem), false) = (page.file_stem(), page.is_dir()) else {
@@ -249,8 +250,8 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
     }
 }
 
-/// The address of a run's replay as seen from the page: beside the page of a single folder, or in
-/// the folder.
+/// Returns the address of a run's replay as seen from the page: beside the page of a single folder,
+/// or in the folder.
 fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<String> {
     let here = match page.parent()? {
         empty if empty == Path::new("") => Path::new("."),

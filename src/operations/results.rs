@@ -278,7 +278,7 @@ impl EnsembleResults<'_> {
         ))
     }
 
-    /// Whether every run that is finished has completed.
+    /// Returns whether every run that is finished has completed.
     pub fn are_all_successful(&self) -> bool {
         let mut programs = self.comparison.programs.iter();
         programs.all(|column| column.timed_out + column.censored + column.failed == 0)

@@ -13,11 +13,12 @@ use crate::shapes::layout::Layout;
 /// Edges that are followed in search of a capture that asks for too many.
 const SEARCHED: usize = 5_000_000;
 
-/// The first capture with which, or release before which, more than `free` blocks are anchored at the same time, whatever the order,
-/// and how many there are at least.
+/// Returns the first capture with which, or release before which, more than `free` blocks are
+/// anchored at the same time, whatever the order, and how many there are at least.
 ///
-/// These are the blocks that the phase begins with and those of the captures that come before it for certain, less all that
-/// may be let go before it. `certain`: what surely comes before what. The search is bounded, beyond which nothing is found.
+/// These are the blocks that the phase begins with and those of the captures that come before it
+/// for certain, less all that may be let go before it. `certain`: what surely comes before what.
+/// The search is bounded, beyond which nothing is found.
 ///
 /// # Errors
 ///

@@ -587,8 +587,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Whether a name may only seem to be absent, because a part of the program that could not be
-    /// read may capture it.
+    /// Returns whether a name may only seem to be absent, because a part of the program that could
+    /// not be read may capture it.
     fn is_doubtful(&self, role: RoleId) -> bool {
         let key = self.plan.roles.key(role);
         let mut scopes =

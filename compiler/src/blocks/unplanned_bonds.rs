@@ -299,7 +299,7 @@ impl StructureModules {
         Face::ALL.iter().filter(|face| exposed(face)).count()
     }
 
-    /// Whether a block can dock on a face.
+    /// Returns whether a block can dock on a face.
     fn is_open(&self, cell: Cell, face: Face) -> bool {
         let before = cell.across(face);
         before.is_some_and(|cell| cell.z >= 1 && !self.blocks.contains_key(&cell))
@@ -318,7 +318,7 @@ impl StructureModules {
     }
 }
 
-/// Whether a face of a block can bond. Blocks of the plate have only their upper face.
+/// Returns whether a face of a block can bond. Blocks of the plate have only their upper face.
 fn bonds(cell: Cell, anchor: Option<Face>, face: Face) -> bool {
     Some(face) != anchor && (cell.z >= 1 || face == Face::Up)
 }

@@ -67,7 +67,7 @@ impl Checked {
         imports.map(|module| (module.file, &module.tree)).chain(own)
     }
 
-    /// Whether there are errors.
+    /// Returns whether there are errors.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(Diagnostic::is_error)
     }

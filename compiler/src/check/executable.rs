@@ -7,7 +7,7 @@ use crate::Program;
 use crate::dependencies::graph::LocatedDependency;
 
 impl Program {
-    /// The dependency graph without its text; it has no chains if there is a cycle.
+    /// Returns the dependency graph without its text; it has no chains if there is a cycle.
     ///
     /// Roles have the numbers that they have in the tables.
     pub fn event_graph(&self) -> EventGraph {
@@ -49,7 +49,7 @@ impl Program {
         stochc_estimate::estimate(self.parts(&self.event_graph())?, rates)
     }
 
-    /// The program as a value that needs no compiler; `None` unless everything is right.
+    /// Returns the program as a value that needs no compiler; `None` unless everything is right.
     pub fn into_executable(self) -> Option<Executable> {
         self.order.as_ref()?;
         let graph = self.event_graph();

@@ -90,7 +90,7 @@ pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
     ProgramGoals::meant(tables, meant)
 }
 
-/// The shortest way to go wrong, if it can be found, or else the one that was.
+/// Returns the shortest way to go wrong, if it can be found, or else the one that was.
 pub fn shortest(exploration: &Exploration<'_>, found: &Violation) -> Violation {
     exploration.shortest().unwrap_or_else(|| found.clone())
 }

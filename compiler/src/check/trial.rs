@@ -125,7 +125,8 @@ fn try_together(
 /// Codes of limits.
 const TOO_MANY: [Code; 2] = [Code::TooManyErrors, Code::TooManyWarnings];
 
-/// Whether a change removes the fixed diagnostics and leaves only known ones, each at its place.
+/// Returns whether a change removes the fixed diagnostics and leaves only known ones, each at its
+/// place.
 ///
 /// Two kinds of new diagnostics are accepted. Some warnings are not looked for while there are
 /// errors. And if a limit of diagnostics was reached, further ones of the same codes can appear.
@@ -181,7 +182,7 @@ struct DiagnosticSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
 type Kind<'a> = (Code, Option<&'a str>);
 
 impl<'a> DiagnosticSpans<'a> {
-    /// Whether a place of a code is inside of one of the same code.
+    /// Returns whether a place of a code is inside of one of the same code.
     fn meet(&self, others: &DiagnosticSpans<'_>) -> bool {
         self.0.iter().any(|(key, places)| {
             let others = others.0.get(key).map_or(&[][..], Vec::as_slice);

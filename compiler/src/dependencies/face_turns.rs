@@ -17,7 +17,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::EventId;
 
-/// Whether enough edges into an event are met, if the events in `has` have happened.
+/// Returns whether enough edges into an event are met, if the events in `has` have happened.
 pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -> bool) -> bool {
     let (mut met, mut needed) = (0, 0);
     for edge in graph.edges_directed(NodeIndex::new(event.0 as usize), Incoming) {
@@ -36,7 +36,7 @@ pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -
     met >= needed
 }
 
-/// Whether a capture has a choice of events to wait for.
+/// Returns whether a capture has a choice of events to wait for.
 pub fn has_choice(graph: &DependencyGraph) -> bool {
     graph.raw_edges().iter().any(|edge| edge.weight.is_choice())
 }

@@ -39,12 +39,12 @@ pub enum LocatedDependency {
 }
 
 impl LocatedDependency {
-    /// Whether other events can replace it.
+    /// Returns whether other events can replace it.
     pub fn is_choice(self) -> bool {
         stochc_ir::graph::Dependency::from(self).is_choice()
     }
 
-    /// Whether a block that does not see the other event needs a message.
+    /// Returns whether a block that does not see the other event needs a message.
     pub fn is_told(self) -> bool {
         matches!(self, LocatedDependency::After(_) | LocatedDependency::Freed)
     }

@@ -309,7 +309,7 @@ fn describe(
     diagnostic.help(help)
 }
 
-/// Whether one statement, a chain, makes all captures from `first` to `last`.
+/// Returns whether one statement, a chain, makes all captures from `first` to `last`.
 fn is_chain(plan: &ProgramPlan, first: EventId, last: EventId) -> bool {
     let follows = |id: u32| {
         let (one, next) = (plan.event(EventId(id)), plan.event(EventId(id + 1)));

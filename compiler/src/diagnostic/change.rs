@@ -113,7 +113,7 @@ fn range(edit: &Edit) -> (usize, usize) {
     )
 }
 
-/// Whether a part of the source is unchanged.
+/// Returns whether a part of the source is unchanged.
 fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> bool {
     let before = edits.range(..=start).next_back();
     let behind = edits.range(start..).next();
@@ -171,7 +171,7 @@ mod tests {
         }
     }
 
-    /// The text of a file with every change that fits, and how many those are.
+    /// Returns the text of a file with every change that fits, and how many those are.
     fn apply_fixes<'a>(
         text: &'a str,
         file: FileId,

@@ -165,7 +165,7 @@ impl Code {
         title.split_once(": ").map_or(title, |(_, meaning)| meaning)
     }
 
-    /// Whether it depends on the steps of a run. Runs with other steps may not have it.
+    /// Returns whether it depends on the steps of a run. Runs with other steps may not have it.
     pub fn is_of_runs(self) -> bool {
         matches!(
             self,
@@ -177,7 +177,7 @@ impl Code {
         )
     }
 
-    /// Whether it is about source that has no effect.
+    /// Returns whether it is about source that has no effect.
     pub fn is_unnecessary(self) -> bool {
         matches!(
             self,

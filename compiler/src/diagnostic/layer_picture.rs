@@ -1,8 +1,8 @@
 //! One layer of a structure as text.
 use std::ops::RangeInclusive;
 
-/// The rows of a part of a layer, north at the top, each with its coordinate, and from where to where they go; `sign` is that
-/// of a cell by its coordinates.
+/// Returns the rows of a part of a layer, north at the top, each with its coordinate, and from
+/// where to where they go; `sign` is that of a cell by its coordinates.
 pub fn layer_picture(
     x: RangeInclusive<i32>,
     y: RangeInclusive<i32>,

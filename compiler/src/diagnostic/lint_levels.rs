@@ -55,7 +55,7 @@ impl LintLevels {
         self.stepping
     }
 
-    /// Whether a check finds every warning of this code.
+    /// Returns whether a check finds every warning of this code.
     fn are_about(&self, code: Code) -> bool {
         !code.is_of_runs() || self.stepping == Some(Stepping::DEFAULT)
     }

@@ -81,14 +81,14 @@ pub struct Label {
 /// Largest number of errors that are reported for one assembly, and of warnings.
 const MAX_DIAGNOSTICS: usize = 1_000;
 
-/// Whether the limit of diagnostics of this severity is reached and reported.
+/// Returns whether the limit of diagnostics of this severity is reached and reported.
 pub(crate) fn is_full(diagnostics: &[Diagnostic], severity: Severity) -> bool {
     let note = too_many(severity);
     let mut last_first = diagnostics.iter().rev();
     diagnostics.len() > MAX_DIAGNOSTICS && last_first.any(|it| it.code == note)
 }
 
-/// Whether the limit of errors is reached.
+/// Returns whether the limit of errors is reached.
 pub(crate) fn has_enough_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.len() >= MAX_DIAGNOSTICS && count(diagnostics, Severity::Error) >= MAX_DIAGNOSTICS
 }
@@ -251,12 +251,12 @@ impl Diagnostic {
         self.help(meant.help())
     }
 
-    /// Whether it is a warning that counts as an error.
+    /// Returns whether it is a warning that counts as an error.
     pub(crate) fn is_denied(&self) -> bool {
         self.is_error() && self.code.severity() == Severity::Warning
     }
 
-    /// Whether the program is wrong, not merely suspicious.
+    /// Returns whether the program is wrong, not merely suspicious.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
     }

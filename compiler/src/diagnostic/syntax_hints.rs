@@ -186,7 +186,7 @@ impl SyntaxHint<'_> {
         nearest(self.behind, FIRST).map(|meant| (word, meant))
     }
 
-    /// Whether a unit follows a number at the end of the previous line.
+    /// Returns whether a unit follows a number at the end of the previous line.
     fn is_unit_on_next_line(&self, found: &str) -> bool {
         let before = self.before();
         let number = before.trim_end();
@@ -331,19 +331,19 @@ impl SyntaxHint<'_> {
         self.expected.contains(&word)
     }
 
-    /// Whether a row of a shape is here, even if it is misplaced.
+    /// Returns whether a row of a shape is here, even if it is misplaced.
     fn is_row(&self) -> bool {
         let rest = &self.text[self.location.span.start as usize..];
         let line = rest.split(['\n', '}']).next().unwrap_or(rest).trim();
         line.chars().all(|c| matches!(c, '#' | '.' | ' ' | '\t'))
     }
 
-    /// Whether a statement can begin here.
+    /// Returns whether a statement can begin here.
     fn begins_statement(&self) -> bool {
         self.expects("`}`") || self.expects("`assembly`")
     }
 
-    /// Whether this is the slash of `1/s`.
+    /// Returns whether this is the slash of `1/s`.
     fn is_one_over(&self) -> bool {
         let behind = &self.text[self.location.span.end as usize..];
         self.before().ends_with(" 1") && behind.starts_with(|c: char| c.is_ascii_lowercase())

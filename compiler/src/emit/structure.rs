@@ -14,13 +14,13 @@ use crate::shapes::layout::Layout;
 use crate::shapes::placed_blocks::{PlacedBlock, placed_blocks};
 use crate::shapes::shape::MAX_CELLS;
 
-/// The block in a cell.
+/// Returns the block in a cell.
 fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {
     let at = blocks.binary_search_by_key(&cell, |block| block.cell);
     at.ok().map(|at| &blocks[at])
 }
 
-/// The structure after each phase in the syntax of a `shape`, the cells in use only.
+/// Returns the structure after each phase in the syntax of a `shape`, the cells in use only.
 pub fn structure_text(plan: &ProgramPlan, layout: &Layout) -> impl Display {
     Text(move |out: &mut Formatter<'_>| write_layers(out, plan, layout))
 }

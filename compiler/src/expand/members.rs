@@ -28,8 +28,8 @@ impl Members {
     }
 }
 
-/// The names among `keys` that have the word of `wanted` and belong to the same instance; `None` if
-/// there are none.
+/// Returns the names among `keys` that have the word of `wanted` and belong to the same instance;
+/// `None` if there are none.
 pub(crate) fn members(
     wanted: NameKey,
     keys: impl Iterator<Item = NameKey>,

@@ -8,7 +8,7 @@ use crate::plan::NameKey;
 /// A place of the text, and the blocks that are found to be meant there.
 #[derive(Debug, Default)]
 pub(crate) struct Probe {
-    /// The file and a byte of it; `None`: no place at all.
+    /// The file and a byte of it. `None` means no place at all.
     pub at: Option<(FileId, u32)>,
     /// The names, in the order in which the program is written out, each once.
     pub keys: Vec<NameKey>,

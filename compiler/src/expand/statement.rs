@@ -135,7 +135,7 @@ impl<'a> Expander<'a, '_> {
         )
     }
 
-    /// The face that captures next.
+    /// Returns the face that captures next.
     fn face(&mut self, parent: Option<RoleId>, face: Option<Face>, place: &Place) -> Option<Face> {
         if parent.is_some() && face.is_none() {
             let text = place.path.last().map(|segment| segment.name.symbol);
@@ -329,7 +329,7 @@ impl<'a> Expander<'a, '_> {
         self.scope.restore(mark);
     }
 
-    /// The name of an instance that the program gives none.
+    /// Returns the name of an instance that the program gives none.
     fn anonymous_key(&mut self, pattern: Symbol) -> NameKey {
         let word = match self.pass {
             Pass::Writing => {

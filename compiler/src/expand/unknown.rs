@@ -86,13 +86,14 @@ impl Expander<'_, '_> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// The instance that is being written out.
+    /// Returns the instance that is being written out.
     pub(super) fn grown(&self) -> Option<crate::plan::PatternInstance> {
         let number = (self.scope.instance as usize).checked_sub(1)?;
         self.plan.grown.get(number).copied()
     }
 
-    /// A `let` of a block around the statement at hand whose name is not known yet, and its name.
+    /// Returns a `let` of a block around the statement at hand whose name is not known yet, and its
+    /// name.
     fn let_below(&self, word: Symbol) -> Option<(SourceLocation, SourceLocation)> {
         let names = |item: &Item| match &item.kind {
             ItemKind::Let(let_) if let_.name.symbol == word => Some((item.span, let_.name.span)),

@@ -23,7 +23,7 @@ impl Uses {
         used.next().is_none().then_some(first)
     }
 
-    /// Whether it is used.
+    /// Returns whether it is used.
     pub fn any(&self) -> bool {
         self.0.iter().any(Option::is_some)
     }

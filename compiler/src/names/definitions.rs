@@ -27,7 +27,7 @@ impl Definitions {
         }
     }
 
-    /// Whether the names of a kind are kept.
+    /// Returns whether the names of a kind are kept.
     pub fn keeps(&self, kind: NameKind) -> bool {
         self.keep == Keep::All
             || !matches!(kind, NameKind::Block | NameKind::Instance | NameKind::Phase)

@@ -119,8 +119,8 @@ pub enum NameKind {
 }
 
 impl NameKind {
-    /// Whether the expansion asks for definitions of this kind. It finds names with indices and
-    /// phases by itself.
+    /// Returns whether the expansion asks for definitions of this kind. It finds names with indices
+    /// and phases by itself.
     const fn is_asked_for(self) -> bool {
         matches!(
             self,

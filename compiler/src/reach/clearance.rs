@@ -86,8 +86,8 @@ impl ReachAnalysis<'_> {
         NarrowCaptures { count, worst }
     }
 
-    /// Whether a capture takes over a block that is released in its cell. The release happens last,
-    /// so the block stays in place and needs no path.
+    /// Returns whether a capture takes over a block that is released in its cell. The release
+    /// happens last, so the block stays in place and needs no path.
     fn is_handed_over(&mut self, id: EventId, descendants: &DescendantIndex) -> bool {
         let graph = self.subject.graph;
         let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
@@ -111,7 +111,7 @@ impl ReachAnalysis<'_> {
         Some((anchored_by.0 - first) as usize)
     }
 
-    /// Whether the columns of one side, the next side and the corner between are empty.
+    /// Returns whether the columns of one side, the next side and the corner between are empty.
     fn has_open_corner(&self, cell: Cell) -> bool {
         let is_clear = |dx: i32, dy: i32| {
             cell.offset([dx, dy, 0])

@@ -24,7 +24,7 @@ pub struct ClosablePhase<'a> {
 }
 
 impl ClosablePhase<'_> {
-    /// Whether one order reaches everything except the captures that no order reaches.
+    /// Returns whether one order reaches everything except the captures that no order reaches.
     pub fn is_whole(&self) -> bool {
         self.apart.as_ref().is_some_and(|apart| apart.is_whole)
     }

@@ -52,7 +52,7 @@ impl ReachAnalysis<'_> {
         report(diagnostics, diagnostic.help(help));
     }
 
-    /// The captures of a phase that are in such a square, in the order of the source.
+    /// Returns the captures of a phase that are in such a square, in the order of the source.
     fn crowded(&mut self, events: &[EventId], descendants: &DescendantIndex) -> Vec<EventId> {
         let captures = events.iter().filter(|&&id| self.is_capture(id));
         let at: FxHashMap<Cell, EventId> = captures
@@ -85,7 +85,7 @@ impl ReachAnalysis<'_> {
         crowded
     }
 
-    /// Whether none of these events has to wait for another.
+    /// Returns whether none of these events has to wait for another.
     fn are_together(&mut self, events: &[EventId], descendants: &DescendantIndex) -> bool {
         let node = |id: &EventId| NodeIndex::new(id.0 as usize);
         let waits = |id: &EventId, other: &EventId| {

@@ -86,7 +86,7 @@ impl DescendantIndex {
         }
     }
 
-    /// Whether an event belongs to the phase.
+    /// Returns whether an event belongs to the phase.
     pub fn has(&self, id: EventId) -> bool {
         id.0 >= self.first && ((id.0 - self.first) as usize) < self.place.len()
     }
@@ -96,7 +96,7 @@ impl DescendantIndex {
         (self.place[i], self.place[i] + self.size[i])
     }
 
-    /// An event and all that can only happen after it; `steps` counts the work.
+    /// Returns an event and all that can only happen after it; `steps` counts the work.
     pub fn of(&self, id: EventId, steps: &mut u64) -> Descendants<'_> {
         let mut intervals = vec![self.interval(id)];
         self.add_cross(&mut intervals, steps, u64::MAX);
@@ -150,7 +150,7 @@ impl DescendantIndex {
 }
 
 impl Descendants<'_> {
-    /// Whether an event of any phase is one of them.
+    /// Returns whether an event of any phase is one of them.
     pub fn contains(&self, id: EventId) -> bool {
         if !self.descendants.has(id) {
             return false;

@@ -332,7 +332,7 @@ impl ReachAnalysis<'_> {
         text
     }
 
-    /// Whether a capture is the first and only one of its statement.
+    /// Returns whether a capture is the first and only one of its statement.
     fn is_plain(&self, id: EventId) -> bool {
         let plan = self.subject.plan;
         let location = plan.event(id).location;

@@ -40,7 +40,7 @@ impl<'a> CaptureStatement<'a> {
         (parent, &chain.links[link].place)
     }
 
-    /// Whether it is the first arrow of its chain. An `after` delays that one.
+    /// Returns whether it is the first arrow of its chain. An `after` delays that one.
     pub fn is_first(&self) -> bool {
         self.link == 0
     }
@@ -205,7 +205,7 @@ fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     (is_written && from < path.len()).then_some(&path[from..])
 }
 
-/// Whether an index of a name is this one.
+/// Returns whether an index of a name is this one.
 fn stands_in(name: &str, index: &str) -> bool {
     let indices = name.rsplit('[').next().unwrap_or_default();
     indices.split(", ").any(|other| other == index)

@@ -21,7 +21,7 @@ impl KnownPaths {
         self.phase += 1;
     }
 
-    /// Whether a known path leads out from a position. Blocked parts are removed.
+    /// Returns whether a known path leads out from a position. Blocked parts are removed.
     pub fn leads_out(&mut self, at: Cell, search: &MovingCube, steps: &mut u64) -> bool {
         let mut walked = Vec::new();
         let mut here = at;
@@ -79,8 +79,8 @@ impl KnownPaths {
     }
 }
 
-/// Whether a cube gets from one position to the next, or from the last to the sky, if all captures
-/// of the phase have happened.
+/// Returns whether a cube gets from one position to the next, or from the last to the sky, if all
+/// captures of the phase have happened.
 fn is_passable(here: Cell, next: Cell, search: &MovingCube) -> bool {
     let search = MovingCube {
         has: &|_| true,

@@ -200,7 +200,7 @@ struct SearchEffort<'a> {
 }
 
 impl SearchEffort<'_> {
-    /// Whether the limit is reached or the check was cancelled.
+    /// Returns whether the limit is reached or the check was cancelled.
     fn is_spent(&self) -> bool {
         self.steps > self.budget || self.cancellation.is_cancelled()
     }
@@ -257,7 +257,7 @@ impl ReachAnalysis<'_> {
         matches!(self.subject.plan.event(id).kind, EventKind::Capture { .. })
     }
 
-    /// Whether a capture has a choice of events to wait for.
+    /// Returns whether a capture has a choice of events to wait for.
     fn has_choice(&self) -> bool {
         !self.subject.order.unneeded.is_empty()
     }

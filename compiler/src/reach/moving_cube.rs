@@ -14,12 +14,13 @@ pub struct MovingCube<'a> {
 }
 
 impl MovingCube<'_> {
-    /// Whether a cube with its low corner at `at` meets an occupied cell.
+    /// Returns whether a cube with its low corner at `at` meets an occupied cell.
     pub fn is_blocked(&self, at: Cell) -> bool {
         self.meets(at, 0, self.size)
     }
 
-    /// Whether a cell of the cube from `low` to below `high`, relative to `at`, is occupied.
+    /// Returns whether a cell of the cube from `low` to below `high`, relative to `at`, is
+    /// occupied.
     fn meets(&self, at: Cell, low: i32, high: i32) -> bool {
         let range = || low..high;
         range().any(|dz| {
@@ -32,7 +33,7 @@ impl MovingCube<'_> {
         })
     }
 
-    /// Whether a cube could touch something with an edge or a corner, except the ground.
+    /// Returns whether a cube could touch something with an edge or a corner, except the ground.
     pub fn is_at_wall(&self, at: Cell) -> bool {
         (-1..=self.size).any(|dz| {
             (-1..=self.size).any(|dy| {
@@ -63,12 +64,12 @@ impl MovingCube<'_> {
         Some(Cell { z, ..at })
     }
 
-    /// Whether nothing stops a cube that rises from `at` to `z`.
+    /// Returns whether nothing stops a cube that rises from `at` to `z`.
     pub fn rises_to(&self, at: Cell, z: i32) -> bool {
         self.rise(at).is_none_or(|under| under.z >= z)
     }
 
-    /// Whether a cube at `at` can rise to the sky.
+    /// Returns whether a cube at `at` can rise to the sky.
     pub fn sees_sky(&self, at: Cell) -> bool {
         self.ceiling(at).is_none()
     }

@@ -72,12 +72,12 @@ impl OccupiedCells {
         self.cells.get(&cell).copied()
     }
 
-    /// Whether all cells of a column from `z` on are empty.
+    /// Returns whether all cells of a column from `z` on are empty.
     pub fn is_clear(&self, x: i32, y: i32, z: i32) -> bool {
         self.tops.get(&(x, y)).is_none_or(|&top| top < z)
     }
 
-    /// The height of a column's highest full cell.
+    /// Returns the height of a column's highest full cell.
     pub fn top(&self, cell: Cell) -> Option<i32> {
         self.tops.get(&(cell.x, cell.y)).copied()
     }
@@ -89,18 +89,18 @@ impl OccupiedCells {
             .get_or_insert_with(|| cells.keys().map(|cell| (cell.x, cell.y, cell.z)).collect());
     }
 
-    /// Whether a cell is full: the ground, a block whose capture has happened as `has` says, or one
-    /// that may not have gone.
+    /// Returns whether a cell is full: the ground, a block whose capture has happened as `has`
+    /// says, or one that may not have gone.
     pub fn is_blocked(&self, cell: Cell, has: Has) -> bool {
         cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_held_over(cell))
     }
 
-    /// Whether the block before may still be in a cell that a capture of the phase fills.
+    /// Returns whether the block before may still be in a cell that a capture of the phase fills.
     pub fn is_held_over(&self, cell: Cell) -> bool {
         !self.held_over.is_empty() && self.held_over.contains(&cell)
     }
 
-    /// The height of the lowest blocked cell of a column from `z` on; needs
+    /// Returns the height of the lowest blocked cell of a column from `z` on; needs
     /// [`OccupiedCells::sort`].
     pub fn ceiling(&self, x: i32, y: i32, z: i32, has: Has) -> Option<i32> {
         if self.is_clear(x, y, z) {

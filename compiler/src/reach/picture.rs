@@ -5,7 +5,7 @@ use crate::diagnostic::layer_picture::layer_picture;
 /// Cells shown to each side of the one in question.
 const REACH: i32 = 4;
 
-/// The layer around a cell, north at the top: `@` the cell, `#` full, `.` empty.
+/// Returns the layer around a cell, north at the top: `@` the cell, `#` full, `.` empty.
 pub fn layer(cell: Cell, is_full: impl Fn(Cell) -> bool) -> String {
     let is_full = |dx, dy| cell.offset([dx, dy, 0]).is_none_or(&is_full);
     let range = || -REACH..=REACH;

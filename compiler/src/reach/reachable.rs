@@ -31,7 +31,7 @@ impl Dismantled {
         self.gone_at[(id.0 - self.first) as usize]
     }
 
-    /// Whether an event of the phase is removed.
+    /// Returns whether an event of the phase is removed.
     pub fn has_gone(&self, id: EventId) -> bool {
         self.gone_at(id) != STAYS
     }

@@ -54,7 +54,8 @@ impl ReachAnalysis<'_> {
         Some(later)
     }
 
-    /// Whether a cell has a way out in its worst case if these captures come after it as well.
+    /// Returns whether a cell has a way out in its worst case if these captures come after it as
+    /// well.
     fn is_open_after(
         &mut self,
         id: EventId,
@@ -71,8 +72,8 @@ impl ReachAnalysis<'_> {
         matches!(way, SearchOutcome::Out)
     }
 
-    /// The captures on the way out that meets the fewest of those that are there at worst, and does not pass
-    /// through any that stays.
+    /// Returns the captures on the way out that meets the fewest of those that are there at worst,
+    /// and does not pass through any that stays.
     fn on_the_way(
         &mut self,
         id: EventId,

@@ -16,7 +16,7 @@ pub struct BlockedCapture {
 }
 
 impl ReachAnalysis<'_> {
-    /// The captures of a phase without a way out in their worst case, in source order.
+    /// Returns the captures of a phase without a way out in their worst case, in source order.
     pub fn blocked(
         &mut self,
         events: &[EventId],
@@ -121,7 +121,7 @@ impl ReachAnalysis<'_> {
     }
 }
 
-/// Whether two cells share a face.
+/// Returns whether two cells share a face.
 pub fn are_adjacent(a: Cell, b: Cell) -> bool {
     Face::ALL.iter().any(|&face| a.across(face) == Some(b))
 }

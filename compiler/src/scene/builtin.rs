@@ -19,7 +19,7 @@ pub const BUILT_IN: [(&str, &str); 6] = [
 /// The scene of an assembly that names none.
 pub const DEFAULT: &str = "hemisphere";
 
-/// The built-in scene of a name.
+/// Returns the built-in scene of a name.
 pub fn built_in(name: &str) -> Option<Scene> {
     let (_, text) = BUILT_IN.into_iter().find(|&(known, _)| known == name)?;
     let mut symbols = Symbols::new();
@@ -36,12 +36,12 @@ pub fn built_in(name: &str) -> Option<Scene> {
     read(scene, base, file, &symbols, &mut Vec::new())
 }
 
-/// Whether a built-in scene has this name.
+/// Returns whether a built-in scene has this name.
 pub fn is_built_in(name: &str) -> bool {
     BUILT_IN.iter().any(|&(known, _)| known == name)
 }
 
-/// The names of the built-in scenes, for a sentence.
+/// Returns the names of the built-in scenes, for a sentence.
 pub fn built_in_names() -> String {
     BUILT_IN.map(|(name, _)| format!("`{name}`")).join(", ")
 }

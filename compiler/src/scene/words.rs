@@ -21,7 +21,7 @@ impl WordContext {
     }
 }
 
-/// A place in the braces of `outer`, with the words in `known`.
+/// Returns a place in the braces of `outer`, with the words in `known`.
 fn within(
     terms: &[Term],
     symbols: &Symbols,

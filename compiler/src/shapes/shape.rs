@@ -157,7 +157,7 @@ impl ClaimedShape {
         }
     }
 
-    /// Whether the structure has exactly these cells.
+    /// Returns whether the structure has exactly these cells.
     fn is(&self, built: &BuiltCells) -> bool {
         self.fingerprint == built.fingerprint
             && self.cells.len() == built.cells.len()

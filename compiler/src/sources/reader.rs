@@ -2,7 +2,7 @@
 
 /// Reads files for the compiler, which does no IO of its own.
 pub trait Reader {
-    /// The bytes of a file, or why they cannot be had, in the words of the system.
+    /// Returns the bytes of a file, or why they cannot be had, in the words of the system.
     ///
     /// `path` is the program's own path joined with that of the import, with `/` between folders.
     fn read(&mut self, path: &str) -> Result<Vec<u8>, String>;
@@ -13,7 +13,8 @@ pub trait Reader {
         None
     }
 
-    /// The folder within which imports stay, if a file that is imported lies outside of it and is not to be read.
+    /// Returns the folder within which imports stay, if a file that is imported lies outside of it
+    /// and is not to be read.
     fn outside(&mut self, path: &str) -> Option<String> {
         let _ = path;
         None

@@ -121,7 +121,7 @@ impl EventAction {
         }
     }
 
-    /// The face that captures. `None` for a release.
+    /// Returns the face that captures. `None` for a release.
     pub fn face(self) -> Option<Face> {
         match self {
             EventAction::Capture { face, .. } => Some(face),

@@ -73,8 +73,8 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// Whether a blank line always separates the piece from the one before: around blocks of the
-    /// file.
+    /// Returns whether a blank line always separates the piece from the one before: around blocks
+    /// of the file.
     fn is_set_apart(&self, at: usize) -> bool {
         let (Some(was_block), 0, false) = (self.ended, self.depth, self.documented) else {
             return false;
@@ -302,7 +302,7 @@ pub fn push_note(lines: &mut Vec<FormattedLine>, note: &Note<'_>, depth: usize, 
     lines.push(line);
 }
 
-/// Whether a piece ends in an opening brace.
+/// Returns whether a piece ends in an opening brace.
 fn opens(rule: Rule) -> bool {
     matches!(
         rule,
@@ -318,7 +318,7 @@ fn opens(rule: Rule) -> bool {
     )
 }
 
-/// Whether a block with content may be on one line.
+/// Returns whether a block with content may be on one line.
 fn is_small(rule: Rule) -> bool {
     matches!(
         rule,

@@ -7,7 +7,8 @@ use super::source::{Gap, TextPiece, TokenizedText};
 use super::{INDENT, WIDTH, statement};
 use crate::parse::{Rule, is_unit};
 
-/// The line that begins at a piece of a scene; what follows it, and whether it opens a block.
+/// Returns the line that begins at a piece of a scene; what follows it, and whether it opens a
+/// block.
 pub fn line(source: &TokenizedText<'_>, at: usize, depth: usize) -> (FormattedLine, usize, bool) {
     let room = WIDTH.saturating_sub(INDENT * depth);
     let mut line = FormattedLine::code(LineKind::Terms, depth, "");
@@ -56,7 +57,7 @@ pub fn line(source: &TokenizedText<'_>, at: usize, depth: usize) -> (FormattedLi
     (line, next, false)
 }
 
-/// A block that is written on one line, and short.
+/// Returns a block that is written on one line, and short.
 fn one_line(source: &TokenizedText<'_>, at: usize, room: usize) -> Option<(String, usize)> {
     let mut text = String::new();
     let mut depth = 0;
@@ -95,13 +96,14 @@ fn one_line(source: &TokenizedText<'_>, at: usize, room: usize) -> Option<(Strin
     None
 }
 
-/// Whether a word may stand behind another on its line: `s` behind `20 ms` would become a unit.
+/// Returns whether a word may stand behind another on its line: `s` behind `20 ms` would become a
+/// unit.
 fn may_follow(source: &TokenizedText<'_>, before: &TextPiece, piece: &TextPiece) -> bool {
     let valued = matches!(before.rule, Rule::quantity | Rule::span_of_values);
     !(valued && piece.rule == Rule::word && is_unit(&source.first(piece).text()))
 }
 
-/// The blanks before a piece on the line of another: only a word may begin something new.
+/// Returns the blanks before a piece on the line of another: only a word may begin something new.
 fn gap(source: &TokenizedText<'_>, piece: &TextPiece) -> &'static str {
     match source.first(piece).gap {
         Gap::Wide if piece.rule == Rule::word => "  ",

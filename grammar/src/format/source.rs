@@ -76,7 +76,7 @@ impl TokenizedText<'_> {
         &self.words[piece.words.start]
     }
 
-    /// Whether a comment is inside a piece.
+    /// Returns whether a comment is inside a piece.
     pub fn is_commented(&self, piece: &TextPiece) -> bool {
         let inner = piece.words.start + 1..piece.words.end;
         self.words[inner].iter().any(|word| !word.notes.is_empty())

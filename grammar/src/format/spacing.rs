@@ -2,7 +2,7 @@
 use super::source::{Gap, Word};
 use crate::parse::Rule;
 
-/// Whether a blank stands between two neighbouring words of a piece.
+/// Returns whether a blank stands between two neighbouring words of a piece.
 pub fn is_blank(whole: Rule, left: &Word<'_>, right: &Word<'_>) -> bool {
     let (Some(first), Some(second)) = (left.rule, right.rule) else {
         // The dot of a place.

@@ -11,7 +11,7 @@ struct UnbreakableText {
     notes: std::ops::Range<usize>,
 }
 
-/// The text of a piece on one line.
+/// Returns the text of a piece on one line.
 pub fn text(source: &TokenizedText<'_>, piece: &TextPiece) -> String {
     let mut text = String::new();
     let words = &source.words[piece.words.clone()];
@@ -24,7 +24,7 @@ pub fn text(source: &TokenizedText<'_>, piece: &TextPiece) -> String {
     text
 }
 
-/// The text of a piece on one line, unless it takes more than so many columns.
+/// Returns the text of a piece on one line, unless it takes more than so many columns.
 pub fn short_text(source: &TokenizedText<'_>, piece: &TextPiece, most: usize) -> Option<String> {
     // A word has a character at least, so most pieces that are too long are never written.
     if piece.words.len() > most {

@@ -54,7 +54,7 @@ impl Parser<'_, '_> {
         true
     }
 
-    /// Whether the source at `at` belongs to the block whose head ends at `end`.
+    /// Returns whether the source at `at` belongs to the block whose head ends at `end`.
     fn follows(&self, head: Rule, end: usize, at: usize) -> bool {
         let mode = match head {
             Rule::scene_head => Mode::Scene,
@@ -73,8 +73,8 @@ impl Parser<'_, '_> {
             .is_some_and(|next| holds(head, next))
     }
 
-    /// Whether a `}` that ends at `end` does not close the innermost block: there is a brace too
-    /// many, and the next piece can stand in this block but not in the one around it.
+    /// Returns whether a `}` that ends at `end` does not close the innermost block: there is a
+    /// brace too many, and the next piece can stand in this block but not in the one around it.
     pub fn goes_on(&mut self, end: usize) -> bool {
         let Some(outer) = self.frames.len().checked_sub(1) else {
             return false;
@@ -149,7 +149,7 @@ fn is_head(rule: Rule) -> bool {
     ) || matches!(rule, R::scene_head | R::shape_head | R::layer_head)
 }
 
-/// Whether a piece can stand in a block with this head, or in the file.
+/// Returns whether a piece can stand in a block with this head, or in the file.
 fn holds(head: Option<Rule>, next: Rule) -> bool {
     use Rule as R;
     matches!(

@@ -152,7 +152,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// A `name`.
+    /// Returns a `name`.
     pub fn name(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
         let name = self.word(pair, base);
         if self.symbols.is_reserved(name.symbol) {
@@ -162,7 +162,7 @@ impl Parser<'_, '_> {
         name
     }
 
-    /// A word that may belong to the language.
+    /// Returns a word that may belong to the language.
     pub fn word(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
         Name {
             symbol: self.symbols.intern(pair.as_str()),
@@ -186,7 +186,7 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// A `place`.
+    /// Returns a `place`.
     pub fn place(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let span = span_of(&pair, base);
         let mut place = Place {
@@ -234,7 +234,7 @@ impl Parser<'_, '_> {
         place
     }
 
-    /// A `place` that names blocks, without a face.
+    /// Returns a `place` that names blocks, without a face.
     fn block(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let place = self.place(pair, base);
         if let Some((_, span)) = place.face {
@@ -246,7 +246,7 @@ impl Parser<'_, '_> {
         place
     }
 
-    /// A `place` that is the name of something new.
+    /// Returns a `place` that is the name of something new.
     fn new_place(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let mut place = self.place(pair, base);
         if let Some((face, span)) = place.face.take() {
@@ -260,7 +260,7 @@ impl Parser<'_, '_> {
         place
     }
 
-    /// A word of the language that is used as a name, taken for one.
+    /// Returns a word of the language that is used as a name, taken for one.
     fn reserved(&mut self, word: &str, span: Span) -> Segment {
         let symbol = self.symbols.intern(word);
         let word = word.to_owned();

@@ -6,7 +6,7 @@ use crate::error::SyntaxErrorKind;
 use crate::tree::{Expr, ExprKind, Operator, Subscript};
 
 impl Parser<'_, '_> {
-    /// An `expr`.
+    /// Returns an `expr`.
     pub fn expr(&mut self, pair: Pair<'_, Rule>, base: usize) -> Expr {
         // Terms have a byte each at least, with an operator between them.
         if pair.as_str().len() > 2 * MAX_TERMS {
@@ -112,7 +112,7 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// A `range` or an `expr`.
+    /// Returns a `range` or an `expr`.
     pub fn entry(&mut self, pair: Pair<'_, Rule>, base: usize) -> Subscript {
         if pair.as_rule() == Rule::range {
             let (first, last) = self.range(pair, base);
@@ -122,7 +122,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// A `range`.
+    /// Returns a `range`.
     pub fn range(&mut self, pair: Pair<'_, Rule>, base: usize) -> (Expr, Expr) {
         let ends: Vec<Expr> = pair
             .into_inner()
@@ -133,7 +133,7 @@ impl Parser<'_, '_> {
     }
 }
 
-/// The two expressions that the grammar has promised.
+/// Returns the two expressions that the grammar has promised.
 pub fn two(exprs: Vec<Expr>) -> (Expr, Expr) {
     let mut exprs = exprs.into_iter();
     let mut next = || {

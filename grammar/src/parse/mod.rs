@@ -135,13 +135,13 @@ fn read<'t>(
     (parsed, record)
 }
 
-/// Whether pest accepts the source by the grammar's `program` rule, without checks of surroundings.
-/// Tests compare [`parse`] with it.
+/// Returns whether pest accepts the source by the grammar's `program` rule, without checks of
+/// surroundings. Tests compare [`parse`] with it.
 pub fn accepts(text: &str) -> bool {
     SaParser::parse(Rule::program, text).is_ok()
 }
 
-/// Whether a word would be read as a unit after a value.
+/// Returns whether a word would be read as a unit after a value.
 pub fn is_unit(word: &str) -> bool {
     SaParser::parse(Rule::unit_symbol, word).is_ok()
 }

@@ -68,7 +68,7 @@ impl Parser<'_, '_> {
         self.error(kind, span);
     }
 
-    /// Whether a piece has only one word before a byte, and that is a keyword.
+    /// Returns whether a piece has only one word before a byte, and that is a keyword.
     fn is_behind_keyword(&self, start: usize, at: usize) -> bool {
         let word = words::found(self.text, start);
         let symbol = self.symbols.get(word);

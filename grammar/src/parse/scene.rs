@@ -116,7 +116,7 @@ impl Parser<'_, '_> {
         true
     }
 
-    /// Whether the head of the innermost block could not be read, which has been told of.
+    /// Returns whether the head of the innermost block could not be read, which has been told of.
     fn is_broken(&self) -> bool {
         matches!(
             self.frames.last(),
@@ -154,7 +154,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// A `quantity`.
+    /// Returns a `quantity`.
     pub fn quantity(&mut self, pair: Pair<'_, Rule>, base: usize) -> Quantity {
         let span = span_of(&pair, base);
         let mut quantity = Quantity {
@@ -181,7 +181,7 @@ impl Parser<'_, '_> {
     }
 }
 
-/// A `unit`.
+/// Returns a `unit`.
 fn unit(pair: Pair<'_, Rule>) -> Vec<UnitFactor> {
     let mut factors = Vec::new();
     let mut divides = false;

@@ -1,6 +1,6 @@
 //! Space and comments between tokens.
 
-/// The first byte from `at` on that is neither blank nor part of a comment.
+/// Returns the first byte from `at` on that is neither blank nor part of a comment.
 pub fn skip(text: &str, mut at: usize) -> usize {
     let bytes = text.as_bytes();
     loop {

@@ -105,7 +105,7 @@ pub fn cut(text: &str, about: usize) -> usize {
     end
 }
 
-/// Whether a longer window cannot extend the only piece of this one.
+/// Returns whether a longer window cannot extend the only piece of this one.
 fn is_complete(piece: &Pair<'_, Rule>, window: &str, mode: Mode) -> bool {
     let end = piece.as_span().end();
     if window[..end].ends_with(['{', '}']) {
@@ -120,7 +120,7 @@ fn is_complete(piece: &Pair<'_, Rule>, window: &str, mode: Mode) -> bool {
     error.at > next && !is_cut_off(window, error.at, window.len())
 }
 
-/// Whether the end of the window may cause the error.
+/// Returns whether the end of the window may cause the error.
 fn is_cut_off(text: &str, at: usize, end: usize) -> bool {
     !text.as_bytes()[at..end].contains(&b'\n') || trivia::skip(&text[..end], at) == end
 }

@@ -288,7 +288,7 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
-    /// The slow path of `chunk`: adds an absent chunk or looks outside the window.
+    /// Returns the slow path of `chunk`: adds an absent chunk or looks outside the window.
     #[cold]
     fn chunk_to_add(&mut self, key: ChunkKey) -> &mut CellChunk {
         if self.find(key).start == ABSENT {

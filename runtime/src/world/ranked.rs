@@ -57,7 +57,7 @@ impl RankedSet {
         self.len
     }
 
-    /// Whether a number is a member.
+    /// Returns whether a number is a member.
     pub fn contains(&self, number: usize) -> bool {
         self.words[number / 64] >> (number % 64) & 1 == 1
     }

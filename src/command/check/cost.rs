@@ -13,7 +13,8 @@ use stochc_text::{TextColumn, TextTable, paragraph};
 use super::super::terminal::output_width;
 use crate::operations::rates::at_hand;
 
-/// A table of the phases, and one of the captures that decide how long they take; empty if nothing was asked for.
+/// Returns a table of the phases, and one of the captures that decide how long they take; empty if
+/// nothing was asked for.
 pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &[Rates]) -> String {
     let Some(most) = most.filter(|_| !program.plan.events.is_empty()) else {
         return String::new();
@@ -61,7 +62,7 @@ pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rat
     })
 }
 
-/// A line on how long a program takes; empty where nobody knows.
+/// Returns a line on how long a program takes; empty where nobody knows.
 pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
     let (true, Some(rates)) = (program.plan.events.len() <= MAX_ESTIMATED, rates) else {
@@ -96,7 +97,8 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     format!("  by rates it takes {takes}{never}{reasons}; `--cost` says what decides it\n")
 }
 
-/// The part of the times that were drawn in which a phase came to its timeout; `None`: in none.
+/// Returns the part of the times that were drawn in which a phase came to its timeout. `None` means
+/// in none.
 fn stopped(cost: &Cost) -> Option<f64> {
     let stopped = cost.stopped();
     (stopped > 0).then(|| stopped as f64 / cost.draws.len() as f64)

@@ -29,7 +29,7 @@ pub struct InForce<'a> {
     step_errors: Vec<StepError>,
 }
 
-/// The scenes of a file's assemblies, each once, in the order of the assemblies.
+/// Returns the scenes of a file's assemblies, each once, in the order of the assemblies.
 pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
     let mut out: Vec<InForce> = Vec::new();
     for program in &checked.programs {
@@ -70,13 +70,13 @@ impl<'a> InForce<'a> {
         }
     }
 
-    /// Whether a row is outside of its limit, with the default steps.
+    /// Returns whether a row is outside of its limit, with the default steps.
     fn is_exceeded(&self, group: &DimensionlessGroup) -> bool {
         group.is_exceeded(group.steps_of(self.steps)) || group.disappoints().is_some()
     }
 
-    /// The listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed, groups, warnings,
-    /// step_errors }`.
+    /// Returns the listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed,
+    /// groups, warnings, step_errors }`.
     pub fn json(&self) -> Json {
         let units = BlockUnits::from_scene(self.scene);
         let warning = |warning: &SceneWarning| {
@@ -130,7 +130,7 @@ impl<'a> InForce<'a> {
         })
     }
 
-    /// The listing to read.
+    /// Returns the listing to read.
     pub fn text(&self) -> String {
         let mut out = format!(
             "{}: scene {}, of {}\n\n  in force, with the values in SI units and in block units\n",
@@ -174,7 +174,7 @@ impl<'a> InForce<'a> {
         out
     }
 
-    /// Whether the default steps resolve the motion.
+    /// Returns whether the default steps resolve the motion.
     fn are_steps_short(&self) -> bool {
         let is_of_steps = |it: &SceneWarning| it.kind == SceneWarningKind::CoarseStep;
         !self.warnings.iter().any(is_of_steps)
@@ -302,7 +302,7 @@ impl<'a> InForce<'a> {
         )
     }
 
-    /// The fewest steps a tick that resolve all that any number of them does.
+    /// Returns the fewest steps a tick that resolve all that any number of them does.
     fn needed(&self) -> u32 {
         let needed = self.groups.iter().filter_map(DimensionlessGroup::substeps);
         needed.max().unwrap_or(1)
@@ -313,7 +313,8 @@ impl<'a> InForce<'a> {
     }
 }
 
-/// The largest value that a group should have: with one step a tick, or whatever the steps are.
+/// Returns the largest value that a group should have: with one step a tick, or whatever the steps
+/// are.
 fn max_value(group: &DimensionlessGroup) -> Option<f64> {
     let expected = group.expected.map(|expected| expected.most);
     group.limit.map(|limit| limit.most).or(expected)

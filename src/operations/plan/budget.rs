@@ -26,7 +26,7 @@ impl Budget {
         }
     }
 
-    /// The part of it that is over.
+    /// Returns the part of it that is over.
     pub fn share(self, tried: u64, elapsed: Duration) -> f64 {
         let share = match self {
             Budget::Time(time) => elapsed.as_secs_f64() / time.as_secs_f64(),

@@ -40,11 +40,11 @@ pub struct PlanOptions<'a> {
     pub target: &'a str,
     /// What of it is planned.
     pub extent: PlanScope<'a>,
-    /// The shape of the program; `None`: the only one, or the last one claimed.
+    /// The shape of the program. `None` means the only one, or the last one claimed.
     pub shape: Option<&'a str>,
     /// The number of the only model of a `.vox` file to build. Without it, the scene decides.
     pub model: Option<u32>,
-    /// The plate to build on; `None`: that of the target.
+    /// The plate to build on. `None` means that of the target.
     pub seed_plate: Option<&'a SeedPlate>,
     /// How far a whole shape is moved from where the target has it.
     pub offset: Option<Offset>,
@@ -58,7 +58,7 @@ pub struct PlanOptions<'a> {
     pub loose: LooseParts,
     /// Folders from which the program may import as well.
     pub imports: &'a [PathBuf],
-    /// How long to look; `None`: for about a second.
+    /// How long to look. `None` means for about a second.
     pub budget: Option<Budget>,
     /// What to make small.
     pub objective: Objective,

@@ -18,7 +18,7 @@ use stochc_planner::{Completion, ExistingStructure, Goal, NotCompleted};
 pub struct RunEnd<'a> {
     /// The number of the run, from 0.
     pub run: u64,
-    /// The program; `None`: the only one of the folder.
+    /// The program. `None` means the only one of the folder.
     pub program: Option<&'a str>,
     /// Names of blocks that neither capture nor pass messages on any more.
     pub dead: &'a [String],

@@ -8,7 +8,7 @@ use super::pair::pair;
 pub struct SeedPlate {
     /// Its size.
     pub plate: Plate,
-    /// The places (x, y) of the blocks that may capture; `None`: all.
+    /// The places (x, y) of the blocks that may capture. `None` means all.
     pub seeds: Option<Vec<(i32, i32)>>,
 }
 

@@ -16,7 +16,7 @@ use crate::exit::Failure;
 use crate::host::Host;
 use stochc_planner::Goal;
 
-/// The target of these options.
+/// Returns the target of these options.
 pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let target = options.target;
     let kind = kind(target);
@@ -55,7 +55,7 @@ fn report_hidden(target: &str, hidden: &[u32], host: &dyn Host) {
     }
 }
 
-/// Whether a file is named as those of voxels are.
+/// Returns whether a file is named as those of voxels are.
 pub fn is_of_voxels(target: &str) -> bool {
     matches!(kind(target).as_deref(), Some("vox" | "txt"))
 }
@@ -105,14 +105,14 @@ fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> 
     Goal::of_program(&checked, options.shape).map_err(|reason| refused(options.target, &reason))
 }
 
-/// Whether a file is named as programs are.
+/// Returns whether a file is named as programs are.
 pub fn is_named_as_program(target: &str) -> bool {
     Path::new(target)
         .extension()
         .is_some_and(|kind| kind == "sa")
 }
 
-/// The program of these options, right or wrong.
+/// Returns the program of these options, right or wrong.
 pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
     if Path::new(options.target).is_dir() {
         return Err(Failure::usage(format!(
@@ -123,13 +123,13 @@ pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
     checked_file(options.target, options.imports)
 }
 
-/// The program of a file, right or wrong.
+/// Returns the program of a file, right or wrong.
 pub fn checked_file(file: &str, imports: &[PathBuf]) -> Result<Checked, Failure> {
     is_readable(file)?;
     Ok(crate::check_within(file, &Default::default(), imports))
 }
 
-/// Whether something may be called so in a program.
+/// Returns whether something may be called so in a program.
 pub fn is_name(name: &str) -> bool {
     // New symbols hold the words of the language.
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -140,7 +140,7 @@ pub fn is_name(name: &str) -> bool {
         && Symbols::new().get(name).is_none()
 }
 
-/// A name for the shape of a file: what of the file's name may stand in one.
+/// Returns a name for the shape of a file: what of the file's name may stand in one.
 fn name(target: &str) -> String {
     let stem = Path::new(target)
         .file_stem()

@@ -12,7 +12,7 @@ use crate::diagnostic::{Code, Diagnostic, Edit, Fix, report};
 use crate::expand::units::to_si;
 
 impl<'a> SceneReader<'a, '_> {
-    /// A value for a number.
+    /// Returns a value for a number.
     pub(super) fn number(
         &mut self,
         number: &'static SchemaNumber,
@@ -38,7 +38,7 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// A value for both ends of a range, or one for each.
+    /// Returns a value for both ends of a range, or one for each.
     pub(super) fn range(
         &mut self,
         low: &'static SchemaNumber,

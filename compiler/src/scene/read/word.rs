@@ -7,7 +7,8 @@ use super::{SceneReader, named, span, words};
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
 
 impl SceneReader<'_, '_> {
-    /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
+    /// Returns the next word, which has to be one of `known`; skips what is none, and tells of it
+    /// once.
     pub(super) fn head(
         &mut self,
         known: &'static [SchemaEntry],

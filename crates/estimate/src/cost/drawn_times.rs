@@ -36,7 +36,7 @@ impl DrawnTimes {
         self.is_taken.fill(false);
     }
 
-    /// Whether an event has happened.
+    /// Returns whether an event has happened.
     pub fn has_happened(&self, event: u32) -> bool {
         self.ends[event as usize].is_finite()
     }
@@ -61,7 +61,7 @@ impl DrawnTimes {
     }
 }
 
-/// A draw from the exponential distribution of mean 1.
+/// Returns a draw from the exponential distribution of mean 1.
 pub fn exponential(rng: &mut ChaCha8Rng) -> f64 {
     -libm::log1p(-rng.random::<f64>())
 }

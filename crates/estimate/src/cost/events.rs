@@ -74,17 +74,17 @@ impl<'a> Events<'a> {
         })
     }
 
-    /// The phases, by number.
+    /// Returns the phases, by number.
     pub fn phases(&self) -> impl ExactSizeIterator<Item = PhaseId> + use<> {
         (0..self.parts.tables.phases.len()).map(|number| PhaseId(number as u32))
     }
 
-    /// Whether the blocks of a phase are attached by hand.
+    /// Returns whether the blocks of a phase are attached by hand.
     pub fn is_planted(&self, phase: PhaseId) -> bool {
         self.parts.tables.phases[phase.0 as usize].planted
     }
 
-    /// Whether an event is a capture.
+    /// Returns whether an event is a capture.
     pub fn is_capture(&self, id: EventId) -> bool {
         self.parts.graph.event(id).action.is_capture()
     }
@@ -220,7 +220,7 @@ pub struct PhaseEvent {
 }
 
 impl PhaseEvent {
-    /// Whether it empties its cell.
+    /// Returns whether it empties its cell.
     pub fn is_release(&self) -> bool {
         self.face.is_none()
     }

@@ -62,7 +62,7 @@ impl HopTime {
         }
     }
 
-    /// The time of so many hops, one after the other.
+    /// Returns the time of so many hops, one after the other.
     fn draw(self, hops: u32, rng: &mut ChaCha8Rng) -> f64 {
         let mut time = self.whole * f64::from(hops);
         if self.loss > 0.0 {
@@ -164,7 +164,7 @@ impl<'a> MessageTimes<'a> {
         }
     }
 
-    /// The block that two blocks hang on, or one of them.
+    /// Returns the block that two blocks hang on, or one of them.
     fn common(&self, mut a: Block, mut b: Block) -> Block {
         if self.depth(a) < self.depth(b) {
             (a, b) = (b, a);
@@ -204,7 +204,7 @@ impl<'a> MessageTimes<'a> {
         block.map_or(0, |id| self.depths[id.0 as usize])
     }
 
-    /// The way from a block to another one, which hears of it in a phase.
+    /// Returns the way from a block to another one, which hears of it in a phase.
     fn path(&self, from: Block, to: Block, phase: PhaseId) -> MessagePath {
         let common = self.common(from, to);
         let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);

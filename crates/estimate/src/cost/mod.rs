@@ -26,8 +26,9 @@ use waits::CaptureWait;
 pub struct Cost {
     /// The phases, in order.
     pub phases: Vec<PhaseCost>,
-    /// How long all of it takes, which is for ever where a phase comes to its timeout; `None`: there are no rates, there is a capture for
-    /// which no block is left, or a phase comes to its timeout nine times in ten.
+    /// How long all of it takes, which is for ever where a phase comes to its timeout. `None` means
+    /// there are no rates, there is a capture for which no block is left, or a phase comes to its
+    /// timeout nine times in ten.
     pub total: Option<Times>,
     /// Whether there were rates.
     pub has_rates: bool,

@@ -21,7 +21,7 @@ pub struct Occupancy {
     cubes: FxHashMap<[i32; 3], u64>,
 }
 
-/// The cube of 4 x 4 x 4 cells that one is in, and its bit there.
+/// Returns the cube of 4 x 4 x 4 cells that one is in, and its bit there.
 fn cube(cell: Cell) -> ([i32; 3], u64) {
     let at = [cell.x, cell.y, cell.z];
     let [x, y, z] = at.map(|at| at & 3);
@@ -51,7 +51,8 @@ impl Occupancy {
         }
     }
 
-    /// Whether a block is in a cell when the captures of a level wait; `with_mates`: those of the same level count as well.
+    /// Returns whether a block is in a cell when the captures of a level wait; `with_mates`: those
+    /// of the same level count as well.
     pub fn is_full(&self, cell: Cell, level: u32, with_mates: bool) -> bool {
         let (cube, bit) = cube(cell);
         if self.cubes.get(&cube).is_none_or(|bits| bits & bit == 0) {

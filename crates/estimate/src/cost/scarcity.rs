@@ -16,11 +16,11 @@ pub struct ScarceBlocks<'a> {
     pub before: f64,
     /// By how many blocks each step leaves fewer of them.
     pub taken: Vec<f64>,
-    /// What each step would wait for if all blocks were free; `None`: nothing.
+    /// What each step would wait for if all blocks were free. `None` means nothing.
     pub waits: Vec<Option<Wait>>,
 }
 
-/// Of each phase of a program; `None`: there are enough blocks.
+/// Of each phase of a program. `None` means there are enough blocks.
 pub fn scarce_blocks<'a>(
     events: &Events<'_>,
     steps: &[Vec<Step>],

@@ -254,7 +254,8 @@ impl PhaseDraw<'_, '_> {
 }
 
 impl RemainingBlocks<'_, '_> {
-    /// The next block that comes into reach of a face, if that is before this time, which nothing else is: whose face, and when it is captured.
+    /// Returns the next block that comes into reach of a face, if that is before this time, which
+    /// nothing else is: whose face, and when it is captured.
     fn arrival_before(&mut self, next: Option<f64>) -> Option<(u32, f64)> {
         let left = time(self.arrivals.peek()?) - self.clock;
         let arrival = self.now + (left / self.speed).max(0.0);

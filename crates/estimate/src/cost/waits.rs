@@ -99,7 +99,7 @@ fn releases(events: &[PhaseEvent]) -> Released {
     released
 }
 
-/// The cells of the cube around one that reaches so far to each side, itself included.
+/// Returns the cells of the cube around one that reaches so far to each side, itself included.
 pub(super) fn within(cell: Cell, reach: i32) -> impl Iterator<Item = Cell> {
     offsets_within(reach).filter_map(move |offset| cell.offset(offset))
 }

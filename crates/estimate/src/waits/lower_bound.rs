@@ -67,7 +67,7 @@ impl LowerBoundReasons {
         LowerBoundReasons(LowerBoundReason::ALL.map(holds))
     }
 
-    /// Whether times are estimates.
+    /// Returns whether times are estimates.
     pub fn is_empty(self) -> bool {
         self.0 == [false; LowerBoundReason::ALL.len()]
     }

@@ -12,13 +12,13 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// Whether the point is in a box, given by its lower and upper ends.
+    /// Returns whether the point is in a box, given by its lower and upper ends.
     pub fn is_within(&self, ends: &[(f64, f64)]) -> bool {
         is_within(&self.at, ends)
     }
 }
 
-/// Whether a point is in a box, given by its lower and upper ends.
+/// Returns whether a point is in a box, given by its lower and upper ends.
 pub(super) fn is_within(at: &[f64], ends: &[(f64, f64)]) -> bool {
     let mut sides = at.iter().zip(ends);
     sides.all(|(at, (low, high))| (*low..=*high).contains(at))

@@ -33,7 +33,7 @@ struct Row<'a> {
 }
 
 impl<'a> TradeTally<'a> {
-    /// A trade before the first run. `None` if settings are not varied.
+    /// Returns a trade before the first run. `None` if settings are not varied.
     pub fn new(manifest: &'a Manifest) -> Option<TradeTally<'a>> {
         let mut tally = TradeTally {
             manifest,

@@ -75,7 +75,8 @@ struct Claim<'a> {
 }
 
 impl Claim<'_> {
-    /// Whether nothing happens in its phase, so that the rest is written there, and not in a phase behind.
+    /// Returns whether nothing happens in its phase, so that the rest is written there, and not in
+    /// a phase behind.
     fn fills_phase(&self) -> bool {
         self.program.plan.phases[self.phase].events.is_empty()
     }
@@ -177,7 +178,7 @@ impl Completion {
         self.target.cells().len() - self.target.existing().len()
     }
 
-    /// The scene that it is built in.
+    /// Returns the scene that it is built in.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -235,7 +236,7 @@ impl Completion {
     }
 }
 
-/// How many claims are not true; `None`: something else is wrong.
+/// How many claims are not true. `None` means something else is wrong.
 pub fn untrue_claims(checked: &Checked) -> Option<usize> {
     let mut errors = checked.diagnostics.iter().filter(|it| it.is_error());
     errors.try_fold(0, |count, it| {
@@ -243,7 +244,7 @@ pub fn untrue_claims(checked: &Checked) -> Option<usize> {
     })
 }
 
-/// The first claim that is not true.
+/// Returns the first claim that is not true.
 fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, NotCompleted> {
     let shapes = DeclaredShapes::new(checked);
     let mut is_claimed = false;
@@ -378,7 +379,7 @@ fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
     start
 }
 
-/// The place behind one, or behind the comment with which its line ends.
+/// Returns the place behind one, or behind the comment with which its line ends.
 fn behind(text: &str, at: usize) -> usize {
     let line = text[at..].split('\n').next().unwrap_or_default();
     // A comment with three strokes belongs to what comes behind it.
@@ -398,7 +399,7 @@ fn comment(line: &str) -> Option<usize> {
     })
 }
 
-/// Whether a comment is one that belongs to a statement.
+/// Returns whether a comment is one that belongs to a statement.
 fn is_doc(comment: &str) -> bool {
     comment.starts_with("///") && !is_comment(comment.as_bytes())
 }

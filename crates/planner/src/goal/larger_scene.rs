@@ -133,7 +133,7 @@ fn farthest(enclosure: &Enclosure, cells: &[Cell], plate: &Plate, side: f64) -> 
     distances.fold(0.0, f64::max)
 }
 
-/// The number of free blocks of a scene, to divide by.
+/// Returns the number of free blocks of a scene, to divide by.
 fn count(scene: &Scene) -> f64 {
     f64::from(scene.free.count.max(1))
 }
@@ -157,7 +157,7 @@ fn scale(scene: &mut Scene, factor: f64) {
     }
 }
 
-/// The next number of four digits.
+/// Returns the next number of four digits.
 fn rounded_up(value: f64) -> f64 {
     let exponent = libm::log10(value).floor() as i32 - 3;
     let digits = (value / libm::exp10(f64::from(exponent))).ceil();

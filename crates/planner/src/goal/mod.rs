@@ -38,11 +38,11 @@ pub struct Goal {
     pub name: String,
     /// Its cells.
     pub cells: Vec<Cell>,
-    /// The plate; `None`: the smallest one under all cells of the lowest layer.
+    /// The plate. `None` means the smallest one under all cells of the lowest layer.
     pub plate: Option<Plate>,
-    /// The blocks of the plate that may capture, as (x, y); `None`: all.
+    /// The blocks of the plate that may capture, as (x, y). `None` means all.
     pub seeds: Option<Vec<(i32, i32)>>,
-    /// The scene; `None`: the one of an assembly that names none.
+    /// The scene. `None` means the one of an assembly that names none.
     pub scene: Option<String>,
     /// The name of the assembly. By default it is called after the shape.
     pub assembly: Option<String>,
@@ -93,7 +93,7 @@ const MAX_COMPARED: usize = 1000;
 /// With as many diagnostics, others may have been left out.
 const MANY: usize = 100;
 
-/// Whether a warning is about the scene, which a plan does not change.
+/// Returns whether a warning is about the scene, which a plan does not change.
 fn is_of_scene(code: Code) -> bool {
     code == Code::TooManyBlocks || code.is_of_runs()
 }
@@ -151,8 +151,9 @@ impl Goal {
         }
     }
 
-    /// A shape of a program without errors, with the plate, the seeds and the scene of the assembly that claims it, or of the
-    /// only one there is. Without a name, the only shape that there is, or the last one claimed.
+    /// Returns a shape of a program without errors, with the plate, the seeds and the scene of the
+    /// assembly that claims it, or of the only one there is. Without a name, the only shape that
+    /// there is, or the last one claimed.
     ///
     /// # Errors
     /// If it has no such shape, in words.
@@ -223,7 +224,7 @@ impl Goal {
         Goal::of_shape(checked, found, claiming.or_else(only))
     }
 
-    /// A shape, with the plate, the seeds and the scene of an assembly.
+    /// Returns a shape, with the plate, the seeds and the scene of an assembly.
     fn of_shape(
         checked: &Checked,
         declared: &DeclaredShape<'_>,
@@ -256,7 +257,7 @@ impl Goal {
         })
     }
 
-    /// The same shape so many cells further east and north; `None`: there are no such cells.
+    /// The same shape so many cells further east and north. `None` means there are no such cells.
     pub fn moved(self, east: i32, north: i32) -> Option<Goal> {
         let moved = |cell: &Cell| {
             let (x, y) = (cell.x.checked_add(east)?, cell.y.checked_add(north)?);
@@ -301,12 +302,12 @@ impl Goal {
         Ok(())
     }
 
-    /// The names of the scenes that are declared where the shape comes from.
+    /// Returns the names of the scenes that are declared where the shape comes from.
     pub fn declared_scenes(&self) -> impl Iterator<Item = &str> {
         self.scenes.names()
     }
 
-    /// The scene it is built in.
+    /// Returns the scene it is built in.
     ///
     /// # Errors
     /// If there is none of that name, or it is wrong.
@@ -339,19 +340,19 @@ impl Goal {
         scene.ok_or_else(|| Box::new(checked))
     }
 
-    /// Whether a scene of this name is built in, or declared where the shape comes from.
+    /// Returns whether a scene of this name is built in, or declared where the shape comes from.
     pub fn knows_scene(&self, name: &str) -> bool {
         is_built_in(name) || self.scenes.declare(name)
     }
 
-    /// The scenes that are declared and needed, as they are written.
+    /// Returns the scenes that are declared and needed, as they are written.
     fn needed_scenes(&self) -> String {
         // A file may have a scene of its own by the name of the one that nobody has to name.
         self.scenes
             .needed_for(self.scene.as_deref().unwrap_or(DEFAULT))
     }
 
-    /// The smallest plate under all cells of the lowest layer.
+    /// Returns the smallest plate under all cells of the lowest layer.
     fn smallest_plate(&self) -> Plate {
         let feet = || self.cells.iter().filter(|cell| cell.z == 1);
         let edge = |axis: fn(&Cell) -> i32| {
@@ -482,7 +483,7 @@ impl Goal {
         written(plan, naming)
     }
 
-    /// The program of a plan, laid out.
+    /// Returns the program of a plan, laid out.
     fn text(&self, target: &Target, plan: &BuildPlan, allowed: &[(&str, String)]) -> String {
         self.write(plan, allowed, |plan, naming| {
             // Names that are none are told of as any others are.
@@ -501,7 +502,8 @@ impl Goal {
         check_text(NAME, &draft)
     }
 
-    /// The program of a plan, with what has to be allowed in it; its estimate becomes that of the whole program.
+    /// Returns the program of a plan, with what has to be allowed in it; its estimate becomes that
+    /// of the whole program.
     fn accepted(
         &self,
         target: &Target,
@@ -539,7 +541,7 @@ impl Goal {
         Ok(self.planned(plan, text))
     }
 
-    /// A plan and its program, which imports nothing.
+    /// Returns a plan and its program, which imports nothing.
     fn planned(&self, plan: BuildPlan, text: String) -> Planned {
         Planned {
             plan,
@@ -611,13 +613,13 @@ fn printed(item: &Item, symbols: &Symbols) -> String {
     print(&Tree { items }, symbols)
 }
 
-/// The name of a program's scene, if it has to be named.
+/// Returns the name of a program's scene, if it has to be named.
 fn scene_of(program: &Program) -> Option<String> {
     let name = program.scene.as_ref().map(|scene| scene.name.clone());
     name.filter(|name| name != DEFAULT)
 }
 
-/// The places of the blocks of the plate that have a name, if any has.
+/// Returns the places of the blocks of the plate that have a name, if any has.
 fn seats(plan: &ProgramPlan) -> Option<Vec<(i32, i32)>> {
     let place = |seed: &PlanSeed| (seed.cell.x, seed.cell.y);
     (!plan.seeds.is_empty()).then(|| plan.seeds.iter().map(place).collect())

@@ -24,7 +24,7 @@ struct BondedBlock {
     cell: Cell,
     /// The way there from its parent.
     way: Face,
-    /// The name of its parent; `None`: the plate.
+    /// The name of its parent. `None` means the plate.
     parent: Option<String>,
 }
 
@@ -81,7 +81,7 @@ impl ExistingStructure {
         }
     }
 
-    /// The names of its blocks.
+    /// Returns the names of its blocks.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.blocks.keys().map(String::as_str)
     }
@@ -116,7 +116,7 @@ impl ExistingStructure {
         Ok(repair)
     }
 
-    /// A block, its parent, and so on to the plate.
+    /// Returns a block, its parent, and so on to the plate.
     fn line(&self, name: &str) -> impl Iterator<Item = (&str, &BondedBlock)> {
         let at = |name: &str| {
             let (name, block) = self.blocks.get_key_value(name)?;

@@ -26,7 +26,7 @@ impl WrittenScenes {
         WrittenScenes(scenes.collect())
     }
 
-    /// The names of all of them.
+    /// Returns the names of all of them.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|scene| scene.name.as_str())
     }
@@ -40,7 +40,7 @@ impl WrittenScenes {
         });
     }
 
-    /// Whether one has this name.
+    /// Returns whether one has this name.
     pub(super) fn declare(&self, name: &str) -> bool {
         self.number_of(name).is_some()
     }
@@ -50,7 +50,7 @@ impl WrittenScenes {
         self.0.iter().map(|scene| scene.text.as_str()).collect()
     }
 
-    /// The one of this name, if there is one, and those that it is based on.
+    /// Returns the one of this name, if there is one, and those that it is based on.
     pub(super) fn needed_for(&self, name: &str) -> String {
         let mut is_needed = vec![false; self.0.len()];
         let mut next = self.number_of(name);
@@ -67,7 +67,7 @@ impl WrittenScenes {
     }
 }
 
-/// An item of a text, with its documentation and its comments.
+/// Returns an item of a text, with its documentation and its comments.
 fn as_written(item: &Item, text: &str) -> String {
     let docs = item.docs.0.iter().flat_map(|lines| lines.iter());
     let docs: String = docs

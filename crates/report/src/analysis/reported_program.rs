@@ -393,7 +393,7 @@ pub struct RunCounts {
     pub failed: usize,
 }
 
-/// The last time that was seen of any run of any program, in the unit of a clock.
+/// Returns the last time that was seen of any run of any program, in the unit of a clock.
 pub fn last_seen(programs: &[ReportedProgram<'_>], clock: TimeUnit) -> f64 {
     let times = programs.iter().flat_map(|it| it.times_by(clock));
     stochc_experiments::last_seen(times)

@@ -41,7 +41,7 @@ impl Builder {
             .chunk(b"XYZI", &[count, voxels.concat()])
     }
 
-    /// A transform in layer 0.
+    /// Returns a transform in layer 0.
     fn transform(
         self,
         node: u32,
@@ -91,7 +91,7 @@ impl Builder {
     }
 }
 
-/// An upright bar of three voxels, in a scene with one transform.
+/// Returns an upright bar of three voxels, in a scene with one transform.
 fn bar(own: &[(&str, &str)], frame: &[(&str, &str)]) -> Builder {
     let file = Builder::default().model([1, 1, 3], &UPRIGHT);
     file.transform(0, 1, own, &[frame]).shape(1, &[0])
