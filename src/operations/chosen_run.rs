@@ -1,4 +1,4 @@
-//! One run of a folder of results, found again: to look at it, or to make it once more.
+//! Selects one run of a results folder, to show it or to repeat it.
 use std::io::{BufReader, ErrorKind, Read, Seek as _};
 use std::path::{Path, PathBuf};
 
@@ -17,25 +17,25 @@ use super::runs::warn_of_build;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// A run of a folder, and all that is needed to make it again.
+/// A run of an ensemble, with everything that is needed to repeat it.
 #[derive(Debug)]
 pub struct ChosenRun {
-    /// `None`: its ensemble is kept nowhere.
+    /// Results folder. `None` if the ensemble is not stored.
     folder: Option<PathBuf>,
-    /// Of the whole ensemble.
+    /// Manifest of the whole ensemble.
     pub manifest: Manifest,
     /// Index of the program in the manifest.
     pub program: usize,
     /// The number of the run.
     pub run: u64,
-    /// What the folder says of the run. `None` means it has not been made yet.
+    /// Record of the run in the folder. `None` if the run has not been made yet.
     known: Option<Finished>,
 }
 
-/// Finds a run of an ensemble, which a folder may hold; its program has to be named if there are several.
+/// Selects a run of an ensemble. The program may be omitted if the ensemble has only one.
 ///
 /// # Errors
-/// If there is none.
+/// If the program or the run does not exist.
 pub fn choose(
     (manifest, finished): (Manifest, &Records),
     folder: Option<&Path>,
@@ -61,10 +61,11 @@ pub fn choose(
     })
 }
 
-/// Returns the number of the run with the median time to completion; its program has to be named if there are several.
+/// Returns the number of the run with the median completion time. The program may be omitted if
+/// there is only one.
 ///
 /// # Errors
-/// If there is no such program, or none of its runs has a time.
+/// If the program does not exist, or none of its runs completed.
 pub fn median_run(
     manifest: &Manifest,
     finished: &Records,
@@ -81,11 +82,11 @@ pub fn median_run(
     })
 }
 
-/// Returns the place of a program among those of a folder or file, by its name, which may be left
-/// out if there is no other.
+/// Returns the index of the program called `name`. The name may be omitted if there is only one
+/// program. `holder` is the word for the folder or file in the message.
 ///
 /// # Errors
-/// In words, if there is none, or a name is needed.
+/// If no program has this name, or the name is missing. The error is a message for the user.
 pub fn index(names: &[&str], name: Option<&str>, holder: &str) -> Result<usize, String> {
     let listed = || {
         let quoted: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
@@ -104,20 +105,20 @@ pub fn index(names: &[&str], name: Option<&str>, holder: &str) -> Result<usize, 
 }
 
 impl ChosenRun {
-    /// Returns the program.
+    /// Returns the program of the run.
     pub fn entry(&self) -> &EnsembleProgram {
         &self.manifest.programs[self.program]
     }
 
-    /// Returns the run, if it has been made.
+    /// Returns the record of the run. Returns `None` if the run has not been made yet.
     pub fn known(&self) -> Option<&RunRecord> {
         self.known.as_ref().map(|known| &known.record)
     }
 
-    /// Returns the name of a file about the run, with what stands before and behind its number.
+    /// Returns the file name `before`, assembly, `-`, run number, `behind`.
     pub fn file_name(&self, before: &str, behind: &str) -> String {
-        // A program's name may be any text, in a manifest that somebody has edited; an assembly's is
-        // a word.
+        // Uses the assembly, which is a word. The program's name may be any text in an edited
+        // manifest.
         let assembly = self.entry().assembly();
         let twins = (self.manifest.programs.iter()).filter(|twin| twin.assembly() == assembly);
         let which = match twins.count() {
@@ -127,10 +128,10 @@ impl ChosenRun {
         format!("{before}{assembly}{which}-{}{behind}", self.run)
     }
 
-    /// Makes the run again, for an observer; the record has to be that of the folder.
+    /// Repeats the run with an observer, and checks that its record equals that of the folder.
     ///
     /// # Errors
-    /// If it is not, or the run is stopped.
+    /// If the records differ, or the run is interrupted.
     pub fn again(
         &self,
         observer: &mut impl Observer,
@@ -160,14 +161,11 @@ impl ChosenRun {
         Ok(record)
     }
 
-    /// Returns the recording of the run, from its beginning; if there is none, the run is made
-    /// again.
-    ///
-    /// A new one is kept in the folder, where that can be written to.
+    /// Opens the recording of the run at its start. Repeats the run if it has no recording, and
+    /// stores the new recording if the folder is writable.
     ///
     /// # Errors
-    /// Those of [`ChosenRun::again`], and if what stands in the place of the recording is none of
-    /// this run.
+    /// If the existing recording is unusable, or [`ChosenRun::again`] fails.
     pub fn recording(&self, host: &dyn Host) -> Result<BufReader<File>, Failure> {
         let folder = self.folder.as_deref();
         let place = folder.map(|folder| path(folder, self.program, self.run));
@@ -211,7 +209,7 @@ impl ChosenRun {
         Ok(BufReader::new(file.into()))
     }
 
-    /// Returns a recording that is whole, and of this run.
+    /// Checks that a recording is complete and belongs to this run.
     fn checked(&self, file: File, path: &Path) -> Result<BufReader<File>, Failure> {
         let refuse = |reason: &str| useless(path, reason);
         let length = file
@@ -229,7 +227,7 @@ impl ChosenRun {
     }
 }
 
-/// Refuses what stands in the place of a recording.
+/// Returns the error that a recording is unusable for this reason.
 fn useless(path: &Path, reason: &str) -> Failure {
     let shown = path.display();
     Failure::usage(format!(

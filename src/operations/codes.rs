@@ -1,13 +1,13 @@
-//! Diagnostics by the names of their kinds.
+//! Looks up diagnostics by their codes.
 use stochc_compiler::diagnostic::{Code, Severity};
 
-/// The word for every warning.
+/// Name that stands for all warnings in `--allow`, `--warn` and `--deny`.
 pub const ALL_WARNINGS: &str = "warnings";
 
-/// Returns a kind of warning by its name. `None` means all of them.
+/// Returns the warning with this name. Returns `None` if the name means all warnings.
 ///
 /// # Errors
-/// In words, if there is none of that name.
+/// If no warning has this name. The error is a message for the user.
 pub fn warning(name: &str) -> Result<Option<Code>, String> {
     if name == ALL_WARNINGS {
         return Ok(None);
@@ -25,7 +25,7 @@ pub fn warning(name: &str) -> Result<Option<Code>, String> {
 /// Returns the page that explains a code.
 ///
 /// # Errors
-/// In words, if there is none of that name.
+/// If no diagnostic has this code. The error is a message for the user.
 pub fn explain(name: &str) -> Result<&'static str, String> {
     let code = Code::from_name(name);
     let page = code.map(|code| code.page());

@@ -1,4 +1,4 @@
-//! Making the runs of an ensemble.
+//! Makes the runs of an ensemble.
 use std::path::Path;
 use std::time::Duration;
 
@@ -24,46 +24,46 @@ use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
 
-/// How the runs of a manifest are made, and where they are kept.
+/// Options for making the runs of a manifest.
 #[derive(Clone, Copy, Debug)]
 pub struct EnsembleOptions<'a> {
-    /// The folder for them. `None` means they are kept nowhere.
+    /// Results folder. `None` if the results stay in memory.
     pub out: Option<&'a Path>,
-    /// Whether to go on with what the folder holds.
+    /// Whether to resume from the runs in the folder.
     pub resume: Resume,
-    /// Runs to record; none without a folder.
+    /// Runs to record. Recordings require a folder.
     pub record: Option<&'a Selection>,
-    /// Ticks between the places of a recording.
+    /// Time between two recorded positions \[ticks\].
     pub record_every: u32,
-    /// How often the states of runs under way are kept in the folder.
+    /// Interval between checkpoints of running simulations.
     pub checkpoints: Interval,
-    /// Runs at the same time. `None` means as many as there are cores.
+    /// Number of threads. `None` means one per core.
     pub threads: Option<u16>,
-    /// Whether it has been told already that other builds have made runs of the manifest.
+    /// Whether the user has been warned that other builds made some of the runs.
     pub has_warned_of_build: bool,
-    /// Whether more runs may follow, so that nothing is finished yet.
+    /// Whether the caller may ask for more runs afterwards. The folder is then not finished.
     pub goes_on: bool,
-    /// What the figures of a sweep are like.
+    /// Size and format of the figures of a sweep.
     pub figures: &'a Figures,
-    /// Whether the report of the folder is rewritten meanwhile.
+    /// Whether to rewrite the report of the folder during the runs.
     pub watch: bool,
-    /// Time after which no run is started. `None`: there is no limit.
+    /// Time after which no run is started. `None` if there is no limit.
     pub time_limit: Option<Duration>,
 }
 
-/// The runs, and why some of them are not recorded that should be.
+/// The runs of an ensemble, and the reason if some recordings are missing.
 #[derive(Debug)]
 pub struct MadeEnsemble {
-    /// All that there are.
+    /// All runs, including those of earlier commands.
     pub results: Results,
-    /// `None`: every recording is there.
+    /// Why recordings are missing. `None` if all recordings exist.
     pub unrecorded: Option<Failure>,
 }
 
-/// Refuses recordings of runs that there are not, or that have nothing to see.
+/// Checks that the selected runs exist and can be recorded.
 ///
 /// # Errors
-/// In these cases.
+/// If a run does not exist, or its model has no positions.
 pub fn can_record(manifest: &Manifest, record: Option<&Selection>) -> Result<(), Failure> {
     let Some(runs) = record else { return Ok(()) };
     if let Some(run) = runs.beyond(manifest.runs) {
@@ -83,9 +83,11 @@ pub fn can_record(manifest: &Manifest, record: Option<&Selection>) -> Result<(),
     }
 }
 
-/// Reports why scenes of a manifest do not work that no check has reported, each reason once.
+/// Reports warnings about the scenes of a manifest that no check has reported yet. Each warning is
+/// reported once.
 ///
-/// A check has reported those of programs whose text was read, as it is. `is_checked`: texts were read for these settings.
+/// A check has already reported warnings about programs that were read from source. `is_checked`
+/// states that this check used the same settings.
 ///
 /// # Errors
 /// If such a warning is denied.
@@ -136,12 +138,12 @@ pub fn judge_scenes(
     })
 }
 
-/// A warning about the scene of a program, which others share.
+/// A warning about the scene of a program. Other programs may share it.
 struct FoundWarning<'a> {
     program: &'a EnsembleProgram,
     stepping: Stepping,
     warning: SceneWarning,
-    /// Other programs that have it.
+    /// Number of other programs with the same warning.
     others: usize,
 }
 
@@ -168,7 +170,8 @@ impl FoundWarning<'_> {
     }
 }
 
-/// Returns the level of a warning about the scene of a program, as its text says or else the command line.
+/// Returns the level of a warning about a program's scene. The source of the program has priority
+/// over the command line.
 fn level(program: &EnsembleProgram, code: Code, levels: &LintLevels) -> Level {
     let checked = KeptText::new(program, levels).checked;
     let mut allowed = checked.allowed.iter().map(|it| it.diagnostic.code);
@@ -181,10 +184,10 @@ fn level(program: &EnsembleProgram, code: Code, levels: &LintLevels) -> Level {
     }
 }
 
-/// Makes the runs of a manifest that are not there yet.
+/// Makes the missing runs of a manifest.
 ///
 /// # Errors
-/// If its folder cannot be used; runs that are finished stay.
+/// If the results folder cannot be used. Finished runs are not lost.
 pub fn make(
     manifest: &Manifest,
     how: &EnsembleOptions<'_>,
@@ -242,7 +245,7 @@ pub fn make(
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
     let work = || run_all(destination, &progress, stop, simulate);
     let results = match how.out.filter(|_| how.watch) {
-        // There is nothing to wait for.
+        // All runs exist, so there is no progress to show.
         _ if is_all_there => work(),
         None => during(host, state, work),
         Some(out) => watched(out, how.figures, host, || during(host, state, work))?,

@@ -1,4 +1,4 @@
-//! When programs will be complete, by rates.
+//! Estimates completion times with the rate model.
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
@@ -12,33 +12,34 @@ use super::rates::{at_hand, of_files_for, of_scenes, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// Captures that are drawn of a program in all of its runs, about.
+/// Approximate number of captures to draw for a program, over all its runs.
 const DRAWN: u64 = 1_000_000;
 
-/// Runs of a program, at most and at least.
+/// Largest and smallest number of runs of a program.
 const MAX: u64 = 2000;
 const MIN: u64 = 20;
 
-/// How programs are estimated.
+/// Options of an estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimating<'a> {
-    /// Files of rates. Scenes that none is about are guessed, and measured before runs by rates.
+    /// Files of rates. Scenes without rates use the uncalibrated estimate, or are calibrated first
+    /// if `runs` is given.
     pub rates: &'a [PathBuf],
-    /// Runs of each program. `None` means waits are added up along its graph, and what is compiled
-    /// already gets as many runs as draw a million captures.
+    /// Number of runs per program. `None` means that waiting times are summed along the dependency
+    /// graph. Executables then get enough runs to draw a million captures.
     pub runs: Option<u64>,
-    /// Ticks of a run, at most.
+    /// Longest run \[ticks\]. Longer runs are stopped.
     pub max_ticks: u64,
     /// Seed of the runs.
     pub seed: u64,
-    /// Runs at the same time. `None` means as many as there are cores.
+    /// Number of threads. `None` means one per core.
     pub threads: Option<u16>,
 }
 
 /// Estimates each program.
 ///
 /// # Errors
-/// If the rates of a scene cannot be had, a scene cannot be set up, or it is stopped.
+/// If rates cannot be obtained, a scene cannot be set up, or the user interrupts.
 pub fn estimates(
     programs: Vec<EnsembleProgram>,
     how: &Estimating<'_>,
@@ -46,7 +47,7 @@ pub fn estimates(
 ) -> Result<Vec<CompletionEstimate>, Failure> {
     programs.iter().try_for_each(supported)?;
     let given = of_files_for(how.rates, programs.iter().map(|it| &it.scene), host)?;
-    // What runs need is measured once, before the first of them.
+    // Calibrates missing rates once, before the first run.
     let known = match how.runs {
         Some(_) => of_scenes(&given, &programs, how.threads, host)?,
         None => given,
@@ -67,7 +68,8 @@ pub fn estimates(
     estimated.collect()
 }
 
-/// From the waits of its captures, added up along its graph.
+/// Estimates the completion time from waiting times along the dependency graph. Returns `None` if
+/// this is not possible for the program.
 fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstimate> {
     let cost = estimate(program.parts(), Some(rates))?;
     let (tables, graph) = (program.tables(), &program.compiled.graph);
@@ -101,7 +103,7 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
     })
 }
 
-/// From runs.
+/// Estimates the completion time from runs of the rate model.
 fn of_runs(
     program: EnsembleProgram,
     known: &[Rates],

@@ -1,4 +1,4 @@
-//! The trajectories of a run, for other programs.
+//! Exports the trajectories of a run for other programs.
 use std::path::Path;
 
 use stochc_files::atomic::{Draft, Replaces, ends_with, holds};
@@ -8,10 +8,10 @@ use super::chosen_run::ChosenRun;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Makes a run again and writes where its blocks are every so many ticks, as a table.
+/// Repeats a run and writes the positions of its blocks every `every` ticks as a Parquet table.
 ///
 /// # Errors
-/// If it does not come out as it was, or the file cannot be written.
+/// If the repeated run differs from the stored one, or the file cannot be written.
 pub fn parquet(
     chosen: &ChosenRun,
     every: u32,
@@ -41,13 +41,13 @@ pub fn parquet(
         .map_err(|error| Failure::not_written(path, error))
 }
 
-/// The same as an animation.
+/// Repeats a run and writes it as a glTF animation.
 ///
 /// # Errors
-/// The same.
+/// See [`parquet`].
 pub fn gltf(chosen: &ChosenRun, every: u32, path: &Path, host: &dyn Host) -> Result<(), Failure> {
     let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
-    // Before the run, which may take long.
+    // Opens the file first, because the run may take long.
     let file = Draft::new(path, Replaces::Ours(|file| holds(file, GLTF_MARK)));
     let mut file = file.map_err(|error| Failure::not_written(path, error))?;
     let mut gltf = Gltf::new(every, scene.free.count, tables);

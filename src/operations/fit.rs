@@ -1,4 +1,4 @@
-//! Finding numbers of scenes that measured times speak for.
+//! Fits scene parameters to measured completion times.
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
@@ -24,51 +24,51 @@ use crate::host::Host;
 /// A program of a fit.
 #[derive(Clone, Debug)]
 pub struct FitProgram {
-    /// The program, in the scene of its text.
+    /// The program with its scene as written.
     pub program: EnsembleProgram,
     /// Its measured times, or the number of runs to predict.
     pub measurement: Measurement,
 }
 
-/// Programs whose times a fit does not use.
+/// Programs whose times the fit does not use.
 #[derive(Clone, Copy, Debug)]
 pub struct Unused<'a> {
-    /// Programs with times that are held out.
+    /// Names of programs whose times are held out for validation.
     pub held_out: &'a [String],
-    /// Programs without times.
+    /// Names of programs without measured times.
     pub predicted: &'a [String],
     /// Number of runs of each predicted measurement.
     pub n: usize,
 }
 
-/// How a fit is made.
+/// Options of a fit.
 #[derive(Clone, Debug)]
 pub struct FitSetup<'a> {
-    /// The numbers to find, and where they may be.
+    /// Scene parameters to fit, with their ranges.
     pub priors: &'a [Prior],
-    /// Points of each round. `None` means three for each coefficient of the polynomials.
+    /// Points per round. `None` means three per coefficient of the polynomials.
     pub points: Option<usize>,
-    /// Each within what the one before has left; one at least.
+    /// Number of rounds, at least one. Each round samples the range that the previous one left.
     pub rounds: u64,
-    /// Of each program at each point.
+    /// Number of runs of each program at each point.
     pub runs: u64,
     /// The unit of the times.
     pub unit: Unit,
-    /// Of every run; `max_ticks` is where one is stopped.
+    /// Settings of every run. A run is stopped at `max_ticks`.
     pub settings: Settings,
-    /// Of all chance.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Runs at the same time. `None` means as many as there are cores.
+    /// Number of threads. `None` means one per core.
     pub threads: Option<u16>,
-    /// What becomes of warnings.
+    /// Levels of warnings.
     pub levels: &'a LintLevels,
 }
 
-/// Returns the numbers to find as those of the scenes of all programs.
+/// Resolves the scene parameters to fit in the scenes of all programs.
 ///
 /// # Errors
-/// If one is given twice, is none of a scene, may have no value there that an end of its range is,
-/// or only a few.
+/// If a parameter is given twice or does not exist in a scene. If its range has invalid values or
+/// too few values.
 pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<Prior>, Failure> {
     for (i, prior) in priors.iter().enumerate() {
         if priors[..i].iter().any(|other| other.of == prior.of) {
@@ -84,11 +84,11 @@ pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<
     Ok(priors)
 }
 
-/// Returns the times of a file (CSV), program by program. Warns if they look like those of stopped
-/// runs.
+/// Reads the measured times of each program from a CSV file. Warns if many equal times suggest
+/// stopped runs.
 ///
 /// # Errors
-/// If it cannot be read, or is no such file.
+/// If the file cannot be read or is not a table of times.
 pub fn measured_times(path: &Path, host: &dyn Host) -> Result<MeasuredTimes, Failure> {
     let shown = path.display();
     let bytes = read_file(path, TIMES)
@@ -101,10 +101,11 @@ pub fn measured_times(path: &Path, host: &dyn Host) -> Result<MeasuredTimes, Fai
     Ok(times)
 }
 
-/// Finds the times of each program.
+/// Assigns measured times to programs.
 ///
 /// # Errors
-/// If a program has no times and is not to be predicted, times have no program, or none is left to fit to.
+/// If a program has neither times nor a prediction, times belong to no program, or no program is
+/// left for the fit.
 pub fn matched(
     programs: Vec<EnsembleProgram>,
     mut observed: Vec<(String, Observed)>,
@@ -181,17 +182,17 @@ fn measurement(
     })
 }
 
-/// A number of runs at points of a design.
+/// The points of one round of the fit.
 struct Points<'a> {
     design: &'a Design,
     seed: u64,
 }
 
 impl FitSetup<'_> {
-    /// Points of each round.
+    /// Returns the number of points per round.
     ///
     /// # Errors
-    /// If they are too few.
+    /// If the points are too few for the polynomials.
     fn points(&self) -> Result<usize, Failure> {
         let numbers = self.priors.len();
         let least = Emulator::terms(numbers) + 2;
@@ -209,7 +210,7 @@ impl FitSetup<'_> {
         self.seed.wrapping_add(1_000_000 * round)
     }
 
-    /// Returns the points of a round, at values that the numbers may have.
+    /// Returns the points of a round. They have only valid values of the parameters.
     fn design(&self, ends: &[(f64, f64)], round: u64) -> Result<Design, Failure> {
         let mut design = Design::latin_hypercube(ends, self.points()?, self.seed_of_round(round));
         for point in &mut design.points {
@@ -219,7 +220,7 @@ impl FitSetup<'_> {
         Ok(design)
     }
 
-    /// Length of the unit of time \[ticks\].
+    /// Returns the length of the unit of time \[ticks\].
     fn ticks(&self, scene: &Scene) -> f64 {
         match self.unit {
             Unit::Ticks => 1.0,
@@ -227,7 +228,7 @@ impl FitSetup<'_> {
         }
     }
 
-    /// Returns the runs of a round.
+    /// Returns the manifest with the runs of a round.
     fn manifest(
         &self,
         measured: &[FitProgram],
@@ -240,7 +241,7 @@ impl FitSetup<'_> {
     }
 }
 
-/// Forecasts the CPU time of a fit. All rounds take about as long as the first.
+/// Forecasts the CPU time of a fit. Assumes that all rounds take as long as the first.
 ///
 /// # Errors
 /// See [`fit`].
@@ -262,10 +263,10 @@ pub fn forecast(
     })
 }
 
-/// Simulates at the points of each round, and draws conclusions.
+/// Simulates all programs at the points of each round and fits the parameters.
 ///
 /// # Errors
-/// If there are too few points, the runs do not complete at most of them, or the host stops it.
+/// If there are too few points, runs do not complete at most points, or the user interrupts.
 pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result<Fit, Failure> {
     let priors = setup.priors;
     check_limit(setup, measured)?;
@@ -284,7 +285,8 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
         }
         let emulators: Option<Vec<Emulator>> = (all.iter().zip(measured))
             .map(|(points, program)| {
-                // Further away, a polynomial would bend for what does not matter any more.
+                // Fits polynomials only near the remaining range. Distant points would distort
+                // them.
                 let near = points.iter().filter(|point| point.is_within(&ends));
                 let near: Vec<Simulated> = near.cloned().collect();
                 Emulator::new(&near, program.measurement.horizon())
@@ -329,7 +331,7 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
     })
 }
 
-/// Checks that runs are simulated as long as they were observed.
+/// Checks that simulated runs last at least as long as the observed ones.
 fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure> {
     let limit = setup.settings.max_ticks.unwrap_or(u64::MAX);
     for FitProgram {
@@ -348,8 +350,8 @@ fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure>
     Ok(())
 }
 
-/// Returns the times of every program at every point of a design, and the number of runs that lack
-/// a time that the fit needs.
+/// Simulates every program at every point. Returns the times, and the number of runs without a time
+/// that the fit needs.
 fn simulated(
     setup: &FitSetup,
     measured: &[FitProgram],
@@ -371,13 +373,13 @@ fn simulated(
         let completed = observed[entry].iter().filter_map(|it| it.completed_time());
         let times: Vec<f64> = completed.map(|ticks| ticks / unit).collect();
         let incomplete = observed[entry].len() - times.len();
-        // Up to a horizon, an incomplete run says as much as another.
+        // Before the horizon, an incomplete run is as informative as a complete one.
         let lost = match measured[entry / count].measurement.horizon() {
             Some(_) => 0,
             None => setup.runs as usize - times.len(),
         };
         stopped += lost;
-        // A point where many runs are stopped has times of the fast ones.
+        // If many runs of a point are stopped, its times come from the fast runs only.
         if lost * 10 <= setup.runs as usize {
             found[entry / count].push(Simulated {
                 at: points.design.points[entry % count].clone(),
@@ -389,11 +391,11 @@ fn simulated(
     Ok((found, stopped))
 }
 
-/// Returns the scenes of all programs with the medians of a fit, as the text of a program that
-/// others can import.
+/// Returns the scenes of all programs with the fitted medians, as source that other programs can
+/// import.
 ///
 /// # Errors
-/// If a scene cannot have these numbers.
+/// If a scene cannot have these values.
 pub fn fitted_scenes(
     setup: &FitSetup,
     measured: &[FitProgram],
@@ -436,7 +438,7 @@ pub fn fitted_scenes(
     Ok(laid_out.expect("clauses are written as they are read"))
 }
 
-/// Each program at each point, the points of the first program first.
+/// Returns each program at each point, program by program.
 fn at_points(
     setup: &FitSetup,
     measured: &[FitProgram],

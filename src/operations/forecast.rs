@@ -1,4 +1,4 @@
-//! The CPU time that runs will take, before they are made.
+//! Forecasts the CPU time of runs.
 use stochc_results::{CpuForecast, EnsembleProgram, Manifest, forecast_cpu_time};
 use stochc_runtime::rates::{Rates, estimate};
 use stochc_text::words;
@@ -11,14 +11,15 @@ use crate::host::Host;
 /// Forecasts the CPU time of an ensemble. It takes about a second.
 ///
 /// # Errors
-/// If a scene cannot be set up, or it is stopped.
+/// If a scene cannot be set up, or the user interrupts.
 pub fn cpu_time(manifest: &Manifest, host: &dyn Host) -> Result<CpuForecast, Failure> {
     try_out_all(manifest)?;
     let forecast = forecast_cpu_time(manifest, expected_ticks, host.stop());
     forecast.ok_or_else(|| stopped("nothing was simulated"))
 }
 
-/// Returns the mean time to completion by the rate model \[ticks\].
+/// Returns the mean completion time by the rate model \[ticks\]. Returns `None` if the model has no
+/// rates for the scene.
 fn expected_ticks(program: &EnsembleProgram) -> Option<f64> {
     let rates = Rates::known_or_guessed(&[], &program.scene)?;
     estimate(program.parts(), Some(&rates))?.total?.mean

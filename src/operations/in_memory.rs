@@ -1,4 +1,4 @@
-//! Ensembles that are made for what they say, and kept nowhere.
+//! Ensembles whose results stay in memory.
 use stochc_results::{
     Destination, Manifest, Progress, Results, RunCancelled, RunWatch, run as run_all,
 };
@@ -8,10 +8,12 @@ use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
 
-/// Makes all runs of a manifest, each program with a seed of its own: those that shared their kicks would share their errors as well.
+/// Makes all runs of a manifest. Each program gets its own seed, because equal random impulses
+/// would correlate the errors of programs.
 ///
 /// # Errors
-/// If a scene cannot be set up, or it is stopped before the end: `stopped` says what was not done.
+/// If a scene cannot be set up, or the user interrupts. `stopped` is the consequence
+/// in the message.
 pub fn all_runs(
     manifest: &Manifest,
     threads: Option<u16>,
@@ -40,7 +42,7 @@ pub fn all_runs(
     }
 }
 
-/// Somebody has stopped it, and this was not done.
+/// Returns the error of an interrupted command. `what` states the consequence.
 pub fn stopped(what: &str) -> Failure {
     Failure {
         exit: Exit::Interrupted,

@@ -1,7 +1,7 @@
 //! The JSON documents that commands print; `docs/reference/json.md` describes them.
 use serde::Serialize;
 
-/// Version of all of these documents.
+/// Version of all JSON documents.
 pub const FORMAT: u32 = 1;
 
 /// A document: the version, and the keys of its content.
@@ -12,10 +12,10 @@ struct Document<T> {
     content: T,
 }
 
-/// Returns the text of a document, which ends in a line break. The content is an object.
+/// Returns a document as JSON with a final line break.
 ///
 /// # Panics
-/// If the content is no object.
+/// If the content is not a JSON object.
 pub fn document(content: impl Serialize) -> String {
     let document = Document {
         format: FORMAT,

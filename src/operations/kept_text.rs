@@ -1,24 +1,24 @@
-//! The texts that are kept with a program, compiled again for what is about the text.
+//! Compiles the sources that a results folder stores with each program.
 use stochc_compiler::{Checked, LintLevels, Program};
 use stochc_results::{EnsembleProgram, Varied};
 
 use super::programs::recompile;
 
-/// What the compiler says of the texts of a program.
+/// The result of compiling a program's stored sources.
 #[derive(Debug)]
 pub struct KeptText<'a> {
     kept: &'a EnsembleProgram,
-    /// All of it; where no text is kept, that there is none.
+    /// All diagnostics. If no source is stored, one diagnostic reports this.
     pub checked: Checked,
 }
 
 impl<'a> KeptText<'a> {
-    /// Compiles the texts of a program, with the numbers that a sweep has chosen for it.
+    /// Compiles the sources of a program with the values of its point in a sweep.
     pub fn new(kept: &'a EnsembleProgram, levels: &LintLevels) -> KeptText<'a> {
         KeptText::varied(kept, &kept.varied, levels)
     }
 
-    /// The same with the numbers of the text.
+    /// Compiles the sources of a program with the values as written.
     pub fn as_written(kept: &'a EnsembleProgram) -> KeptText<'a> {
         KeptText::varied(kept, &[], &LintLevels::default())
     }
@@ -30,19 +30,22 @@ impl<'a> KeptText<'a> {
         }
     }
 
-    /// Returns the program. `None` means the texts do not declare it, or there are none.
+    /// Returns the compiled program. Returns `None` if the sources do not declare it or are
+    /// missing.
     pub fn program(&self) -> Option<&Program> {
         let mut programs = self.checked.programs.iter();
         programs.find(|it| it.plan.name == self.kept.assembly())
     }
 
-    /// The same, if it compiles to what is kept; another version of the compiler may do otherwise.
+    /// Returns the compiled program if it equals the stored one. Another version of the compiler
+    /// may produce a different one.
     pub fn same_program(&self) -> Option<&Program> {
         let program = self.program();
         program.filter(|it| it.tables.as_ref() == Some(self.kept.tables()))
     }
 
-    /// Returns the program.
+    /// Returns the compiled program. Returns `None` if the sources do not declare it or are
+    /// missing.
     pub fn into_program(self) -> Option<Program> {
         let mut programs = self.checked.programs.into_iter();
         programs.find(|it| it.plan.name == self.kept.assembly())

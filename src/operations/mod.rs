@@ -1,6 +1,8 @@
-//! What commands do, for any [`Host`](crate::host::Host): programs of files, ensembles, pieces, pages.
+//! The work of each command for any [`Host`](crate::host::Host): programs, ensembles, shards,
+//! pages.
 //!
-//! The command line reads options and prints; other programs give the same values and get the same folders, byte for byte.
+//! The command line and the Python package call these functions with the same options. They get
+//! identical folders.
 pub mod chosen_run;
 pub mod codes;
 pub mod ensemble;

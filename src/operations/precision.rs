@@ -1,4 +1,4 @@
-//! As many runs as it takes to know means well enough.
+//! Makes runs until the means are precise enough.
 use std::path::Path;
 
 use stochc_experiments::{Comparison, ComparisonTally, ProgramSummary};
@@ -10,19 +10,21 @@ use super::ensemble::{EnsembleOptions, MadeEnsemble, make};
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Runs of each program with which it begins.
+/// Number of runs per program in the first round.
 const FIRST: u64 = 30;
 
-/// Runs without two that completed after which no mean is waited for.
+/// Number of runs after which programs with fewer than two completed runs are ignored.
 const HOPELESS: u64 = 100;
 
-/// Makes runs until half of the 95 % interval of every program's mean is no more than the part `within` of it, or until there
-/// are as many as `manifest` says; how many there are then, with all of them.
+/// Makes runs until the relative 95 % confidence interval of every program's mean is at most
+/// `within`. Stops at the number of runs in `manifest`. Returns the manifest with the final number
+/// of runs, and all runs.
 ///
-/// The numbers of runs depend on the times of the runs before alone, so that the same command makes the same runs.
+/// The number of runs depends only on the times of earlier runs. The same command therefore makes
+/// the same runs.
 ///
 /// # Errors
-/// Those of [`make`].
+/// See [`make`].
 pub fn make_until(
     mut manifest: Manifest,
     within: f64,
@@ -50,7 +52,7 @@ pub fn make_until(
             return Ok((manifest, made));
         };
         manifest.runs = more.min(most);
-        // What it has begun itself it may go on with; of somebody else's runs it has to be told.
+        // Resumes runs that it started itself. Runs of an earlier command need `--resume`.
         if stage.resume == Resume::No && there.is_none() {
             stage.resume = Resume::SameBuild;
         }
@@ -58,7 +60,8 @@ pub fn make_until(
     }
 }
 
-/// How many runs of each program a folder is for.
+/// Returns the number of runs per program that a folder is planned for. Returns `None` without a
+/// folder.
 fn stored_runs(out: &Path) -> Option<u64> {
     let stored = survey(out).ok().flatten();
     stored.map(|stored| stored.runs)
@@ -70,7 +73,7 @@ fn compared(manifest: &Manifest, finished: &Records) -> Result<Comparison, Failu
     Ok(tally.finish())
 }
 
-/// Half of the interval of a mean, as a part of it.
+/// Returns the half width of the confidence interval divided by the mean.
 fn relative(program: &ProgramSummary) -> f64 {
     match &program.time {
         Some(time) if time.mean <= 0.0 => 0.0,
@@ -81,21 +84,22 @@ fn relative(program: &ProgramSummary) -> f64 {
     }
 }
 
-/// How many runs of each program there should be, where so many do not tell all means well enough; of each program how many
-/// completed, and half of the interval as a part of the mean.
+/// Returns the number of runs per program that are needed for the precision `within`. Returns
+/// `None` if `runs` are enough. `programs` has the number of completed runs and the relative half
+/// width for each program.
 fn wanted(programs: impl Iterator<Item = (u64, f64)>, runs: u64, within: f64) -> Option<u64> {
     let hopeful = programs.filter(|&(completed, _)| completed >= 2 || runs < HOPELESS);
     let worst = hopeful.map(|(_, relative)| relative).fold(0.0, f64::max);
     if worst <= within {
         return None;
     }
-    // Intervals fall with the root of the number; the first ones tell little of it.
+    // Intervals shrink with the square root of the number of runs. Early intervals are imprecise.
     let needed = runs as f64 * (worst / within).powi(2);
     let [least, most] = [runs + runs / 10 + 1, runs.saturating_mul(4)];
     Some((needed.min(most as f64).ceil() as u64).max(least))
 }
 
-/// Tells which means are not known well enough after so many runs, if there may be so many.
+/// Warns of means that are not precise enough after the largest number of runs.
 fn warn_of_unknown(comparison: &Comparison, [runs, most]: [u64; 2], within: f64, host: &dyn Host) {
     let unknown = comparison
         .programs
@@ -113,7 +117,7 @@ fn warn_of_unknown(comparison: &Comparison, [runs, most]: [u64; 2], within: f64,
     let runs = if runs == most {
         format!("with {runs} runs, the most there may be (`--runs`)")
     } else {
-        format!("with {runs} runs, of which more are not waited for")
+        format!("after {runs} runs")
     };
     host.warn(&format!(
         "{runs}, not every mean is known to within {}: {}\n",
@@ -131,10 +135,10 @@ mod tests {
         let of = |programs: &[(u64, f64)], runs| wanted(programs.iter().copied(), runs, 0.05);
         assert_eq!(of(&[(30, 0.05), (30, 0.01)], 30), None);
         assert_eq!(of(&[(30, 0.075), (30, 0.01)], 30), Some(68));
-        // No more than four times as many, and some more in any case.
+        // At most four times as many, and always a few more.
         assert_eq!(of(&[(30, 0.9)], 30), Some(120));
         assert_eq!(of(&[(200, 0.0501)], 200), Some(221));
-        // Nobody waits for a program that does not complete.
+        // A program that never completes does not cause more runs.
         let never = (0, f64::INFINITY);
         assert_eq!(of(&[never], 30), Some(120));
         assert_eq!(of(&[never, (120, 0.04)], 120), None);

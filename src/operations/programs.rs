@@ -1,4 +1,4 @@
-//! Files to programs that are ready to run.
+//! Reads files as programs that are ready to run.
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -11,10 +11,10 @@ use stochc_results::{EnsembleProgram, Source, Varied};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// Returns the programs of files, if nothing is wrong in any of them.
+/// Reads and compiles the programs of all files.
 ///
 /// # Errors
-/// If one cannot be read or run; all are looked at before.
+/// If a file cannot be read, has errors, or contains nothing to run. All files are checked first.
 pub fn programs(
     files: &[String],
     levels: &LintLevels,
@@ -43,7 +43,7 @@ pub fn programs(
     wrong.map_or(Ok(programs), Err)
 }
 
-/// Returns the files, with the programs of each folder in its place.
+/// Returns the files, with each folder replaced by its programs.
 fn expanded(arguments: &[String]) -> Result<Vec<String>, Failure> {
     let files = arguments.iter().flat_map(|argument| {
         if Path::new(argument).is_dir() {
@@ -55,10 +55,10 @@ fn expanded(arguments: &[String]) -> Result<Vec<String>, Failure> {
     files.map(|file| file.map_err(Failure::usage)).collect()
 }
 
-/// Returns whether an argument is a file that can be opened.
+/// Checks that an argument is a readable file.
 ///
 /// # Errors
-/// If it is not, with the reason.
+/// If the file cannot be opened, with the reason.
 pub fn is_readable(file: &str) -> Result<(), Failure> {
     if let Some(reason) = not_a_file(file) {
         return Err(Failure::usage(reason));
@@ -67,7 +67,7 @@ pub fn is_readable(file: &str) -> Result<(), Failure> {
     opened.map(drop).map_err(|error| cannot_read(file, error))
 }
 
-/// Returns the error of the command line that a file cannot be read.
+/// Returns the usage error that a file cannot be read.
 pub fn cannot_read(file: &str, reason: impl Display) -> Failure {
     Failure::usage(format!("cannot read {file}: {reason}"))
 }
@@ -88,7 +88,7 @@ fn read(
     }
 }
 
-/// Programs that were compiled elsewhere.
+/// Returns the programs of executable files.
 fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
     let programs = executables.into_iter().map(|executable| {
         let name = executable.tables.assembly.clone();
@@ -97,10 +97,10 @@ fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
     programs.collect()
 }
 
-/// Returns the programs of a file without errors, and shows its diagnostics.
+/// Returns the programs of a compiled file, and shows its diagnostics.
 ///
 /// # Errors
-/// If it has errors, or nothing to run.
+/// If the file has errors or contains nothing to run.
 pub fn accept(
     file: &str,
     checked: Checked,
@@ -127,12 +127,12 @@ pub fn accept(
     Ok(complete.collect())
 }
 
-/// Nothing is wrong in a file, and nothing can be run of it.
+/// Returns the error that a file has no assembly to run.
 pub fn nothing_to_run(file: &str) -> Failure {
     Failure::usage(format!("`{file}` declares no assembly or aggregate to run"))
 }
 
-/// Compiles texts that were kept, for the assembly of a name, with the numbers that are varied.
+/// Compiles stored sources for one assembly, with the values that a sweep varies.
 pub fn recompile(
     sources: &[Source],
     varied: &[Varied],

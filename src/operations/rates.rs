@@ -1,4 +1,4 @@
-//! Rates for `--model rate`: those of files, or measured now.
+//! Rates for `--model rate`, from files or from a calibration.
 use std::path::{Path, PathBuf};
 
 use stochc_experiments::calibration::{Calibration, PROGRAMS, profile};
@@ -17,19 +17,20 @@ use crate::exit::{Exit, Failure};
 use crate::facade::compile;
 use crate::host::Host;
 
-/// What is simulated if nothing is said: some 30 s of processor time in the default scene.
+/// Default number of runs of a calibration. Takes about 30 s of CPU time in the default scene.
 pub const RUNS: u64 = 6;
-/// Ticks of a run, at most.
+/// Longest run of a calibration \[ticks\]. Longer runs are stopped.
 pub const MAX_TICKS: u64 = 60_000;
 
-/// Not that of `simulate`: the kicks of a calibration are never those of what it is held against.
+/// Seed of calibrations. Differs from that of `simulate`, so that a calibration is never compared
+/// with its own random impulses.
 pub const SEED: u64 = 0x5ca1_e000;
 
-/// Returns the rates of the scenes of programs, each once: those that are known, or come with
-/// `stochc`. What has to be measured first takes so many threads.
+/// Returns the rates of the scenes of all programs, without duplicates. Uses known and built-in
+/// rates, and calibrates the other scenes.
 ///
 /// # Errors
-/// If what has to be measured cannot be.
+/// If a program is not supported, or a calibration fails.
 pub fn of_scenes(
     known: &[Rates],
     programs: &[EnsembleProgram],
@@ -47,7 +48,7 @@ pub fn of_scenes(
             Some(rates) => rates.clone(),
             None => {
                 host.warn(&format!(
-                    "measuring the rates of the scene of {}, of which there are none; `stochc calibrate --out` keeps them\n",
+                    "calibrating the scene of {}, which has no rates; `stochc calibrate --out` keeps them\n",
                     program.name
                 ));
                 measure(scene, &Effort::usual(threads), host)?
@@ -58,14 +59,14 @@ pub fn of_scenes(
     Ok(found)
 }
 
-/// Files of rates that are about none of the scenes that they were given for.
+/// Files of rates that match none of the scenes in use.
 #[derive(Debug)]
 pub struct UnusedRates<'a> {
     of: Vec<(&'a Path, &'a Rates)>,
 }
 
 impl<'a> UnusedRates<'a> {
-    /// Before a scene has been seen.
+    /// Creates the list with all files. [`UnusedRates::not_of`] removes the ones in use.
     pub fn new(files: &'a [PathBuf], rates: &'a [Rates]) -> UnusedRates<'a> {
         let files = files.iter().map(PathBuf::as_path);
         UnusedRates {
@@ -73,13 +74,13 @@ impl<'a> UnusedRates<'a> {
         }
     }
 
-    /// Leaves those that are about none of these scenes either.
+    /// Removes the files that match one of these scenes.
     pub fn not_of<'b>(&mut self, scenes: impl Iterator<Item = &'b Scene> + Clone) {
         let is_about = |rates: &Rates| scenes.clone().any(|scene| rates.are_of(scene));
         self.of.retain(|(_, rates)| !is_about(rates));
     }
 
-    /// What is to be said of each.
+    /// Returns a warning for each unused file.
     pub fn notes(&self) -> impl Iterator<Item = String> {
         self.of.iter().map(|(path, _)| {
             format!(
@@ -90,10 +91,10 @@ impl<'a> UnusedRates<'a> {
     }
 }
 
-/// Those that files hold, for scenes; files that are about none of them are told of.
+/// Reads files of rates, and warns of files that match none of the scenes.
 ///
 /// # Errors
-/// If one cannot be read.
+/// If a file cannot be read.
 pub fn of_files_for<'a>(
     files: &[PathBuf],
     scenes: impl Iterator<Item = &'a Scene> + Clone,
@@ -106,24 +107,24 @@ pub fn of_files_for<'a>(
     Ok(rates)
 }
 
-/// Those that files hold.
+/// Reads files of rates.
 ///
 /// # Errors
-/// If one cannot be read.
+/// If a file cannot be read.
 pub(crate) fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
     files.iter().map(|path| read(path)).collect()
 }
 
-/// Returns the rates of a scene that are known, or come with the program; `None` as well where no
-/// rates speak of the scene.
+/// Returns the known or built-in rates of a scene. Returns `None` if there are none, or the rate
+/// model does not support the scene.
 pub(crate) fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
     Rates::known(known, scene).filter(|_| RateWorld::unsupported(scene).is_none())
 }
 
-/// Returns whether rates speak of a program and its scene.
+/// Checks that the rate model supports a program and its scene.
 ///
 /// # Errors
-/// What they know nothing of, and what does.
+/// If it does not, with the unsupported feature and a model that has it.
 pub(crate) fn supported(program: &EnsembleProgram) -> Result<(), Failure> {
     match RateWorld::unsupported_by(program.tables(), &program.scene) {
         Some(error) => Err(Failure::invalid_program(format!(
@@ -142,21 +143,21 @@ fn read(path: &Path) -> Result<Rates, Failure> {
     Rates::from_text(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
 }
 
-/// How much is simulated.
+/// Size of a calibration.
 #[derive(Clone, Debug)]
 pub struct Effort {
-    /// How.
+    /// Settings of the runs.
     pub settings: Settings,
-    /// Runs of each program.
+    /// Number of runs of each program.
     pub runs: u64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Runs at the same time.
+    /// Number of threads. `None` means one per core.
     pub threads: Option<u16>,
 }
 
 impl Effort {
-    /// As much as is usual.
+    /// Returns the default size of a calibration.
     pub fn usual(threads: Option<u16>) -> Effort {
         Effort {
             settings: Settings {
@@ -170,10 +171,10 @@ impl Effort {
     }
 }
 
-/// Measures the rates of a scene by runs with physics.
+/// Calibrates the rates of a scene with physical simulations.
 ///
 /// # Errors
-/// If it has none, or the runs are stopped.
+/// If the scene cannot be set up, or the user interrupts.
 pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates, Failure> {
     if let Some(error) = RateWorld::unsupported(scene) {
         return Err(Failure::invalid_program(error.to_string()));
@@ -186,7 +187,7 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
         for mut executable in executables {
             let captures = executable.tables.captures() as u64;
             least = least.min(captures);
-            // Blocks that are not there cannot be waited for.
+            // Skips programs with more captures than the scene has free blocks.
             if captures <= u64::from(scene.free.count) {
                 executable.scene = scene.clone();
                 observed.push(EnsembleProgram::new(name, Vec::new(), executable));
@@ -195,7 +196,7 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
     }
     if observed.is_empty() {
         return Err(Failure::invalid_program(format!(
-            "there are too few free blocks ({}) for any of the structures by which rates are measured: they capture {least} and more; `stochc simulate --model rigid` needs no rates",
+            "too few free blocks ({}): the structures of a calibration capture {least} or more; `stochc simulate --model rigid` needs no rates",
             scene.free.count
         )));
     }

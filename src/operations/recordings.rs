@@ -1,4 +1,4 @@
-//! Runs of an ensemble that are recorded while they are made.
+//! Records selected runs of an ensemble while they are made.
 use std::io;
 use std::path::Path;
 use std::sync::Mutex;
@@ -12,18 +12,18 @@ use stochc_runtime::{RunError, Watch};
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Which runs of an ensemble are recorded, and what went wrong with that.
+/// The runs to record, and the first error in doing so.
 pub(super) struct Recordings<'a> {
-    /// `None`: none.
+    /// Folder and selected runs. `None` if no runs are recorded.
     wanted: Option<(&'a Path, &'a Selection)>,
     every: u32,
     manifest: &'a Manifest,
     identity: String,
-    /// The first.
+    /// The first error of writing a recording.
     broken: Mutex<Option<io::Error>>,
 }
 
-/// The place of one recording.
+/// The recording of one run.
 pub(super) struct RecordingOfRun<'a> {
     all: &'a Recordings<'a>,
     folder: &'a Path,
@@ -46,7 +46,7 @@ impl<'a> Recordings<'a> {
         }
     }
 
-    /// Where a run is recorded. `None` means it is not.
+    /// Returns the recording to write for a run. Returns `None` if the run is not selected.
     pub fn of(&'a self, program: usize, run: u64) -> Option<RecordingOfRun<'a>> {
         let (folder, _) = self.wanted.filter(|(_, runs)| runs.contains(run))?;
         Some(RecordingOfRun {
@@ -57,7 +57,8 @@ impl<'a> Recordings<'a> {
         })
     }
 
-    /// Says which of the wanted recordings are not there; why the command fails for that.
+    /// Reports selected recordings that are missing. Returns the error of the command if any is
+    /// missing.
     pub fn comment(&self, finished: &Records, host: &dyn Host) -> Option<Failure> {
         let (folder, runs) = self.wanted?;
         let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());
@@ -82,9 +83,7 @@ impl<'a> Recordings<'a> {
 }
 
 impl RecordingOfRun<'_> {
-    /// Makes the run and records it.
-    ///
-    /// A recording that cannot be written costs the recording, not the run.
+    /// Makes a run and records it. If the recording cannot be written, the run is still made.
     pub fn record(
         &self,
         program: &EnsembleProgram,
@@ -129,7 +128,7 @@ impl RecordingOfRun<'_> {
     }
 }
 
-/// Begins the recording that will be at `path` in a folder of results, and makes the folder for it.
+/// Starts a recording at `path`, and creates its folder.
 pub(super) fn begin(
     path: &Path,
     header: &RecordingHeader,

@@ -1,4 +1,4 @@
-//! The page that shows a run.
+//! Writes the replay page of a run.
 use std::io::{self, Seek as _, Write};
 use std::path::Path;
 
@@ -14,16 +14,16 @@ use super::kept_text::KeptText;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// How a run is shown.
+/// Options of a replay page.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct View<'a> {
-    /// Another run of the program, beside it.
+    /// Another run of the program to show side by side.
     pub beside: Option<&'a ChosenRun>,
-    /// Whether it begins with what decided how long the run took.
+    /// Whether the page opens with the tour of the critical path.
     pub is_guided: bool,
 }
 
-/// Writes the page of a run as a whole or not at all.
+/// Writes the page of a run atomically.
 ///
 /// # Errors
 /// If a run cannot be shown, or the file cannot be written.
@@ -34,7 +34,7 @@ pub fn write(
     host: &dyn Host,
 ) -> Result<(), Failure> {
     let cannot = |error| Failure::not_written(path, error);
-    // Before the run, which may take long.
+    // Opens the file first, because the run may take long.
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     let mut out = Draft::new(path, ours).map_err(cannot)?;
     to(&mut out, chosen, view, host, cannot)?;
@@ -71,10 +71,11 @@ fn to(
     write_page(&title, &about, recording, beside, out).map_err(cannot)
 }
 
-/// Events beyond which their places are not looked for.
+/// Largest number of events. Pages of larger programs do not link source locations.
 const MAX_STATEMENTS: usize = 50_000;
 
-/// Where each event of the graph is written; nothing, if the texts of the program are not here, or another compiler's.
+/// Returns the source location of each event. Returns nothing if the sources are missing or compile
+/// to another program.
 fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
     if program.sources.is_empty() || program.compiled.graph.events.len() > MAX_STATEMENTS {
         return Vec::new();

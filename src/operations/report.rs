@@ -1,4 +1,4 @@
-//! The report on folders of results, and what belongs beside it.
+//! Writes the report on results folders and its figures.
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -16,13 +16,13 @@ use super::results::read as read_folder;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// The name of the page, where nobody gives another.
+/// Default file name of the report.
 const PAGE: &str = "report.html";
 
-/// Writes a page on what folders hold, and its figures beside it.
+/// Writes a report on results folders, and its figures to a folder next to it.
 ///
 /// # Errors
-/// If a folder cannot be read, or something else stands where the page is to be.
+/// If a results folder cannot be read, or the page would replace a file that is not a report.
 pub fn write(
     folders: &[PathBuf],
     out: Option<&Path>,
@@ -104,8 +104,7 @@ fn write_page(
     Ok(page)
 }
 
-/// Returns the folders, each once, with all that they hold; tells everything that is wrong with
-/// them.
+/// Reads the results folders without duplicates. Reports all problems, not only the first.
 fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Failure> {
     let mut seen = Vec::new();
     let mut folders = Vec::new();
@@ -159,14 +158,17 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
     }
 }
 
-/// The figures beside the page, and what belongs there already.
+/// The folder of figures next to a page.
 struct Beside {
     folder: PathBuf,
-    /// The page of an earlier report; empty: there is none.
+    /// Content of an earlier report at the same path. Empty if there is none.
     earlier: Vec<u8>,
 }
 
-/// Returns the folder beside the page, if neither would take the place of something else.
+/// Returns the folder of figures for a page.
+///
+/// # Errors
+/// If the page or the folder would replace other files. The error is a message for the user.
 fn claim(page: &Path) -> Result<Beside, String> {
     let shown = page.display();
     let (Some(stem), false) = (page.file_stem(), page.is_dir()) else {
@@ -192,7 +194,7 @@ fn claim(page: &Path) -> Result<Beside, String> {
         ));
     }
     match disk::list(&folder) {
-        // A report that was stopped has left a file that it was writing.
+        // An interrupted report may have left a partial file.
         Ok(there)
             if earlier.is_empty()
                 && !there.is_empty()
@@ -210,9 +212,9 @@ fn claim(page: &Path) -> Result<Beside, String> {
 }
 
 impl Beside {
-    /// Begins one of its files, and makes the folder.
+    /// Starts a file in the folder. Creates the folder if needed.
     fn begin(&self, name: &str) -> io::Result<Draft> {
-        // Only this one: a folder that is not there may be a slip of the pen.
+        // Creates only this folder: a missing parent may be a typing error.
         if !self.folder.is_dir() {
             std::fs::create_dir(&self.folder)?;
         }
@@ -220,8 +222,9 @@ impl Beside {
     }
 }
 
-/// Writes the figures, and then the page that refers to them; figures of an earlier report that
-/// this one does not have go. `chains` gets its name last: without a page it says whose the folder is.
+/// Writes the figures and then the page that refers to them. Deletes the figures of an earlier
+/// report that the new one lacks. `chains` is renamed last, because a folder without a page has no
+/// known owner.
 fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Result<()> {
     let Beside { folder, earlier } = beside;
     for entry in std::fs::read_dir(folder)? {
@@ -232,7 +235,7 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
             extension.is_some_and(|it| ["svg", "pdf", "csv"].iter().any(|one| it == *one));
         let stays = (report.has_chains && name == CHAINS)
             || report.files.iter().any(|(file, _)| name == file.as_str());
-        // What the earlier page does not speak of is somebody else's.
+        // Keeps files that the earlier page does not mention.
         let address = format!("/{}\"", name.to_string_lossy());
         if is_figure && !stays && atomic::holds(&earlier[..], address.as_bytes())? {
             std::fs::remove_file(entry.path())?;
@@ -250,8 +253,9 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
     }
 }
 
-/// Returns the address of a run's replay as seen from the page: beside the page of a single folder,
-/// or in the folder.
+/// Returns the link from a report to the replay of a run. The replay is next to the page of a
+/// single folder, or in the results folder. Returns `None` if there is none below the page's
+/// folder.
 fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<String> {
     let here = match page.parent()? {
         empty if empty == Path::new("") => Path::new("."),
@@ -262,14 +266,14 @@ fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<
         return Some(address(name));
     }
     let name = names.iter().find(|name| folder.join(name).is_file())?;
-    // An address on this machine's disk alone would break when the report is passed on.
+    // An absolute path would break if the report moved to another computer.
     let (here, folder) = (here.canonicalize().ok()?, folder.canonicalize().ok()?);
     let below = folder.strip_prefix(here).ok()?.join(name);
     Some(address(&below.to_string_lossy().replace('\\', "/")))
 }
 
-/// What the replay of a run may be called: by the program's assembly and its number, or by its number
-/// alone where the folder has one program.
+/// Returns the possible file names for the replay of a run: with the assembly, or only the run
+/// number if the folder has one program.
 fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
     let assembly = manifest.programs[program].assembly();
     let twins = manifest.programs.iter();
@@ -279,7 +283,7 @@ fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
         _ => format!("-{program}"),
     };
     let mut names = Vec::new();
-    // A manifest may have been edited, and lead anywhere.
+    // An edited manifest may contain a path instead of a name.
     if assembly.chars().all(|c| c.is_alphanumeric() || c == '_') {
         names.push(format!("replay-{assembly}{which}-{run}.html"));
     }

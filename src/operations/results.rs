@@ -1,4 +1,4 @@
-//! Reading the folder of an ensemble, and what its runs tell.
+//! Reads results folders and summarizes their runs.
 use std::path::Path;
 
 use serde_json::json;
@@ -24,28 +24,28 @@ use super::json::document;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Reads a results folder, and says what is wrong with it.
+/// Reads a results folder and reports its problems.
 ///
 /// # Errors
-/// If it holds no results.
+/// If the folder contains no results.
 pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failure> {
     let contents = read_contents(folder, host)?;
     Ok((contents.manifest, contents.finished))
 }
 
-/// Reads a results folder, and warns of corrupted files.
+/// Reads a results folder with all details, and warns of corrupted files.
 ///
 /// # Errors
-/// If it holds no results.
+/// If the folder contains no results.
 pub fn read_contents(folder: &Path, host: &dyn Host) -> Result<Contents, Failure> {
     let contents = Folder::read(folder).map_err(Failure::usage)?;
     warn_of_damage(folder, &contents.damage, host);
     Ok(contents)
 }
 
-/// Says what is wrong with the files of a results folder.
+/// Warns of corrupted files in a results folder.
 pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
-    /// More than these say the same.
+    /// Largest number of files in the warning.
     const SHOWN: usize = 5;
     if damage.is_empty() {
         return;
@@ -65,25 +65,25 @@ pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) 
     host.warn(&text);
 }
 
-/// What the runs of an ensemble tell.
+/// Summary of the runs of an ensemble.
 #[derive(Debug)]
 pub struct EnsembleResults<'a> {
     manifest: &'a Manifest,
-    /// Its programs in figures, and against each other.
+    /// Statistics of each program, and comparisons between programs.
     pub comparison: Comparison,
-    /// `None`: it is no sweep.
+    /// Summary of the sweep. `None` if the ensemble is not a sweep.
     pub sweep: Option<Sweep>,
-    /// `None`: no settings are varied.
+    /// Summary of the trade. `None` if no settings are varied.
     pub trade: Option<Trade>,
     /// Waiting times of each program. Empty if captures are not listed.
     waits: Vec<WaitsTally>,
-    /// Most captures that are listed of a program.
+    /// Largest number of captures to list per program.
     max_captures: usize,
-    /// `None`: no run failed.
+    /// The first failed run. `None` if no run failed.
     failure: Option<Failed>,
 }
 
-/// Returns the captures of a program. Of more than `most`, those with the longest waiting times, the longest first.
+/// Returns the `most` captures of a program with the longest waiting times, longest first.
 fn longest(program: &EnsembleProgram, waits: WaitsTally, most: usize) -> Vec<CaptureSummary> {
     let mut captures = captures(program, waits);
     if captures.len() > most {
@@ -93,7 +93,7 @@ fn longest(program: &EnsembleProgram, waits: WaitsTally, most: usize) -> Vec<Cap
     captures
 }
 
-/// The first run whose physics broke down.
+/// The first run whose physics failed.
 #[derive(Debug)]
 struct Failed {
     program: usize,
@@ -119,10 +119,10 @@ impl Failed {
     }
 }
 
-/// Goes through the runs of an ensemble once, and for this number of captures of each program.
+/// Summarizes the runs of an ensemble. Lists up to `max_captures` captures per program.
 ///
 /// # Errors
-/// Where the runs cannot be read again.
+/// If the records cannot be read.
 pub fn ensemble_results<'a>(
     manifest: &'a Manifest,
     finished: &Records,
@@ -160,10 +160,10 @@ pub fn ensemble_results<'a>(
 }
 
 impl EnsembleResults<'_> {
-    /// Gives programs their labels, and converts times to seconds if asked for.
+    /// Renames programs as the options require, and converts times to seconds on request.
     ///
     /// # Errors
-    /// If a label is not that of a program.
+    /// If a label does not belong to a program.
     pub fn shown(mut self, how: &Presentation) -> Result<Self, Failure> {
         if let Some(label) = how.unused(self.manifest.programs.iter()) {
             return Err(Failure::usage(format!(
@@ -185,7 +185,7 @@ impl EnsembleResults<'_> {
         })
     }
 
-    /// Returns a row for each program, or for each point of a sweep, as comma-separated values.
+    /// Returns CSV with a row per program, or per point of a sweep.
     pub fn csv(&self) -> String {
         match &self.sweep {
             Some(sweep) => sweep.to_csv(),
@@ -193,7 +193,7 @@ impl EnsembleResults<'_> {
         }
     }
 
-    /// Returns the tables for a paper or a web page.
+    /// Returns the tables in LaTeX or Markdown.
     pub fn markup(&self, markup: Markup) -> String {
         match &self.sweep {
             Some(sweep) => published_sweep(sweep, &self.comparison, markup),
@@ -201,7 +201,7 @@ impl EnsembleResults<'_> {
         }
     }
 
-    /// As tables of so many columns.
+    /// Returns the tables as text of this width \[columns\].
     pub fn text(self, width: usize) -> String {
         let comparison = &self.comparison;
         let mut text = match &self.sweep {
@@ -235,7 +235,7 @@ impl EnsembleResults<'_> {
         text
     }
 
-    /// As a document.
+    /// Returns the results as a JSON document.
     pub fn json(self) -> String {
         let mut content = json!(self.comparison);
         if !self.waits.is_empty() {
@@ -248,7 +248,8 @@ impl EnsembleResults<'_> {
         document(content)
     }
 
-    /// Why the first run failed that did, and what shows more of it: the runs are in `folder`, or nowhere. `None`: no run failed.
+    /// Returns a message about the first failed run, with a command that shows it. Returns `None`
+    /// if no run failed.
     pub fn failure(&self, folder: Option<&Path>) -> Option<String> {
         let first = self.failure.as_ref()?;
         let program = &self.manifest.programs[first.program];
@@ -278,7 +279,7 @@ impl EnsembleResults<'_> {
         ))
     }
 
-    /// Returns whether every run that is finished has completed.
+    /// Returns whether all finished runs completed.
     pub fn are_all_successful(&self) -> bool {
         let mut programs = self.comparison.programs.iter();
         programs.all(|column| column.timed_out + column.censored + column.failed == 0)

@@ -1,4 +1,4 @@
-//! Runs of a manifest, made as whoever makes many of them asks for them.
+//! Makes the runs of a manifest for [`stochc_results::run`] and shards.
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
@@ -8,14 +8,14 @@ use stochc_results::{Checkpoints, Manifest, RunCancelled, RunWatch, other_build,
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Makes runs of an ensemble, as [`stochc_results::run`] asks for them.
+/// Returns the function that makes a run of an ensemble, for [`stochc_results::run`].
 pub fn made_by(
     manifest: &Manifest,
 ) -> impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync {
     |program, number, mut watch| made(manifest, (program, number), &mut watch)
 }
 
-/// Makes a run of an ensemble again, unless it is stopped.
+/// Returns the function that repeats a run of an ensemble. It stops on `stop`.
 pub fn made_again(
     manifest: &Manifest,
     stop: &AtomicBool,
@@ -31,14 +31,14 @@ fn made(
     let program = &manifest.programs[program];
     let settings = manifest.settings_of(program);
     let record = program.run(&settings, (manifest.seed, number), watch);
-    // The scene has been tried out, so only a cancelled run leaves no record.
+    // [`try_out_all`] has checked the scene, so only an interrupted run has no record.
     record.map_err(|_| RunCancelled)
 }
 
-/// Sets the scenes of programs up once, so that one that cannot be is told of before the first run.
+/// Sets up the scene of every program, to report errors before the first run.
 ///
 /// # Errors
-/// If one cannot be.
+/// If a scene cannot be set up.
 pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
     let mut programs = manifest.programs.iter();
     programs.try_for_each(|program| {
@@ -47,21 +47,21 @@ pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
     })
 }
 
-/// Says that runs are added to those of another build, or made again, if they are.
+/// Warns if another build made some of the runs.
 pub(crate) fn warn_of_build(builds: &[String], host: &dyn Host) {
     if let Some(told) = other_build(builds) {
         host.warn(&format!("warning: {told}\n"));
     }
 }
 
-/// Says what has become of checkpoints.
+/// Reports problems with checkpoints.
 pub(crate) fn warn_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn Host) {
     for note in checkpoints.map(Checkpoints::notes).unwrap_or_default() {
         host.warn(&format!("note: {note}\n"));
     }
 }
 
-/// How many runs to do at the same time; unasked, as many as there are cores.
+/// Returns the number of threads. The default is one per core.
 pub fn threads(asked: Option<u16>) -> NonZeroUsize {
     let cores = || std::thread::available_parallelism().ok();
     let threads = asked.map_or_else(cores, |asked| NonZeroUsize::new(asked.into()));

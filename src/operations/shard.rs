@@ -1,4 +1,4 @@
-//! Making a piece of an ensemble, and putting the pieces together.
+//! Runs a shard of an ensemble, and merges all shards.
 use std::path::Path;
 
 use stochc_results::Interval;
@@ -10,10 +10,10 @@ use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
 
-/// Makes what there is not of a piece; how many runs it has, or `None` if it was stopped.
+/// Makes the missing runs of a shard. Returns its number of runs, or `None` if the user interrupts.
 ///
 /// # Errors
-/// If there is no such piece, or its folder cannot be used; runs that are finished stay.
+/// If the shard does not exist, or its folder cannot be used. Finished runs are not lost.
 pub fn shard(
     folder: &Path,
     number: u64,
@@ -45,10 +45,10 @@ pub fn shard(
     Ok(made.map_err(Failure::usage)?.then_some(runs))
 }
 
-/// Puts the pieces of an ensemble together; how many runs it has.
+/// Merges the shards of an ensemble. Returns the number of runs.
 ///
 /// # Errors
-/// If some are missing, or are of something else.
+/// If runs are missing, or shards belong to different ensembles.
 pub fn merge(folder: &Path) -> Result<u64, Failure> {
     merge_all(folder, sweep::files_for_screens).map_err(|error| match error {
         ShardError::Missing { .. } => Failure::error(Exit::UnsuccessfulRun, error),

@@ -1,4 +1,4 @@
-//! The result of a check without errors, in words.
+//! Summarizes a check without errors as text.
 use stochc_compiler::diagnostic::Diagnostic;
 use stochc_compiler::{Checked, Program};
 use stochc_text::counted;
@@ -19,7 +19,7 @@ pub fn status_line(checked: &Checked, number: usize) -> String {
     )
 }
 
-/// Returns how many of the warnings that are `part` there are; `None` if there are none.
+/// Returns the number of warnings that `part` selects, as text. Returns `None` if there are none.
 pub fn warnings(checked: &Checked, part: impl Fn(&Diagnostic) -> bool) -> Option<String> {
     let reported = checked.diagnostics.iter().filter(|it| part(it)).count();
     let allowed = checked.allowed.iter();
@@ -35,7 +35,7 @@ pub fn warnings(checked: &Checked, part: impl Fn(&Diagnostic) -> bool) -> Option
     }
 }
 
-/// Returns how large a program is: `13 captures in 1 phase`.
+/// Returns the size of a program as text: `13 captures in 1 phase`.
 fn size(program: &Program) -> String {
     let plan = &program.plan;
     if let Some(size) = plan.aggregate {

@@ -1,4 +1,4 @@
-//! Programs at many points of a sweep, and the files that tell of it.
+//! Compiles programs at the points of a sweep, and writes the files that summarize it.
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -18,12 +18,11 @@ use super::rates;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Each program at each point, compiled with the values of the point.
-///
-/// What a program is refused for at a point is told with the point; then nothing is run.
+/// Compiles each program with the values of each point. Reports all points with errors. Such a
+/// point stops the command before the first run.
 ///
 /// # Errors
-/// In these cases, and where there are more points or runs than are possible.
+/// If a point has errors, or there are too many points or runs.
 pub fn points(
     axes: &[Axis],
     runs: u64,
@@ -72,7 +71,7 @@ pub fn points(
     let Some((_, mut failure)) = wrong.next() else {
         return Ok(at_points);
     };
-    // Most are wrong for one reason.
+    // Shows one error in full, because most points fail for the same reason.
     let more: Vec<String> = wrong.map(|(name, _)| visible(&name)).collect();
     if !more.is_empty() {
         failure.message += &format!("error: nor can these be run: {}\n", more.join(", "));
@@ -85,10 +84,11 @@ pub fn varies_settings(axes: &[Axis]) -> bool {
     axes.iter().any(|axis| axis.settings().is_some())
 }
 
-/// Checks the settings of all points, and adds the rates of those that need them: `known` ones, or measured ones.
+/// Checks the settings of all points. Adds the rates that points need, from `known` or by
+/// calibration.
 ///
 /// # Errors
-/// If a model does not use a setting, or rates cannot be measured.
+/// If a model does not use a varied setting, or a calibration fails.
 pub fn complete(
     manifest: &mut Manifest,
     known: &[Rates],
@@ -113,12 +113,11 @@ pub fn complete(
     Ok(())
 }
 
-/// Compiles a program at its point.
-///
-/// Warnings have been told when the program was read as it is.
+/// Compiles a program with the values of its point. Does not repeat warnings that the program has
+/// without these values.
 ///
 /// # Errors
-/// If it cannot be run there.
+/// If the program cannot run at this point.
 pub(crate) fn at_point(
     entry: &mut EnsembleProgram,
     levels: &LintLevels,
@@ -148,7 +147,7 @@ pub(crate) fn at_point(
     Ok(())
 }
 
-/// Keeps what is the same at many points once.
+/// Shares tables that are equal at several points, to save memory.
 pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
     let mut known: HashMap<String, Arc<Compiled>> = HashMap::new();
     for program in programs {
@@ -163,11 +162,11 @@ pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
     }
 }
 
-/// Returns names and contents of the files that a sweep adds to a results folder: `sweep.json`, `sweep.csv` and figures,
-/// and if settings are varied `trade.json` and its figure.
+/// Returns the files that a sweep adds to a results folder: `sweep.json`, `sweep.csv` and figures.
+/// If settings are varied, adds `trade.json` and its figure.
 ///
 /// # Errors
-/// Where the runs cannot be read again, or a figure cannot be written.
+/// If the records cannot be read, or a figure cannot be written.
 pub fn files(manifest: &Manifest, finished: &Records, figures: &Figures) -> FurtherFiles {
     let Some(sweep) = Sweep::from_records(manifest, finished)? else {
         return Ok(Vec::new());
@@ -192,10 +191,10 @@ pub fn files(manifest: &Manifest, finished: &Records, figures: &Figures) -> Furt
     Ok(files)
 }
 
-/// The same with figures for a screen, where nobody says what they are for.
+/// Returns the files of [`files`] with figures for screens.
 ///
 /// # Errors
-/// Those of [`files`].
+/// See [`files`].
 pub fn files_for_screens(manifest: &Manifest, finished: &Records) -> FurtherFiles {
     files(manifest, finished, &Figures::default())
 }

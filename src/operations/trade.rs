@@ -1,4 +1,4 @@
-//! Measuring what accuracy costs: a sweep over settings, and the report on it.
+//! Measures the cost of accuracy with a sweep over settings, and summarizes it.
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -15,32 +15,33 @@ use super::precision::make_until;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Runs of each program at each setting, unless the user gives a number or a limit.
+/// Default number of runs of each program at each setting.
 const RUNS: u64 = 30;
 
-/// Most runs of each program at each setting within a time limit or until a precision.
+/// Largest number of runs of each program at each setting, with a time limit or a precision.
 const MAX_RUNS: u64 = 10_000;
 
-/// How a trade is measured.
+/// Options of a trade.
 #[derive(Clone, Copy, Debug)]
 pub struct TradeSetup<'a> {
-    /// Runs of each program at each setting.
+    /// Number of runs of each program at each setting. `None` means the default.
     pub runs: Option<u64>,
-    /// Time after which no run is started.
+    /// Time after which no run is started. `None` if there is no limit.
     pub time: Option<Duration>,
-    /// Half the width of the interval of every mean, as a part of it, at which no further runs are made.
+    /// Largest relative half width of the 95 % confidence intervals at the end. `None` if the
+    /// number of runs is fixed.
     pub until: Option<f64>,
-    /// Most substeps of the reference.
+    /// Number of substeps of the reference.
     pub finest: u32,
-    /// Ticks after which a run is stopped.
+    /// Longest run \[ticks\]. Longer runs are stopped.
     pub max_ticks: u64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Runs at the same time. `None`: as many as there are cores.
+    /// Number of threads. `None` means one per core.
     pub threads: Option<u16>,
-    /// Results folder.
+    /// Results folder. `None` if the results stay in memory.
     pub out: Option<&'a Path>,
-    /// Whether the folder holds an interrupted trade.
+    /// Whether to resume an interrupted trade in the folder.
     pub resume: bool,
     /// Size and format of the figure.
     pub figures: &'a Figures,
@@ -51,13 +52,14 @@ pub struct TradeSetup<'a> {
 pub struct MeasuredTrade {
     /// The ensemble.
     pub manifest: Manifest,
-    /// The settings compared.
+    /// The comparison of the settings.
     pub trade: Trade,
-    /// Whether the measurement was not interrupted.
+    /// Whether all runs are finished.
     pub is_complete: bool,
 }
 
-/// Returns the ensemble of all programs at all settings that can compute them. Warns of the others.
+/// Returns the ensemble of all programs at all settings. Leaves out settings that a program does
+/// not support, with a warning.
 ///
 /// # Errors
 /// If the scene of a program cannot be set up.
@@ -87,7 +89,7 @@ pub fn manifest(
                 let points = points.iter_mut().zip(at_setting);
                 points.for_each(|(points, point)| points.push(point));
             }
-            // All settings would be left out.
+            // This program supports none of the settings.
             Some(told) if points.iter().all(Vec::is_empty) => {
                 return Err(Failure::invalid_program(told));
             }
@@ -106,7 +108,7 @@ pub fn manifest(
 /// Makes the runs of a trade, and compares its settings.
 ///
 /// # Errors
-/// If its folder cannot be used. Finished runs stay.
+/// If the results folder cannot be used. Finished runs are not lost.
 pub fn measured(
     manifest: Manifest,
     setup: &TradeSetup<'_>,
@@ -117,7 +119,7 @@ pub fn measured(
         resume: setup.resume.into(),
         record: None,
         record_every: EVERY,
-        // A run that is continued has no CPU time of its own.
+        // The CPU time of a resumed run is unknown, so checkpoints are off.
         checkpoints: Interval::Never,
         threads: setup.threads,
         has_warned_of_build: false,

@@ -1,4 +1,4 @@
-//! `--watch`: a report that is rewritten while the runs of its folder are simulated.
+//! Rewrites the report of a folder during its runs (`--watch`).
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
@@ -10,15 +10,15 @@ use super::report::write_of_one;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Shortest time between two reports. A browser reloads the page as often.
+/// Shortest time between two reports. The browser reloads the page at the same interval.
 const SHORTEST_PAUSE: Duration = Duration::from_secs(5);
-/// Writing takes at most one part in this many of the time.
+/// Writing reports takes at most one part in `SHARE` of the time.
 const SHARE: u32 = 20;
 
-/// Does some work that adds runs to a folder. Rewrites its report meanwhile, and a last time afterwards.
+/// Does work that adds runs to a folder, and rewrites the report meanwhile and at the end.
 ///
 /// # Errors
-/// If the report cannot be written before the work begins.
+/// If the report cannot be written before the work starts.
 pub(super) fn watched<R>(
     folder: &Path,
     figures: &Figures,
@@ -28,10 +28,10 @@ pub(super) fn watched<R>(
     let page = write_of_one(folder, figures, Some(SHORTEST_PAUSE))?;
     host.warn(&format!("report of the runs so far: {}\n", page.display()));
     let done = std::thread::scope(|scope| {
-        // Dropped at the end of the work, also by a panic.
+        // Dropped when the work ends, also by a panic.
         let (_working, ended) = channel();
         let rewrite = move || rewrite(folder, figures, &ended);
-        // Without a thread, only the last report is written.
+        // If the thread cannot be started, only the last report is written.
         let _ = std::thread::Builder::new().spawn_scoped(scope, rewrite);
         work()
     });
@@ -46,7 +46,7 @@ fn rewrite(folder: &Path, figures: &Figures, ended: &Receiver<()>) {
     let mut pause = SHORTEST_PAUSE;
     while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(pause) {
         let begun = now();
-        // The last report says why it cannot be written.
+        // Ignores the error. Writing the last report reports it.
         let _ = write_of_one(folder, figures, Some(pause));
         pause = SHORTEST_PAUSE.max(begun.elapsed() * SHARE);
     }

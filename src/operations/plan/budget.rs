@@ -1,24 +1,24 @@
-//! `--time` and `--tries`.
+//! The budget of a search for plans: `--time` and `--tries`.
 use std::time::Duration;
 
-/// How long better plans are looked for.
+/// Limit of the search for better plans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
-    /// So long.
+    /// A limit of time.
     Time(Duration),
-    /// So many plans.
+    /// A limit of the number of plans.
     Tries(u64),
 }
 
 impl Budget {
-    /// What takes about a second for so many cells.
+    /// Returns a budget of about one second for a shape with this number of cells.
     pub fn of_cells(cells: usize) -> Budget {
-        /// Cells for which a plan is tried in a second.
+        /// Number of cells that the planner plans in a second.
         const IN_A_SECOND: usize = 300_000;
         Budget::Tries((IN_A_SECOND / cells.max(1)).clamp(1, 3000) as u64)
     }
 
-    /// Plans that are tried, at most.
+    /// Returns the largest number of plans to try.
     pub fn tries(self) -> u64 {
         match self {
             Budget::Time(_) => u64::MAX,
@@ -26,7 +26,7 @@ impl Budget {
         }
     }
 
-    /// Returns the part of it that is over.
+    /// Returns the share of the budget that is used.
     pub fn share(self, tried: u64, elapsed: Duration) -> f64 {
         let share = match self {
             Budget::Time(time) => elapsed.as_secs_f64() / time.as_secs_f64(),

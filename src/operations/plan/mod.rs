@@ -1,4 +1,4 @@
-//! From a shape to a program that builds it.
+//! Plans a program that builds a shape.
 mod budget;
 mod offset;
 mod pair;
@@ -33,49 +33,50 @@ pub use race::{MAX_RACE, MIN_RACE};
 pub use rest::RunEnd;
 pub use seed_plate::SeedPlate;
 
-/// What is to be built, and how long a better plan is looked for.
+/// Options of a plan.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanOptions<'a> {
-    /// A program with a shape, a file of voxels, or a results folder.
+    /// A program with a shape, a voxel file, or a results folder.
     pub target: &'a str,
-    /// What of it is planned.
+    /// The part of the target to plan.
     pub extent: PlanScope<'a>,
-    /// The shape of the program. `None` means the only one, or the last one claimed.
+    /// Name of the shape in the program. `None` means the only shape, or the one claimed last.
     pub shape: Option<&'a str>,
-    /// The number of the only model of a `.vox` file to build. Without it, the scene decides.
+    /// Number of the model in a `.vox` file to build. `None` means all models, placed as in the
+    /// voxel scene.
     pub model: Option<u32>,
     /// The plate to build on. `None` means that of the target.
     pub seed_plate: Option<&'a SeedPlate>,
-    /// How far a whole shape is moved from where the target has it.
+    /// Displacement of the shape from its position in the target.
     pub offset: Option<Offset>,
     /// The scene to build in, also as `FILE.sa:NAME`. The default is that of the target.
     pub scene: Option<&'a str>,
-    /// The number of free blocks. The default is that of the scene.
+    /// Number of free blocks. The default is that of the scene.
     pub free: Option<u32>,
-    /// The name of the assembly. By default it is called after the shape.
+    /// Name of the assembly. The default is the name of the shape.
     pub name: Option<&'a str>,
     /// The treatment of loose parts.
     pub loose: LooseParts,
-    /// Folders from which the program may import as well.
+    /// Further folders for imports.
     pub imports: &'a [PathBuf],
-    /// How long to look. `None` means for about a second.
+    /// Budget of the search. `None` means about one second.
     pub budget: Option<Budget>,
-    /// What to make small.
+    /// The time to minimize.
     pub objective: Objective,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Whether scaffolds stay where they are.
+    /// Whether scaffolds remain in the structure.
     pub keeps_scaffolds: bool,
     /// Number of runs of each plan in a race. `None`: there is no race.
     pub race: Option<u64>,
-    /// Files of rates, of scenes that have none built in.
+    /// Files of rates for scenes without built-in rates.
     pub rates: &'a [PathBuf],
 }
 
-/// What is to be built.
+/// Reads the shape to build.
 ///
 /// # Errors
-/// If the target cannot be read, or is none.
+/// If the target cannot be read or contains no shape.
 fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let mut goal = target::read(options, host)?;
     scene::choose_declared(&mut goal, options, host);
@@ -86,10 +87,10 @@ fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     placed(goal, options, host)
 }
 
-/// The same under the name, on the plate and in the scene that are chosen.
+/// Applies the options for name, plate, offset and scene to a goal.
 ///
 /// # Errors
-/// If there is no such scene, or the name is none.
+/// If the scene does not exist, or the name is not a valid name.
 fn placed(mut goal: Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     if let Some(name) = options.name {
         goal.assembly = Some(assembly_name(name, &goal)?);
@@ -117,7 +118,7 @@ fn assembly_name(name: &str, goal: &Goal) -> Result<String, Failure> {
     }
 }
 
-/// Does with loose parts what the options say, and reports it.
+/// Treats loose parts as the options require, and reports them.
 fn hold_loose(goal: &mut Goal, loose: LooseParts, host: &dyn Host) {
     match loose {
         LooseParts::Refuse => {}
@@ -142,10 +143,10 @@ fn hold_loose(goal: &mut Goal, loose: LooseParts, host: &dyn Host) {
     }
 }
 
-/// Refuses a completed program for a file from which its imports are not found, or are others.
+/// Checks that a completed program is also correct at another path, because imports are relative.
 ///
 /// # Errors
-/// If the program has errors there, other than claims that are still to be made true.
+/// If the program has errors at that path. Claims that the plan does not fulfil yet are ignored.
 pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Result<(), Failure> {
     let text = &planned.text;
     let path = path.to_string_lossy();
@@ -166,20 +167,20 @@ pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Resul
     }
 }
 
-/// The treatment of parts that are attached to no block that can capture.
+/// Treatment of parts that are not attached to a block that can capture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LooseParts {
-    /// The target is refused.
+    /// Reject the target.
     #[default]
     Refuse,
-    /// They are left out.
+    /// Leave the parts out.
     Drop,
-    /// Further cells support them.
+    /// Add cells that support the parts.
     Support,
 }
 
 impl LooseParts {
-    /// Combines two switches. At most one of them is given.
+    /// Combines the two options. At most one of them is given.
     pub fn new(are_dropped: bool, are_supported: bool) -> LooseParts {
         if are_dropped {
             LooseParts::Drop
@@ -191,20 +192,21 @@ impl LooseParts {
     }
 }
 
-/// What is planned of a target.
+/// The part of a target to plan.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum PlanScope<'a> {
-    /// All of a shape.
+    /// The whole shape.
     #[default]
     Whole,
-    /// What is missing in a program.
+    /// The captures that are missing in a program.
     Completion,
-    /// What is missing at the end of a run.
+    /// The blocks that are missing at the end of a run.
     Rest(RunEnd<'a>),
 }
 
 impl<'a> PlanScope<'a> {
-    /// What is missing at the end of a run if there is one, or else in a program, or all.
+    /// Returns the part to plan: the rest of a run if given, else the completion of a program, else
+    /// the whole shape.
     pub fn new(rest: Option<RunEnd<'a>>, completes: bool) -> PlanScope<'a> {
         match rest {
             Some(end) => PlanScope::Rest(end),
@@ -219,14 +221,14 @@ impl<'a> PlanScope<'a> {
 pub enum PlanTarget {
     /// A shape, or the rest of a run.
     Goal(Goal),
-    /// A program that is written in part.
+    /// A partial program.
     Completion(Completion),
 }
 
-/// Reads the target of these options.
+/// Reads the target.
 ///
 /// # Errors
-/// If it cannot be read, or nothing in it can be planned.
+/// If it cannot be read, or contains nothing to plan.
 pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<PlanTarget, NotPlanned> {
     match options.extent {
         PlanScope::Whole => Ok(PlanTarget::Goal(goal(options, host)?)),
@@ -235,16 +237,16 @@ pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<PlanTarget, No
     }
 }
 
-/// Plans it.
+/// Plans a target.
 ///
 /// # Errors
-/// If it cannot be built, or there is no plan yet when it is stopped.
+/// If the target cannot be built, or the user interrupts before the first plan.
 pub fn plan(
     read: &PlanTarget,
     options: &PlanOptions<'_>,
     host: &dyn Host,
 ) -> Result<Planned, NotPlanned> {
-    // What is wrong with a scene is told with the plan.
+    // The plan reports errors of a scene.
     let (missing, scene) = match read {
         PlanTarget::Goal(goal) => (goal.cells.len(), goal.scene().ok()),
         PlanTarget::Completion(completion) => {
@@ -266,7 +268,7 @@ pub fn plan(
     }
 }
 
-/// Looks for a plan of so many cells within the budget.
+/// Searches for a plan of this number of cells within the budget.
 fn search(
     cells: usize,
     options: &PlanOptions<'_>,
@@ -305,7 +307,7 @@ fn search(
         let tried = tried.load(Ordering::Relaxed);
         WorkProgress {
             share: budget.share(tried, elapsed),
-            // Of what cannot be planned the error says all.
+            // If the target cannot be planned, the error is sufficient.
             done: if is_refused.load(Ordering::Relaxed) {
                 String::new()
             } else {
@@ -327,15 +329,15 @@ fn search(
     planned.map_err(|unplanned| NotPlanned::new(unplanned, options, host))
 }
 
-/// What cannot be built, and why.
+/// Returns the error that a target cannot be planned for this reason.
 fn refused(target: &str, reason: &str) -> Failure {
     Failure::error(Exit::InvalidProgram, format!("`{target}`: {reason}"))
 }
 
-/// What cannot be built, why, and what would help; options are named where they may be given.
+/// Returns the error that a target cannot be built, with the options that help.
 fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
     let mut failure = refused(options.target, &error.to_string());
-    // What stands already cannot be left out.
+    // Blocks of an existing structure cannot be left out.
     let stands =
         matches!(error, TargetError::Sealed(_)) && !matches!(options.extent, PlanScope::Whole);
     if let Some(help) = error.help().filter(|_| !stands) {
@@ -345,7 +347,7 @@ fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
     failure
 }
 
-/// Names the options that help.
+/// Returns a hint with the options that help.
 fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
     match (error, extent) {
         (TargetError::Loose(parts), PlanScope::Whole)
@@ -363,12 +365,12 @@ fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
     }
 }
 
-/// Why there is no plan.
+/// The reason why there is no plan.
 #[derive(Debug)]
 pub struct NotPlanned {
-    /// How the command ends.
+    /// Message and exit status of the command.
     pub failure: Failure,
-    /// The error in the target, if that is the reason.
+    /// The error in the target. `None` if something else failed.
     pub refused: Option<TargetError>,
 }
 
@@ -403,7 +405,7 @@ impl NotPlanned {
             }),
             Unplanned::Refused(error) => NotPlanned::impossible(options, error),
             Unplanned::Wrong(checked) => {
-                // Also warnings leave no program.
+                // A denied warning also prevents a program.
                 NotPlanned::from(Failure {
                     exit: Exit::InvalidProgram.or_worse(verdict(&checked)),
                     message: host.draw(&checked),

@@ -1,19 +1,19 @@
-//! `--offset`.
+//! The option `--offset`.
 use stochc_ir::table::Plate;
 
 use super::pair::pair;
 
-/// How far a shape is moved on the plate, in cells.
+/// Displacement of a shape on the plate \[cells\].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offset {
-    /// To the east; to the west if negative.
+    /// Displacement to the east. Negative values point west.
     pub east: i32,
-    /// To the north; to the south if negative.
+    /// Displacement to the north. Negative values point south.
     pub north: i32,
 }
 
 impl Offset {
-    /// Reads `2, 1` or `(2, 1)`.
+    /// Parses `2, 1` or `(2, 1)`.
     pub fn parse(text: &str) -> Result<Offset, String> {
         let text = text.trim();
         let inside = text

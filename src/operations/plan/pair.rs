@@ -1,7 +1,7 @@
-//! Two numbers that belong together, as options have them.
+//! Parses options that are two numbers.
 use std::str::FromStr;
 
-/// Reads `2, 1`.
+/// Parses `2, 1`. Returns `None` for any other text.
 pub fn pair<T: FromStr>(text: &str) -> Option<(T, T)> {
     let (one, other) = text.split_once(',')?;
     Some((one.trim().parse().ok()?, other.trim().parse().ok()?))

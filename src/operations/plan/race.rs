@@ -1,7 +1,8 @@
-//! A race between plans: runs with physics decide which one is the fastest.
+//! Races between plans: physical simulations decide which plan is fastest.
 //!
 //! # Source
-//! O. Maron and A. W. Moore, *Hoeffding races*, Advances in Neural Information Processing Systems 6, 1994.
+//! O. Maron and A. W. Moore, *Hoeffding races*, Advances in Neural Information Processing Systems
+//! 6, 1994.
 use std::cmp::Ordering::Less;
 use std::sync::atomic::Ordering;
 
@@ -25,10 +26,11 @@ pub const MIN_RACE: u64 = 8;
 /// Most runs of a plan in a race.
 pub const MAX_RACE: u64 = 100_000;
 
-/// Confidence intervals by which a rival has to be slower to leave the race. It is more than 1 because plans are compared after each round.
+/// A rival leaves the race if it is slower by this number of confidence intervals. Above 1,
+/// because plans are compared after each round.
 const MAX_BEHIND: f64 = 1.5;
 
-/// Runs are stopped after this many times the estimate of the plan.
+/// A run is stopped after this multiple of its plan's estimated time.
 const MAX_ESTIMATES: f64 = 12.0;
 
 /// A plan in a race.
@@ -39,10 +41,10 @@ struct Entrant {
     stopped: u64,
 }
 
-/// Returns the fastest of a plan and its rivals. A rival with a stopped run is never the fastest.
+/// Returns the fastest of a plan and its rivals. A rival with a stopped run never wins.
 ///
-/// The plan stays in the race to the end, because jams are rare and long: a few runs of a rival do not show them.
-/// If the race is interrupted, the plan is returned.
+/// The plan itself never leaves the race, because a few runs of a rival do not show rare, long
+/// jams. If the user interrupts the race, the plan wins.
 ///
 /// # Errors
 /// If a program does not compile, or its scene cannot be set up.
@@ -60,7 +62,7 @@ pub fn winner(
     let own = planned.plan.baseline;
     let rivals = rivals.into_iter().filter(|it| it.plan.baseline != own);
     let rivals = rivals.map(Entrant::new).collect::<Result<Vec<_>, _>>()?;
-    // The plan comes first.
+    // The planned program is the first entrant.
     let mut running = vec![Entrant::new(planned)?];
     running.extend(rivals);
     let mut slow: Vec<RaceTimes> = Vec::new();
@@ -119,7 +121,8 @@ fn remove_slow(running: &mut Vec<Entrant>) -> Vec<RaceTimes> {
     slow.map(|(times, _)| times).collect()
 }
 
-/// Returns the fastest plan; the first one, if two are equally fast. What was found out about the first holds for all.
+/// Returns the fastest plan, or the first one if several are equally fast. Messages about the first
+/// plan hold for all.
 fn fastest(mut running: Vec<Entrant>, objective: Objective) -> Planned {
     let first = running.remove(0);
     let mut best = first.value(objective);
@@ -174,7 +177,7 @@ impl Entrant {
         }
     }
 
-    /// Returns the number to make small.
+    /// Returns the time that the objective minimizes.
     fn value(&self, objective: Objective) -> f64 {
         let value = match objective {
             Objective::Mean => Summary::from_values(&self.times).map(|it| it.mean),

@@ -1,4 +1,4 @@
-//! What is missing: of a run, or in a program that is written in part.
+//! Plans the rest: of an incomplete run, or of a partial program.
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -13,21 +13,21 @@ use crate::exit::Failure;
 use crate::host::Host;
 use stochc_planner::{Completion, ExistingStructure, Goal, NotCompleted};
 
-/// The end of a run, from which the rest is planned.
+/// The end of a run. The rest is planned from here.
 #[derive(Clone, Copy, Debug)]
 pub struct RunEnd<'a> {
-    /// The number of the run, from 0.
+    /// Number of the run, from 0.
     pub run: u64,
-    /// The program. `None` means the only one of the folder.
+    /// Name of the program. `None` means the only one of the folder.
     pub program: Option<&'a str>,
-    /// Names of blocks that neither capture nor pass messages on any more.
+    /// Names of blocks that are broken: they neither capture nor pass on messages.
     pub dead: &'a [String],
 }
 
-/// What is missing in a program.
+/// Returns the part that is missing in a program.
 ///
 /// # Errors
-/// If it cannot be read, is wrong, or nothing is missing in it.
+/// If the program cannot be read, has errors, or is complete.
 pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completion, NotPlanned> {
     if target::is_of_voxels(options.target) {
         let wrong = "`--complete` is for programs: a file of voxels is one shape";
@@ -44,10 +44,10 @@ pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completi
     })
 }
 
-/// What is missing at the end of a run of a folder.
+/// Returns the blocks that are missing at the end of a stored run.
 ///
 /// # Errors
-/// If there is no such run, its program is not kept, or nothing is missing.
+/// If the run does not exist, its program is not stored, or nothing is missing.
 pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let folder = Path::new(options.target);
     let (manifest, finished) = read(folder, host)?;
@@ -103,7 +103,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
     .and_then(|goal| placed(goal, options, host))
 }
 
-/// Refuses to plan what nobody can.
+/// Checks that a program can be planned.
 ///
 /// # Errors
 /// If the program is an aggregate.

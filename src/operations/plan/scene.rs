@@ -1,4 +1,5 @@
-//! The scene of a plan: named, the only one of a file, or the default one, with more blocks if they are needed.
+//! Chooses the scene of a plan: the named one, the only one of a file, or the default. Adds free
+//! blocks if needed.
 use std::path::Path;
 
 use stochc_compiler::scene::{DEFAULT, built_in_names};
@@ -11,10 +12,10 @@ use crate::exit::Failure;
 use crate::host::Host;
 use stochc_planner::Goal;
 
-/// Puts a goal into the scene of the options.
+/// Sets the scene of a goal as the options require.
 ///
 /// # Errors
-/// If there is no such scene, or it has no room for as many blocks as there should be.
+/// If the scene does not exist or has no room for the free blocks.
 pub fn choose(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Result<(), Failure> {
     match options.scene.map(SceneName::parse) {
         None => {}
@@ -32,9 +33,9 @@ pub fn choose(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Re
     Ok(())
 }
 
-/// Uses the only scene of a program without an assembly that says where its shape is built, and reports it.
+/// Uses the only scene of a program whose shape no assembly builds, and reports it.
 pub fn choose_declared(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) {
-    // The plate comes from an assembly, which has a scene.
+    // A plate comes from an assembly, which has a scene.
     if options.scene.is_some() || goal.plate.is_some() {
         return;
     }
@@ -63,7 +64,7 @@ enum SceneName<'a> {
         file: &'a str,
         name: Option<&'a str>,
     },
-    /// A scene that is built in or declared where the shape is.
+    /// A built-in scene, or one that is declared in the file of the shape.
     Known(&'a str),
 }
 
@@ -94,7 +95,7 @@ fn known(goal: &Goal, name: &str) -> Result<String, Failure> {
     )))
 }
 
-/// Takes a scene from another file.
+/// Uses a scene from another file.
 fn take(
     goal: &mut Goal,
     file: &str,

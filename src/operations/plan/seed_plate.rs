@@ -1,19 +1,19 @@
-//! `--plate`.
+//! The option `--plate`.
 use stochc_ir::table::Plate;
 
 use super::pair::pair;
 
-/// A plate, and those of its blocks that may capture.
+/// A plate, and its blocks that may capture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SeedPlate {
-    /// Its size.
+    /// Size and position of the plate.
     pub plate: Plate,
-    /// The places (x, y) of the blocks that may capture. `None` means all.
+    /// Cells (x, y) of the blocks that may capture. `None` means all blocks of the plate.
     pub seeds: Option<Vec<(i32, i32)>>,
 }
 
 impl SeedPlate {
-    /// Reads `3 x 3`, `3x3` or `3 x 3 at (1, 1) (2, 0)`.
+    /// Parses `3 x 3`, `3x3` or `3 x 3 at (1, 1) (2, 0)`.
     pub fn parse(text: &str) -> Result<SeedPlate, String> {
         let malformed = || {
             "give its size, and seeds if not all may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`"
@@ -51,7 +51,7 @@ impl SeedPlate {
                 .iter()
                 .find(|&&(x, y)| x >= plate.width || y >= plate.depth)
             {
-                Some((x, y)) => Err(format!("({x}, {y}) is beside the plate")),
+                Some((x, y)) => Err(format!("({x}, {y}) is outside the plate")),
                 None => Ok(places
                     .into_iter()
                     .map(|(x, y)| (x as i32, y as i32))

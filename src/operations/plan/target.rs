@@ -1,4 +1,4 @@
-//! Reads what is to be built.
+//! Reads the target of a plan.
 use std::path::{Path, PathBuf};
 
 use stochc_compiler::Checked;
@@ -16,7 +16,10 @@ use crate::exit::Failure;
 use crate::host::Host;
 use stochc_planner::Goal;
 
-/// Returns the target of these options.
+/// Reads the target that the options name.
+///
+/// # Errors
+/// If it cannot be read or contains no shape.
 pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let target = options.target;
     let kind = kind(target);
@@ -32,7 +35,8 @@ pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure>
             Ok(cells)
         }),
         Some("txt") => voxels(options, |bytes| {
-            // In comments it does not matter what cannot be read, and elsewhere it is told of with its line.
+            // Invalid characters are harmless in comments. Elsewhere the parser reports them with
+            // their line.
             let text = String::from_utf8_lossy(bytes);
             layers(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text))
         }),
@@ -40,9 +44,9 @@ pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure>
     }
 }
 
-/// Reports the models of a scene that are not built.
+/// Reports hidden models of a voxel scene, which are not built.
 fn report_hidden(target: &str, hidden: &[u32], host: &dyn Host) {
-    /// Maximum number of models that are listed.
+    /// Largest number of models in the message.
     const LISTED: usize = 8;
     if !hidden.is_empty() {
         let numbers: Vec<String> = hidden.iter().take(LISTED).map(u32::to_string).collect();
@@ -55,12 +59,12 @@ fn report_hidden(target: &str, hidden: &[u32], host: &dyn Host) {
     }
 }
 
-/// Returns whether a file is named as those of voxels are.
+/// Returns whether a file name has the extension of a voxel file.
 pub fn is_of_voxels(target: &str) -> bool {
     matches!(kind(target).as_deref(), Some("vox" | "txt"))
 }
 
-/// What the name of a file ends in, in small letters.
+/// Returns the extension of a file name in lower case.
 fn kind(target: &str) -> Option<String> {
     let kind = Path::new(target).extension()?.to_str()?;
     Some(kind.to_ascii_lowercase())
@@ -105,14 +109,14 @@ fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> 
     Goal::of_program(&checked, options.shape).map_err(|reason| refused(options.target, &reason))
 }
 
-/// Returns whether a file is named as programs are.
+/// Returns whether a file name has the extension of a program.
 pub fn is_named_as_program(target: &str) -> bool {
     Path::new(target)
         .extension()
         .is_some_and(|kind| kind == "sa")
 }
 
-/// Returns the program of these options, right or wrong.
+/// Compiles the target program. It may have errors.
 pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
     if Path::new(options.target).is_dir() {
         return Err(Failure::usage(format!(
@@ -123,15 +127,15 @@ pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
     checked_file(options.target, options.imports)
 }
 
-/// Returns the program of a file, right or wrong.
+/// Compiles a file. It may have errors.
 pub fn checked_file(file: &str, imports: &[PathBuf]) -> Result<Checked, Failure> {
     is_readable(file)?;
     Ok(crate::check_within(file, &Default::default(), imports))
 }
 
-/// Returns whether something may be called so in a program.
+/// Returns whether a text is a valid name in a program.
 pub fn is_name(name: &str) -> bool {
-    // New symbols hold the words of the language.
+    // Keywords are tested with the tokens of the language, so that new ones are included.
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let begins_well = !name.starts_with(|first: char| first.is_ascii_digit());
     !name.is_empty()
@@ -140,7 +144,7 @@ pub fn is_name(name: &str) -> bool {
         && Symbols::new().get(name).is_none()
 }
 
-/// Returns a name for the shape of a file: what of the file's name may stand in one.
+/// Returns a valid name for the shape of a file, made from the file name.
 fn name(target: &str) -> String {
     let stem = Path::new(target)
         .file_stem()
