@@ -22,7 +22,7 @@ use crate::exit::{Exit, Failure};
 #[derive(Debug, Parser)]
 #[command(version, about, after_help = AFTER_HELP)]
 pub struct Cli {
-    /// What to do.
+    /// The subcommand.
     #[command(subcommand)]
     pub command: Command,
     /// Print no progress, notes or warnings
@@ -161,7 +161,8 @@ pub enum Command {
     Man(man::ManArguments),
 }
 
-/// Reports what is wrong with a command line, in which a name may hold anything, or prints the help or the version that it asks for.
+/// Reports errors of the command line, or prints the help or version. Names in the message are
+/// escaped.
 pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
     if !error.use_stderr() {
         let help = error.render();
@@ -184,7 +185,7 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
         ))),
         None => {
             let mut error = with_nearest_option(with_command(error));
-            // No argument is a value that looks like an option.
+            // Positional arguments never look like options.
             if error.kind() == ErrorKind::UnknownArgument {
                 error.remove(ContextKind::Suggested);
             }
@@ -193,8 +194,8 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
     }
 }
 
-/// Suggests the option that is nearest to an unknown one, transposed letters counted once: clap takes
-/// one that is a prefix.
+/// Adds the most similar option as a suggestion. A transposition counts as one edit. clap alone
+/// would suggest a prefix.
 fn with_nearest_option(mut error: clap::Error) -> clap::Error {
     let text = |kind| error.get(kind).map(ToString::to_string);
     let unknown =
@@ -219,7 +220,7 @@ fn with_nearest_option(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Names that other programs have for a command, and the command.
+/// Command names of other programs, with the matching command.
 const OTHER_NAMES: [(&str, &str); 14] = [
     ("run", "stochc simulate"),
     ("sim", "stochc simulate"),
@@ -237,7 +238,7 @@ const OTHER_NAMES: [(&str, &str); 14] = [
     ("continue", "stochc resume"),
 ];
 
-/// Suggests the command for the name that another program has for it, or for a file.
+/// Suggests the command that matches another program's name for it, or the command for a file.
 fn with_command(mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
@@ -257,7 +258,7 @@ fn with_command(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Which arguments are no UTF-8, as it is needed of names and of programs' files.
+/// Returns the message about arguments that are not UTF-8. Names and program files must be UTF-8.
 fn no_utf8(arguments: impl Iterator<Item = OsString>) -> String {
     let strange = arguments.filter(|it| it.to_str().is_none());
     let strange = strange.map(|it| format!("`{}`", visible(&it.to_string_lossy())));
@@ -268,10 +269,11 @@ fn no_utf8(arguments: impl Iterator<Item = OsString>) -> String {
     )
 }
 
-/// What the command line says. Numbers below 0 are values and no options, so that each is refused by what it is for.
+/// Parses the command line. Negative numbers are values, not options, so that each option can
+/// reject them itself.
 ///
 /// # Errors
-/// If it says nothing that can be done.
+/// If the command line is invalid, or asks for help or the version.
 pub fn parse() -> Result<Cli, clap::Error> {
     let negative = |arg: clap::Arg| {
         let takes_values = arg.get_action().takes_values();
@@ -327,7 +329,7 @@ fn help_template(command: &clap::Command) -> String {
     )
 }
 
-/// Returns the error of what should be a whole number, in words for people; others as they are.
+/// Returns the error about an invalid whole number in plain words. Other errors are unchanged.
 fn about_numbers(error: clap::Error) -> clap::Error {
     let source = std::error::Error::source(&error);
     let Some(number) = source.and_then(|it| it.downcast_ref::<ParseIntError>()) else {
@@ -347,7 +349,7 @@ fn about_numbers(error: clap::Error) -> clap::Error {
     )
 }
 
-/// Does what the command line says; what is left to say is in the failure.
+/// Executes the command. The failure has the message to print.
 pub fn run(cli: Cli) -> Result<Exit, Failure> {
     outlive_file_limit();
     configure(TerminalOptions {

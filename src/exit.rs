@@ -1,26 +1,27 @@
-//! How a command ends: its status, and what it says where it fails.
+//! Exit statuses and failures of commands.
 use std::fmt::Display;
 use std::path::Path;
 
 use stochc_text::visible;
 
-/// How a command ended.
+/// The result of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// All is well.
+    /// Success.
     Success,
-    /// The program is wrong.
+    /// The program has errors.
     InvalidProgram,
-    /// The command line is wrong, or a file cannot be read or written.
+    /// The command line is invalid, or a file cannot be read or written.
     Usage,
-    /// A run was unsuccessful.
+    /// A run did not complete.
     UnsuccessfulRun,
-    /// Stopped by the user.
+    /// The user interrupted the command.
     Interrupted,
 }
 
 impl Exit {
-    /// How a command ends whose runs, or what stands for them, were all successful, or were not.
+    /// Returns the result of a command with runs, or with estimates or explorations instead of
+    /// runs.
     pub const fn of_runs(are_successful: bool) -> Exit {
         if are_successful {
             Exit::Success
@@ -29,7 +30,7 @@ impl Exit {
         }
     }
 
-    /// Returns the number that the shell sees.
+    /// Returns the exit status of the process.
     pub const fn status(self) -> u8 {
         match self {
             Exit::Success => 0,
@@ -40,7 +41,7 @@ impl Exit {
         }
     }
 
-    /// Returns the one that a shell should rather hear of.
+    /// Returns the more severe of two results.
     pub fn or_worse(self, other: Exit) -> Exit {
         if other.status() > self.status() {
             other
@@ -50,32 +51,32 @@ impl Exit {
     }
 }
 
-/// Why a command ends before its work is done.
+/// Result and message of a failed command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// How it ends.
+    /// Result of the command.
     pub exit: Exit,
-    /// What to say of it on standard error, in whole lines; empty: all has been said.
+    /// Message for standard error, in complete lines. Empty if everything has been reported.
     pub message: String,
 }
 
 impl Failure {
-    /// Returns the command line is wrong, or a file cannot be used.
+    /// Creates the failure of an invalid command line or an unusable file.
     pub fn usage(reason: impl Display) -> Failure {
         Failure::error(Exit::Usage, reason)
     }
 
-    /// Returns a file cannot be written, for this reason.
+    /// Creates the failure that a file cannot be written.
     pub fn not_written(path: &Path, reason: impl Display) -> Failure {
         Failure::usage(format!("cannot write `{}`: {reason}", path.display()))
     }
 
-    /// Returns a program cannot be run.
+    /// Creates the failure that a program cannot be run.
     pub fn invalid_program(reason: impl Display) -> Failure {
         Failure::error(Exit::InvalidProgram, reason)
     }
 
-    /// Returns an error in one sentence, whatever names of others it holds.
+    /// Creates a failure with a one-line message. Invisible characters in the reason are escaped.
     pub(crate) fn error(exit: Exit, reason: impl Display) -> Failure {
         Failure {
             exit,
@@ -83,7 +84,7 @@ impl Failure {
         }
     }
 
-    /// Returns an end of which there is nothing to say, or nothing more.
+    /// Creates a failure without a message, because everything has been reported.
     pub(crate) fn silent(exit: Exit) -> Failure {
         Failure {
             exit,

@@ -1,4 +1,4 @@
-//! Text to compiled programs to runs, in a few functions.
+//! Functions for Rust programs: check, compile and simulate.
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -11,22 +11,22 @@ use stochc_runtime::{RunError, Settings};
 use crate::diagnostics::{Format, show};
 use crate::reader::DiskReader;
 
-/// Checks a file of the disk and all it imports, and compiles its assemblies.
+/// Checks a file and its imports, and compiles its assemblies.
 ///
-/// Never fails: a file that cannot be read is a diagnostic as well.
+/// Never fails: an unreadable file gives a diagnostic.
 pub fn check(path: &str) -> Checked {
     check_with(path, &LintLevels::default())
 }
 
-/// [`check`], with levels for the warnings that the files say nothing of.
+/// Checks a file like [`check`], with levels for warnings that have none in the source.
 ///
-/// Small programs are tried [in every order of events](stochc_compiler::model_check) as well.
+/// Small programs are also executed [in every order of events](stochc_compiler::model_check).
 pub fn check_with(path: &str, levels: &LintLevels) -> Checked {
     check_within(path, levels, &[])
 }
 
-/// [`check_with`], for a program that may also import from these folders, in which no link is left; others import from the
-/// folder of the program alone.
+/// Checks a file like [`check_with`]. It may also import from the folders `further`, except through
+/// symbolic links that leave them.
 pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Checked {
     let mut reader = DiskReader::new(path, None, further);
     let limits = Limits::default();
@@ -35,15 +35,15 @@ pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Che
     checked
 }
 
-/// A program that cannot be run.
+/// Error for a program with errors.
 #[derive(Debug)]
 pub struct CompileError {
-    /// Its diagnostics, and the texts that they are about.
+    /// The diagnostics and the sources.
     pub checked: Checked,
 }
 
 impl fmt::Display for CompileError {
-    /// One line for each diagnostic.
+    /// Writes one line per diagnostic.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(show(&self.checked, Format::Short, false, 0).trim_end())
     }
@@ -51,7 +51,7 @@ impl fmt::Display for CompileError {
 
 impl std::error::Error for CompileError {}
 
-/// Returns the programs of a file that has been checked, ready to run.
+/// Returns the programs of a checked file, ready to run.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -72,7 +72,7 @@ pub fn compile(checked: Checked) -> Result<Vec<Executable>, Box<CompileError>> {
     Ok(programs.filter_map(Program::into_executable).collect())
 }
 
-/// Makes a run of a program, to its end: a pure function of its arguments.
+/// Simulates one run of a program. The result depends only on the arguments.
 ///
 /// ```
 /// use stochc::runtime::{Model, Settings};
@@ -88,7 +88,7 @@ pub fn compile(checked: Checked) -> Result<Vec<Executable>, Box<CompileError>> {
 /// ```
 ///
 /// # Errors
-/// If the scene cannot be set up as the settings say.
+/// If the settings are invalid for the scene.
 pub fn simulate(
     executable: &Executable,
     settings: &Settings,

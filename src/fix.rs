@@ -1,4 +1,4 @@
-//! Programs with the changes that `check --fix` makes.
+//! Applies the changes of `check --fix` to a program.
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -10,27 +10,27 @@ use stochc_text::visible;
 
 use crate::reader::DiskReader;
 
-/// A file, and what it is with all safe changes.
+/// A file with all its safe fixes applied in memory.
 #[derive(Debug)]
 pub struct FixedFile {
     path: String,
-    /// As read, to the byte.
+    /// Original content.
     original: Vec<u8>,
-    /// With all changes.
+    /// Content with all safe fixes.
     pub new: Vec<u8>,
-    /// How many changes that took.
+    /// Number of applied fixes.
     pub changes: usize,
-    /// What was found before the first of them.
+    /// The check of the original content.
     pub before: Checked,
-    /// The check after the last of them; `None` if there are none.
+    /// The check of the new content. `None` if there are no fixes.
     pub after: Option<Checked>,
 }
 
-/// Works out all safe changes of a file, which may also import from these folders; those of files that it imports are left
-/// to them.
+/// Computes all safe fixes of a file. It may also import from the folders `further`. Imported files
+/// are not changed.
 ///
 /// # Errors
-/// In the system's words, if the file cannot be read.
+/// If the file cannot be read. The error is the message of the system.
 pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<FixedFile, String> {
     let original = programs::read(path)?;
     let mut reader = DiskReader::new(path, Some(&original), further);
@@ -40,7 +40,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed
         before,
         after,
     } = compiler::fix(path, &mut reader, Limits::default(), levels);
-    // The compiler passes over it.
+    // The compiler skips the byte order mark.
     let mark = BYTE_ORDER_MARK.as_bytes();
     let mark = if original.starts_with(mark) {
         mark
@@ -58,7 +58,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed
 }
 
 impl FixedFile {
-    /// Returns the changes as a unified diff; empty if there is none.
+    /// Returns the changes as a unified diff. Empty if there are none.
     pub fn diff(&self) -> String {
         if self.changes == 0 {
             return String::new();
@@ -71,12 +71,11 @@ impl FixedFile {
             .to_string()
     }
 
-    /// Puts the new text in the place of the old, unless the file has changed since it was read:
-    /// then it is left as it is, and `false` is returned.
+    /// Replaces the file. Returns `false` and leaves the file unchanged if it has changed since it
+    /// was read.
     ///
     /// # Errors
-    /// Those of the file system; a file that may not be written is one. The old text is untouched
-    /// then.
+    /// If the file cannot be written. The original file is then intact.
     pub fn write(&self) -> io::Result<bool> {
         atomic::replace_text(Path::new(&self.path), &self.original, &self.new)
     }
@@ -86,7 +85,7 @@ impl FixedFile {
 mod tests {
     #![allow(
         clippy::disallowed_methods,
-        reason = "the test changes the file behind the back of the code"
+        reason = "the test changes the file without the knowledge of the code"
     )]
     use super::*;
 

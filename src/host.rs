@@ -1,4 +1,4 @@
-//! Whoever has work done: a terminal, or another program.
+//! Interface to the program that requests work: a terminal or another program.
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
@@ -7,43 +7,44 @@ use stochc_compiler::Checked;
 
 use crate::progress::WorkProgress;
 
-/// Hears what is no reason to stop, sees how far the work is, and may stop it.
+/// Receives messages and progress of the work, and can stop it.
 pub trait Host: Sync {
-    /// Hears a note or a warning, in whole lines.
+    /// Receives a note or a warning, in complete lines.
     fn warn(&self, text: &str);
 
-    /// Prints the diagnostics of a program, if they are warnings. A quiet terminal leaves them out.
+    /// Receives warnings about a program. A quiet terminal ignores them.
     fn report_warnings(&self, text: &str) {
         self.warn(text);
     }
 
-    /// Hears why a part of the work has failed while the rest of it goes on, in whole lines.
+    /// Receives the failure of one part of the work, in complete lines. The rest continues.
     fn report_failure(&self, message: &str);
 
-    /// Hears the diagnostics of a file, errors or not.
+    /// Receives the diagnostics of a file, errors and warnings.
     fn report_diagnostics(&self, checked: &Checked);
 
-    /// Draws diagnostics as it shows them, to stand within a message.
+    /// Returns diagnostics as text to include in a message.
     fn draw(&self, checked: &Checked) -> String;
 
-    /// Is set to have the work stop at the next tick.
+    /// Returns the flag that stops the work at the next tick.
     fn stop(&self) -> &AtomicBool;
 
-    /// Shows how far some work is, which `state` says after so much time, until it has `ended`: the channel closes.
+    /// Shows progress until the channel `ended` closes. `state` returns the progress after a
+    /// duration.
     fn show(&self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>);
 }
 
-/// Does some work, and has the host show how far it is, which `state` says after so much time.
+/// Does some work while the host shows its progress. `state` returns the progress after a duration.
 pub fn during<R>(
     host: &dyn Host,
     state: impl Fn(Duration) -> WorkProgress + Send,
     work: impl FnOnce() -> R,
 ) -> R {
     std::thread::scope(|scope| {
-        // Dropped at the end of the work, also by a panic; that is what ends the display.
+        // Dropped when the work ends, also by a panic. This ends the display.
         let (_working, ended) = channel();
         let show = move || host.show(&state, &ended);
-        // The work goes on where the system has no thread to show it.
+        // If the thread cannot be started, the work runs without a display.
         let _ = std::thread::Builder::new().spawn_scoped(scope, show);
         work()
     })

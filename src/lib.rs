@@ -1,6 +1,6 @@
-//! The `stochc` command, and a few functions for Rust programs that want its pieces.
+//! The `stochc` command as a library for Rust programs.
 //!
-//! A program is checked, compiled and simulated by three of them:
+//! Three functions check, compile and simulate a program:
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -14,7 +14,7 @@
 //! # }
 //! ```
 //!
-//! What is wrong with a program, and what to do about it, are its diagnostics:
+//! A program with errors returns diagnostics that state the errors and how to fix them:
 //!
 //! ```
 //! let checked = stochc::check_text("pair.sa", "assembly pair { }");
@@ -23,9 +23,10 @@
 //! assert!(error.to_string().contains("pair.sa:1:1"), "{error}");
 //! ```
 //!
-//! [`results`] runs ensembles, [`experiments`] compares them, and [`report`] makes pages and tables.
+//! [`results`] runs ensembles, [`experiments`] compares them, and [`report`] makes pages and
+//! tables.
 //!
-//! The feature `command`, which is on by default, adds the command line; programs that want the functions alone do without it.
+//! The feature `command` adds the command line. It is on by default.
 #[cfg(feature = "command")]
 pub mod cli;
 #[cfg(feature = "command")]

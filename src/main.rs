@@ -4,11 +4,11 @@ use std::process::ExitCode;
 
 use stochc::cli::{parse, report_usage_error, run, show_deferred};
 
-/// Returns the one place where failures are told, and the process ends.
+/// Runs the command, prints its failure and sets the exit status.
 fn main() -> ExitCode {
     let done = parse().map_or_else(report_usage_error, run);
     let exit = done.unwrap_or_else(|failure| {
-        // Nobody listening is no reason for another status.
+        // If standard error is closed, the exit status stays the same.
         let _ = std::io::stderr()
             .lock()
             .write_all(failure.message.as_bytes());

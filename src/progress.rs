@@ -1,22 +1,23 @@
-//! How far work is, in words and as a share.
+//! Progress of work, as a share and as text.
 use std::collections::BTreeMap;
 use std::time::Duration;
 
 use stochc_results::{Manifest, Progress, Snapshot, time_left};
 use stochc_text::words;
 
-/// How far some work is.
+/// Progress of some work.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WorkProgress {
-    /// The part that is done, 0 to 1.
+    /// Finished share of the work, 0 to 1.
     pub share: f64,
-    /// What is done, as the last line says it too: `3 of 50 runs, 1 failed`; empty: there is nothing to say of it.
+    /// Finished work as text, also for the last line: `3 of 50 runs, 1 failed`. Empty if not
+    /// applicable.
     pub done: String,
-    /// What else there is to say meanwhile; a narrow terminal cuts off the end.
+    /// Further text during the work. A narrow terminal truncates it.
     pub more: String,
 }
 
-/// How far an ensemble is.
+/// Returns the progress of an ensemble.
 pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) -> WorkProgress {
     let snapshot = progress.snapshot();
     let (done, total) = (snapshot.done, snapshot.total);
@@ -27,9 +28,9 @@ pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) 
     }
 }
 
-/// How long an ensemble will take, and what is under way.
+/// Returns the remaining time of an ensemble and its current runs, as text.
 fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
-    /// More than this is no longer read.
+    /// Largest number of runs in the text.
     const SHOWN: usize = 3;
     let mut text = String::new();
     if let Some(left) = time_left(snapshot, elapsed) {
@@ -60,7 +61,7 @@ fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
     text
 }
 
-/// What went wrong in an ensemble.
+/// Returns the number of unsuccessful runs of an ensemble, as text.
 fn troubles(snapshot: &Snapshot) -> String {
     let mut text = String::new();
     for (runs, what) in [

@@ -1,11 +1,11 @@
-//! What the compiler reads of the disk.
+//! Reads programs and their imports from the disk for the compiler.
 use std::path::PathBuf;
 
 use stochc_compiler::Reader;
 use stochc_files::bound::{ImportFolders, identity};
 use stochc_files::{programs, read};
 
-/// Reads a program, and what it imports from within the bound.
+/// Reads a program and its imports, up to the limit of size.
 pub(crate) struct DiskReader<'a> {
     program: &'a str,
     text: Option<&'a [u8]>,
@@ -13,7 +13,8 @@ pub(crate) struct DiskReader<'a> {
 }
 
 impl<'a> DiskReader<'a> {
-    /// For a program, which has another text than the one to read if `text` says so; it may import from further folders.
+    /// Creates a reader for a program. `text` replaces its content. `further` are more folders for
+    /// imports.
     pub fn new(program: &'a str, text: Option<&'a [u8]>, further: &[PathBuf]) -> DiskReader<'a> {
         let bound = ImportFolders::new(program, further);
         DiskReader {

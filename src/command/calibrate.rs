@@ -20,22 +20,22 @@ use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
 use crate::operations::rates::{Effort, MAX_TICKS, RUNS, SEED, measure};
 
-/// What `calibrate` is given.
+/// Arguments of `calibrate`.
 #[derive(Debug, Args)]
 pub struct CalibrateArguments {
-    /// A built-in scene, or a program: the scene that it runs in
+    /// Built-in scene, or a program whose scene is calibrated
     #[arg(value_name = "SCENE|FILE")]
     target: String,
     /// File for the rates; it must be new
     #[arg(long, short, value_name = "FILE.rates")]
     out: Option<PathBuf>,
-    /// Runs of each of the programs that are observed
+    /// Runs of each calibration program
     #[arg(long, short = 'n', value_name = "N", default_value_t = RUNS, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     runs: u64,
-    /// Steps of the model in each tick; `1/8`: one, and eight for blocks near magnetized faces
+    /// Time steps per tick; `1/8`: one, and eight for blocks near open faces
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
-    /// Stop a run after this many ticks; what it has captured until then counts
+    /// Stop a run after this many ticks; its captures until then are used
     #[arg(long, value_name = "TICKS", default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Seed of the random numbers
@@ -43,14 +43,14 @@ pub struct CalibrateArguments {
     seed: u64,
     #[command(flatten)]
     work: ThreadsOption,
-    /// What becomes of warnings
+    /// Levels of warnings.
     #[command(flatten)]
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
 }
 
-/// Measures the rates of a scene.
+/// Calibrates the rates of a scene.
 pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let out = options.out.as_deref();
@@ -79,7 +79,7 @@ pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// Returns the scene that is named, or that a program runs in.
+/// Returns the scene with this name, or the scene of a program.
 fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure> {
     if let Some(scene) = built_in(&options.target) {
         return Ok(scene);

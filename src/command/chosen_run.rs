@@ -1,4 +1,4 @@
-//! One run of a folder of results.
+//! Options that select one run of a results folder.
 use std::path::PathBuf;
 
 use clap::Args;
@@ -9,7 +9,7 @@ use crate::host::Host as _;
 use crate::operations::chosen_run::{self, ChosenRun, median_run};
 use crate::operations::results::read;
 
-/// Which run.
+/// Selection of a run.
 #[derive(Clone, Debug, Args)]
 pub struct RunSelection {
     /// Results folder of `simulate --out`
@@ -23,7 +23,7 @@ pub struct RunSelection {
     pub program: Option<String>,
 }
 
-/// Finds a run. Without a number, that is the median run, and a note says which it is.
+/// Selects a run. The default is the run with the median completion time, and a note names it.
 pub fn choose(choice: &RunSelection, host: &Terminal) -> Result<ChosenRun, Failure> {
     let (manifest, finished) = read(&choice.folder, host)?;
     let (folder, program) = (Some(choice.folder.as_path()), choice.program.as_deref());

@@ -37,7 +37,7 @@ pub struct CompileArguments {
     format: Option<EmittedFormat>,
     #[command(flatten)]
     output: JsonOption,
-    /// Show one of the file's programs only; a picture is of one
+    /// Show only this program of the file; a picture shows one program
     #[arg(long, value_name = "NAME")]
     program: Option<String>,
     /// Write to this file instead of the output
@@ -52,22 +52,22 @@ pub struct CompileArguments {
 /// A stage of the compilation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EmittedStage {
-    /// The blocks that stand at the end of each phase
+    /// The blocks at the end of each phase
     Structure,
-    /// The dependency graph: which event waits for which
+    /// The dependency graph: the dependencies of each event
     Graph,
     /// The event table of each block
     Table,
-    /// The compiled programs as one file, which `simulate` runs without their text
+    /// The compiled programs as one file, which `simulate` runs without their source
     Executable,
 }
 
-/// A form to show it in.
+/// An output format of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EmittedFormat {
-    /// For people
+    /// Text
     Text,
-    /// For programs
+    /// JSON
     Json,
     /// The graph, for Graphviz
     Dot,
@@ -75,7 +75,7 @@ enum EmittedFormat {
     Svg,
 }
 
-/// Compiles a file and shows a stage.
+/// Compiles a file and prints a stage.
 pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     let given = if options.output.json {
         Some(EmittedFormat::Json)
@@ -124,7 +124,8 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
         print_with(|out| emit(checked, stage, form, out))?;
         return Ok(Exit::Success);
     };
-    // Other stages bear no mark: nobody could tell whose a file is.
+    // Only an executable has a mark that identifies files of stochc. Other stages never replace a
+    // file.
     let replaces = match stage {
         EmittedStage::Executable => Replaces::Ours(is_executable),
         _ => Replaces::Nothing,
@@ -139,10 +140,10 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// Why nothing is drawn of an aggregate.
+/// Error for the picture of an aggregate.
 const NO_PICTURE: &str = "an aggregate has no picture: chance decides what it looks like";
 
-/// Leaves the programs that are shown. A picture is of one, and of no aggregate.
+/// Keeps the programs to show. A picture shows one program that is not an aggregate.
 fn choose(
     programs: &mut Vec<Program>,
     name: Option<&str>,
@@ -163,7 +164,7 @@ fn choose(
     }
 }
 
-/// Leaves the one program with a name, or the one there is.
+/// Keeps the program with this name, or the only one.
 fn only(programs: &mut Vec<Program>, name: Option<&str>) -> Result<(), String> {
     let names: Vec<_> = programs.iter().map(|it| &*it.plan.name).collect();
     let place = index(&names, name, "file")?;
@@ -202,14 +203,14 @@ fn emit(
     Ok(())
 }
 
-/// Writes a document that may be larger than memory.
+/// Writes a JSON document without holding it in memory.
 fn document(programs: Json<'_>, out: &mut dyn Write) -> io::Result<()> {
     let document = Json::object([("format", FORMAT.into()), ("programs", programs)]);
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
 }
 
-/// Returns a stage of one program as JSON; `None` if the program did not come that far.
+/// Returns a stage of one program as JSON. Returns `None` if errors prevent this stage.
 fn json<'a>(
     program: &'a Program,
     graph: Option<&'a EventGraph>,
@@ -224,7 +225,7 @@ fn json<'a>(
     })
 }
 
-/// Returns a stage of one program as text; `None` if the program did not come that far.
+/// Returns a stage of one program as text. Returns `None` if errors prevent this stage.
 fn text<'a>(
     program: &'a Program,
     graph: Option<&'a EventGraph>,

@@ -6,14 +6,14 @@ use stochc_compiler::diagnostic::Code;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
 
-/// What `completions` is given.
+/// Arguments of `completions`.
 #[derive(Debug, Args)]
 pub struct CompletionsArguments {
     /// Shell to print the script for
     shell: Shell,
 }
 
-/// Prints a script for a shell.
+/// Prints the completion script of a shell.
 pub fn run(options: &CompletionsArguments, mut command: clap::Command) -> Result<Exit, Failure> {
     let name = command.get_name().to_owned();
     let mut script = Vec::new();
@@ -26,7 +26,8 @@ pub fn run(options: &CompletionsArguments, mut command: clap::Command) -> Result
     Ok(Exit::Success)
 }
 
-/// Returns the generator for fish knows the values of options only, and a code is an argument.
+/// Returns the completion of codes for fish. The generator completes only values of options, not
+/// arguments.
 fn codes_for_fish() -> String {
     let codes: Vec<&str> = Code::ALL.iter().map(|code| code.name()).collect();
     let codes = codes.join(" ");

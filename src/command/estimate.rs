@@ -16,17 +16,17 @@ use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::json::document;
 use crate::operations::programs::programs;
 
-/// What `estimate` is given.
+/// Arguments of `estimate`.
 #[derive(Debug, Args)]
 #[command(mut_arg("seed", |it| it.requires("runs")))]
 pub struct EstimateArguments {
-    /// Programs, or files of compiled ones
+    /// Programs or compiled programs
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
     #[command(flatten)]
     rates: RatesOption,
-    /// Make N runs by rates of each program (2 to 10,000,000), by the seed, instead of adding up the waits of its
-    /// captures, which always has the same random numbers
+    /// Estimate from N runs of the rate model per program (2 to 10,000,000), instead of waiting
+    /// times along the dependency graph
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
     runs: Option<u64>,
     /// List the N captures that take most of the time, or all captures [default: the first 5]
@@ -37,14 +37,14 @@ pub struct EstimateArguments {
     max_ticks: u64,
     #[command(flatten)]
     measuring: MeasuringOptions,
-    /// What becomes of warnings
+    /// Levels of warnings.
     #[command(flatten)]
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
 }
 
-/// Says when programs will be complete, by rates.
+/// Estimates completion times with the rate model.
 pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,
@@ -69,10 +69,11 @@ pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
     )
 }
 
-/// Captures that are listed by default.
+/// Number of captures in the list by default.
 const SHOWN: &str = "5";
 
-/// Prints estimates, with so many captures of each; without times, it has failed.
+/// Prints estimates with this number of captures each. An estimate without times is an unsuccessful
+/// run.
 fn print_estimates(
     estimates: &[CompletionEstimate],
     captures: usize,

@@ -16,7 +16,7 @@ pub struct ExplainArguments {
     code: Option<String>,
 }
 
-/// Widest text that is easy to read.
+/// Largest width of text \[columns\].
 const MAX_WIDTH: usize = 80;
 
 /// Prints the page of a code, or the list of all codes.
@@ -54,7 +54,7 @@ fn list(width: usize) -> String {
     text + "stochc explain CODE explains one of them.\n"
 }
 
-/// Wraps a text. The first line begins with `first`, the others with as many spaces.
+/// Wraps a text. The first line begins with `first`; the others are indented by its width.
 fn wrapped(text: &str, first: &str, width: usize) -> String {
     let indent = first.chars().count();
     let (mut out, mut used) = (first.to_owned(), indent);
@@ -105,7 +105,7 @@ fn rendered(page: &str, width: usize, has_colour: bool) -> String {
     out
 }
 
-/// Accepts any word. A shell completes the codes.
+/// Parser of codes that accepts any word, so that the shell can complete codes.
 #[derive(Clone)]
 struct CodeParser;
 

@@ -11,7 +11,7 @@ use crate::command::interrupt::stop_on_interrupt;
 use crate::exit::{Exit, Failure};
 use crate::operations::export::{gltf, parquet};
 
-/// What `export` is given.
+/// Arguments of `export`.
 #[derive(Debug, Args)]
 pub struct ExportArguments {
     #[command(flatten)]
@@ -19,7 +19,7 @@ pub struct ExportArguments {
     /// File format [default: by the extension of the file, `.parquet` or `.glb`]
     #[arg(long, value_name = "FORMAT", required_unless_present = "out")]
     format: Option<TrajectoryFormat>,
-    /// Export positions every so many ticks [default: 1 for parquet, 8 for gltf]
+    /// Interval of the exported positions in ticks [default: 1 for parquet, 8 for gltf]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     every: Option<u32>,
     /// File to write [default: `DIR/PROGRAM-N.parquet` or `.glb`]
@@ -27,7 +27,7 @@ pub struct ExportArguments {
     out: Option<PathBuf>,
 }
 
-/// A form of trajectories.
+/// A file format of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum TrajectoryFormat {
     /// A table for DuckDB, Polars or pandas
@@ -52,7 +52,7 @@ impl TrajectoryFormat {
     }
 }
 
-/// Returns the format that is given or that the extension of the file names. Refuses a contradiction.
+/// Returns the format from the option or the file extension. Rejects a contradiction.
 fn format(
     given: Option<TrajectoryFormat>,
     out: Option<&Path>,
@@ -77,7 +77,7 @@ fn format(
     }
 }
 
-/// Makes a run again and writes its trajectories.
+/// Repeats a run and writes its trajectories.
 pub fn run(options: &ExportArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::default();

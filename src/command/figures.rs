@@ -1,15 +1,16 @@
-//! What the figures are like that a command writes.
+//! Options for the size and format of figures.
 use clap::{Args, ValueEnum};
 use stochc_report::figures::{FigureFormat, Figures, Medium};
 
-/// What figures are for, and the form of their files.
+/// Size and file formats of figures.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct FigureOptions {
-    /// Width of the figures in files in print, with 7 pt type: such as `89mm` or `183mm` (80 to 300) [default: for a screen]
+    /// Width of the figures for print, with 7 pt type, such as `89mm` or `183mm` (80 to 300)
+    /// [default: for a screen]
     #[arg(long, value_name = "WIDTH")]
     figure_width: Option<Medium>,
-    /// File format of the figures; several with commas between them
+    /// File format of the figures; several are separated by commas
     #[arg(
         long,
         value_name = "FORMAT",
@@ -19,17 +20,17 @@ pub struct FigureOptions {
     figure_format: Vec<FigureForm>,
 }
 
-/// A form of figures.
+/// A file format of figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum FigureForm {
     /// For browsers and drawing programs
     Svg,
-    /// For papers, with the font in it
+    /// For papers, with embedded fonts
     Pdf,
 }
 
 impl FigureOptions {
-    /// As asked for.
+    /// Returns the options as values.
     pub fn figures(&self) -> Figures {
         let mut formats = Vec::new();
         for form in &self.figure_format {

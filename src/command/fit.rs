@@ -26,7 +26,7 @@ use crate::operations::forecast::forecast_to_text;
 use crate::operations::json::document;
 use crate::operations::programs::programs;
 
-/// What `fit` is given.
+/// Arguments of `fit`.
 #[derive(Debug, Args)]
 #[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct FitArguments {
@@ -37,31 +37,31 @@ pub struct FitArguments {
     /// place of ticks. A third column `stopped` marks runs that were stopped at this time with `true`
     #[arg(long, value_name = "FILE.csv")]
     data: PathBuf,
-    /// A number of the scene to find, and the range that it may be in: `bond.pull=2..12 N`, `free=50..500 log`
+    /// Scene parameter to fit, and its range: `bond.pull=2..12 N`, `free=50..500 log`
     #[arg(long, value_name = "NAME=RANGE", required = true, value_parser = Prior::parse)]
     vary: Vec<Prior>,
-    /// Predict the times of this program, and do not use them
+    /// Predict the times of this program instead of using them in the fit
     #[arg(long, value_name = "PROGRAM")]
     hold_out: Vec<String>,
-    /// Predict the times of this program, which was not measured
+    /// Predict the times of this program, which has no measured times
     #[arg(long, value_name = "PROGRAM")]
     predict: Vec<String>,
     /// Predict the mean and standard deviation of this number of runs
     #[arg(long, value_name = "N", default_value_t = 30, requires = "predict", value_parser = clap::value_parser!(u32).range(2..))]
     predict_runs: u32,
-    /// Simulate at so many points in each round, 8 to 200 [default: three for each coefficient of the polynomials]
+    /// Number of points per round, 8 to 200 [default: three per coefficient of the polynomials]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=200))]
     points: Option<u16>,
-    /// Rounds, 1 to 10, each within what the one before has left
+    /// Rounds, 1 to 10; each samples the range that the previous one left
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=10))]
     rounds: u8,
     /// Runs of each program at each point, 4 to 10,000
     #[arg(long, short = 'n', value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     runs: u64,
-    /// Steps of the model in each tick; `1/8`: one, and eight for blocks near magnetized faces
+    /// Time steps per tick; `1/8`: one, and eight for blocks near open faces
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
-    /// Stop a run after this many ticks; its time then counts for nothing, and is told of
+    /// Stop a run after this many ticks; its time is not used, and a warning counts such runs
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Folder for `fit.json`, the figure `fit.svg` and the fitted scenes, `fitted.sa`; it must be new or empty
@@ -70,19 +70,19 @@ pub struct FitArguments {
     /// Print the expected CPU time and end
     #[arg(long)]
     dry_run: bool,
-    /// What its figure is like.
+    /// Size and format of the figure.
     #[command(flatten)]
     figures: FigureOptions,
     #[command(flatten)]
     measuring: MeasuringOptions,
-    /// What becomes of warnings
+    /// Levels of warnings.
     #[command(flatten)]
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
 }
 
-/// Finds numbers of scenes that measured times speak for.
+/// Fits scene parameters to measured times.
 pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let times = measured_times(&options.data, &host)?;
@@ -140,7 +140,7 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// Returns the figure of a fit in all formats that are wanted: names and contents.
+/// Returns the names and contents of the figure in all requested formats.
 fn figures(
     fit: &Fit,
     priors: &[Prior],
@@ -169,7 +169,7 @@ fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> R
     Ok(())
 }
 
-/// Makes a folder, or takes one that holds nothing except leftovers of killed processes.
+/// Creates a folder, or accepts one that is empty except for leftovers of killed processes.
 fn claim_empty(out: &Path) -> Result<(), String> {
     let shown = out.display();
     let unusable = |error: io::Error| format!("cannot use `{shown}`: {error}");

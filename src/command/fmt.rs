@@ -14,18 +14,18 @@ use super::terminal::{exit_of, has_colour, message_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::cannot_read;
 
-/// What `fmt` is given.
+/// Arguments of `fmt`.
 #[derive(Debug, Args)]
 pub struct FmtArguments {
     /// Programs, or folders with programs (`*.sa`) in them; `-` formats standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// Show what would change without writing it; exit with status 1 if anything would
+    /// Show the changes without writing them; exit with status 1 if there are any
     #[arg(long)]
     check: bool,
 }
 
-/// Lays out each file; one that is no program is left as it is.
+/// Formats each file. A file with syntax errors is not changed.
 pub fn run(options: &FmtArguments) -> Result<Exit, Failure> {
     let mut exit = Exit::Success;
     for file in programs(&options.files) {
@@ -72,7 +72,7 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     })
 }
 
-/// Puts a text that is laid out in the place of what it was.
+/// Replaces the source of a file by the formatted source, or reports that it differs.
 fn write(file: &str, text: &str, laid_out: &str, check: bool) -> Result<Exit, Failure> {
     if check {
         return compare(file, text, laid_out);

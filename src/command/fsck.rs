@@ -23,7 +23,7 @@ pub struct FsckArguments {
     repair: bool,
 }
 
-/// Says of every file of a folder whether it is as it was written.
+/// Reports for each file of a folder whether it is valid.
 pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
     let path = &options.folder;
     let health = verify(path).map_err(Failure::usage)?;
@@ -59,7 +59,7 @@ pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// Returns a line for each file, and for all that is wrong with it.
+/// Returns a line per file, and a line per problem.
 fn table(files: &[FileIntegrity]) -> String {
     let mut text = String::new();
     for FileIntegrity { name, health } in files {

@@ -1,4 +1,4 @@
-//! What commands say while they work, on a terminal or whatever stands in its place.
+//! The terminal as a [`Host`].
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
@@ -14,14 +14,14 @@ use crate::diagnostics::{drawn, drawn_errors, warning_lines};
 use crate::host::Host;
 use crate::progress::WorkProgress;
 
-/// The terminal of a command, or whatever stands in its place.
+/// The terminal of a command. Standard error may also be redirected.
 #[derive(Clone, Copy, Debug)]
 pub struct Terminal {
     display: Display,
 }
 
 impl Default for Terminal {
-    /// Returns standard error.
+    /// Creates a host that writes to standard error.
     fn default() -> Terminal {
         let display = Display::on_standard_error(is_quiet());
         Terminal { display }
@@ -43,7 +43,7 @@ impl Host for Terminal {
         warn_drawn(message);
     }
 
-    /// Draws errors. Warnings are one line each, which `check` shows in full.
+    /// Draws errors in full, and prints each warning on one line.
     fn report_diagnostics(&self, checked: &Checked) {
         if checked.has_errors() {
             warn_drawn(&drawn_errors(checked, has_colour(), message_width()));
@@ -57,7 +57,8 @@ impl Host for Terminal {
         drawn(checked, has_colour(), message_width())
     }
 
-    /// Set by an interrupt, once somebody [listens](super::interrupt::stop_on_interrupt).
+    /// Returns the flag that an interrupt sets, after
+    /// [`stop_on_interrupt`](super::interrupt::stop_on_interrupt).
     fn stop(&self) -> &AtomicBool {
         &STOP
     }

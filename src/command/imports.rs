@@ -1,14 +1,14 @@
-//! `--allow-import`.
+//! The option `--allow-import`.
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stochc_files::bound::folder;
 
-/// Where imports may lie.
+/// Further folders for imports.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Warnings and imports")]
 pub struct ImportOptions {
-    /// Let programs import files of this folder too
+    /// Also allow imports from this folder
     #[arg(long = "allow-import", value_name = "DIR", value_parser = resolved)]
     pub folders: Vec<PathBuf>,
 }

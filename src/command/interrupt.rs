@@ -1,23 +1,24 @@
-//! Ctrl-C, and the signals by which a system asks a process to end.
+//! Handles Ctrl-C and the signals that ask a process to end.
 use std::io::{self, Write as _};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::exit::{Exit, Failure};
 
-/// What the first interrupt sets.
+/// Flag that the first interrupt sets.
 pub(super) static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Whether we listen already.
+/// Whether the handlers are installed.
 static LISTENS: Mutex<bool> = Mutex::new(false);
 
-/// Listens for interrupts from now on, and gives what the first one sets.
+/// Installs the handlers for interrupts, and returns the flag that the first one sets. Further
+/// calls return the same flag.
 ///
-/// The first stops runs at their next tick and keeps what is finished; the second leaves at once
-/// with the status of [`Exit::Interrupted`]. Asked again, it gives the same.
+/// The first interrupt stops runs at their next tick and stores finished ones. The second ends the
+/// process at once with the status of [`Exit::Interrupted`].
 ///
 /// # Errors
-/// When somebody else listens already, or the system does not let us.
+/// If another handler is installed, or the system rejects the handlers.
 pub fn stop_on_interrupt() -> Result<&'static AtomicBool, Failure> {
     let mut listens = LISTENS.lock().expect("no panic while it is locked");
     if *listens {
@@ -28,10 +29,10 @@ pub fn stop_on_interrupt() -> Result<&'static AtomicBool, Failure> {
     Ok(&STOP)
 }
 
-/// What an interrupt does.
+/// Handles an interrupt.
 fn interrupted() {
     if STOP.swap(true, Ordering::Relaxed) {
-        // Whatever the threads do, they are not waited for.
+        // Ends the process without waiting for threads.
         std::process::exit(Exit::Interrupted.status().into());
     }
     let message = "\nstopping; press Ctrl-C again to quit at once";
@@ -41,7 +42,7 @@ fn interrupted() {
 #[cfg(unix)]
 fn listen() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    // Whoever starts us with `nohup`, or in the background, has decided what does not end us.
+    // Respects signals that the caller ignores, as `nohup` and background jobs do.
     let heeded = [SIGINT, SIGTERM, SIGHUP]
         .into_iter()
         .filter(|&signal| !is_ignored(signal));
@@ -56,8 +57,8 @@ fn listen() -> io::Result<()> {
     ctrlc::set_handler(interrupted).map_err(io::Error::other)
 }
 
-/// Returns whether a signal was ignored when the process began; only Linux says so without unsafe
-/// code.
+/// Returns whether the signal was ignored when the process started. Always `false` on systems
+/// except Linux.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let mask = stochc_files::process::status("SigIgn");
@@ -65,12 +66,13 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
 }
 
-/// Makes a limit on the size of files an error of those who write, instead of the end of the process.
+/// Turns the signal for the file size limit into an error of the write, instead of ending the
+/// process.
 pub fn outlive_file_limit() {
     #[cfg(unix)]
     {
         let reached = std::sync::Arc::new(AtomicBool::new(false));
-        // Where it cannot be had, the process ends as it always has.
+        // Without the handler, the signal ends the process.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, reached);
     }
 }

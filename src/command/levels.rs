@@ -1,4 +1,4 @@
-//! `--allow`, `--warn` and `--deny`, in the order in which they are given.
+//! The options `--allow`, `--warn` and `--deny`, in the order of the command line.
 use std::ffi::OsStr;
 
 use clap::builder::{PossibleValue, TypedValueParser};
@@ -9,10 +9,10 @@ use stochc_compiler::{Level, LintLevels};
 
 use crate::operations::codes::{ALL_WARNINGS, warning};
 
-/// What the command line says of warnings; the last word on a code counts.
+/// Levels of warnings from the command line. The last option for a code counts.
 #[derive(Clone, Debug, Default)]
 pub struct LevelOptions {
-    /// The levels where a file says nothing.
+    /// Levels of warnings without a level in the source.
     pub levels: LintLevels,
 }
 
@@ -73,11 +73,11 @@ impl FromArgMatches for LevelOptions {
     }
 }
 
-/// A warning, or every one.
+/// A warning, or all warnings.
 #[derive(Clone, Copy, Debug)]
 struct Warning(Option<Code>);
 
-/// Reads the code of a warning.
+/// Parser of warning codes.
 #[derive(Clone)]
 struct Warnings;
 

@@ -3,20 +3,20 @@ use clap::Args;
 
 use crate::exit::{Exit, Failure};
 
-/// What `lsp` is given.
+/// Arguments of `lsp`.
 #[derive(Debug, Args)]
 pub struct LspArguments {
-    /// Speak over the standard input and output, as always
+    /// Use standard input and output (always on; accepted for editors)
     #[arg(long, hide = true)]
     stdio: bool,
 }
 
-/// Serves an editor until it says goodbye.
+/// Serves an editor until it ends the connection.
 pub fn run(_: &LspArguments) -> Result<Exit, Failure> {
     let served = stochc_lsp::serve(std::io::stdin(), std::io::stdout().lock());
     let served =
         served.map_err(|error| Failure::usage(format!("cannot listen to the editor: {error}")))?;
-    // The protocol: 0 after `shutdown`, else 1.
+    // The protocol demands status 0 after `shutdown`, else 1.
     Ok(if served {
         Exit::Success
     } else {

@@ -19,9 +19,9 @@ pub struct ManArguments {
 
 /// Prints the manual, or writes it into a folder.
 pub fn run(options: &ManArguments, command: clap::Command) -> Result<Exit, Failure> {
-    // `help` needs no page: it is what every page is about.
+    // `help` gets no page, because every page has the same content.
     let mut command = command.disable_help_subcommand(true);
-    // So that every page knows what its command is called.
+    // Passes the full command name on to the subcommands.
     command.build();
     let refuse = |error| Failure::usage(format!("cannot write the manual: {error}"));
     match &options.out {
@@ -37,7 +37,7 @@ fn page(command: clap::Command) -> io::Result<Vec<u8>> {
     Ok(page)
 }
 
-/// Writes the pages of a command and its subcommands. `help` needs no page: every page is about it.
+/// Writes the pages of a command and its subcommands, except `help`.
 fn pages(command: clap::Command, folder: &Path) -> io::Result<()> {
     make_folder(folder)?;
     let mut left = vec![command];

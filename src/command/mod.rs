@@ -1,4 +1,4 @@
-//! One module for each subcommand, and what they share.
+//! One module per subcommand, and modules that they share.
 pub mod calibrate;
 pub mod check;
 mod chosen_run;

@@ -1,4 +1,4 @@
-//! The file of a command's `--out`.
+//! The file of the option `--out`.
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use stochc_files::atomic::{Draft, Replaces};
 
 use crate::exit::Failure;
 
-/// A file that is begun before the work whose outcome it is to hold: where it cannot be written, nobody works in vain.
+/// An output file that is opened before the work, so that errors appear before a long computation.
 #[derive(Debug)]
 pub struct NewFile {
     draft: Draft,
@@ -14,10 +14,10 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Begins the file.
+    /// Opens the file.
     ///
     /// # Errors
-    /// If it cannot be written, or something has its name that may not be replaced.
+    /// If it cannot be written, or would replace a file that `replaces` protects.
     pub fn begin(path: &Path, replaces: Replaces) -> Result<NewFile, Failure> {
         let draft = Draft::new(path, replaces);
         Ok(NewFile {
@@ -26,7 +26,7 @@ impl NewFile {
         })
     }
 
-    /// Writes all of it.
+    /// Writes the content and closes the file.
     pub fn write(mut self, content: &str) -> Result<(), Failure> {
         let written = self.draft.write_all(content.as_bytes());
         (written.and_then(|()| self.draft.keep()))

@@ -23,18 +23,18 @@ use crate::operations::plan::{
 use crate::operations::time;
 use stochc_planner::Planned;
 
-/// What `plan` is given.
+/// Arguments of `plan`.
 #[derive(Debug, Args)]
 pub struct PlanArguments {
-    /// What to build: a program with a shape (`.sa`), a scene of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `--run` the
-    /// results folder of the run
+    /// Shape to build: a program with a shape (`.sa`), a MagicaVoxel scene (`.vox`), or layers
+    /// drawn as text (`.txt`); with `--run` the results folder of the run
     #[arg(value_name = "TARGET")]
     target: String,
-    /// Complete the program: plan what is missing where a phase claims a shape that it does not build
+    /// Complete the program: add the captures that a phase needs to build the shape that it claims
     #[arg(long, conflicts_with_all = ["run", "plate", "offset", "scene", "keep_scaffolds"])]
     complete: bool,
-    /// Plan the rest of run N of a results folder: what stands at its end is attached by hand in the program, and what does not belong to
-    /// the shape is let go
+    /// Plan the rest of run N of a results folder: the program starts from the blocks at its end,
+    /// and releases blocks outside the shape
     #[arg(long, value_name = "N", conflicts_with_all = ["plate", "offset", "keep_scaffolds"])]
     run: Option<u64>,
     /// Name of the program of the run; needed if the folder holds several
@@ -45,7 +45,8 @@ pub struct PlanArguments {
         conflicts_with = "complete"
     )]
     program: Option<String>,
-    /// Name of a block that stands at the end of the run and neither captures nor passes messages on any more; may be given several times
+    /// Name of a block at the end of the run that is broken: it neither captures nor passes
+    /// messages on; may be repeated
     #[arg(
         long,
         value_name = "NAME",
@@ -59,24 +60,24 @@ pub struct PlanArguments {
     /// Build only this model of a `.vox` file, counted from 0: one frame of an animation, for instance
     #[arg(long, value_name = "N", conflicts_with_all = ["run", "complete"])]
     model: Option<u32>,
-    /// Plate to build on, and those of its blocks that may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`
-    /// [default: that of the assembly which claims the shape, or the smallest plate under the shape]
+    /// Plate to build on, and its blocks that may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`
+    /// [default: that of the assembly with the shape, or the smallest plate under the shape]
     #[arg(long, value_name = "PLATE", value_parser = SeedPlate::parse)]
     plate: Option<SeedPlate>,
-    /// Move the shape by so many cells to the east and to the north on the plate, such as `2, 1`
+    /// Move the shape on the plate by this many cells to the east and north, such as `2, 1`
     #[arg(long, value_name = "X, Y", value_parser = Offset::parse, allow_hyphen_values = true)]
     offset: Option<Offset>,
-    /// Leave out parts that are attached to no block of the plate that may capture
+    /// Leave out parts that are not attached to a block of the plate that may capture
     #[arg(long, conflicts_with_all = ["supports", "run", "complete"])]
     drop_loose: bool,
-    /// Add the fewest cells that hold such parts
+    /// Add the fewest cells that support such parts
     #[arg(long, conflicts_with_all = ["run", "complete"])]
     supports: bool,
-    /// Scene to build in, also one of another file: `FILE.sa:NAME` [default: that of the assembly which claims the shape,
-    /// the only one of the file, or one with enough blocks]
+    /// Scene to build in, also of another file: `FILE.sa:NAME` [default: that of the assembly with
+    /// the shape, the only one of the file, or one with enough blocks]
     #[arg(long, value_name = "NAME")]
     scene: Option<String>,
-    /// Number of free blocks: the program gets a scene with so many, at the same density
+    /// Number of free blocks; the program gets a scene of the same density with this number
     #[arg(long, value_name = "N", conflicts_with = "complete", value_parser = clap::value_parser!(u32).range(1..))]
     free: Option<u32>,
     /// Name of the assembly [default: `build_` and the name of the shape]
@@ -90,7 +91,7 @@ pub struct PlanArguments {
     force: bool,
     #[command(flatten)]
     rates: RatesOption,
-    /// Search for a better plan during this time, such as 10s or 2m [default: tries for about a second]
+    /// Search for a better plan during this time, such as 10s or 2m [default: about one second]
     #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "tries")]
     time: Option<Duration>,
     /// Search for a better plan with this number of tries; the same number always gives the same plan
@@ -98,16 +99,17 @@ pub struct PlanArguments {
     tries: Option<u64>,
     #[command(flatten)]
     chance: SeedOption,
-    /// What to make small: the mean time to completion, or that in which nine runs of ten are complete
+    /// Time to minimize: the mean completion time, or its 90 % quantile
     #[arg(long, value_name = "WHAT", default_value = "mean")]
     minimize: Minimize,
-    /// Leave scaffolds standing, where the plan has any: the program then claims the shape together with them
+    /// Keep scaffolds: the program claims the shape together with them
     #[arg(long)]
     keep_scaffolds: bool,
-    /// Simulate the plan and the plans that need no thought with physics, N runs each or fewer, and write the fastest, which may have jams
+    /// Simulate the plan and the plans of simple strategies with physics, at most N runs each, and
+    /// write the fastest; jams are allowed
     #[arg(long, value_name = "N", conflicts_with_all = ["run", "complete"], value_parser = clap::value_parser!(u64).range(MIN_RACE..=MAX_RACE))]
     race: Option<u64>,
-    /// Tell the order in words and as a picture, what limits it, and what alternatives would cost
+    /// Describe the order, what limits it, and the cost of alternatives, with a picture
     #[arg(long)]
     explain: bool,
     #[command(flatten)]
@@ -116,16 +118,16 @@ pub struct PlanArguments {
     imports: ImportOptions,
 }
 
-/// What a plan should make small.
+/// The time to minimize.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Minimize {
-    /// The mean time to completion
+    /// The mean completion time
     Mean,
-    /// The time in which nine of ten runs are complete
+    /// The 90 % quantile of the completion time
     P90,
 }
 
-/// Plans, and writes the program.
+/// Plans a program and writes it.
 pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let out = options.out.as_deref();
@@ -185,7 +187,7 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// Begins the file of the program. A plan never replaces its target.
+/// Opens the file of the program. Rejects the file of the target.
 fn begin(path: &Path, options: &PlanArguments) -> Result<NewFile, Failure> {
     if !options.force {
         return NewFile::begin(path, Replaces::Nothing);
@@ -202,7 +204,7 @@ fn begin(path: &Path, options: &PlanArguments) -> Result<NewFile, Failure> {
     NewFile::begin(path, ours)
 }
 
-/// Prints an error about the target as JSON if that format was asked for.
+/// Reports an error about the target, as JSON if requested.
 fn report(not_planned: NotPlanned, options: &PlanArguments) -> Result<Planned, Failure> {
     if let (true, Some(error)) = (options.output.json, &not_planned.refused) {
         let mut content = json!(error);
@@ -229,7 +231,7 @@ fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Re
         let told = explanation(plan);
         match (options.output.json, &options.out) {
             (false, Some(_)) => print(&told)?,
-            // Where the program goes, nothing else does.
+            // If standard output has the program, the explanation goes to standard error.
             _ => warn(&told),
         }
     }

@@ -1,12 +1,12 @@
-//! How programs and times are shown in tables and figures.
+//! Options for units and program names in tables and figures.
 use clap::{Args, ValueEnum};
 use stochc_report::presentation::{Presentation, ProgramLabel};
 
-/// The unit of times and the names of programs.
+/// Unit of times, and labels of programs.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct PresentationOptions {
-    /// Unit of the times in tables for documents and in figures
+    /// Unit of times in document tables and figures
     #[arg(long, value_name = "UNIT", default_value = "ticks")]
     unit: UnitOption,
     /// Text for a program, such as `tower=Tower of five`; may be repeated
@@ -24,7 +24,7 @@ enum UnitOption {
 }
 
 impl PresentationOptions {
-    /// Returns them as values.
+    /// Returns the options as values.
     pub fn presentation(&self) -> Presentation {
         Presentation {
             in_seconds: self.unit == UnitOption::S,

@@ -1,4 +1,4 @@
-//! How work that takes long is shown: a bar on a terminal, a line now and then elsewhere.
+//! Shows the progress of long work: a bar on a terminal, otherwise occasional lines.
 use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
@@ -13,23 +13,23 @@ use crate::progress::WorkProgress;
 /// How to show progress on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Display {
-    /// A bar that is drawn again and again.
+    /// A bar that is redrawn.
     Bar,
-    /// Plain lines: after each tenth of the work, but 10 s apart, and after a minute in any case.
+    /// Plain lines: after each tenth of the work, at least 10 s and at most 60 s apart.
     Lines,
-    /// Nothing.
+    /// No progress.
     Quiet,
 }
 
-/// When a plain line is due.
+/// Decides when to print a plain line.
 struct Cadence {
     at: Duration,
     tenth: u32,
 }
 
 impl Display {
-    /// Returns a bar where standard error is a terminal that can draw it, lines where it is none,
-    /// nothing for `quiet`.
+    /// Returns a bar if standard error is a terminal with cursor control, else lines. Returns
+    /// nothing if `quiet`.
     pub fn on_standard_error(quiet: bool) -> Display {
         if quiet {
             Display::Quiet
@@ -40,7 +40,7 @@ impl Display {
         }
     }
 
-    /// Shows how far some work is until it has ended.
+    /// Shows progress until the channel `ended` closes.
     pub fn show(self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
         match self {
             Display::Bar => bar(state, ended),
@@ -88,7 +88,7 @@ fn print_last(state: &WorkProgress, elapsed: Duration) {
     print_line(&format!("{} in {}", state.done, words(elapsed)));
 }
 
-/// A line on standard error, if there still is somebody to read it.
+/// Prints a line on standard error. Ignores errors.
 fn print_line(line: &str) {
     warn(&format!("{}\n", visible(line)));
 }

@@ -28,7 +28,7 @@ pub struct RepeatArguments {
     levels: LevelOptions,
 }
 
-/// Makes the runs of a results folder again.
+/// Repeats the runs of a results folder.
 pub fn run(options: &RepeatArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let runs = options.making.more_runs();

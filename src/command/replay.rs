@@ -10,15 +10,15 @@ use crate::command::interrupt::stop_on_interrupt;
 use crate::exit::{Exit, Failure};
 use crate::operations::replay::{View, write};
 
-/// What `replay` is given.
+/// Arguments of `replay`.
 #[derive(Debug, Args)]
 pub struct ReplayArguments {
     #[command(flatten)]
     choice: RunSelection,
-    /// Another run of the same program, to be shown beside it
+    /// Another run of the same program to show side by side
     #[arg(long, value_name = "N")]
     against: Option<u64>,
-    /// Begin with what decided how long the run took
+    /// Open the page with a tour of the critical path
     #[arg(long)]
     tour: bool,
     /// File to write [default: `DIR/replay-PROGRAM-N.html`, or `DIR/replay-PROGRAM-N-against-N.html`]
@@ -26,7 +26,7 @@ pub struct ReplayArguments {
     out: Option<PathBuf>,
 }
 
-/// Writes the page that shows a run.
+/// Writes the replay page of a run.
 pub fn run(options: &ReplayArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::default();

@@ -11,7 +11,7 @@ use super::terminal::{is_quiet, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::report::write;
 
-/// What `report` is given.
+/// Arguments of `report`.
 #[derive(Debug, Args)]
 pub struct ReportArguments {
     /// Results folders of `simulate --out`; several are compared
@@ -20,14 +20,14 @@ pub struct ReportArguments {
     /// File to write [default: `report.html` in DIR, or in the current folder for several]
     #[arg(long, short, value_name = "FILE.html")]
     out: Option<PathBuf>,
-    /// What the figures beside the page are like.
+    /// Size and format of the figures.
     #[command(flatten)]
     figures: FigureOptions,
     #[command(flatten)]
     presentation: PresentationOptions,
 }
 
-/// Writes a page on what folders hold, and its figures beside it.
+/// Writes a report on results folders, and its figures.
 pub fn run(options: &ReportArguments) -> Result<Exit, Failure> {
     let figures = Figures {
         presentation: options.presentation.presentation(),

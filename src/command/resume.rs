@@ -18,7 +18,7 @@ pub struct ResumeArguments {
     out: PathBuf,
     #[command(flatten)]
     making: MakingOptions,
-    /// Resume runs of another build of stochc, if one of them is reproduced exactly
+    /// Resume runs of another build of stochc, if this build reproduces one of them exactly
     #[arg(long, help_heading = "Runs")]
     mixed_builds: bool,
     #[command(flatten)]
@@ -27,7 +27,7 @@ pub struct ResumeArguments {
     levels: LevelOptions,
 }
 
-/// Makes the runs that a results folder lacks.
+/// Makes the missing runs of a results folder.
 pub fn run(options: &ResumeArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let ensemble = Ensemble {

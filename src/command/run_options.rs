@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// How many runs are made at the same time.
+/// Number of runs at the same time.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct ThreadsOption {
@@ -12,7 +12,7 @@ pub struct ThreadsOption {
     pub threads: Option<u16>,
 }
 
-/// The random numbers of runs.
+/// Seed of the random numbers.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct SeedOption {
@@ -30,7 +30,7 @@ pub struct JsonOption {
     pub json: bool,
 }
 
-/// Measurements by runs, printed as a table.
+/// Options of commands that measure with runs and print a table.
 #[derive(Debug, Args)]
 pub struct MeasuringOptions {
     #[command(flatten)]
@@ -55,15 +55,15 @@ pub struct ResultsOptions {
 /// Calibrated rates of scenes.
 #[derive(Debug, Args)]
 pub struct RatesOption {
-    /// Rates of scenes, written by `stochc calibrate`; those of the default scene are built in
+    /// Rates of scenes, written by `stochc calibrate`; rates of the default scene are built in
     #[arg(long, value_name = "FILE.rates")]
     pub rates: Vec<PathBuf>,
 }
 
-/// The word for any number of captures.
+/// Word for all captures.
 pub const ALL: &str = "all";
 
-/// Parses a number of captures.
+/// Parses a number of captures, or [`ALL`].
 pub fn count(text: &str) -> Result<usize, String> {
     if text == ALL {
         return Ok(usize::MAX);

@@ -56,16 +56,16 @@ pub enum TableFormat {
     Markdown,
 }
 
-/// What to show of an ensemble.
+/// Options for printing the results of an ensemble.
 #[derive(Clone, Copy, Debug)]
 pub struct ResultsView<'a> {
-    /// In which form.
+    /// Output format.
     pub form: TableFormat,
-    /// Unit of times and names of programs.
+    /// Unit of times, and labels of programs.
     pub how: &'a Presentation,
-    /// How many captures are listed, those with the longest waiting times. `None`: none.
+    /// Number of captures to list, longest waiting times first. `None` lists no captures.
     pub captures: Option<usize>,
-    /// Where its runs are kept; `None`: nowhere.
+    /// Results folder. `None` if the results are not stored.
     pub folder: Option<&'a Path>,
 }
 
@@ -78,7 +78,7 @@ impl ShowArguments {
         }
     }
 
-    /// Refuses options that the format does not use.
+    /// Rejects options that the format does not use.
     fn are_consistent(&self) -> Result<(), Failure> {
         let is_published = !matches!(self.format(), TableFormat::Text | TableFormat::Json);
         if self.presentation.presentation().in_seconds && !is_published {
@@ -95,7 +95,8 @@ impl ShowArguments {
     }
 }
 
-/// Shows what a folder holds. Corrupted files and missing runs have an exit status of their own.
+/// Prints the results of a folder. Corrupted files and missing runs have an exit status of their
+/// own.
 pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     options.are_consistent()?;
     let host = Terminal::default();
@@ -137,7 +138,8 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     Ok(exit.or_worse(Exit::of_runs(missing == 0)))
 }
 
-/// Prints the events of a run of each program. Fails if the run did not complete.
+/// Prints the events of a run of each program. The exit status is that of an unsuccessful run if
+/// one did not complete.
 fn show_run(
     manifest: &Manifest,
     finished: &Records,
@@ -156,7 +158,8 @@ fn show_run(
     show_runs(&records, is_json)
 }
 
-/// Prints the comparison of an ensemble's programs; says whether every run was successful.
+/// Prints the comparison of an ensemble's programs. The exit status is that of an unsuccessful run
+/// if any run was unsuccessful.
 pub fn show(
     manifest: &Manifest,
     finished: &Records,

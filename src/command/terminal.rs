@@ -1,4 +1,4 @@
-//! Writing to the terminal, or to whatever stands in its place.
+//! Writes to standard output and standard error.
 use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
 use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -13,13 +13,13 @@ use crate::exit::{Exit, Failure};
 /// Options of every command that concern the terminal.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TerminalOptions {
-    /// Whether progress, notes and warnings are left out.
+    /// Whether to leave out progress, notes and warnings.
     pub is_quiet: bool,
-    /// When colors are used.
+    /// When to use colors.
     pub color: Color,
 }
 
-/// When colors are used.
+/// When to use colors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Color {
     /// On terminals, unless `NO_COLOR` is set
@@ -33,7 +33,7 @@ pub enum Color {
 
 static OPTIONS: OnceLock<TerminalOptions> = OnceLock::new();
 
-/// Sets the options of the command line, once.
+/// Sets the terminal options once, at the start.
 pub fn configure(options: TerminalOptions) {
     let _ = OPTIONS.set(options);
 }
@@ -42,19 +42,21 @@ fn options() -> TerminalOptions {
     OPTIONS.get().copied().unwrap_or_default()
 }
 
-/// Returns whether progress, notes and warnings are left out.
+/// Returns whether to leave out progress, notes and warnings.
 pub fn is_quiet() -> bool {
     options().is_quiet
 }
 
-/// Prints: a terminal is shown what is invisible, and anything else gets the text as it is. A reader that has gone
-/// away, such as `head`, changes nothing, and any other reason why nothing can be written, such as a full disk, ends
-/// the command with a word.
+/// Prints a text. On a terminal, invisible characters are shown as escapes. A closed pipe, such as
+/// to `head`, is not an error.
+///
+/// # Errors
+/// If the output cannot be written for another reason, such as a full disk.
 pub fn print(text: &str) -> Result<(), Failure> {
     print_with(|out| out.write_all(text.as_bytes()))
 }
 
-/// [`print`]s lines, folded to the width of a terminal.
+/// Prints lines with [`print`], folded to the width of the terminal.
 pub fn print_folded(text: &str) -> Result<(), Failure> {
     if output_is_watched() {
         print(&folded(text, output_width()))
@@ -63,7 +65,8 @@ pub fn print_folded(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Breaks lines that are wider than `width` at spaces. The rest of a line is indented by four more columns.
+/// Folds lines that are wider than `width` at spaces. Continuation lines are indented by four more
+/// columns.
 fn folded(text: &str, width: usize) -> String {
     let mut out = String::new();
     for line in text.lines() {
@@ -89,7 +92,7 @@ fn folded(text: &str, width: usize) -> String {
     out
 }
 
-/// [`print`]s what is written to a stream, as it comes.
+/// Prints what `write` writes, while it is being written. See [`print`].
 pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     if output_is_watched() {
         print_to(VisibleWriter::new(io::stdout().lock()), write)
@@ -98,7 +101,7 @@ pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Resul
     }
 }
 
-/// [`print`]s what may have colours of ours; in the names of others, everything is visible already.
+/// Prints a text that may contain colors of stochc. Names in it are already escaped.
 pub fn print_drawn(text: &str) -> Result<(), Failure> {
     print_to(io::stdout().lock(), |out| out.write_all(text.as_bytes()))
 }
@@ -118,10 +121,10 @@ fn print_to(
     }
 }
 
-/// UTF-8 for a terminal, with [`visible_lines`] of it.
+/// Writer that escapes invisible characters of UTF-8 text with [`visible_lines`].
 struct VisibleWriter<W> {
     out: W,
-    /// The beginning of a character.
+    /// Bytes of an incomplete character.
     begun: Vec<u8>,
 }
 
@@ -136,7 +139,7 @@ impl<W: Write> Write for VisibleWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.begun.extend_from_slice(bytes);
         let whole = match std::str::from_utf8(&self.begun) {
-            // What is no character at all is shown as such.
+            // Passes on invalid bytes, which are escaped.
             Err(error) if error.error_len().is_none() => error.valid_up_to(),
             _ => self.begun.len(),
         };
@@ -152,44 +155,46 @@ impl<W: Write> Write for VisibleWriter<W> {
     }
 }
 
-/// Says something about the work on standard error, with what is invisible shown; nobody listening is no reason to stop.
+/// Prints a message on standard error with invisible characters escaped. Ignores errors.
 pub fn warn(text: &str) {
     warn_drawn(&visible_lines(text));
 }
 
-/// Says where results are and what to run next, unless the command is quiet.
+/// Prints where results are and what to run next, unless the command is quiet.
 pub fn close(text: &str) {
     if !is_quiet() {
         warn(text);
     }
 }
 
-/// Returns a path as an argument of a command in a message.
+/// Returns a path quoted as an argument of a command.
 pub fn argument(path: &Path) -> String {
     shell_file(&visible(&path.to_string_lossy()))
 }
 
-/// [`warn`]s with what may have colours of ours; in the names of others, everything is visible already.
+/// Prints a message that may contain colors of stochc on standard error. Names in it are already
+/// escaped.
 pub fn warn_drawn(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Warnings that wait until the command line has proved to be right.
+/// Warnings that are delayed until the command line is checked.
 static DEFERRED: Mutex<String> = Mutex::new(String::new());
 
-/// Prints a warning as soon as work starts, or when the command ends: errors come first.
+/// Prints a warning when work starts or the command ends, so that errors come first.
 pub fn defer(text: &str) {
     let mut deferred = DEFERRED.lock().unwrap_or_else(PoisonError::into_inner);
     deferred.push_str(text);
 }
 
-/// Prints the warnings that wait.
+/// Prints the delayed warnings.
 pub fn show_deferred() {
     let mut deferred = DEFERRED.lock().unwrap_or_else(PoisonError::into_inner);
     warn_drawn(&std::mem::take(&mut *deferred));
 }
 
-/// Says why a part of the work failed, where the rest of it goes on; how that part ended.
+/// Reports the failure of one part of the work and returns its exit status. The caller continues
+/// with the rest.
 pub fn exit_of(done: Result<Exit, Failure>) -> Exit {
     done.unwrap_or_else(|failure| {
         warn_drawn(&failure.message);
@@ -197,12 +202,12 @@ pub fn exit_of(done: Result<Exit, Failure>) -> Exit {
     })
 }
 
-/// Returns whether standard error shows colours.
+/// Returns whether standard error uses colors.
 pub fn has_colour() -> bool {
     uses_colour(std::io::stderr().is_terminal())
 }
 
-/// Returns whether the output shows colours.
+/// Returns whether standard output uses colors.
 pub fn output_has_colour() -> bool {
     uses_colour(std::io::stdout().is_terminal())
 }
@@ -215,37 +220,37 @@ fn uses_colour(is_terminal: bool) -> bool {
     }
 }
 
-/// Returns whether nobody says otherwise: by `NO_COLOR`, or by a terminal that does nothing but
-/// print.
+/// Returns whether the environment permits colors: `NO_COLOR` is unset and the terminal supports
+/// them.
 fn wants_colour() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && !is_dumb()
 }
 
-/// Returns whether a terminal knows none of the sequences that colour text and move the cursor.
+/// Returns whether the terminal supports no control sequences.
 pub fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|name| name == "dumb")
 }
 
-/// Returns whether somebody looks at the output, now.
+/// Returns whether standard output is a terminal.
 pub fn output_is_watched() -> bool {
     std::io::stdout().is_terminal()
 }
 
-/// Columns of the output: those of the terminal, or [`WIDTH`] where it is none.
+/// Returns the width of standard output \[columns\]. The default is [`WIDTH`].
 pub fn output_width() -> usize {
     columns(&Term::stdout()).unwrap_or(WIDTH)
 }
 
-/// Columns for messages: those of the terminal, but no more than are easy to read.
+/// Returns the width for messages on standard error \[columns\], at most [`WIDTH`].
 pub fn message_width() -> usize {
     columns(&Term::stderr()).map_or(WIDTH, |columns| columns.min(WIDTH))
 }
 
-/// Columns where nobody says how many there are.
+/// Width of the output if it is not a terminal \[columns\].
 const WIDTH: usize = 100;
 
 fn columns(terminal: &Term) -> Option<usize> {
-    /// With fewer than this, a break by the terminal itself is easier to read.
+    /// Narrower terminals break lines themselves.
     const MIN: usize = 40;
     let (_, columns) = terminal.size_checked()?;
     Some(usize::from(columns).max(MIN))

@@ -48,7 +48,8 @@ pub fn run(options: &TraceArguments) -> Result<Exit, Failure> {
     show_runs(&records, options.output.json)
 }
 
-/// Prints the events of runs. Fails if a run did not complete.
+/// Prints the events of runs. The exit status is that of an unsuccessful run if one did not
+/// complete.
 pub fn show_runs(
     records: &[(RunRecord, &EnsembleProgram)],
     is_json: bool,
@@ -68,7 +69,7 @@ pub fn show_runs(
     Ok(Exit::of_runs(outcomes.all(|it| *it == Outcome::Completed)))
 }
 
-/// Returns a run in lines: a phase, what happened in it, its end.
+/// Returns a run as lines: each phase with its events, and the end of the run.
 fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
     let narrator = RunNarrator { record, program };
     let mut out = String::new();
@@ -102,7 +103,7 @@ fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
     out
 }
 
-/// Tells of a run.
+/// Describes the events of a run.
 struct RunNarrator<'a> {
     record: &'a RunRecord,
     program: &'a EnsembleProgram,
@@ -117,12 +118,12 @@ impl RunNarrator<'_> {
         visible(self.program.role(role))
     }
 
-    /// Returns a number of ticks, in seconds as well.
+    /// Returns a number of ticks, also in seconds.
     fn ticks(&self, n: u64) -> String {
         counted(n as usize, "tick") + &self.tick().beside(n as f64)
     }
 
-    /// What happened in a phase, each with its tick, and what was under way when the run ended.
+    /// Returns the events of a phase with their ticks, and the events that were running at the end.
     fn lines(&self, phase: PhaseId) -> Vec<(u64, String)> {
         let record = self.record;
         let bonds = record.bonds.iter().filter(|bond| bond.phase == phase);
@@ -138,7 +139,7 @@ impl RunNarrator<'_> {
 
     fn capture(&self, bond: &BondRecord) -> String {
         let entries = match bond.entries {
-            // Nothing moved.
+            // No block moved.
             0 => String::new(),
             entries => format!(" and {}", counted(entries as usize, "entry")),
         };

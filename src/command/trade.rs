@@ -26,7 +26,7 @@ use crate::operations::trade::{MeasuredTrade, TradeSetup, manifest, measured};
 #[derive(Debug, Args)]
 #[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct TradeArguments {
-    /// Programs to simulate; with several, their ranking at each setting is compared as well
+    /// Programs to simulate; with several, the report also compares their ranking at each setting
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
     /// Runs of each program at each setting [default: 30; at most 10000 with `--time` or `--until`]
@@ -35,7 +35,7 @@ pub struct TradeArguments {
     /// Start no run after this time, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", value_parser = time)]
     time: Option<Duration>,
-    /// Make runs until half of the 95 % interval of every mean is at most PERCENT of it, such as 3%
+    /// Make runs until the 95 % confidence interval of every mean is at most ± PERCENT, such as 3%
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with = "time")]
     until: Option<f64>,
     /// Stop a run after this many ticks; its time is then censored
@@ -65,7 +65,7 @@ pub struct TradeArguments {
     imports: ImportOptions,
 }
 
-/// Measures what accuracy costs.
+/// Measures the cost of accuracy.
 pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,

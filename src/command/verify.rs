@@ -1,4 +1,4 @@
-//! `stochc verify`: the proof of a check, and event tables in every order of events.
+//! `stochc verify`: checks programs and executes their event tables in every order of events.
 use std::fmt::Write as _;
 
 use clap::Args;
@@ -20,13 +20,13 @@ use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 use crate::operations::summary::status_line;
 use stochc_compiler::model_check::{MISTAKE, expected, shortest};
 
-/// Random orders of events for a program with too many orders.
+/// Number of random orders for a program with too many orders.
 const SCHEDULES: u64 = 1_000;
 
-/// Most steps of these orders: about a minute.
+/// Largest number of steps of the random orders. They take about a minute.
 const SAMPLED: u64 = 200_000_000;
 
-/// Seed of these orders.
+/// Seed of the random orders.
 const SEED: u64 = 0;
 
 /// Arguments of `verify`.
@@ -44,7 +44,7 @@ pub struct VerifyArguments {
     imports: ImportOptions,
 }
 
-/// Numbers of programs by how far they are verified.
+/// Number of programs per verification result.
 #[derive(Debug, Default)]
 struct Verified {
     completely: usize,
@@ -102,7 +102,7 @@ impl Verified {
     }
 }
 
-/// Explores the programs of a file without errors, each up to a number of states.
+/// Explores the programs of a correct file, each up to this number of states.
 fn explore(
     file: &str,
     checked: &Checked,
@@ -199,7 +199,8 @@ fn describe(reports: &[ExplorationReport], bounds: &ExplorationBounds) -> String
     out
 }
 
-/// How a program goes wrong, as a message.
+/// Returns the message about a violation with its sequence of events. Returns `None` if there is
+/// none.
 fn violation_message(file: &str, tables: &Tables, report: &ExplorationReport) -> Option<String> {
     let violation = report.violation()?;
     Some(format!(

@@ -14,7 +14,7 @@ pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
     draw(checked, |_| true, colour, width)
 }
 
-/// Draws the errors of a file alone.
+/// Draws only the errors of a file.
 pub fn show_errors(checked: &Checked, colour: bool, width: usize) -> String {
     draw(checked, Diagnostic::is_error, colour, width)
 }
@@ -43,13 +43,13 @@ fn draw(
     out
 }
 
-/// Numbers and codes of diagnostics, for the last lines of a report.
+/// Number and codes of diagnostics, for the last lines of a report.
 #[derive(Clone, Debug, Default)]
 pub struct DiagnosticCounts {
     errors: usize,
     warnings: usize,
     fixable: usize,
-    /// Codes, each once, those of errors first.
+    /// Codes without duplicates, errors first.
     codes: Vec<(Severity, Code)>,
 }
 
@@ -64,7 +64,7 @@ impl DiagnosticCounts {
             if !self.codes.iter().any(|&(_, code)| code == diagnostic.code) {
                 self.codes.push((diagnostic.severity, diagnostic.code));
             }
-            // Edits in another file are applied when that file is checked.
+            // Fixes in another file are applied when that file is checked.
             let is_own = |edit: &Edit| edit.location.file == FileId(0);
             let fix = diagnostic.fix.as_ref();
             let is_fixable = fix.is_some_and(|fix| fix.safe && fix.edits.iter().all(is_own));

@@ -5,12 +5,12 @@ use stochc_compiler::{Checked, Program, SourceLocation, Sources};
 
 use super::position;
 
-/// Diagnostics and programs of files, as one JSON document.
+/// Diagnostics and programs of several files as one JSON document.
 #[derive(Debug, Default)]
 pub struct CheckDocument {
     diagnostics: Vec<Value>,
     programs: Vec<Value>,
-    /// The physics of the scenes; `None` without `--scene`.
+    /// The physics of the scenes. `None` without `--physics`.
     pub scenes: Option<Vec<Value>>,
 }
 
@@ -27,7 +27,7 @@ impl CheckDocument {
         }
     }
 
-    /// Returns `{ format, diagnostics, programs }`, with `scenes` if they were asked for.
+    /// Returns `{ format, diagnostics, programs }`, with `scenes` if requested.
     pub fn text(self) -> String {
         let mut document = json!({
             "format": 1,
@@ -41,7 +41,7 @@ impl CheckDocument {
     }
 }
 
-/// Returns a program with its proof, which is `null` if there is none.
+/// Returns a program with its proof. The proof is `null` if there is none.
 fn program(file: &str, checked: &Checked, number: usize) -> Value {
     let program = &checked.programs[number];
     let plan = &program.plan;
@@ -66,9 +66,11 @@ fn program(file: &str, checked: &Checked, number: usize) -> Value {
 /// Returns the diagnostics of a file as JSON.
 ///
 /// Each is `{ code, severity, title, count, help, labels: [{ file, start, end, text }], fix }`.
-/// `count` is more than 1 if one statement has been found wrong several times, as in a loop.
-/// `start` and `end` have an `offset` in bytes from 0, and a `line` and `column` from 1. Columns count
-/// characters. `fix` is `null` or `{ title, safe, edits: [{ file, start, end, text }] }`, where `text`
+/// `count` is more than 1 if one statement has the same error several times, as in a loop. `start`
+/// and `end` have an `offset` in bytes from 0, and a `line` and `column` from 1. Columns count
+/// characters.
+///
+/// `fix` is `null` or `{ title, safe, edits: [{ file, start, end, text }] }`. There, `text`
 /// replaces the source from `start` to `end`.
 pub fn values(checked: &Checked) -> impl Iterator<Item = Value> {
     (checked.diagnostics.iter()).map(|diagnostic| value(diagnostic, &checked.sources))

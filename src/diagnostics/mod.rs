@@ -1,4 +1,4 @@
-//! Diagnostics in every form: drawn, one to a line, as JSON, and as SARIF.
+//! Prints diagnostics: drawn, as single lines, as JSON, or as SARIF.
 mod graphical;
 mod json;
 mod sarif;
@@ -11,7 +11,7 @@ pub use json::{CheckDocument, values};
 pub use sarif::SarifLog;
 pub use short::warning_lines;
 
-/// Form in which diagnostics are shown.
+/// Output format of diagnostics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "command", derive(clap::ValueEnum))]
 pub enum Format {
@@ -25,7 +25,7 @@ pub enum Format {
     Sarif,
 }
 
-/// Returns the diagnostics of a file in a form, ready to print.
+/// Returns the diagnostics of a file in this format, ready to print.
 pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> String {
     match format {
         Format::Graphical => graphical::show(checked, colour, width),

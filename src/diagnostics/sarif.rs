@@ -20,7 +20,8 @@ const SCHEMA: &str =
 /// The diagnostics of one or more files, as one run of the tool.
 #[derive(Debug)]
 pub struct SarifLog {
-    /// The folder that addresses are relative to, with `/` between its parts and at its end.
+    /// Folder for relative addresses, with `/` as the separator and at the end. `None` for absolute
+    /// addresses.
     folder: Option<String>,
     results: Vec<Value>,
     /// Whether every file could be read.
@@ -28,7 +29,7 @@ pub struct SarifLog {
 }
 
 impl SarifLog {
-    /// Returns an empty one; files below `folder`, an absolute path, get addresses relative to it.
+    /// Creates an empty log. Files below the absolute path `folder` get relative addresses.
     pub fn new(folder: Option<&Path>) -> SarifLog {
         let folder = folder.and_then(Path::to_str).map(|folder| {
             let folder = slashes(folder);
@@ -50,7 +51,7 @@ impl SarifLog {
         }
         for Allowed { diagnostic, reason } in &checked.allowed {
             let mut result = self.result(path, diagnostic, &checked.sources);
-            // 3.35: a suppressed result with its reason.
+            // Section 3.35: a suppressed result has a reason.
             let suppression = match reason {
                 Some(reason) => json!({ "kind": "inSource", "justification": reason }),
                 None => json!({ "kind": "external" }),
@@ -60,12 +61,12 @@ impl SarifLog {
         }
     }
 
-    /// Notes that a file could not be read.
+    /// Records that a file could not be read.
     pub fn leave_out(&mut self) {
         self.complete = false;
     }
 
-    /// Returns the whole document.
+    /// Returns the complete document.
     pub fn document(self) -> String {
         let version = env!("CARGO_PKG_VERSION");
         let rules: Value = Code::ALL.iter().map(|&code| rule(code)).collect();
@@ -87,7 +88,7 @@ impl SarifLog {
         format!("{document:#}\n")
     }
 
-    /// 3.27
+    /// Returns a diagnostic as a result (section 3.27).
     fn result(&self, path: &str, diagnostic: &Diagnostic, sources: &Sources) -> Map<String, Value> {
         let mut text = diagnostic.message();
         if let Some(help) = &diagnostic.help {
@@ -97,7 +98,7 @@ impl SarifLog {
         let mut labels = diagnostic.labels.iter();
         let place = match labels.next() {
             Some(label) => self.location(label, sources),
-            // A file that cannot be read has no lines.
+            // An unreadable file has no lines.
             None => json!({ "physicalLocation": { "artifactLocation": self.artifact(path) } }),
         };
         let mut result = Map::new();
@@ -124,7 +125,7 @@ impl SarifLog {
         result
     }
 
-    /// 3.28
+    /// Returns a label as a location (section 3.28).
     fn location(&self, label: &Label, sources: &Sources) -> Value {
         let name = &sources.file(label.location.file).name;
         json!({
@@ -136,7 +137,7 @@ impl SarifLog {
         })
     }
 
-    /// 3.55; a change of several files is one `artifactChange` for each.
+    /// Returns a fix (section 3.55) with one `artifactChange` per changed file.
     fn fix(&self, fix: &Fix, sources: &Sources) -> Value {
         let mut files: Vec<_> = fix.edits.iter().map(|edit| edit.location.file).collect();
         files.sort_unstable();
@@ -167,13 +168,13 @@ impl SarifLog {
         json!({ "description": { "text": text }, "artifactChanges": changes })
     }
 
-    /// 3.4
+    /// Returns an artifact location (section 3.4).
     fn artifact(&self, name: &str) -> Value {
         json!({ "uri": file_address(name, self.folder.as_deref()) })
     }
 }
 
-/// 3.30; the columns are in the unit that the run declares.
+/// Returns a region (section 3.30). The unit of its columns is declared by the run.
 fn region(sources: &Sources, location: SourceLocation) -> Value {
     let (start_line, start_column) = position(sources, location, location.span.start);
     let (end_line, end_column) = position(sources, location, location.span.end);
@@ -185,7 +186,7 @@ fn region(sources: &Sources, location: SourceLocation) -> Value {
     })
 }
 
-/// 3.49. Its texts come from the page of the code.
+/// Returns a reporting descriptor (section 3.49) with texts from the page of the code.
 fn rule(code: Code) -> Value {
     let page = code.page();
     let (_, text) = page.split_once('\n').unwrap_or((page, ""));
@@ -200,8 +201,7 @@ fn rule(code: Code) -> Value {
     })
 }
 
-/// Returns the address of a file: relative to `folder` if it is below it or its name is relative
-/// already.
+/// Returns the address of a file. Names below `folder` and relative names give relative addresses.
 fn file_address(name: &str, folder: Option<&str>) -> String {
     let name = slashes(name);
     let path = folder
@@ -216,7 +216,7 @@ fn file_address(name: &str, folder: Option<&str>) -> String {
     }
 }
 
-/// Returns a path with `/` between its parts.
+/// Returns a path with `/` as the separator.
 fn slashes(path: &str) -> String {
     match std::path::MAIN_SEPARATOR {
         '/' => path.to_owned(),

@@ -1,4 +1,4 @@
-//! Diagnostics in one line each, for editors and `grep`.
+//! Diagnostics on single lines, for editors and `grep`.
 use stochc_compiler::diagnostic::{Diagnostic, visible};
 use stochc_compiler::{Checked, Sources};
 

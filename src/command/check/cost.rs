@@ -1,4 +1,4 @@
-//! What `check --cost` says of a program.
+//! The output of `check --cost`.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::{MAX_ESTIMATED, Program, Symbols};
@@ -13,8 +13,8 @@ use stochc_text::{TextColumn, TextTable, paragraph};
 use super::super::terminal::output_width;
 use crate::operations::rates::at_hand;
 
-/// Returns a table of the phases, and one of the captures that decide how long they take; empty if
-/// nothing was asked for.
+/// Returns a table of the phases, and a table of the captures that decide their durations. Empty
+/// without `--cost`.
 pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &[Rates]) -> String {
     let Some(most) = most.filter(|_| !program.plan.events.is_empty()) else {
         return String::new();
@@ -27,7 +27,7 @@ pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &
     })
 }
 
-/// Returns what `--cost` prints as JSON. Null for an aggregate.
+/// Returns the data of `--cost` as JSON. Null for an aggregate.
 pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rates]) -> Value {
     let rates = (program.scene.as_ref()).and_then(|scene| Rates::known_or_guessed(rates, scene));
     let rates = rates.as_deref();
@@ -62,7 +62,7 @@ pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rat
     })
 }
 
-/// Returns a line on how long a program takes; empty where nobody knows.
+/// Returns a line with the expected duration of a program. Empty if the duration is unknown.
 pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
     let (true, Some(rates)) = (program.plan.events.len() <= MAX_ESTIMATED, rates) else {
@@ -97,8 +97,8 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     format!("  by rates it takes {takes}{never}{reasons}; `--cost` says what decides it\n")
 }
 
-/// Returns the part of the times that were drawn in which a phase came to its timeout. `None` means
-/// in none.
+/// Returns the share of drawn times that include the timeout of a phase. Returns `None` if none
+/// does.
 fn stopped(cost: &Cost) -> Option<f64> {
     let stopped = cost.stopped();
     (stopped > 0).then(|| stopped as f64 / cost.draws.len() as f64)
@@ -154,7 +154,7 @@ fn table(
     "\n".to_owned() + &indented.collect::<String>()
 }
 
-/// A column of times.
+/// A column of the table: its heading and its value.
 type Figure = (&'static str, fn(&Times) -> Option<f64>);
 
 fn by_phase(program: &Program, cost: &Cost) -> TextTable {
@@ -227,7 +227,7 @@ const DEPTH_AND_WIDTH: &str = "depth: captures one after the other; width: captu
 const TIMES: &str = "of the time: the part of it in which nothing but this capture is waited for; \
     mean wait: ticks from when its face opens.";
 
-/// Why there are no times, and what to do.
+/// Returns the reason why times are missing, and what to do.
 fn no_times(program: &Program, cost: &Cost) -> String {
     let unsupported = program.scene.as_ref().and_then(RateWorld::unsupported);
     match (unsupported, cost.has_rates) {

@@ -8,16 +8,17 @@ use crate::diagnostics::{Format, drawn};
 use crate::exit::{Exit, Failure};
 use crate::fix::{FixedFile, fix};
 
-/// Shows what is changed in a file, and changes it; some exit status if that is all there is to do.
+/// Applies the safe fixes of a file and shows them as a diff. Returns the exit status if `check`
+/// has nothing more to do.
 ///
-/// The standard input cannot be changed: with its changes, it is the output, and `text`.
+/// Standard input cannot be changed. Its fixed source is printed, and also returned in `text`.
 pub fn run(
     file: &str,
     options: &CheckArguments,
     exit: &mut Exit,
     text: &mut Option<Vec<u8>>,
 ) -> Result<Option<Exit>, Failure> {
-    // A file that cannot be read is told of by the check.
+    // The following check reports files that cannot be read.
     let Ok(fixed) = fix(file, &options.levels.levels, &options.imports.folders) else {
         return Ok(None);
     };
@@ -33,11 +34,11 @@ pub fn run(
         return Ok(None);
     }
     let diff = fixed.diff();
-    // Programs read the diagnostics only.
+    // A program that reads JSON ignores the diff.
     if alone {
         print(&diff)?;
     } else {
-        // Nobody feeds it to `patch` there, and the ends of lines say nothing.
+        // The diff is not input for `patch` here, so line ends are irrelevant.
         warn(&diff.replace("\r\n", "\n"));
     }
     let changes = counted(fixed.changes, "change");

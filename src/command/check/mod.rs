@@ -34,7 +34,7 @@ pub struct CheckArguments {
     /// Programs to check, or folders with programs (`*.sa`) in them; `-` is the standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// Output format of the diagnostics; all but `graphical` write to standard output
+    /// Output format of the diagnostics; all except `graphical` write to standard output
     #[arg(
         long,
         value_name = "FORMAT",
@@ -44,10 +44,11 @@ pub struct CheckArguments {
     format: Format,
     #[command(flatten)]
     output: JsonOption,
-    /// Print the depth, width and expected duration of each phase, and the N captures that take most of the time [default: 10]
+    /// Print the depth, width and expected duration of each phase, and the N captures that take
+    /// most of the time [default: 10]
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = count)]
     cost: Option<usize>,
-    /// Rates of scenes for `--cost`, written by `stochc calibrate`; others are estimated
+    /// Rates of scenes for `--cost`, written by `stochc calibrate`; other scenes are estimated
     #[arg(long, value_name = "FILE.rates", requires = "cost")]
     rates: Vec<PathBuf>,
     /// List the physics of the scenes: each term with its equation and value, the terms left out, dimensionless numbers, and the
@@ -76,7 +77,7 @@ impl CheckArguments {
     }
 }
 
-/// Checks each file, and says of the right ones what is known before anything moves.
+/// Checks each file and prints a summary of the correct ones.
 pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     let is_written = options.fix && !options.dry_run && options.format() != Format::Graphical;
     if is_written && options.files.iter().any(|file| file == STDIN) {
@@ -106,7 +107,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             exit = exit.or_worse(ended);
             continue;
         }
-        // What is said of a program does not go where the program itself does.
+        // If standard output has the fixed program, summaries go to standard error.
         let is_output_taken = text.is_some();
         let say = |said: &str| {
             if is_output_taken {
@@ -131,7 +132,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         };
         let shown = || show(&checked, options.format(), has_colour(), message_width());
         match options.format() {
-            // Programs read the diagnostics, people the summary.
+            // Programs read only the diagnostics; the summary is for people.
             Format::Short => print(&shown())?,
             Format::Json => document.add(file, &checked, |program| {
                 let most = options.cost.filter(|_| !checked.has_errors())?;
@@ -176,7 +177,8 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Returns the programs of the command line that can be opened. Reports the others, and whether there are any.
+/// Returns the readable files of the command line. Reports the others, and returns whether there
+/// are any.
 fn readable(arguments: &[String]) -> (Vec<String>, bool) {
     let opened = |file: String| {
         if file != STDIN_NAME {
@@ -200,7 +202,7 @@ fn readable(arguments: &[String]) -> (Vec<String>, bool) {
     (files, unread)
 }
 
-/// Checks a program, or `text` instead of the file.
+/// Checks a program. `text` replaces the content of the file.
 ///
 /// # Errors
 /// If the file cannot be read.
@@ -237,7 +239,7 @@ fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) 
     out
 }
 
-/// Returns the longest serial chain of each phase and of a program, in lines.
+/// Returns lines with the longest serial chain of each phase and of the program.
 fn chains(program: &Program, checked: &Checked) -> String {
     let plan = &program.plan;
     let Some(order) = program.order.as_ref().filter(|_| plan.aggregate.is_none()) else {

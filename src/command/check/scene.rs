@@ -12,24 +12,24 @@ use stochc_runtime::{StepError, step_errors};
 use stochc_text::aligned;
 use stochc_text::visible;
 
-/// A scene that assemblies of a file run in, and all that is said of it.
+/// A scene of a file, with the data for its listing.
 pub struct InForce<'a> {
     file: &'a str,
     scene: &'a Scene,
-    /// The names of those assemblies.
+    /// Names of the assemblies in this scene.
     assemblies: Vec<&'a str>,
     terms: Vec<DescribedTerm>,
     absent: Vec<AbsentTerm>,
     speed: Speed,
     groups: Vec<DimensionlessGroup>,
-    /// The default steps in it.
+    /// Default number of substeps of the scene.
     steps: Substeps,
-    /// The warnings about it, with the default steps.
+    /// Warnings about the scene with the default substeps.
     warnings: Vec<SceneWarning>,
     step_errors: Vec<StepError>,
 }
 
-/// Returns the scenes of a file's assemblies, each once, in the order of the assemblies.
+/// Returns the scenes of a file's assemblies without duplicates, in the order of the assemblies.
 pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
     let mut out: Vec<InForce> = Vec::new();
     for program in &checked.programs {
@@ -70,7 +70,7 @@ impl<'a> InForce<'a> {
         }
     }
 
-    /// Returns whether a row is outside of its limit, with the default steps.
+    /// Returns whether a dimensionless number exceeds its limit with the default substeps.
     fn is_exceeded(&self, group: &DimensionlessGroup) -> bool {
         group.is_exceeded(group.steps_of(self.steps)) || group.disappoints().is_some()
     }
@@ -130,7 +130,7 @@ impl<'a> InForce<'a> {
         })
     }
 
-    /// Returns the listing to read.
+    /// Returns the listing as text.
     pub fn text(&self) -> String {
         let mut out = format!(
             "{}: scene {}, of {}\n\n  in force, with the values in SI units and in block units\n",
@@ -174,13 +174,13 @@ impl<'a> InForce<'a> {
         out
     }
 
-    /// Returns whether the default steps resolve the motion.
+    /// Returns whether the default substeps resolve the motion.
     fn are_steps_short(&self) -> bool {
         let is_of_steps = |it: &SceneWarning| it.kind == SceneWarningKind::CoarseStep;
         !self.warnings.iter().any(is_of_steps)
     }
 
-    /// Returns the sentence on whether steps are short enough.
+    /// Returns the sentence that states whether the time step is small enough.
     fn verdict(&self) -> String {
         let taken = self.steps;
         if !self.are_steps_short() {
@@ -302,7 +302,8 @@ impl<'a> InForce<'a> {
         )
     }
 
-    /// Returns the fewest steps a tick that resolve all that any number of them does.
+    /// Returns the smallest number of substeps that resolves every effect that substeps can
+    /// resolve.
     fn needed(&self) -> u32 {
         let needed = self.groups.iter().filter_map(DimensionlessGroup::substeps);
         needed.max().unwrap_or(1)
@@ -313,8 +314,7 @@ impl<'a> InForce<'a> {
     }
 }
 
-/// Returns the largest value that a group should have: with one step a tick, or whatever the steps
-/// are.
+/// Returns the limit of a dimensionless number with one substep. Returns `None` if it has no limit.
 fn max_value(group: &DimensionlessGroup) -> Option<f64> {
     let expected = group.expected.map(|expected| expected.most);
     group.limit.map(|limit| limit.most).or(expected)

@@ -1,4 +1,4 @@
-//! Options that several commands share which simulate ensembles.
+//! Options that commands with ensembles share.
 use std::path::PathBuf;
 
 use clap::Args;
@@ -57,7 +57,7 @@ pub struct ModelOptions {
     /// Floating-point precision; `double` needs `--model rigid` [default: single]
     #[arg(long, value_parser = one_of(&Precision::ALL, Precision::name, Precision::meaning))]
     precision: Option<Precision>,
-    /// Leave out a part of the physics, to see what it contributes; needs `--model rigid`
+    /// Leave out one term of the physics, to measure its effect; needs `--model rigid`
     #[arg(long, value_name = "PART", value_parser = one_of(&Reduction::ALL, Reduction::name, Reduction::meaning))]
     without: Option<Reduction>,
     /// Stop a run after this many ticks; its time is then censored
@@ -79,7 +79,7 @@ impl ModelOptions {
         }
     }
 
-    /// Returns whether the option that this axis of a sweep is named after is given as well.
+    /// Returns whether the command line also has the option of this sweep axis.
     pub fn gives(&self, axis: &str) -> bool {
         match axis {
             "model" => self.model.is_some(),
@@ -91,10 +91,10 @@ impl ModelOptions {
         }
     }
 
-    /// Refuses options that the model does not use.
+    /// Rejects options that the model does not use.
     pub fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
         let model = settings.model;
-        // The default may be given as well.
+        // Default values are accepted for every model.
         let steps = self.substeps.map(|_| Setting::Steps);
         let rates = (!self.rates.is_empty()).then_some(Setting::Rates);
         let given = steps.into_iter().chain(settings.chosen()).chain(rates);
@@ -117,10 +117,11 @@ impl ModelOptions {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct MakingOptions {
-    /// Runs of each program; the limit of `--until` [default: 50; 10000 with `--until`; those of the folder that is resumed or repeated]
+    /// Runs of each program; the limit of `--until` [default: 50; 10000 with `--until`; as in the
+    /// folder for `resume` and `repeat`]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
     pub runs: Option<u64>,
-    /// Make runs until half of the 95 % interval of every mean is at most PERCENT of it, such as 3%
+    /// Make runs until the 95 % confidence interval of every mean is at most ± PERCENT, such as 3%
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["record", "watch"])]
     pub until: Option<f64>,
     #[command(flatten)]

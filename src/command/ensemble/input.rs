@@ -1,4 +1,4 @@
-//! Programs, a manifest or a results folder to an ensemble that is ready to run.
+//! Reads programs, a manifest or a results folder as an ensemble that is ready to run.
 use std::path::Path;
 
 use stochc_experiments::sweep::Axis;
@@ -56,7 +56,7 @@ pub fn from_programs(
     Ok(manifest)
 }
 
-/// Returns the ensemble of a results folder that is resumed, with this number of runs or its own.
+/// Returns the ensemble of a results folder to resume. `runs` replaces its number of runs.
 pub fn from_folder(folder: &Path, runs: Option<u64>) -> Result<Manifest, Failure> {
     let stored = survey(folder).map_err(Failure::usage)?;
     let manifest = stored.ok_or_else(|| {
@@ -68,7 +68,7 @@ pub fn from_folder(folder: &Path, runs: Option<u64>) -> Result<Manifest, Failure
     by_this_build(manifest, runs)
 }
 
-/// Returns the ensemble of a manifest or a results folder, with this number of runs or its own.
+/// Returns the ensemble of a manifest or a results folder. `runs` replaces its number of runs.
 pub fn from_manifest(path: &Path, runs: Option<u64>, host: &dyn Host) -> Result<Manifest, Failure> {
     let in_folder = path.join(MANIFEST);
     let path = if path.is_dir() { &in_folder } else { path };
@@ -84,7 +84,7 @@ pub fn from_manifest(path: &Path, runs: Option<u64>, host: &dyn Host) -> Result<
     by_this_build(manifest, runs)
 }
 
-/// Returns the ensemble as this build makes it.
+/// Returns the ensemble with this build as its author. `runs` replaces its number of runs.
 fn by_this_build(mut manifest: Manifest, runs: Option<u64>) -> Result<Manifest, Failure> {
     manifest.runs = runs.unwrap_or(manifest.runs);
     manifest.builds = vec![this_build()];

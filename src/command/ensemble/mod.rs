@@ -32,20 +32,20 @@ impl MakingOptions {
         self.runs.unwrap_or(usual)
     }
 
-    /// Returns the number of runs of each program, unless it is that of a stored ensemble.
+    /// Returns the number of runs per program. Returns `None` to keep that of the stored ensemble.
     pub fn more_runs(&self) -> Option<u64> {
         self.runs.or(self.until.map(|_| MAX_UNTIL))
     }
 }
 
-/// An ensemble, and where its runs are kept.
+/// An ensemble and the place of its results.
 pub struct Ensemble<'a> {
     pub manifest: Manifest,
-    /// Results folder.
+    /// Results folder. `None` if the results are not stored.
     pub out: Option<&'a Path>,
-    /// Whether the folder has runs already.
+    /// Whether and how to resume runs in the folder.
     pub resume: Resume,
-    /// Whether a check has judged the scenes with these settings.
+    /// Whether a check with these settings has already reported warnings about the scenes.
     pub is_checked: bool,
     /// Levels of warnings about scenes.
     pub levels: &'a LintLevels,
@@ -53,7 +53,7 @@ pub struct Ensemble<'a> {
     pub figures: Figures,
 }
 
-/// Refuses an ensemble that no run can be made of. Warns of its model and scenes.
+/// Rejects an ensemble that cannot be run. Warns about its model and scenes.
 pub fn judge(
     manifest: &Manifest,
     is_checked: bool,
@@ -131,7 +131,7 @@ pub fn run(
     Err(stopped(out))
 }
 
-/// Returns the end of an ensemble that was interrupted.
+/// Returns the failure of an interrupted ensemble.
 pub fn stopped(out: Option<&Path>) -> Failure {
     let message = match out.map(argument) {
         Some(folder) => {

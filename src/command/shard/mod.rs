@@ -1,4 +1,4 @@
-//! `stochc shard`: ensembles that are made on many machines.
+//! `stochc shard`: ensembles that are split among machines.
 mod merge;
 mod new;
 mod run;

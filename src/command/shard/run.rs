@@ -29,7 +29,7 @@ pub struct RunArguments {
     checkpoints: Interval,
 }
 
-/// Makes the runs that a shard lacks.
+/// Makes the missing runs of a shard.
 pub fn run(options: &RunArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::default();

@@ -48,7 +48,7 @@ fn content(status: &ShardStatus) -> Value {
 }
 
 fn text(status: &ShardStatus, folder: &str) -> String {
-    /// Most shards that are listed one by one.
+    /// Largest number of shards in the list.
     const SHOWN: usize = 20;
     let missing: Vec<u64> = status.missing().collect();
     let there = status.pieces.len() - missing.len();

@@ -33,7 +33,7 @@ impl<'a> Jobs<'a> {
         })
     }
 
-    /// Returns how many shards a task runs.
+    /// Returns the number of shards per task.
     pub fn per_task(&self, limits: SlurmLimits) -> Result<u64, Failure> {
         let per_task = limits.per_task(self.ensemble.shards, self.options.per_task);
         per_task.ok_or_else(|| {
@@ -84,9 +84,9 @@ impl<'a> Jobs<'a> {
         arguments
     }
 
-    /// Returns the scripts and commands for these missing shards, as text.
+    /// Returns the scripts and commands for the missing shards, as text.
     pub fn preview(&self, missing: &[u64]) -> Result<String, Failure> {
-        // Without Slurm there is something to show as well.
+        // The preview also works without Slurm.
         let per_task = self.per_task(slurm::limits().unwrap_or_default())?;
         let [shards, merge] = self.scripts(per_task);
         let script = |name: &str| format!("{}/slurm/{name}.sh", self.folder);

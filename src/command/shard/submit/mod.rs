@@ -22,7 +22,7 @@ use crate::operations::sweep::files_for_screens;
 use jobs::Jobs;
 use slurm::SlurmError;
 
-/// Submits the missing shards of an ensemble, or reports why there is nothing to submit.
+/// Submits the missing shards of an ensemble, or reports why no job is needed.
 pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
     if std::env::var_os("SBATCH_CLUSTERS").is_some() {
         return Err(Failure::usage(
@@ -49,7 +49,7 @@ pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
         jobs,
         folder: shell_file(&visible(&shown)),
     };
-    // Without Slurm no file is written.
+    // Checks that Slurm answers before files are written.
     submission.queue()?;
     let Some(_lock) = ensemble.lock().map_err(Failure::usage)? else {
         let folder = visible(&shown);
@@ -61,7 +61,7 @@ pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
 }
 
 impl SubmitArguments {
-    /// Prints, unless `--quiet` is given.
+    /// Prints a text, unless `--quiet` is given.
     fn print(&self, text: &str) -> Result<Exit, Failure> {
         if !is_quiet() {
             print(text)?;
@@ -70,16 +70,16 @@ impl SubmitArguments {
     }
 }
 
-/// A call of `submit`, while it has the lock.
+/// One call of `submit`. It holds the lock of the folder.
 struct Submission<'a> {
     options: &'a SubmitArguments,
     ensemble: &'a SlurmEnsemble,
     jobs: Jobs<'a>,
-    /// The folder, as an argument of a command.
+    /// The folder, quoted for a command.
     folder: String,
 }
 
-/// Jobs and shards at one moment.
+/// A snapshot of jobs and shards.
 struct State {
     queue: Queue,
     /// Shards that exist. `None` while a job array is active.
@@ -87,7 +87,7 @@ struct State {
 }
 
 impl State {
-    /// Returns whether there is nothing to submit, now and later.
+    /// Returns whether no job is needed now or later.
     fn is_settled(&self) -> bool {
         !self.queue.active_merges().is_empty() || matches!(self.found, Some(FoundShards::Merged(_)))
     }
@@ -105,7 +105,7 @@ impl Submission<'_> {
         match state.found {
             None => self.submit_merge(&state.queue, &state.queue.active_arrays()),
             Some(FoundShards::Merged(runs)) => {
-                // Locking may have made the folder again.
+                // Locking may have created the folder.
                 self.ensemble.clear().map_err(Failure::usage)?;
                 self.options.print(&merged(&self.options.folder, runs))
             }
@@ -114,7 +114,8 @@ impl Submission<'_> {
         }
     }
 
-    /// Returns the state. After an earlier submission, waits for jobs and files that are not visible yet.
+    /// Returns the current state. After an earlier submission, waits for jobs and files that are
+    /// not visible yet.
     fn settle(&self) -> Result<State, Failure> {
         let state = self.state()?;
         if state.is_settled() || !self.ensemble.was_submitted() {
@@ -139,7 +140,7 @@ impl Submission<'_> {
         Ok(State { queue, found })
     }
 
-    /// Merges the shards here. Submits those that turn out to be damaged.
+    /// Merges the shards in this process. Resubmits corrupted shards.
     fn merge(&self, queue: &Queue) -> Result<Exit, Failure> {
         match merge(&self.ensemble.path, files_for_screens) {
             Ok(runs) => self.options.print(&merged(&self.options.folder, runs)),
@@ -193,9 +194,9 @@ impl Submission<'_> {
         Ok(scripts.map(|path| path.to_string_lossy().into_owned()))
     }
 
-    /// Runs `sbatch` and returns the job number. `listed` are jobs that Slurm listed before.
+    /// Runs `sbatch` and returns the job number. `listed` are the jobs that Slurm listed before.
     ///
-    /// If the number is not in the answer, or the answer was lost, the job is found by its name.
+    /// If the answer is lost or lacks the number, finds the job by its name.
     fn submit(&self, arguments: &[String], listed: &BTreeSet<u64>) -> Result<u64, Refusal> {
         let answer = slurm::run("sbatch", arguments);
         if let Some(number) = answer.as_deref().ok().and_then(job_number) {
@@ -222,7 +223,7 @@ impl Submission<'_> {
         slurm::queue(self.ensemble).map_err(|error| self.unanswered(&error))
     }
 
-    /// Reports what happened, and how to look at these jobs.
+    /// Reports the action, and the command that shows the jobs.
     fn report(&self, what: &str, jobs: &[u64]) -> Result<Exit, Failure> {
         let folder = &self.folder;
         let jobs: Vec<String> = jobs.iter().map(u64::to_string).collect();
@@ -241,7 +242,7 @@ impl Submission<'_> {
         self.options.print(&text)
     }
 
-    /// Explains that a command of Slurm gave no answer.
+    /// Returns the failure that a command of Slurm gave no answer.
     fn unanswered(&self, error: &SlurmError) -> Failure {
         let folder = &self.folder;
         several_lines(&format!(
@@ -250,7 +251,7 @@ impl Submission<'_> {
         ))
     }
 
-    /// Explains that a job was not submitted.
+    /// Returns the failure that a job was not submitted.
     fn refused(&self, what: &str, refusal: &Refusal) -> Failure {
         let folder = &self.folder;
         let answer = match &refusal.error {
@@ -274,11 +275,11 @@ impl Submission<'_> {
     }
 }
 
-/// A job whose number is not known.
+/// A submission without a job number.
 struct Refusal {
-    /// Whether Slurm may have accepted it.
+    /// Whether Slurm may have accepted the job.
     may_be_accepted: bool,
-    /// Why `sbatch` failed. `None` if it succeeded.
+    /// Error of `sbatch`. `None` if it succeeded.
     error: Option<SlurmError>,
 }
 
@@ -289,7 +290,7 @@ fn several_lines(message: &str) -> Failure {
     }
 }
 
-/// Calls `look` until its value is final or the time is over, and returns the last value.
+/// Calls `look` until its value is final or the time is over. Returns the last value.
 fn poll<T, E>(
     time: Duration,
     look: impl Fn() -> Result<T, E>,
@@ -304,7 +305,7 @@ fn poll<T, E>(
         if is_final(&value) || left.is_zero() {
             return Ok(value);
         }
-        // Looks at many shards take long; they take a tenth of the time at most.
+        // Pauses so that looking takes at most a tenth of the time.
         let pause = SHORTEST_PAUSE.max(9 * looked.elapsed());
         std::thread::sleep(pause.min(left));
     }

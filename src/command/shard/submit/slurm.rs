@@ -1,4 +1,4 @@
-//! Slurm's commands.
+//! Runs the commands of Slurm.
 use std::ffi::OsStr;
 use std::io::ErrorKind;
 use std::process::{Command, Stdio};
@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use stochc_files::shell::visible;
 use stochc_results::slurm::{FORMAT, Queue, SlurmEnsemble, SlurmLimits};
 
-/// Message of a command of Slurm that is not installed or failed.
+/// A command of Slurm failed or is not installed. Has its message.
 #[derive(Debug)]
 pub struct SlurmError(String);
 
@@ -17,7 +17,7 @@ impl std::fmt::Display for SlurmError {
 }
 
 impl SlurmError {
-    /// Returns whether the answer of the controller may have been lost, so that it may have accepted the job.
+    /// Returns whether the controller may have accepted the job although its answer was lost.
     pub fn is_lost_answer(&self) -> bool {
         const LOST: [&str; 5] = [
             "timed out",
@@ -44,7 +44,7 @@ pub fn queue(ensemble: &SlurmEnsemble) -> Result<Queue, SlurmError> {
     Ok(ensemble.queue(&output))
 }
 
-/// Returns the limits of the site.
+/// Returns the limits of the Slurm site.
 pub fn limits() -> Result<SlurmLimits, SlurmError> {
     let limits = SlurmLimits::from_config(&run("scontrol", ["show", "config"])?);
     let user = format!("user={}", std::env::var("USER").unwrap_or_default());
@@ -56,14 +56,14 @@ pub fn limits() -> Result<SlurmLimits, SlurmError> {
         &user,
         "format=MaxSubmitJobs",
     ];
-    // Many sites keep no accounts.
+    // Many sites have no accounting.
     Ok(match run("sacctmgr", associations) {
         Ok(output) => limits.with_associations(&output),
         Err(_) => limits,
     })
 }
 
-/// Returns a command as a person copies it into a shell.
+/// Returns a command quoted for a shell.
 pub fn line(program: &str, arguments: &[String]) -> String {
     let words = std::iter::once(program).chain(arguments.iter().map(String::as_str));
     words.map(visible).collect::<Vec<_>>().join(" ")
@@ -81,7 +81,7 @@ pub fn run(
             command.env_remove(name);
         }
     }
-    // Else squeue shortens long lists of tasks.
+    // Prevents squeue from shortening long lists of tasks.
     command.env("SLURM_BITSTR_LEN", "0");
     let failed = |message: String| SlurmError(format!("`{program}` failed: {message}"));
     let output = command.output().map_err(|error| match error.kind() {
@@ -99,7 +99,7 @@ pub fn run(
     }))
 }
 
-/// Returns whether a variable is unset because it would change the jobs or the output.
+/// Returns whether to remove an environment variable that would change jobs or output.
 fn is_unset(name: &OsStr) -> bool {
     let name = name.to_string_lossy();
     name.starts_with("SQUEUE_") || name == "SBATCH_WAIT" || name == "SBATCH_ARRAY_INX"
