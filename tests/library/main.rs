@@ -1,6 +1,5 @@
 //! Tests that need several crates but not the command.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
-mod ensemble;
 mod estimate;
 mod executable;
 mod findings;
@@ -12,7 +11,6 @@ mod mistakes;
 mod mutations;
 #[path = "../pages/mod.rs"]
 mod pages;
-mod planner;
 #[path = "../../compiler/tests/compiler/random.rs"]
 mod random;
 mod random_programs;

@@ -57,7 +57,7 @@ fixed, and their inputs are in `fuzz/corpus/`. 12,975 inputs that cover the reac
 
 ## Faults of the disk
 
-`tests/library/ensemble/faults.rs` makes every call to the disk fail: no space, input/output errors, partial writes, ignored syncs, kills and loss of
+`crates/results/tests/results/faults.rs` makes every call to the disk fail: no space, input/output errors, partial writes, ignored syncs, kills and loss of
 power. The resumed ensemble writes the same tables each time, byte for byte, at some 2,000 points. On 2026-11-23 a longer version made 126,122
 calls fail in 68 minutes.
 

@@ -1,0 +1,71 @@
+//! From shapes to programs that build them.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the tests read shapes from the disk"
+)]
+mod order;
+mod random;
+mod refused;
+mod rest;
+mod scaffolds;
+mod shapes;
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use stochc_compiler::{Checked, Program};
+use stochc_ir::record::RunRecord;
+use stochc_ir::{Cell, Executable};
+use stochc_planner::{BuildPlan, Goal, PlanSearch, Planned, Unplanned, layers};
+use stochc_runtime::Settings;
+
+/// The shapes of the bench, sorted by name.
+pub fn files() -> Vec<PathBuf> {
+    let files = std::fs::read_dir("../../lab/planner/shapes").unwrap();
+    let mut files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// What one of them draws.
+pub fn goal(path: &Path) -> Goal {
+    let cells = layers(&std::fs::read_to_string(path).unwrap()).unwrap();
+    Goal::of_cells(path.file_stem().unwrap().to_str().unwrap(), cells)
+}
+
+/// The shape of a name.
+pub fn named(name: &str) -> Goal {
+    goal(&Path::new("../../lab/planner/shapes").join(format!("{name}.txt")))
+}
+
+/// A plan after so many tries.
+pub fn tried(goal: &Goal, rounds: u64) -> Result<Planned, Unplanned> {
+    let seed = 7;
+    goal.plan(
+        &[],
+        PlanSearch {
+            rounds,
+            seed,
+            ..PlanSearch::default()
+        },
+    )
+}
+
+/// Returns the programs of a file without errors.
+pub fn compile(checked: Checked) -> Vec<Executable> {
+    assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
+    let programs = checked.programs.into_iter();
+    programs.filter_map(Program::into_executable).collect()
+}
+
+/// Executes one run.
+pub fn simulate(executable: &Executable, settings: &Settings, seed: u64, run: u64) -> RunRecord {
+    let (tables, scene) = (&executable.tables, &executable.scene);
+    let mut watch = |_, _| ControlFlow::Continue(());
+    stochc_runtime::run(tables, scene, settings, seed, run, &mut watch).unwrap()
+}
+
+/// The cells of a plan, sorted.
+pub fn cells(plan: &BuildPlan) -> Vec<Cell> {
+    plan.cells()
+}

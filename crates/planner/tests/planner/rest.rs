@@ -1,0 +1,457 @@
+//! Programs that are written in part are completed, and what a run has left is built on.
+use std::collections::BTreeSet;
+
+use proptest::prelude::*;
+use stochc_compiler::Checked;
+use stochc_compiler::check_text;
+use stochc_compiler::plan::EventId;
+use stochc_estimate::Rates;
+use stochc_ir::Cell;
+use stochc_ir::Executable;
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_planner::{Completion, ExistingStructure, Goal, NotCompleted, Planned, Unplanned};
+use stochc_planner::{PlanSearch, TargetError};
+use stochc_runtime::{Model, Settings};
+
+use crate::random::grown;
+use crate::{compile, simulate, tried};
+
+const PART: &str = "\
+// Begun by hand.
+shape arch {
+    layer 1..2 {
+        # . #
+    }
+    layer 3 {
+        # # #
+    }
+}
+
+assembly castle {
+    seed plate 3 x 1 {
+        L at (0, 0)
+        R at (2, 0)
+    }
+    phase feet {
+        L.up ->> B[1..3]   // the left one
+    }
+    phase rest {
+        yields arch
+    }
+}
+";
+
+fn completed(text: &str) -> Result<Planned, NotCompleted> {
+    let completion = Completion::new(&check_text("part.sa", text), None)?;
+    let planned = completion.plan(&[], PlanSearch::default());
+    Ok(planned.expect("it can be built"))
+}
+
+fn error(text: &str) -> String {
+    match completed(text) {
+        Err(NotCompleted::Refused(reason)) => reason,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn executable(checked: Checked) -> Executable {
+    compile(checked).remove(0)
+}
+
+/// A run, stopped after so many ticks.
+fn ran(executable: &Executable, model: Model, max_ticks: Option<u64>) -> RunRecord {
+    let settings = Settings {
+        max_ticks,
+        ..Settings::new(model, 1)
+    };
+    simulate(executable, &settings, 3, 0)
+}
+
+/// What the planner takes for the wait in a gap, where blocks jam.
+const JAM: f64 = 15_000.0;
+
+/// What a plan says of its time is what `check --cost` says of the phase in which it is written; `None`: of the whole program.
+fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
+    let program = &whole.programs[0];
+    let rates = Rates::known_or_guessed(&[], program.scene.as_ref().unwrap());
+    let cost = program.estimate(rates.as_deref()).unwrap();
+    let mut phases = program.plan.phases.iter().zip(&cost.phases);
+    let times = match phase {
+        Some(name) => {
+            phases
+                .find(|(phase, _)| phase.name == name)
+                .unwrap()
+                .1
+                .times
+        }
+        None => cost.total,
+    };
+    let times = times.unwrap();
+    let plan = &planned.plan;
+    assert_eq!(
+        [plan.estimate.mean, plan.estimate.p90].map(Some),
+        [times.mean, times.p90]
+    );
+    assert!(plan.widest <= plan.captures.len(), "{plan:?}");
+    // All that stands has been waited for.
+    if let [only] = &plan.captures[..]
+        && only.wait < JAM
+    {
+        assert!((f64::from(only.decides) - 1.0).abs() < 1e-3, "{only:?}");
+        let cell = |event: EventId| program.layout.cells[event.0 as usize];
+        let mut captures = cost.captures.iter();
+        let same = captures
+            .find(|it| cell(it.event) == Some(only.cell))
+            .unwrap();
+        assert!(
+            (only.wait / same.wait - 1.0).abs() < 0.01,
+            "{only:?} {same:?}"
+        );
+    }
+}
+
+#[test]
+fn what_stands_is_waited_for_no_more() {
+    let second = PART.replace("yields arch", "R.up -> rest\n        yields arch");
+    let by_hand = "\
+shape two { layer 1..2 { # . # } }
+assembly h {
+    seed plate 3 x 1 { A at (0, 0) B at (2, 0) A.up ->> X[1..2] }
+    phase p { yields two }
+}
+";
+    let one = "\
+shape s { layer 1 { # # } }
+scene few from hemisphere { free 200 uniform }
+assembly a in few {
+    seed plate 2 x 1 { A at (0, 0) B at (1, 0) A.up -> W }
+    phase p { yields s }
+}
+";
+    for (text, phase) in [
+        (PART, "rest"),
+        (&second, "rest2"),
+        (by_hand, "p"),
+        (one, "p"),
+    ] {
+        let planned = completed(text).unwrap();
+        let whole = check_text("whole.sa", &planned.text);
+        has_the_times_of(&planned, &whole, Some(phase));
+        assert_eq!(planned.plan.estimate.is_first_guess, text == one);
+    }
+}
+
+#[test]
+fn what_is_missing_is_written_into_the_phase_that_claims_it() {
+    let planned = completed(PART).unwrap();
+    insta::assert_snapshot!(planned.text);
+    let checked = check_text("whole.sa", &planned.text);
+    assert_eq!(checked.diagnostics.len(), 0, "{:?}", checked.diagnostics);
+    let record = ran(&executable(checked), Model::Shuffle, None);
+    assert_eq!(record.outcome, Outcome::Completed);
+    assert_eq!(record.blocks_used, 7);
+}
+
+#[test]
+fn a_phase_with_captures_keeps_them_and_gives_its_claim_to_one_behind() {
+    let text = PART.replace(
+        "yields arch\n    }",
+        "R.up -> rest\n        yields arch\n    } // both feet",
+    );
+    let planned = completed(&text).unwrap();
+    insta::assert_snapshot!(planned.text);
+    let checked = check_text("whole.sa", &planned.text);
+    assert_eq!(checked.diagnostics.len(), 0, "{:?}", checked.diagnostics);
+}
+
+/// The claim that is not true is completed, and not the first of the file.
+#[test]
+fn the_claim_that_is_not_true_is_completed() {
+    let feet = "shape foot {\n    layer 1..3 {\n        # . .\n    }\n}\n\nassembly";
+    let text = PART.replace("assembly", feet);
+    let text = text.replace("// the left one\n", "\n        yields foot\n");
+    for text in [
+        text.clone(),
+        text.replace("yields arch", "R.up -> C\n        yields arch"),
+    ] {
+        let planned = completed(&text).unwrap();
+        let checked = check_text("whole.sa", &planned.text);
+        assert_eq!(checked.diagnostics.len(), 0, "{}", planned.text);
+        let claims = checked.programs[0].plan.phases.iter();
+        assert_eq!(claims.filter(|it| !it.claims.is_empty()).count(), 2);
+    }
+}
+
+/// What hung on a block that goes would go with it.
+#[test]
+fn nothing_hangs_on_a_block_that_a_later_phase_releases() {
+    let text = "shape bar { layer 1 { # # } layer 2 { # # } }
+assembly a {
+    seed plate 2 x 1 { A at (0, 0) }
+    phase one { A.up -> C.up -> D }
+    phase rest { yields bar }
+    phase late { release D }
+}
+";
+    let planned = completed(text).unwrap();
+    let checked = check_text("whole.sa", &planned.text);
+    assert!(!checked.has_errors(), "{}", planned.text);
+}
+
+#[test]
+fn what_cannot_be_completed_is_refused_with_a_reason() {
+    let whole = completed(PART).unwrap().text;
+    assert_eq!(error(&whole), "every phase that claims a shape builds it");
+    assert_eq!(
+        error(&PART.replace("yields arch", "R.up -> X")),
+        "no phase claims a shape: say what is to stand, `phase rest { yields NAME }`"
+    );
+    assert_eq!(
+        error(&PART.replace("[1..3]", "[1..4]")),
+        "`arch` has no block at (0, 0, 4), where `B[4]` stands: release it in this phase or before"
+    );
+    let looped = PART.replace("phase rest {", "for i in 1..1 { phase rest[i] {");
+    assert!(error(&looped.replace("arch\n    }", "arch\n    } }")).contains("in a loop"));
+    let second = format!(
+        "{PART}\nassembly other {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ yields arch }} }}\n"
+    );
+    let first = completed(&second).unwrap().text;
+    assert!(first.contains("phase p { yields arch }"), "{first}");
+    let wrong = PART.replace("L.up", "Q.up");
+    assert!(matches!(completed(&wrong), Err(NotCompleted::Wrong)));
+    // A block of an instance without a name can hold nothing that the program could write.
+    let anonymous = "pattern tower(base) { base.up ->> T[1..2] }\nshape mast { layer 1..4 { # } }\n\
+         assembly part { seed plate 1 x 1 { A at (0, 0) }\n phase one { tower(A) }\n phase rest { yields mast } }\n";
+    assert_eq!(
+        error(anonymous),
+        "what stands has no name by which it could hold the rest: name the instances of `tower`, such as `tower(A) as a`"
+    );
+    let named = completed(&anonymous.replace("tower(A)", "tower(A) as a")).unwrap();
+    assert!(named.text.contains("a.T[2].up"), "{}", named.text);
+    let floating = PART
+        .replace("R at (2, 0)\n", "")
+        .replace("B[1..3]", "B[1..2]");
+    let held = completed(&floating).unwrap();
+    assert!(held.text.contains("B[2].up"), "{}", held.text);
+}
+
+/// It belongs to the claim, wherever that goes.
+#[test]
+fn a_comment_on_a_claim_stays_on_it() {
+    let text = "shape mast { layer 1..4 { # } }\n\
+         assembly part { seed plate 1 x 1 { A at (0, 0) }\n phase one { A.up -> B\n /// All of it.\n yields mast } }\n";
+    let behind = completed(text).unwrap().text;
+    assert!(
+        behind.contains("/// All of it.\n        yields mast"),
+        "{behind}"
+    );
+    assert_eq!(behind.matches("All of it").count(), 1, "{behind}");
+    let inside = text.replace("A.up -> B\n", "A.up -> B }\n phase rest {\n");
+    let inside = completed(&inside).unwrap().text;
+    assert!(
+        inside.contains("/// All of it.\n        yields mast"),
+        "{inside}"
+    );
+}
+
+/// Each assembly has a shape of this name.
+const LOCAL: &str = "\
+assembly a { shape s { layer 1 { # } }
+    seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A yields s } }
+assembly b { shape s { layer 1..3 { # } }
+    seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> B } phase rest { yields s } }
+";
+
+#[test]
+fn a_shape_is_that_of_its_assembly() {
+    let text = completed(LOCAL).unwrap().text;
+    assert!(text.contains("B.up ->"), "{text}");
+    let checked = check_text("local.sa", LOCAL);
+    let heights = checked.programs.iter().map(|program| {
+        let goal = Goal::of_end(&checked, program, None).unwrap();
+        goal.cells.len()
+    });
+    assert_eq!(heights.collect::<Vec<_>>(), [1, 3]);
+    let last = Goal::of_program(&checked, None).unwrap();
+    assert_eq!(last.cells.len(), 3);
+}
+
+/// It takes the place of the built-in one, also in the program that is written.
+#[test]
+fn a_scene_by_the_name_of_the_built_in_one_is_written_down() {
+    let text = "scene hemisphere from hemisphere { free 40 uniform }\n\
+         assembly a { shape s { layer 1..2 { # # } } seed plate 2 x 1 { M at (0, 0) N at (1, 0) } phase g { M.up ->> A[1..2] N.up ->> B[1..2] yields s } }\n";
+    let goal = Goal::of_program(&check_text("own.sa", text), None).unwrap();
+    let planned = goal.plan(&[], PlanSearch::default()).unwrap();
+    let scene = check_text("planned.sa", &planned.text).programs[0]
+        .scene
+        .clone();
+    assert_eq!(scene.unwrap().free.count, 40, "{}", planned.text);
+}
+
+/// What is left of a run of the first program of a text after so many ticks, and what its end should be.
+fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
+    let checked = check_text("run.sa", text);
+    let goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
+    let executable = executable(checked);
+    let record = ran(&executable, Model::Rate, Some(max_ticks));
+    (
+        goal,
+        ExistingStructure::from_record(&executable.tables, &record),
+    )
+}
+
+/// A mast from which something hangs where a wall is to stand.
+const WALL: &str = "\
+shape wall { layer 1..3 { # # # # } }
+assembly walls {
+    seed plate 4 x 2 { A at (0, 0) B at (1, 0) D at (3, 0) S at (2, 1) }
+    phase first {
+        S.up ->> M[1..3].south -> N
+        A.up ->> W[1..3]
+        B.up ->> X[1..3]
+    }
+    phase rest timeout 1 ticks { D.up ->> Z[1..3] }
+}
+";
+
+#[test]
+fn what_does_not_belong_to_the_shape_is_let_go_with_what_hangs_on_it() {
+    let (_, structure) = left(WALL, 100_000);
+    let mut wall = Goal::of_program(&check_text("run.sa", WALL), Some("wall")).unwrap();
+    let repair = structure.repair(&wall.cells, &BTreeSet::new()).unwrap();
+    let released: Vec<Cell> = repair.released.iter().map(|block| block.cell).collect();
+    let mut mast = [(2, 0, 3), (2, 1, 1), (2, 1, 2), (2, 1, 3)].map(|(x, y, z)| Cell::new(x, y, z));
+    let mut sorted = released.clone();
+    sorted.sort_unstable();
+    mast.sort_unstable();
+    assert_eq!(sorted, mast);
+    assert!(repair.existing.iter().all(|block| block.can_capture));
+
+    // Nothing can be let go that has a dead block between it and the plate.
+    let dead = BTreeSet::from(["M[2]"]);
+    let reason = structure.repair(&wall.cells, &dead).unwrap_err();
+    assert!(reason.contains("`M[2]` is dead"), "{reason}");
+
+    wall.stand_on(&structure, &BTreeSet::new()).unwrap();
+    let planned = tried(&wall, 10).unwrap();
+    assert!(planned.text.contains("phase clear"), "{}", planned.text);
+    let record = ran(
+        &executable(check_text("rest.sa", &planned.text)),
+        Model::Shuffle,
+        None,
+    );
+    assert_eq!(record.outcome, Outcome::Completed);
+}
+
+#[test]
+fn dead_blocks_stay_and_capture_nothing() {
+    let text = "\
+assembly comb {
+    seed plate 3 x 1 { P at (0, 0) Q at (1, 0) }
+    phase one { P.up ->> A[1..4] }
+    phase two { Q.up ->> B[1..4] }
+}
+";
+    // Until the first tower is there, and the second is not.
+    let parts = (1000..40_000).step_by(500).map(|ticks| left(text, ticks));
+    let mut first = parts.filter(|(_, there)| there.names().any(|name| name == "A[4]"));
+    let (mut goal, structure) = first.next().expect("the first tower comes");
+    goal.stand_on(&structure, &BTreeSet::from(["A[2]"]))
+        .unwrap();
+    let planned = tried(&goal, 10).unwrap();
+    let (plate, phase) = planned.text.split_once("phase grow").unwrap();
+    assert!(plate.contains("P[0, 0].up ->> B[0, 0, 1..4]"), "{plate}");
+    for above in 2..=4 {
+        assert!(!phase.contains(&format!("B[0, 0, {above}]")), "{phase}");
+    }
+    let (mut goal, structure) = left(text, 1_000_000);
+    let there = goal.stand_on(&structure, &BTreeSet::new());
+    assert_eq!(there, Err("nothing is missing".to_owned()));
+}
+
+/// What stands and can hold nothing does not help.
+#[test]
+fn no_cell_that_is_full_is_named_as_a_way_out() {
+    let text = "assembly line { seed plate 3 x 3 { M at (1, 1) } phase p { M.up ->> T[1..8] } }\n";
+    let parts = (500..40_000).step_by(500).map(|ticks| left(text, ticks));
+    let mut first = parts.filter(|(_, there)| there.names().any(|name| name == "T[5]"));
+    let (mut goal, structure) = first.next().expect("the fifth block comes");
+    goal.stand_on(&structure, &BTreeSet::from(["T[2]"]))
+        .unwrap();
+    let Err(Unplanned::Refused(TargetError::Loose(parts))) = tried(&goal, 10) else {
+        panic!("nothing holds the rest");
+    };
+    let bridge = parts[0].bridge.as_ref().expect("there is a way around");
+    let is_of_line = |cell: &&Cell| (cell.x, cell.y) == (1, 1);
+    assert_eq!(bridge.iter().find(is_of_line), None, "{bridge:?}");
+    assert!(!bridge.is_empty());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    /// Whatever a run that follows a plan leaves at some time can be built on; with dead blocks, as far as others reach.
+    #[test]
+    fn the_rest_of_a_run_is_built(
+        shape in grown(),
+        ticks in 1u64..20_000,
+        dead in proptest::collection::vec(any::<prop::sample::Index>(), 0..2),
+    ) {
+        let goal = Goal::of_cells("grown", shape.clone());
+        let planned = tried(&goal, 1).unwrap();
+        let checked = check_text("grown.sa", &planned.text);
+        let mut goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
+        let executable = executable(checked);
+        let record = ran(&executable, Model::Rate, Some(ticks));
+        let structure = ExistingStructure::from_record(&executable.tables, &record);
+        let names: Vec<&str> = structure.names().collect();
+        let dead: BTreeSet<&str> = if names.is_empty() { BTreeSet::new() } else { dead.iter().map(|index| *index.get(&names)).collect() };
+        let there = goal.stand_on(&structure, &dead);
+        if record.outcome == Outcome::Completed {
+            prop_assert_eq!(there, Err("nothing is missing".to_owned()));
+            return Ok(());
+        }
+        there.unwrap();
+        match tried(&goal, 3) {
+            Ok(planned) => {
+                let whole = check_text("rest.sa", &planned.text);
+                prop_assert!(whole.diagnostics.is_empty(), "{:?}\n{}", whole.diagnostics, planned.text);
+                has_the_times_of(&planned, &whole, None);
+                let record = ran(&self::executable(whole), Model::Shuffle, None);
+                prop_assert_eq!(record.outcome, Outcome::Completed);
+                prop_assert_eq!(record.blocks_used as usize, shape.len());
+            }
+            Err(Unplanned::Refused(error)) => prop_assert!(!dead.is_empty(), "{}", error),
+            Err(Unplanned::Wrong(checked)) => prop_assert!(false, "{:?}", checked.diagnostics),
+        }
+    }
+
+    /// A program that stops anywhere in an order that builds its shape is completed.
+    #[test]
+    fn what_somebody_has_begun_is_completed(shape in grown(), share in 0.0..1.0f64) {
+        let goal = Goal::of_cells("grown", shape.clone());
+        let planned = tried(&goal, 1).unwrap();
+        prop_assume!(planned.plan.dismantling.is_none());
+        let count = (share * shape.len() as f64) as usize;
+        let (head, body) = planned.text.split_once("phase grow").unwrap();
+        let name = |cell: Cell| match cell.z {
+            0 => format!("P[{}, {}]", cell.x, cell.y),
+            _ => format!("B[{}, {}, {}]", cell.x, cell.y, cell.z),
+        };
+        let begun = planned.plan.captures[..count].iter().enumerate().map(|(number, capture)| {
+            let parent = capture.cell.across(capture.way.opposite()).unwrap();
+            format!("phase p{number} {{ {}.{} -> {} }}\n", name(parent), capture.way, name(capture.cell))
+        });
+        let begun: String = begun.collect();
+        let text = format!("{head}{begun}phase grow {{ yields grown }} }}");
+        prop_assert!(body.contains("yields grown"));
+        let planned = completed(&text).map_err(|error| TestCaseError::fail(format!("{error:?}\n{text}")))?;
+        let whole = check_text("whole.sa", &planned.text);
+        prop_assert!(!whole.has_errors(), "{:?}\n{}", whole.diagnostics, planned.text);
+        has_the_times_of(&planned, &whole, Some("grow"));
+        let record = ran(&self::executable(whole), Model::Shuffle, None);
+        prop_assert_eq!(record.outcome, Outcome::Completed);
+        prop_assert_eq!(record.blocks_used as usize, shape.len());
+    }
+}
