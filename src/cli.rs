@@ -264,7 +264,7 @@ fn no_utf8(arguments: impl Iterator<Item = OsString>) -> String {
     let strange = strange.map(|it| format!("`{}`", visible(&it.to_string_lossy())));
     let strange: Vec<_> = strange.collect();
     format!(
-        "{} is not in UTF-8 (\u{fffd} stands for what is not): give the file another name",
+        "{} is not in UTF-8 (\u{fffd} replaces invalid bytes): rename the file",
         strange.join(", ")
     )
 }

@@ -86,7 +86,7 @@ fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure
     }
     if !Path::new(&options.target).exists() {
         return Err(Failure::usage(format!(
-            "there is no file `{}`, and no built-in scene of that name; these are {}",
+            "no file and no built-in scene is called `{}`; built-in scenes: {}",
             visible(&options.target),
             built_in_names()
         )));

@@ -141,7 +141,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
 }
 
 /// Error for the picture of an aggregate.
-const NO_PICTURE: &str = "an aggregate has no picture: chance decides what it looks like";
+const NO_PICTURE: &str = "an aggregate has no picture, because it grows at random";
 
 /// Keeps the programs to show. A picture shows one program that is not an aggregate.
 fn choose(

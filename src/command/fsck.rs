@@ -33,7 +33,7 @@ pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
         return Ok(Exit::Success);
     }
     if !options.repair {
-        warn("something is damaged; `--repair` saves what is sound, and deletes nothing\n");
+        warn("some files are corrupted; `--repair` keeps the valid parts, and deletes nothing\n");
         return Ok(Exit::Usage);
     }
     repair(path, files_for_screens).map_err(Failure::usage)?;
@@ -50,10 +50,12 @@ pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
     };
     let folder = visible(&path.join(DAMAGED).to_string_lossy());
     print(&format!(
-        "repaired: {kept}, and what was damaged is in `{folder}`\n"
+        "repaired: {kept}; corrupted files are in `{folder}`\n"
     ))?;
     if is_damaged(&verify(path).map_err(Failure::usage)?) {
-        Err(Failure::usage("something is damaged still; check it again"))
+        Err(Failure::usage(
+            "some files are still corrupted; run `stochc fsck` again",
+        ))
     } else {
         Ok(Exit::Success)
     }

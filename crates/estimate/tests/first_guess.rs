@@ -1,5 +1,5 @@
-//! First guesses of rates against those that were measured: `stochc calibrate` wrote the files of `data/`, of scenes that differ from the
-//! default one in one number.
+//! Compares uncalibrated estimates with calibrated rates. `stochc calibrate` wrote the files of
+//! `data/` for scenes that differ from the default scene in one parameter.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
 use std::fs;
@@ -7,12 +7,12 @@ use std::fs;
 use stochc_estimate::{GUESS_ERROR, Neighbourhood, Rates};
 use stochc_ir::{Cell, Face};
 
-/// The numbers of the theory were chosen with these in sight.
+/// Scenes that were used to choose the constants of the theory.
 const SEEN: [&str; 7] = [
     "half", "double", "calm", "weak", "strong", "lively", "small",
 ];
 
-/// Mean waits of the faces that `stochc calibrate` shows.
+/// Returns the mean waiting times of the faces that `stochc calibrate` shows.
 fn waits(rates: &Rates) -> [f64; 5] {
     let tower = |x: i32, top: i32, cell: Cell| (cell.x, cell.y) == (x, 0) && cell.z <= top;
     let wait = |x: i32, z: i32, way: Face, is_full: &dyn Fn(Cell) -> bool| {
@@ -52,7 +52,7 @@ fn guesses_are_as_far_off_as_is_said() {
         let guess = Rates::first_guess(&measured.scene).unwrap();
         assert!(guess.is_guess() && !measured.is_guess());
         assert_eq!(Rates::from_text(&guess.to_text()).as_ref(), Ok(&guess));
-        // Nothing is known of the error in scenes that are further off.
+        // The error is unknown for more distant scenes.
         let mut other = measured.scene.clone();
         other.drag = None;
         assert_eq!(Rates::first_guess(&other), None);

@@ -89,7 +89,7 @@ fn text(status: &ShardStatus, folder: &str) -> String {
         format!("Next: stochc shard merge {folder}\n")
     } else {
         format!(
-            "To run what is missing:\n  for i in $(stochc shard status {folder} --missing); do stochc shard run {folder} $i; done\n"
+            "To run the missing shards:\n  for i in $(stochc shard status {folder} --missing); do stochc shard run {folder} $i; done\n"
         )
     };
     text

@@ -1,26 +1,26 @@
-//! One drawing of a program: when its events happen, and the chance in that.
+//! Event times of a program in one random sample.
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::events::Step;
 
-/// Nobody is before this event in its phase.
+/// Marks an event that waited for no other event of its phase.
 pub const NOBODY: u32 = u32::MAX;
 
-/// When the events of a program happen, in one drawing.
+/// Event times of a program in one random sample.
 pub struct DrawnTimes {
-    /// When each could begin.
+    /// Earliest possible time of each event \[ticks\].
     pub starts: Vec<f64>,
-    /// When each happened; infinite: it has not.
+    /// Time of each event \[ticks\]. Infinite if it has not happened.
     pub ends: Vec<f64>,
-    /// The one of its phase that each waited for last.
+    /// For each event, the event of its phase that it waited for last. [`NOBODY`] if none.
     pub last: Vec<u32>,
-    /// Of each release, whether a face nearby has taken its block.
+    /// For each release, whether a face nearby has captured the released block.
     pub is_taken: Vec<bool>,
 }
 
 impl DrawnTimes {
-    /// Of a program with so many events, of which none has happened.
+    /// Creates a sample for this number of events. No event has happened.
     pub fn new(events: usize) -> DrawnTimes {
         DrawnTimes {
             starts: vec![0.0; events],
@@ -30,7 +30,7 @@ impl DrawnTimes {
         }
     }
 
-    /// Forgets all that has happened.
+    /// Resets all events.
     pub fn clear(&mut self) {
         self.ends.fill(f64::INFINITY);
         self.is_taken.fill(false);
@@ -41,7 +41,8 @@ impl DrawnTimes {
         self.ends[event as usize].is_finite()
     }
 
-    /// When a step can begin, of a phase that began at a time, as all that it waits for has happened.
+    /// Computes the earliest possible time of a step \[ticks\]. All its predecessors must have
+    /// happened. The phase starts at `began`.
     pub fn begin(&mut self, step: &Step, began: f64, rng: &mut ChaCha8Rng) -> f64 {
         let messages = step.messages.as_deref();
         let mut start = (began, NOBODY);

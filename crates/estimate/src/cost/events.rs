@@ -9,7 +9,7 @@ use stochc_ir::{Cell, Face, JamRisk};
 use super::PhaseCost;
 use super::message_times::{MessageTimes, StepMessages};
 
-/// A program whose times are estimated: the parts of its executable.
+/// A program to estimate: the parts of its executable.
 #[derive(Clone, Copy, Debug)]
 pub struct ProgramParts<'a> {
     /// Its event tables.
@@ -31,11 +31,12 @@ pub type NamedBlock = (RoleId, Block);
 /// The events of a program.
 pub struct Events<'a> {
     pub parts: ProgramParts<'a>,
-    /// Every event, after all events that it waits for.
+    /// All events in topological order.
     order: Vec<EventId>,
-    /// For every event, the captures of the longest chain of its phase that ends in it.
+    /// For each event, its level: the number of captures on the longest chain of its phase that
+    /// ends there.
     levels: Vec<u32>,
-    /// For every capture the block that captures; for every release the released block.
+    /// For each capture the capturing block, for each release the released block.
     pub actors: Vec<NamedBlock>,
 }
 
@@ -74,12 +75,12 @@ impl<'a> Events<'a> {
         })
     }
 
-    /// Returns the phases, by number.
+    /// Returns all phases.
     pub fn phases(&self) -> impl ExactSizeIterator<Item = PhaseId> + use<> {
         (0..self.parts.tables.phases.len()).map(|number| PhaseId(number as u32))
     }
 
-    /// Returns whether the blocks of a phase are attached by hand.
+    /// Returns whether the blocks of a phase are pre-attached.
     pub fn is_planted(&self, phase: PhaseId) -> bool {
         self.parts.tables.phases[phase.0 as usize].planted
     }
@@ -89,7 +90,7 @@ impl<'a> Events<'a> {
         self.parts.graph.event(id).action.is_capture()
     }
 
-    /// Ticks after which each phase has failed.
+    /// Returns the timeout of each phase \[ticks\].
     pub fn timeouts(&self) -> Vec<f64> {
         let phases = self.parts.tables.phases.iter();
         let ticks = phases.map(|phase| phase.timeout.map_or(f64::INFINITY, |ticks| ticks as f64));
@@ -122,7 +123,7 @@ impl<'a> Events<'a> {
         self.phases().map(shape).collect()
     }
 
-    /// Returns the events of each phase, each after all events that it waits for.
+    /// Returns the events of each phase in topological order.
     pub fn steps(&self) -> Vec<Vec<Step>> {
         let graph = self.parts.graph;
         let messages = MessageTimes::new(self);
@@ -131,7 +132,7 @@ impl<'a> Events<'a> {
             let phase = graph.event(id).phase;
             let needed = graph.waits_for(id).iter().filter(|edge| !edge.unneeded);
             let needed: Vec<&Edge> = needed.collect();
-            // Blocks that are attached by hand need no messages.
+            // Pre-attached blocks need no messages.
             let messages = messages.as_ref().filter(|_| !self.is_planted(phase));
             steps[phase.0 as usize].push(Step {
                 event: id.0,
@@ -188,56 +189,57 @@ fn actors(ProgramParts { tables, graph, .. }: ProgramParts<'_>) -> Vec<NamedBloc
     actors
 }
 
-/// An event, and the events that it waits for.
+/// An event and its predecessors.
 pub struct Step {
     pub event: u32,
-    /// Events of its phase.
+    /// Predecessors in the same phase.
     pub before: Vec<u32>,
-    /// `None` if messages take no time.
+    /// Messages that the event needs. `None` if messages take no time.
     pub messages: Option<Box<StepMessages>>,
 }
 
 impl Step {
-    /// Draws how long its phase takes to hear that it was the last \[tick\].
+    /// Draws the delay until the phase knows that this event was its last \[ticks\].
     pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
         let messages = self.messages.as_ref();
         messages.map_or(0.0, |it| it.report(rng))
     }
 }
 
-/// An event whose cell is known.
+/// An event with a known cell.
 #[derive(Clone, Copy, Debug)]
 pub struct PhaseEvent {
     pub id: EventId,
-    /// The cell that is filled or emptied.
+    /// Cell that the event fills or empties.
     pub cell: Cell,
-    /// Captures of the longest chain of the phase that ends here.
+    /// Number of captures on the longest chain of the phase that ends here.
     pub level: u32,
-    /// The face that captures. `None` for a release.
+    /// Capturing face. `None` for a release.
     pub face: Option<Face>,
-    /// Level in the phase at which a released block was captured. 0 if it was attached before.
+    /// Level of the capture of the released block in this phase. 0 if it was attached before the
+    /// phase. `None` for a capture.
     pub releases_since: Option<u32>,
 }
 
 impl PhaseEvent {
-    /// Returns whether it empties its cell.
+    /// Returns whether the event is a release.
     pub fn is_release(&self) -> bool {
         self.face.is_none()
     }
 
-    /// Returns the decrease of the number of free blocks.
+    /// Returns the decrease of the number of free blocks: 1 for a capture, -1 for a release.
     pub fn taken(&self) -> i64 {
         taken(!self.is_release())
     }
 }
 
-/// Returns the decrease of the number of free blocks by a capture or a release.
+/// Returns the decrease of the number of free blocks: 1 for a capture, -1 for a release.
 pub fn taken(is_capture: bool) -> i64 {
     if is_capture { 1 } else { -1 }
 }
 
-/// Returns how many blocks are taken when the captures of each level begin, and at the end of the
-/// phase. `before` are taken when it begins.
+/// Returns the number of bound blocks when the captures of each level begin, and at the end of the
+/// phase. `before` blocks are bound at its beginning.
 pub fn bound(before: i64, events: &[PhaseEvent]) -> Vec<i64> {
     let levels = events.iter().map(|event| event.level).max();
     let mut bound = vec![0; levels.map_or(1, |levels| levels as usize + 2)];

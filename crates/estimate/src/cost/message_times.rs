@@ -1,5 +1,6 @@
-//! How long the messages take that the order of a program needs: news between blocks, requests to be let go, reports to the plate.
-//! They go along the bonds, hop by hop. The event tables say who sends which.
+//! Delays by the messages that the order of a program needs: news between blocks, requests for
+//! release, reports to the plate. Messages travel along bonds, hop by hop. The event tables
+//! determine the senders.
 use rand_chacha::ChaCha8Rng;
 use stochc_ir::graph::{Dependency, Edge, EventId};
 use stochc_ir::scene::Messages;
@@ -8,23 +9,25 @@ use stochc_ir::table::PhaseId;
 use super::drawn_times::exponential;
 use super::events::{Block, Events, NamedBlock};
 
-/// Of news for the top of a tower that is captured meanwhile, blocks that it may have to wait for: those below stand for long.
+/// Largest number of later captures that news to the top of a growing tower may wait for. Lower
+/// blocks are captured long before.
 const MAX_HANDED: usize = 64;
 
-/// The messages of an event.
+/// Messages that an event needs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepMessages {
-    /// The news of each event that is waited for.
+    /// Path of the news about each predecessor.
     news: Vec<MessagePath>,
-    /// Of a release: hops of the block that asks for it.
+    /// Hops of the request of a released block. 0 for a capture.
     request: u32,
-    /// Hops until the phase hears that this was the last.
+    /// Hops of the report that this event was the last of the phase.
     report: u32,
     hop: HopTime,
 }
 
 impl StepMessages {
-    /// When news number `news` is heard of what happened at a time; `ends`: when each event happens, those that it waits for at least.
+    /// Draws the time when news number `news` arrives \[ticks\]. The event of the news happened at
+    /// `happened`. `ends` has the times of all events.
     pub fn heard(&self, news: usize, happened: f64, ends: &[f64], rng: &mut ChaCha8Rng) -> f64 {
         let path = &self.news[news];
         let mut at = happened + self.hop.draw(path.hops, rng);
@@ -34,23 +37,23 @@ impl StepMessages {
         at
     }
 
-    /// Of a release: how long the block takes to ask for it \[tick\].
+    /// Draws the delay of a release by the block's request \[ticks\].
     pub fn request(&self, rng: &mut ChaCha8Rng) -> f64 {
         self.hop.draw(self.request, rng)
     }
 
-    /// How long the phase takes to hear that this was the last \[tick\].
+    /// Draws the delay until the phase knows that this event was its last \[ticks\].
     pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
         self.hop.draw(self.report, rng)
     }
 }
 
-/// How long a message takes from one block to the next.
+/// Duration of one hop of a message.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct HopTime {
-    /// Where it does not get lost \[tick\].
+    /// Duration without loss \[ticks\].
     whole: f64,
-    /// With this probability it does, and is sent again 2 h + 1 ticks later.
+    /// Probability of a loss. A lost message is sent again after 2 h + 1 ticks.
     loss: f64,
 }
 
@@ -62,13 +65,13 @@ impl HopTime {
         }
     }
 
-    /// Returns the time of so many hops, one after the other.
+    /// Draws the duration of several consecutive hops \[ticks\].
     fn draw(self, hops: u32, rng: &mut ChaCha8Rng) -> f64 {
         let mut time = self.whole * f64::from(hops);
         if self.loss > 0.0 {
             let per_loss = libm::log(self.loss);
             for _ in 0..hops {
-                // Geometric: an exponential draw, rounded down.
+                // The number of losses is geometric: an exponential draw, rounded down.
                 let losses = (-exponential(rng) / per_loss).floor();
                 time += losses * (2.0 * self.whole + 1.0);
             }
@@ -77,33 +80,37 @@ impl HopTime {
     }
 }
 
-/// The path of news to a block.
+/// Path of news to a block.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct MessagePath {
-    /// The hops between blocks that are there.
+    /// Hops between existing blocks.
     hops: u32,
-    /// Then, one after the other, the captures of the phase that anchor the last blocks on the way, [`MAX_HANDED`] at most: where
-    /// nobody has a name yet, news waits at the block that will capture it.
+    /// Captures that anchor the last blocks of the path, in order, at most [`MAX_HANDED`]. News
+    /// waits at the parent until the next block is captured.
     handed_to: Vec<u32>,
 }
 
-/// The blocks of a program and the bonds between them.
+/// Blocks of a program and their bonds.
 pub struct MessageTimes<'a> {
     events: &'a Events<'a>,
     hop: HopTime,
-    /// Of each capture: the block that captures; of each release: the one that lets go.
+    /// For each capture the capturing block, for each release the releasing block.
     parents: Vec<NamedBlock>,
-    /// For each event: whether another one of its branch follows, and reports.
+    /// For each event, whether a later event of the same branch follows. Only the last one reports.
     is_followed: Vec<bool>,
-    /// Of each capture: hops from its block to the plate.
+    /// For each capture, the number of hops from its block to the plate.
     depths: Vec<u32>,
-    /// Of each capture: a block far below its own, so that two blocks find the one they both hang on in the logarithm of their
-    /// depth (E. W. Myers, Information Processing Letters 17 (1983), 241-248).
+    /// For each capture, a distant ancestor of its block. Finds the common ancestor of two blocks
+    /// in logarithmic time.
+    ///
+    /// # Source
+    /// E. W. Myers, Information Processing Letters 17 (1983), 241-248.
     jumps: Vec<Block>,
 }
 
 impl<'a> MessageTimes<'a> {
-    /// `None`: messages take no time in the scene.
+    /// Prepares the message times of a program. Returns `None` if messages take no time in the
+    /// scene.
     pub fn new(events: &'a Events<'a>) -> Option<MessageTimes<'a>> {
         let hop = HopTime::new(events.parts.scene.messages.as_ref()?);
         if hop.whole <= 0.0 && hop.loss <= 0.0 {
@@ -132,7 +139,7 @@ impl<'a> MessageTimes<'a> {
         Some(times)
     }
 
-    /// Finds the parent and the depth of every block.
+    /// Determines the parent and the depth of every block.
     fn look_through(&mut self) {
         for id in (0..self.parents.len() as u32).map(EventId) {
             if self.events.is_capture(id) {
@@ -143,7 +150,7 @@ impl<'a> MessageTimes<'a> {
         }
     }
 
-    /// Counts the hops from a block to the plate, and from those that it hangs on.
+    /// Determines the depth of a block and its distant ancestor.
     fn measure(&mut self, block: EventId) {
         let mut way = Vec::new();
         let mut at = Some(block);
@@ -164,7 +171,7 @@ impl<'a> MessageTimes<'a> {
         }
     }
 
-    /// Returns the block that two blocks hang on, or one of them.
+    /// Returns the lowest common ancestor of two blocks. It can be one of the two.
     fn common(&self, mut a: Block, mut b: Block) -> Block {
         if self.depth(a) < self.depth(b) {
             (a, b) = (b, a);
@@ -187,7 +194,7 @@ impl<'a> MessageTimes<'a> {
         a
     }
 
-    /// Of the plate: the plate.
+    /// Returns the distant ancestor of a block. That of the plate is the plate.
     fn jump(&self, block: Block) -> Block {
         block.and_then(|id| self.jumps[id.0 as usize])
     }
@@ -204,7 +211,7 @@ impl<'a> MessageTimes<'a> {
         block.map_or(0, |id| self.depths[id.0 as usize])
     }
 
-    /// Returns the way from a block to another one, which hears of it in a phase.
+    /// Returns the path of news from a block to another one in a phase.
     fn path(&self, from: Block, to: Block, phase: PhaseId) -> MessagePath {
         let common = self.common(from, to);
         let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);
@@ -223,7 +230,7 @@ impl<'a> MessageTimes<'a> {
         }
     }
 
-    /// Those of an event, which waits for others for such reasons.
+    /// Returns the messages that an event needs because of these dependencies.
     pub fn of_event(&self, id: EventId, needed: &[&Edge]) -> StepMessages {
         let is_release = !self.events.is_capture(id);
         StepMessages {
@@ -234,13 +241,14 @@ impl<'a> MessageTimes<'a> {
         }
     }
 
-    /// From who sees an event to who waits for it.
+    /// Returns the path of news from the block that notices the first event to the block that acts
+    /// in the second.
     fn news(&self, edge: &Edge) -> MessagePath {
         let first = edge.first;
         let actor = self.events.actors[edge.then.0 as usize];
         let witness = self.parents[first.0 as usize];
         let is_told = matches!(edge.why, Dependency::After | Dependency::Freed);
-        // A block sees what happens at its faces, and knows of its own anchoring.
+        // A block notices events at its own faces and its own anchoring without news.
         if !is_told || actor == witness || actor.1 == Some(first) {
             return MessagePath::default();
         }
@@ -252,7 +260,8 @@ impl<'a> MessageTimes<'a> {
         self.path(from, actor.1, self.events.parts.graph.event(first).phase)
     }
 
-    /// Hops of the report that an event was the last of its branch; 0: others come behind it, and report.
+    /// Returns the hops of the report that an event was the last of its branch. Returns 0 if later
+    /// events of the branch report.
     fn report(&self, id: EventId, is_release: bool) -> u32 {
         if self.is_followed[id.0 as usize] {
             0

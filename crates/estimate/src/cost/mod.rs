@@ -1,8 +1,9 @@
-//! What can be said of a program's effort without running it.
+//! Estimates the completion time of a program without simulating it.
 //!
-//! How deep and how wide its phases are follows from its graph alone. Times need the rates of a scene: each capture waits by
-//! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph, with the time that messages
-//! take. That is less than a run by rates knows: cells beside an open face fill while it waits.
+//! Depth and width of the phases follow from the graph alone. Times need the rates of the scene.
+//! Each capture gets a waiting time for the structure at its turn. Waiting times and message delays
+//! are summed along the graph. Runs of the rate model are more detailed: there, cells next to an
+//! open face fill while it waits.
 mod drawn_times;
 mod events;
 mod message_times;
@@ -21,55 +22,56 @@ use events::Events;
 pub use events::ProgramParts;
 use waits::CaptureWait;
 
-/// What is known of a program without running it.
+/// Estimated cost of a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
     /// The phases, in order.
     pub phases: Vec<PhaseCost>,
-    /// How long all of it takes, which is for ever where a phase comes to its timeout. `None` means
-    /// there are no rates, there is a capture for which no block is left, or a phase comes to its
-    /// timeout nine times in ten.
+    /// Completion time of the program. Infinite in samples with a timeout. `None` without rates,
+    /// with too few free blocks, or if at least nine tenths of the samples have a timeout.
     pub total: Option<Times>,
-    /// Whether there were rates.
+    /// Whether rates were given.
     pub has_rates: bool,
-    /// Times of the whole that were drawn, in the order of drawing. None without times.
+    /// Sampled completion times, in random order. Empty without times.
     pub draws: Vec<Draw>,
-    /// What times leave out.
+    /// Interactions that the times neglect.
     pub interaction: Interaction,
     /// Reasons why the times are lower bounds. Empty if they are estimates.
     pub lower_bound: LowerBoundReasons,
-    /// The captures, the one first that decides most of the time; those of equal shares in source order. None without times.
+    /// The captures by decreasing share of the total time. Equal shares are in source order. Empty
+    /// without times.
     pub captures: Vec<CaptureCost>,
 }
 
 impl Cost {
-    /// Times that were drawn in which a phase came to its timeout.
+    /// Returns the number of samples with a timeout.
     pub fn stopped(&self) -> usize {
         self.draws.iter().filter(|draw| !draw.is_complete).count()
     }
 }
 
-/// How a phase is ordered, and how long it takes.
+/// Structure and duration of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseCost {
-    /// Captures of its longest serial chain.
+    /// Number of captures on its longest serial chain.
     pub depth: u32,
-    /// The most captures that are waited for side by side, if all take equally long.
+    /// Largest number of simultaneously open faces if all captures take equally long.
     pub width: u32,
-    /// How long it takes; `None` as for the whole.
+    /// Duration. `None` under the same conditions as for the program.
     pub times: Option<Times>,
-    /// The share of its draws that end at its timeout.
+    /// Share of its samples that end at its timeout.
     pub timed_out: f64,
 }
 
-/// What a capture costs.
+/// Cost of a capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CaptureCost {
-    /// Which.
+    /// The capture.
     pub event: EventId,
-    /// How long its face waits on average, blocks included that are let go near it \[tick\].
+    /// Mean waiting time of its face \[ticks\]. Includes captures of blocks that are released
+    /// nearby.
     pub wait: f64,
-    /// The part of all time in which nothing but it is waited for.
+    /// Share of the total time with this capture on the critical path.
     pub share: f64,
 }
 
@@ -129,7 +131,7 @@ fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, timeouts: &[f64])
         Interaction::Apart
     };
     let captures = waits.iter().zip(sampled.shares).zip(sampled.waits);
-    // Many captures have the same surroundings.
+    // Many captures have the same surroundings, so means are cached.
     let mut means: FxHashMap<[u64; 2], f64> = FxHashMap::default();
     let mut mean = |wait: &Wait| {
         let key = [wait.rate.to_bits(), wait.docking.to_bits()];

@@ -1,27 +1,28 @@
-//! Which cells are full while a phase goes on.
+//! Occupied cells at each level of a phase.
 use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
 use stochc_ir::Cell;
 
 use super::events::PhaseEvent;
 
-/// When a cell is full, in levels of the phase.
+/// Interval of levels with a block in a cell.
 #[derive(Clone, Copy, Debug)]
 struct OccupancyInterval {
     since: u32,
-    /// Its last level.
+    /// Last level of the interval.
     until: u32,
 }
 
-/// The cells of a structure that are full at some time of a phase.
+/// Occupied cells of a structure at each level of a phase.
 #[derive(Debug, Default)]
 pub struct Occupancy {
     intervals: FxHashMap<Cell, SmallVec<[OccupancyInterval; 1]>>,
-    /// Which cells have any, a bit for each of a cube of them: most of those that are asked for are empty, and next to each other.
+    /// Bit sets of the cells with intervals, by cubes of 4 x 4 x 4 cells. Speeds up queries,
+    /// because most queried cells are empty and close together.
     cubes: FxHashMap<[i32; 3], u64>,
 }
 
-/// Returns the cube of 4 x 4 x 4 cells that one is in, and its bit there.
+/// Returns the cube of 4 x 4 x 4 cells around a cell, and the cell's bit.
 fn cube(cell: Cell) -> ([i32; 3], u64) {
     let at = [cell.x, cell.y, cell.z];
     let [x, y, z] = at.map(|at| at & 3);
@@ -29,7 +30,7 @@ fn cube(cell: Cell) -> ([i32; 3], u64) {
 }
 
 impl Occupancy {
-    /// Begins a phase with these events, in source order.
+    /// Starts a phase with these events in source order.
     pub fn begin(&mut self, events: &[PhaseEvent]) {
         for event in events.iter().filter(|event| !event.is_release()) {
             let intervals = self.intervals.entry(event.cell).or_default();
@@ -51,8 +52,8 @@ impl Occupancy {
         }
     }
 
-    /// Returns whether a block is in a cell when the captures of a level wait; `with_mates`: those
-    /// of the same level count as well.
+    /// Returns whether a cell is occupied while the captures of a level wait. With `with_mates`,
+    /// captures of the same level count as occupied.
     pub fn is_full(&self, cell: Cell, level: u32, with_mates: bool) -> bool {
         let (cube, bit) = cube(cell);
         if self.cubes.get(&cube).is_none_or(|bits| bits & bit == 0) {
@@ -63,7 +64,7 @@ impl Occupancy {
         intervals.any(|interval| interval.since < level || (with_mates && interval.since == level))
     }
 
-    /// Ends the phase: what is left was there before the next one.
+    /// Ends the phase. The remaining blocks exist from the start of the next phase.
     pub fn end(&mut self, events: &[PhaseEvent]) {
         for event in events {
             let Some(intervals) = self.intervals.get_mut(&event.cell) else {

@@ -1,4 +1,4 @@
-//! When a program is complete whose captures wait for each other: waits are drawn many times, and summed up along the graph.
+//! Samples completion times: draws waiting times many times and sums them along the graph.
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
@@ -12,21 +12,22 @@ use super::timed_phase::TimedPhase;
 use super::waits::{CaptureWait, within};
 use crate::Times;
 
-/// Waits that are drawn of a program, about.
+/// Approximate number of waiting times to draw for a program.
 const DRAWN: usize = 200_000;
 
-/// Times that a program is gone through: more often if it is small.
+/// Smallest number of samples. Small programs get more.
 const MIN: usize = 20;
 const MAX: usize = 4000;
 
-/// The numbers are the same whenever a program is asked for.
+/// Seed. It is constant, so that estimates are reproducible.
 const SEED: u64 = 0;
 
-/// The draws of a phase.
+/// Samples of a phase.
 pub struct SampledPhase {
-    /// How long it takes. `None`: nine in ten of the draws that reach it come to its timeout.
+    /// Duration. `None` if at least nine tenths of the samples that reach the phase have a timeout
+    /// in it.
     pub times: Option<Times>,
-    /// The share of its draws that end at its timeout.
+    /// Share of its samples that end at its timeout.
     pub timed_out: f64,
 }
 
@@ -40,21 +41,23 @@ impl SampledPhase {
     }
 }
 
-/// What comes out.
+/// Result of the sampling.
 pub struct Sampled {
     /// The phases, in order.
     pub phases: Vec<SampledPhase>,
-    /// Of the whole program.
+    /// Completion times of the whole program.
     pub draws: Vec<Draw>,
-    /// Whether two captures in adjacent cells wait at the same time in one of the first [`MIN`] draws.
+    /// Whether two captures in adjacent cells are open at the same time in one of the first [`MIN`]
+    /// samples.
     pub has_race: bool,
-    /// For every event, the part of all time in which nothing else is waited for.
+    /// For each event, the share of the total time with it on the critical path.
     pub shares: Vec<f64>,
-    /// For every event that happened, the mean time from when it could begin \[tick\].
+    /// For each event, the mean time from its start to its end \[ticks\]. `None` if it never
+    /// happened.
     pub waits: Vec<Option<f64>>,
 }
 
-/// Goes through the steps of a program many times.
+/// Samples the event times of a program.
 pub fn sample(
     events: &Events<'_>,
     steps: &[Vec<Step>],
@@ -100,7 +103,7 @@ pub fn sample(
                     latest = (heard, event);
                 }
             }
-            // What happens later is waited for until then.
+            // After a timeout, the event on the critical path counts until the timeout.
             let stop = total + timeout;
             let mut at = latest.1;
             while at != NOBODY {
@@ -153,7 +156,7 @@ pub fn sample(
     }
 }
 
-/// Draws when the events of a phase happen in which no released block has a head start, and free ones are not scarce.
+/// Draws the event times of a phase without head starts and without scarcity.
 fn draw_in_order(
     steps: &[Step],
     waits: &[Option<CaptureWait>],
@@ -171,7 +174,7 @@ fn draw_in_order(
     }
 }
 
-/// Pairs of captures of one phase whose cells are beside each other, across edges and corners as well.
+/// Returns pairs of captures of one phase with touching cells, across edges and corners too.
 fn neighbours(events: &Events<'_>, waits: &[Option<CaptureWait>]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     let graph = events.parts.graph;

@@ -1,26 +1,27 @@
-//! Free blocks, where many chains take them at the same time.
+//! Scarcity of free blocks, if many chains capture at the same time.
 //!
-//! How many are left for a face depends on how all chains fare, which only a drawing in the order of time knows ([`super::timed_phase`]).
+//! The number of free blocks at a capture depends on the progress of all chains. Only a simulation
+//! in the order of time provides it ([`super::timed_phase`]).
 use stochc_ir::graph::EventId;
 
 use super::events::{Events, Step, taken};
 use super::waits::CaptureWait;
 use crate::{Parameters, Rates, Wait};
 
-/// What a phase takes of the free blocks, in a program in which they are scarce.
+/// Use of free blocks by a phase of a program with scarce blocks.
 pub struct ScarceBlocks<'a> {
     parameters: &'a Parameters,
-    /// Blocks that are free at the beginning of the program.
+    /// Number of free blocks at the start of the program.
     count: f64,
-    /// How many are taken when the phase begins.
+    /// Number of bound blocks at the start of the phase.
     pub before: f64,
-    /// By how many blocks each step leaves fewer of them.
+    /// For each step, the decrease of the number of free blocks.
     pub taken: Vec<f64>,
-    /// What each step would wait for if all blocks were free. `None` means nothing.
+    /// For each step, its waiting time if all blocks were free. `None` for steps without a wait.
     pub waits: Vec<Option<Wait>>,
 }
 
-/// Of each phase of a program. `None` means there are enough blocks.
+/// Returns the use of free blocks by each phase. Returns `None` if blocks are not scarce.
 pub fn scarce_blocks<'a>(
     events: &Events<'_>,
     steps: &[Vec<Step>],
@@ -55,7 +56,8 @@ pub fn scarce_blocks<'a>(
 }
 
 impl ScarceBlocks<'_> {
-    /// How fast faces capture over how fast they would if all blocks were free. One at least is, the one that is captured.
+    /// Returns the capture rate relative to the rate with all blocks free. `taken` blocks are
+    /// bound. Counts at least one free block, which the capture needs.
     pub fn speed(&self, taken: f64) -> f64 {
         let left = (1.0 - taken / self.count).max(1.0 / self.count);
         self.parameters.of_free(left)

@@ -1,5 +1,7 @@
-//! Phases that are gone through in the order of time: where blocks are released near open faces, since the first of these that
-//! takes a block has it, wherever the program says so; and where free blocks are scarce, which all chains take from each other.
+//! Simulates the events of a phase in the order of time.
+//!
+//! Two cases need this. Among open faces near a released block, the first one may capture it. If
+//! free blocks are scarce, all chains compete for them.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -14,41 +16,42 @@ use super::scarcity::ScarceBlocks;
 use super::waits::CaptureWait;
 use crate::{ReleaseNearby, Wait};
 
-/// The steps of a phase, as they follow each other in time.
+/// A phase to simulate in the order of time.
 pub struct TimedPhase<'a> {
     steps: &'a [Step],
     waits: &'a [Option<CaptureWait>],
-    /// Of each step those that wait for it.
+    /// For each step, the steps that wait for it.
     followers: Vec<SmallVec<[u32; 2]>>,
-    /// Of each release of the phase, the steps whose faces its block may dock on.
+    /// For each release, the steps with a face that may capture the released block.
     near: FxHashMap<u32, Vec<(u32, ReleaseNearby)>>,
-    /// `None`: there are enough free blocks.
+    /// Use of scarce blocks. `None` if there are enough.
     scarce: Option<ScarceBlocks<'a>>,
 }
 
-/// What may happen to a step.
+/// Event of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum StepEvent {
-    /// It is over.
+    /// The step ends.
     Ends,
-    /// The block of a release docks.
+    /// The released block docks at the face of the step.
     Docks(u32),
-    /// Its face opens, and waits for one of few blocks.
+    /// The face opens and waits for one of the scarce blocks.
     Opens,
 }
 
-/// Something at a time that is never negative, so that its bits are in its order.
+/// A scheduled event. Times are stored as bits, which sort correctly because times are never
+/// negative.
 type Scheduled<T> = Reverse<(u64, u32, T)>;
 
 fn time<T>(Reverse((bits, ..)): &Scheduled<T>) -> f64 {
     f64::from_bits(*bits)
 }
 
-/// A phase in one drawing.
+/// A phase in one sample.
 struct PhaseDraw<'a, 'b> {
     phase: &'b TimedPhase<'a>,
     began: f64,
-    /// Of each step how many others it still waits for.
+    /// For each step, the number of predecessors that have not happened yet.
     missing: Vec<u32>,
     queue: BinaryHeap<Scheduled<StepEvent>>,
     few: Option<RemainingBlocks<'a, 'b>>,
@@ -56,27 +59,27 @@ struct PhaseDraw<'a, 'b> {
     rng: &'b mut ChaCha8Rng,
 }
 
-/// The free blocks while a phase goes on that are scarce in it.
+/// State of scarce free blocks during a phase.
 ///
-/// With few blocks left all faces wait longer by the same factor. So their waits pass by a clock of their own: it runs as fast as rates are over those
-/// of the full gas.
+/// If few blocks are left, the arrival rates of all faces decrease by the same factor. Waiting
+/// times therefore use a separate clock, whose speed is this factor.
 struct RemainingBlocks<'a, 'b> {
     blocks: &'b ScarceBlocks<'a>,
-    /// How many are taken, and how fast the clock runs for that.
+    /// Number of bound blocks, and the speed of the clock.
     taken: f64,
     speed: f64,
-    /// \[tick\]
+    /// Current time \[ticks\].
     now: f64,
-    /// What the clock says then.
+    /// Value of the separate clock at `now`.
     clock: f64,
-    /// By the clock, when the block that will dock comes into reach of each open face.
+    /// Arrivals of the block that will dock at each open face, by the separate clock.
     arrivals: BinaryHeap<Scheduled<()>>,
-    /// Of each step, the hazard that it has to go through.
+    /// For each step, the cumulative hazard at its capture.
     hazards: Vec<f64>,
 }
 
 impl<'a> TimedPhase<'a> {
-    /// `None`: no released block has a head start in it, and there are enough free blocks.
+    /// Prepares a phase. Returns `None` if the phase has no head starts and enough free blocks.
     pub fn new(
         steps: &'a [Step],
         waits: &'a [Option<CaptureWait>],
@@ -111,7 +114,7 @@ impl<'a> TimedPhase<'a> {
         })
     }
 
-    /// Draws when its events happen, once it has begun.
+    /// Draws the event times of the phase. It starts at `began`.
     pub fn draw(&self, began: f64, times: &mut DrawnTimes, rng: &mut ChaCha8Rng) {
         let few = self.scarce.as_ref().map(|blocks| RemainingBlocks {
             blocks,
@@ -185,7 +188,7 @@ impl PhaseDraw<'_, '_> {
         self.happen(step, event, time);
     }
 
-    /// A step has all that it waits for.
+    /// Starts a step after all its predecessors have happened.
     fn begin(&mut self, step: u32) {
         let of = &self.phase.steps[step as usize];
         let opens = self.times.begin(of, self.began, self.rng);
@@ -214,7 +217,7 @@ impl PhaseDraw<'_, '_> {
         }
     }
 
-    /// An event happens, and what it is waited for by may begin.
+    /// Completes an event and starts the steps that waited only for it.
     fn happen(&mut self, step: u32, event: u32, time: f64) {
         self.times.ends[event as usize] = time;
         if let Some(few) = &mut self.few {
@@ -223,7 +226,7 @@ impl PhaseDraw<'_, '_> {
         for (other, nearby) in self.phase.near.get(&event).into_iter().flatten() {
             let capture = self.phase.steps[*other as usize].event;
             if self.missing[*other as usize] == 0 && !self.times.has_happened(capture) {
-                // Its face may have to hear of this first.
+                // The face may open only when news of the release arrives.
                 let opens = self.times.starts[capture as usize];
                 self.head_start(*other, event, nearby, time.max(opens));
             }
@@ -236,7 +239,7 @@ impl PhaseDraw<'_, '_> {
         }
     }
 
-    /// By chance, the block of a release docks on a face that is open at this time.
+    /// Decides by chance whether a released block docks at a face that is open at this time.
     fn head_start(&mut self, step: u32, release: u32, nearby: &ReleaseNearby, time: f64) {
         let since = time - self.times.ends[release as usize];
         let Some(start) = nearby.after(since) else {
@@ -254,8 +257,8 @@ impl PhaseDraw<'_, '_> {
 }
 
 impl RemainingBlocks<'_, '_> {
-    /// Returns the next block that comes into reach of a face, if that is before this time, which
-    /// nothing else is: whose face, and when it is captured.
+    /// Returns the next step whose block arrives, with its capture time \[ticks\]. Returns `None`
+    /// if another event, at `next`, comes first.
     fn arrival_before(&mut self, next: Option<f64>) -> Option<(u32, f64)> {
         let left = time(self.arrivals.peek()?) - self.clock;
         let arrival = self.now + (left / self.speed).max(0.0);
@@ -269,19 +272,20 @@ impl RemainingBlocks<'_, '_> {
             rate: full.rate * self.speed,
             ..full
         };
-        // What of the wait is no waiting for it is docking, which takes as long in any gas.
+        // After the arrival, only docking takes time. Docking does not depend on the number of free
+        // blocks.
         let hazard = self.hazards[step as usize];
         let docking = wait.about_time_of(hazard) - hazard / wait.rate;
         Some((step, arrival + docking.max(0.0)))
     }
 
-    /// Time passes, until something happens.
+    /// Advances both clocks to this time.
     fn pass(&mut self, time: f64) {
         self.clock += (time - self.now).max(0.0) * self.speed;
         self.now = self.now.max(time);
     }
 
-    /// Has a face wait for the block that will dock.
+    /// Schedules the arrival of a block at the face of a step.
     fn open(&mut self, step: u32) {
         if let Some(full) = self.blocks.waits[step as usize] {
             let due = self.clock + self.hazards[step as usize] / full.rate;
@@ -289,7 +293,7 @@ impl RemainingBlocks<'_, '_> {
         }
     }
 
-    /// A step is over, and leaves more or fewer free blocks.
+    /// Updates the number of free blocks after a step.
     fn take(&mut self, step: u32) {
         let taken = self.blocks.taken[step as usize];
         if taken != 0.0 {

@@ -1,4 +1,4 @@
-//! How long each capture waits, by the rates of a scene.
+//! Waiting times of captures, from the rates of a scene.
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::graph::EventId;
@@ -8,32 +8,34 @@ use super::events::{Events, PhaseEvent, bound};
 use super::occupancy::Occupancy;
 use crate::{HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait, feature_cells};
 
-/// The part of the free blocks that may be missing at the end of a turn, and half of it be taken for all.
+/// Share of free blocks captured at one level, above which blocks count as scarce. Waiting times
+/// assume that half of them are captured.
 const FEW: f64 = 0.03;
 
-/// The part of the free blocks that other chains may take during a phase. How many they have taken when its turn comes to the chain that ends last is not
-/// what they have if all captures take equally long.
+/// Share of free blocks captured in a phase outside its longest chain, above which blocks count as
+/// scarce. Assuming equal waiting times for all captures is then inaccurate.
 const MANY: f64 = 0.1;
 
-/// What a capture waits for.
+/// Waiting time of a capture, with its conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureWait {
-    /// In the structure as it stands when its turn comes and all captures take equally long, those of the same turn half there.
+    /// Waiting time in the structure at its level. Captures of the same level count half.
     pub wait: Wait,
-    /// The part of the blocks that is free in that structure.
+    /// Share of the initial free blocks that are still free.
     pub free: f64,
-    /// Whether more than [`FEW`] of the free blocks are waited for in its turn, or more than [`MANY`] are captured in its phase beside its longest chain.
+    /// Whether free blocks are scarce: more than [`FEW`] are captured at its level, or more than
+    /// [`MANY`] in its phase outside the longest chain.
     pub is_scarce: bool,
-    /// What blocks may do that are released near the open face, in this phase or the one before.
+    /// Head starts of blocks that this phase or the previous one releases near the open face.
     pub head_starts: Vec<(EventId, ReleaseNearby)>,
 }
 
-/// For every capture what it waits for. Releases, and what is attached by hand, have `None`.
+/// Returns the waiting time of each capture. Releases and pre-attached blocks have `None`.
 pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
     let count = all.parts.scene.free.count;
     let mut waits = vec![None; all.parts.graph.events.len()];
     let mut occupancy = Occupancy::default();
-    // Blocks that are not free when a phase begins.
+    // Number of bound blocks at the start of the phase.
     let mut before = 0;
     let mut cold = true;
     let mut released = [Released::default(), Released::default()];
@@ -53,7 +55,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
         let is_scarce = beside > MANY * (f64::from(count) - before as f64);
         for (event, way) in captures().filter(|_| !all.is_planted(phase)) {
             let &PhaseEvent { cell, level, .. } = event;
-            // Half of those that have their turn at the same time are gone as well.
+            // Half of the blocks of the same level count as captured.
             let mates = bound[level as usize + 1] - bound[level as usize] - 1;
             let taken = bound[level as usize] as f64 + mates.max(0) as f64 / 2.0;
             let free = 1.0 - taken / f64::from(count.max(1));
@@ -70,7 +72,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
                 })
             };
             let with_mates = near(feature_cells(way), true);
-            // What is full without them is so with them.
+            // Cells that are empty with mates are also empty without them.
             let alone = near(with_mates, false);
             let without = wait(alone, &|near| open.get(&(level, near)).copied());
             let with = wait(with_mates, &|_| None);
@@ -88,7 +90,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
     waits
 }
 
-/// The releases of this phase and of the one before, by the cells that they empty.
+/// Releases of a phase by the cell that they empty.
 type Released = FxHashMap<Cell, SmallVec<[EventId; 1]>>;
 
 fn releases(events: &[PhaseEvent]) -> Released {
@@ -99,15 +101,15 @@ fn releases(events: &[PhaseEvent]) -> Released {
     released
 }
 
-/// Returns the cells of the cube around one that reaches so far to each side, itself included.
+/// Returns the cells within `reach` of a cell along every axis, including the cell.
 pub(super) fn within(cell: Cell, reach: i32) -> impl Iterator<Item = Cell> {
     offsets_within(reach).filter_map(move |offset| cell.offset(offset))
 }
 
-/// How far a released block may be to have a head start \[side\].
+/// Largest distance of a released block with a head start \[block lengths\].
 const NEAR: i32 = 3;
 
-/// What the blocks that were released near an open cell may do, in source order.
+/// Returns the head starts of blocks that are released near an open cell, in source order.
 fn head_starts(
     of_releases: HeadStarts,
     released: &[Released; 2],

@@ -63,8 +63,8 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
     }
 }
 
-/// Returns the length of the first row of consecutive hand-overs in one direction. 1 if too short
-/// for a loop.
+/// Returns the length of the first row of consecutive hand-overs in one direction. Returns 1 if the
+/// row is too short for a loop.
 fn row(rest: &[HandOver]) -> usize {
     let goes_on =
         |two: &&[HandOver]| two[1].way == rest[0].way && two[1].after == Some(two[0].cell);

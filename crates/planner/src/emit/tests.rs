@@ -1,4 +1,4 @@
-//! Programs of shapes in which things repeat.
+//! Tests programs of shapes with repeated parts.
 use stochc_ir::Cell;
 use stochc_ir::table::Plate;
 
@@ -35,7 +35,7 @@ fn written(cells: Vec<Cell>) -> String {
     program(&target, &plans.plain, naming).unwrap()
 }
 
-/// What stands between the braces of the phase, one blank for any.
+/// Returns the body of the first phase with single spaces.
 fn phase(text: &str) -> String {
     let (_, phase) = text.split_once("phase grow {").unwrap();
     phase.split_whitespace().collect::<Vec<_>>().join(" ")

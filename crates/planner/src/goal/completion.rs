@@ -1,4 +1,5 @@
-//! A program that is written in part: a phase claims a shape that does not stand yet, and what is missing is planned.
+//! Completes a partial program: a phase claims a shape that the captures do not build yet, and the
+//! missing captures are planned.
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -20,79 +21,80 @@ use stochc_ir::table::RoleId;
 use super::{Planned, Unplanned, estimate};
 use stochc_compiler::check_texts;
 
-/// What is missing in a program.
+/// A partial program with the shape to complete.
 #[derive(Debug)]
 pub struct Completion {
-    /// The texts of the program and of what it imports, with their names, its own first.
+    /// Names and sources of the program and its imports, its own first.
     texts: Vec<(String, String)>,
     target: Target,
     hardware: Hardware,
     scene: Scene,
-    /// What the program calls the blocks that can capture.
+    /// Names in the program of the blocks that can capture.
     names: BTreeMap<Cell, String>,
-    /// What no block of it is called.
+    /// Word for new block names. The program does not use it.
     word: String,
-    /// Claims that are not true, this one included.
+    /// Number of false claims, including this one.
     untrue: usize,
-    /// The program that is completed, and the number of the phase in which it is, once that is written.
+    /// Assembly to complete, and the index of the phase with the new captures.
     assembly: String,
     phase: usize,
     change: Change,
 }
 
-/// Where what is planned is written.
+/// Position of the new captures in the source.
 #[derive(Debug)]
 struct Change {
-    /// What of the text goes.
+    /// Part of the source to remove.
     removed: Range<usize>,
-    /// Where the rest is written, as the text is.
+    /// Position of the new text in the old source.
     at: usize,
-    /// What stands around it.
+    /// Text before and after the new captures.
     around: [String; 2],
 }
 
-/// Why a program cannot be completed.
+/// Reason why a program cannot be completed.
 #[derive(Debug)]
 pub enum NotCompleted {
-    /// It is wrong in other ways.
+    /// It has other errors.
     Wrong,
-    /// Nothing is missing, or it cannot be written down there, in words.
+    /// Nothing is missing, or the captures cannot be added there. The text is the message.
     Refused(String),
-    /// What is missing cannot be built.
+    /// The missing part cannot be built.
     Impossible(TargetError),
 }
 
-/// A claim of a phase that is not true.
+/// A false claim of a phase.
 struct Claim<'a> {
     program: &'a Program,
     phase: usize,
     name: &'a str,
     location: SourceLocation,
-    /// What it claims.
+    /// Cells of the claimed shape.
     cells: Vec<Cell>,
-    /// What stands there instead.
+    /// Blocks that exist at the end of the phase.
     there: Vec<(ExistingBlock, RoleId)>,
 }
 
 impl Claim<'_> {
-    /// Returns whether nothing happens in its phase, so that the rest is written there, and not in
-    /// a phase behind.
+    /// Returns whether the phase has no events. New captures are then added to it instead of to a
+    /// new phase after it.
     fn fills_phase(&self) -> bool {
         self.program.plan.phases[self.phase].events.is_empty()
     }
 }
 
 impl Completion {
-    /// Of the first phase that claims a shape, or the one of this name, and does not build it.
+    /// Prepares the completion of the first phase with a false claim. `shape` restricts the choice
+    /// to claims of this shape.
     ///
     /// # Errors
-    /// If there is none, or it cannot be completed there.
+    /// If there is no false claim, or its phase cannot be completed.
     pub fn new(checked: &Checked, shape: Option<&str>) -> Result<Completion, NotCompleted> {
         let untrue = untrue_claims(checked).ok_or(NotCompleted::Wrong)?;
         let claim = unbuilt(checked, shape)?;
         let (program, symbols) = (claim.program, &checked.symbols);
         let mut there = claim.there.clone();
-        // What has no name that can be written captures nothing.
+        // A block without a name that can be written must not capture.
         let mut nameless = None;
         for (block, role) in &mut there {
             if let Some(pattern) = program.plan.roles.nameless(*role, symbols) {
@@ -138,7 +140,7 @@ impl Completion {
         );
         let mut target = target.map_err(|error| match (&error, nameless) {
             (TargetError::Loose(_), Some(pattern)) => NotCompleted::Refused(format!(
-                "what stands has no name by which it could hold the rest: name the instances of `{pattern}`, such as `{pattern}(A) as a`"
+                "existing blocks need names to hold the rest: name the instances of `{pattern}`, such as `{pattern}(A) as a`"
             )),
             _ => NotCompleted::Impossible(error),
         })?;
@@ -173,20 +175,21 @@ impl Completion {
         })
     }
 
-    /// How many blocks are missing.
+    /// Returns the number of missing blocks.
     pub fn missing(&self) -> usize {
         self.target.cells().len() - self.target.existing().len()
     }
 
-    /// Returns the scene that it is built in.
+    /// Returns the scene of the program.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Plans what is missing, and writes it into the program.
+    /// Plans the missing captures and adds them to the program.
     ///
     /// # Errors
-    /// If it cannot be built, or the program is wrong with it in other ways than by other claims that are not true yet.
+    /// If the missing part cannot be built, or the result has errors other than remaining false
+    /// claims.
     pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let law = RateLaw::for_scene(&self.scene, rates);
         let found = plan(&self.target, self.hardware, &law, search).map_err(Unplanned::Refused)?;
@@ -209,7 +212,7 @@ impl Completion {
         };
         let text = format(&whole).unwrap_or(whole);
         let others = self.texts[1..].iter();
-        // The diagnostics are about a text that the user does not have.
+        // The name marks diagnostics about a source that the user does not have.
         let name = format!("{} (completed)", self.texts[0].0);
         let texts: Vec<(&str, &str)> = std::iter::once((name.as_str(), text.as_str()))
             .chain(others.map(|(name, text)| (name.as_str(), text.as_str())))
@@ -236,7 +239,7 @@ impl Completion {
     }
 }
 
-/// How many claims are not true. `None` means something else is wrong.
+/// Returns the number of false claims. Returns `None` if there are other errors.
 pub fn untrue_claims(checked: &Checked) -> Option<usize> {
     let mut errors = checked.diagnostics.iter().filter(|it| it.is_error());
     errors.try_fold(0, |count, it| {
@@ -244,7 +247,7 @@ pub fn untrue_claims(checked: &Checked) -> Option<usize> {
     })
 }
 
-/// Returns the first claim that is not true.
+/// Returns the first false claim.
 fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, NotCompleted> {
     let shapes = DeclaredShapes::new(checked);
     let mut is_claimed = false;
@@ -284,14 +287,16 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
     Err(NotCompleted::Refused(if is_claimed {
         format!("every phase that claims {shape} builds it")
     } else {
-        format!("no phase claims {shape}: say what is to stand, `phase rest {{ yields NAME }}`")
+        format!(
+            "no phase claims {shape}: state the final shape with `phase rest {{ yields NAME }}`"
+        )
     }))
 }
 
-/// What stands at the end of a phase, sorted by cell, with what it is called.
+/// Returns the blocks at the end of a phase with their roles, sorted by cell.
 pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, RoleId)> {
     let (plan, layout) = (&program.plan, &program.layout);
-    // What hung on a block that goes later would be adrift.
+    // A block that is released later must not capture. Its children would be detached.
     let later = plan.phases[last + 1..].iter();
     let released_later: BTreeSet<RoleId> = later
         .flat_map(|phase| plan.events_of(phase))
@@ -311,7 +316,8 @@ pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, Ro
     blocks.collect()
 }
 
-/// Where the rest is written: before the claim of a phase in which nothing happens, and otherwise in a phase behind, which takes the claim.
+/// Returns the position of the new captures. In a phase without events they stand before its claim.
+/// Otherwise they get a new phase, which takes over the claim.
 fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, NotCompleted> {
     let elsewhere = || {
         NotCompleted::Refused(format!(
@@ -322,7 +328,7 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
     if claim.location.file != FileId(0) {
         return Err(elsewhere());
     }
-    // Spans in trees are all equal; locations are not.
+    // Spans of tree nodes always compare equal, so this compares locations.
     let is_claim = |name: &Name| {
         let file = FileId(0);
         let span = name.span;
@@ -364,7 +370,8 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
     })
 }
 
-/// Where the comment begins, of so many lines, that belongs to a statement.
+/// Returns the start of the documentation comment of a statement. The comment has this number of
+/// lines.
 fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
     let (mut start, mut at) = (statement, statement);
     for line in text[..statement].split_inclusive('\n').rev() {
@@ -379,10 +386,10 @@ fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
     start
 }
 
-/// Returns the place behind one, or behind the comment with which its line ends.
+/// Returns the position after `at` and after a comment on the rest of the line.
 fn behind(text: &str, at: usize) -> usize {
     let line = text[at..].split('\n').next().unwrap_or_default();
-    // A comment with three strokes belongs to what comes behind it.
+    // A `///` comment documents the following item and is not skipped.
     if is_comment(line.trim_start().as_bytes()) {
         at + line.len()
     } else {
@@ -390,7 +397,7 @@ fn behind(text: &str, at: usize) -> usize {
     }
 }
 
-/// Where in a line a comment begins.
+/// Returns the position of a comment in a line. Returns `None` if there is none.
 fn comment(line: &str) -> Option<usize> {
     let mut is_quoted = false;
     line.char_indices().find_map(|(at, sign)| {
@@ -399,7 +406,7 @@ fn comment(line: &str) -> Option<usize> {
     })
 }
 
-/// Returns whether a comment is one that belongs to a statement.
+/// Returns whether a comment is a documentation comment.
 fn is_doc(comment: &str) -> bool {
     comment.starts_with("///") && !is_comment(comment.as_bytes())
 }

@@ -1,4 +1,4 @@
-//! A scene with more blocks than another, and with room for them at the same density.
+//! Derives a scene with more free blocks and enough space for them at the same density.
 use stochc_compiler::scene::{DEFAULT, is_built_in};
 use stochc_ir::Cell;
 use stochc_ir::scene::describe::terms;
@@ -8,28 +8,29 @@ use stochc_ir::table::Plate;
 
 use super::Goal;
 
-/// A scene that was derived from another.
+/// A scene derived from another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LargerScene {
     /// Its name.
     pub name: String,
-    /// The name of the scene that it is based on.
+    /// Name of its base scene.
     pub base: String,
-    /// The number of free blocks of that.
+    /// Number of free blocks of the base scene.
     pub base_free: u32,
-    /// The number of its own free blocks.
+    /// Its own number of free blocks.
     pub free: u32,
-    /// The radius of its enclosure \[m\], if it has one.
+    /// Radius of its enclosure \[m\]. `None` without an enclosure.
     pub radius: Option<f64>,
-    /// Its density of free blocks over that of the other scene.
+    /// Its density of free blocks relative to the base scene.
     pub density: f64,
 }
 
 impl Goal {
-    /// Builds it in a scene like its own with `free` blocks, at the same density if the shape fits in then.
+    /// Changes the scene to one with `free` blocks. The density stays the same unless the shape
+    /// needs more space.
     ///
     /// # Errors
-    /// If the blocks do not have room there.
+    /// If the blocks do not fit into the enclosure.
     pub fn set_free(&mut self, free: u32) -> Result<Option<LargerScene>, NoRoom> {
         let Ok(base) = self.scene() else {
             return Ok(None);
@@ -43,11 +44,11 @@ impl Goal {
         self.derive(&base, scene).map(Some)
     }
 
-    /// Builds it in a scene like the default one with enough blocks and room at the same density, if it names no scene and
-    /// the default one is too small. There are twice as many blocks as cells, so that the density halves at most.
+    /// Enlarges the default scene if the goal names no scene and the default one is too small. Uses
+    /// two free blocks per cell, so that captures at most halve the density.
     ///
     /// # Errors
-    /// If the blocks do not have room there.
+    /// If the blocks do not fit into the enclosure.
     pub fn enlarge_default_scene(&mut self) -> Result<Option<LargerScene>, NoRoom> {
         let mut cells = self.cells.clone();
         cells.sort_unstable();
@@ -70,12 +71,12 @@ impl Goal {
         let mut scene = base.clone();
         scale(&mut scene, factor);
         let count = (count(&base) * factor.powi(3)).round();
-        // A target with more cells is refused in any case.
+        // Targets with more cells are rejected later.
         scene.free.count = count.min(f64::from(u32::MAX)) as u32;
         self.derive(&base, scene).map(Some)
     }
 
-    /// Writes a scene down, and builds the goal in it.
+    /// Declares a derived scene and selects it for the goal.
     fn derive(&mut self, base: &Scene, mut scene: Scene) -> Result<LargerScene, NoRoom> {
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
         scene.has_room(&plate)?;
@@ -104,7 +105,7 @@ impl Goal {
         Ok(larger)
     }
 
-    /// Returns the factor by which the radius has to grow so that the shape fits in with a tenth to spare.
+    /// Returns the factor that enlarges the radius so that the shape fits with a tenth to spare.
     /// Returns `None` if it fits in already.
     fn radius_needed(&self, scene: &Scene) -> Option<f64> {
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
@@ -125,7 +126,7 @@ impl Goal {
     }
 }
 
-/// Distance from the centre of an enclosure to the farthest point of a shape \[m\].
+/// Returns the distance from the centre of the enclosure to the farthest point of the shape \[m\].
 fn farthest(enclosure: &Enclosure, cells: &[Cell], plate: &Plate, side: f64) -> f64 {
     let distances = cells
         .iter()
@@ -133,7 +134,7 @@ fn farthest(enclosure: &Enclosure, cells: &[Cell], plate: &Plate, side: f64) -> 
     distances.fold(0.0, f64::max)
 }
 
-/// Returns the number of free blocks of a scene, to divide by.
+/// Returns the number of free blocks of a scene, at least 1, as a divisor.
 fn count(scene: &Scene) -> f64 {
     f64::from(scene.free.count.max(1))
 }
@@ -142,7 +143,8 @@ fn cube_root(value: f64) -> f64 {
     libm::cbrt(value)
 }
 
-/// Makes the enclosure larger by a factor, and a circle of free blocks with it; lengths are rounded up to four digits.
+/// Multiplies the size of the enclosure, and of a circle of free blocks, by a factor. Rounds
+/// lengths up to four digits.
 fn scale(scene: &mut Scene, factor: f64) {
     if factor == 1.0 {
         return;
@@ -157,15 +159,15 @@ fn scale(scene: &mut Scene, factor: f64) {
     }
 }
 
-/// Returns the next number of four digits.
+/// Returns the smallest number with four digits that is not below `value`.
 fn rounded_up(value: f64) -> f64 {
     let exponent = libm::log10(value).floor() as i32 - 3;
     let digits = (value / libm::exp10(f64::from(exponent))).ceil();
-    // Read back, the text of a decimal number is the nearest one.
+    // Parsing the decimal text gives the nearest number.
     format!("{digits}e{exponent}").parse().unwrap_or(value)
 }
 
-/// Returns the text that declares a scene: the clauses that differ from its base.
+/// Returns the declaration of a scene, with only the clauses that differ from its base.
 fn declaration(larger: &LargerScene, scene: &Scene) -> String {
     let terms = terms(scene).into_iter();
     let changed = terms.filter(|term| matches!(term.clause, "free" | "enclosure"));
@@ -181,7 +183,7 @@ fn declaration(larger: &LargerScene, scene: &Scene) -> String {
 }
 
 impl LargerScene {
-    /// Returns a phrase that compares its density with that of its base.
+    /// Returns a phrase that compares the density with that of the base scene.
     fn density_in_words(&self) -> String {
         match self.radius {
             None => String::new(),
@@ -192,7 +194,7 @@ impl LargerScene {
         }
     }
 
-    /// Describes it in one sentence.
+    /// Returns a sentence that describes the scene.
     pub fn in_words(&self) -> String {
         let LargerScene {
             name,

@@ -1,4 +1,5 @@
-//! Parts of a goal that are attached to nothing that can capture: left out, or held by further blocks.
+//! Treats parts of a goal that are attached to no capturing block: removes them, or supports them
+//! with more cells.
 use std::collections::BTreeSet;
 
 use crate::{LoosePart, Target, TargetError, declaration};
@@ -7,7 +8,7 @@ use stochc_ir::Cell;
 use super::{Goal, Repair};
 
 impl Goal {
-    /// Leaves the loose parts out, and returns them.
+    /// Removes the loose parts from the goal, and returns them.
     pub fn drop_loose(&mut self) -> Vec<LoosePart> {
         let loose = self.loose();
         if !loose.is_empty() {
@@ -18,7 +19,7 @@ impl Goal {
         loose
     }
 
-    /// Adds the cells that hold the loose parts, and returns them.
+    /// Adds cells that support the loose parts, and returns these cells.
     pub fn add_supports(&mut self) -> Vec<Cell> {
         let bridges = self.loose().into_iter().filter_map(|part| part.bridge);
         let supports: Vec<Cell> = bridges.flatten().collect();

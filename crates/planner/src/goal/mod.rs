@@ -1,4 +1,4 @@
-//! From a shape of a program, or from cells, to a program that builds it and has been checked.
+//! Turns a shape of a program, or a set of cells, into a checked program that builds it.
 mod completion;
 mod larger_scene;
 mod loose_parts;
@@ -31,79 +31,78 @@ pub use repair::{ExistingStructure, Repair};
 use scenes::WrittenScenes;
 use stochc_compiler::check_text;
 
-/// What is to be built, on what, and where.
+/// The shape to build, with its plate and scene.
 #[derive(Clone, Debug)]
 pub struct Goal {
-    /// What the shape is called.
+    /// Name of the shape.
     pub name: String,
-    /// Its cells.
+    /// Cells of the shape.
     pub cells: Vec<Cell>,
     /// The plate. `None` means the smallest one under all cells of the lowest layer.
     pub plate: Option<Plate>,
-    /// The blocks of the plate that may capture, as (x, y). `None` means all.
+    /// Positions (x, y) of the plate's blocks that may capture. `None` means all.
     pub seeds: Option<Vec<(i32, i32)>>,
-    /// The scene. `None` means the one of an assembly that names none.
+    /// Name of the scene. `None` means the default scene.
     pub scene: Option<String>,
-    /// The name of the assembly. By default it is called after the shape.
+    /// Name of the assembly. `None` means `build_` and the name of the shape.
     pub assembly: Option<String>,
-    /// Declares the shape.
+    /// Source of the shape's declaration. `None` if the shape is not declared.
     shape: Option<String>,
-    /// The scenes that are declared where the shape comes from.
+    /// Declarations of scenes in the program of the shape.
     scenes: WrittenScenes,
-    /// What stands before, and what of it is let go.
+    /// Existing blocks, and those to release.
     repair: Repair,
-    /// The scene, once it has been compiled, by its name.
+    /// Cache of the compiled scene, with its name.
     compiled: OnceLock<(Option<String>, Scene)>,
 }
 
 /// A program that builds a shape.
 #[derive(Debug)]
 pub struct Planned {
-    /// The order of its captures.
+    /// The plan, with its captures in order.
     pub plan: BuildPlan,
-    /// The program.
+    /// Source of the program.
     pub text: String,
-    /// Name of the text in diagnostics. Imports are relative to it.
+    /// Name of the source in diagnostics. Imports are relative to it.
     pub name: String,
-    /// The assembly that builds the shape.
+    /// Name of the assembly that builds the shape.
     pub assembly: String,
-    /// The name of the scene that it runs in.
+    /// Name of its scene.
     pub scene: String,
-    /// The texts that the program imports, with their names.
+    /// Names and sources of the imported files.
     pub imported: Vec<(String, String)>,
-    /// How many claims of it are still untrue.
+    /// Number of claims that are still false.
     pub untrue: usize,
 }
 
-/// Why there is none.
+/// Reason why there is no plan.
 #[derive(Debug)]
 pub enum Unplanned {
     /// The shape cannot be built.
     Refused(TargetError),
-    /// The names, the scene or the room that it has are wrong, as these diagnostics say.
+    /// The names, the scene or the plate are invalid. These diagnostics state the errors.
     Wrong(Box<Checked>),
 }
 
 /// Name of programs in diagnostics.
 const NAME: &str = "planned.sa";
 
-/// Cells of a shape for which plans that need no thought are looked at as well, at most.
+/// Largest number of cells for comparison with the baseline plans.
 const MAX_COMPARED: usize = 1000;
 
-/// With as many diagnostics, others may have been left out.
+/// From this number of diagnostics on, the check may have left out others.
 const MANY: usize = 100;
 
-/// Returns whether a warning is about the scene, which a plan does not change.
+/// Returns whether a warning is about the scene, which a plan cannot change.
 fn is_of_scene(code: Code) -> bool {
     code == Code::TooManyBlocks || code.is_of_runs()
 }
 
-/// What a planned program allows itself, and why: the only warnings that it may have.
+/// Returns the name of a warning that a planned program allows, with the reason. Returns `None` for
+/// all other codes.
 fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
     let reason = match code {
-        Code::TightApproach => {
-            "no order was found in which every block has a way in two cells wide"
-        }
+        Code::TightApproach => "not every block has an access path two cells wide",
         Code::ReachUndecided => "the planner has found a way in for every block",
         code if is_of_scene(code) => "the scene is as it was given",
         Code::UnplannedBond if hardware.attracts_always => {
@@ -113,14 +112,15 @@ fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
             "where every face attracts, none can be kept closed"
         }
         Code::BlockedRelease if hardware.attracts_always => {
-            "no order was looked for in which it has a way out"
+            "the planner did not search for a path out"
         }
         _ => return None,
     };
     Some((code.name(), reason.to_owned()))
 }
 
-/// Returns the lint that a plan which won a race allows itself, with the reason.
+/// Returns the name of a warning about jams that the winner of a race allows, with the reason.
+/// Returns `None` for all other codes.
 fn jam_allowance(code: Code) -> Option<(&'static str, String)> {
     let is_jam = matches!(code, Code::TightApproach | Code::CrowdedCaptures);
     is_jam.then(|| {
@@ -132,7 +132,7 @@ fn jam_allowance(code: Code) -> Option<(&'static str, String)> {
 }
 
 impl Goal {
-    /// Cells under a name, which has to be one of the language.
+    /// Creates a goal from cells. The name must be valid in a program.
     pub fn of_cells(name: &str, cells: Vec<Cell>) -> Goal {
         let mut sorted = cells.clone();
         sorted.sort_unstable();
@@ -151,18 +151,18 @@ impl Goal {
         }
     }
 
-    /// Returns a shape of a program without errors, with the plate, the seeds and the scene of the
-    /// assembly that claims it, or of the only one there is. Without a name, the only shape that
-    /// there is, or the last one claimed.
+    /// Returns a shape of a correct program as a goal. Plate, seeds and scene are those of the
+    /// assembly that claims it, or of the only assembly. Without a name, takes the only shape or
+    /// the one claimed last.
     ///
     /// # Errors
-    /// If it has no such shape, in words.
+    /// If there is no such shape. The error is a message for the user.
     pub fn of_program(checked: &Checked, name: Option<&str>) -> Result<Goal, String> {
         let symbols = &checked.symbols;
         let claims = |plan: &ProgramPlan| -> Vec<&str> {
             let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
             let names = claims.map(|&(name, _)| symbols.word(name));
-            // The words live as long as the file.
+            // The declared names live as long as the file.
             names.collect()
         };
         let declared = DeclaredShapes::new(checked);
@@ -224,7 +224,7 @@ impl Goal {
         Goal::of_shape(checked, found, claiming.or_else(only))
     }
 
-    /// Returns a shape, with the plate, the seeds and the scene of an assembly.
+    /// Returns a shape with the plate, the seeds and the scene of an assembly.
     fn of_shape(
         checked: &Checked,
         declared: &DeclaredShape<'_>,
@@ -257,7 +257,7 @@ impl Goal {
         })
     }
 
-    /// The same shape so many cells further east and north. `None` means there are no such cells.
+    /// Moves the shape by this number of cells. Returns `None` if coordinates overflow.
     pub fn moved(self, east: i32, north: i32) -> Option<Goal> {
         let moved = |cell: &Cell| {
             let (x, y) = (cell.x.checked_add(east)?, cell.y.checked_add(north)?);
@@ -274,17 +274,18 @@ impl Goal {
         })
     }
 
-    /// Builds it in a scene of this name, which the text declares.
+    /// Declares a scene with this source and selects it.
     pub fn declare_scene(&mut self, name: &str, text: &str) {
         self.scene = Some(name.to_owned());
         self.scenes = WrittenScenes::new(&check_text(NAME, text));
         self.compiled = OnceLock::new();
     }
 
-    /// Builds it in a scene that another program declares.
+    /// Selects a scene of another program and copies its declaration.
     ///
     /// # Errors
-    /// If that program has no scene of this name, or several and none is named: with their names.
+    /// If the program has no such scene, or several and no name is given. The error lists their
+    /// names.
     pub fn take_scene(&mut self, from: &Checked, name: Option<&str>) -> Result<(), Vec<String>> {
         let scenes = WrittenScenes::new(from);
         let names: Vec<&str> = scenes.names().collect();
@@ -302,21 +303,21 @@ impl Goal {
         Ok(())
     }
 
-    /// Returns the names of the scenes that are declared where the shape comes from.
+    /// Returns the names of the scenes that are declared in the program of the shape.
     pub fn declared_scenes(&self) -> impl Iterator<Item = &str> {
         self.scenes.names()
     }
 
-    /// Returns the scene it is built in.
+    /// Returns the selected scene.
     ///
     /// # Errors
-    /// If there is none of that name, or it is wrong.
+    /// If the scene does not exist or has errors.
     pub fn scene(&self) -> Result<Scene, Box<Checked>> {
         match self.compiled.get() {
             Some((name, scene)) if *name == self.scene => Ok(scene.clone()),
             _ => {
                 let scene = self.compile_scene()?;
-                // Where another one has been compiled before, it is compiled each time.
+                // The cache keeps only the first scene. Another one is compiled each time.
                 let _ = self.compiled.set((self.scene.clone(), scene.clone()));
                 Ok(scene)
             }
@@ -340,14 +341,14 @@ impl Goal {
         scene.ok_or_else(|| Box::new(checked))
     }
 
-    /// Returns whether a scene of this name is built in, or declared where the shape comes from.
+    /// Returns whether a scene is built in or declared in the program of the shape.
     pub fn knows_scene(&self, name: &str) -> bool {
         is_built_in(name) || self.scenes.declare(name)
     }
 
-    /// Returns the scenes that are declared and needed, as they are written.
+    /// Returns the declarations of the selected scene and its bases.
     fn needed_scenes(&self) -> String {
-        // A file may have a scene of its own by the name of the one that nobody has to name.
+        // A file may declare a scene with the name of the default scene.
         self.scenes
             .needed_for(self.scene.as_deref().unwrap_or(DEFAULT))
     }
@@ -365,11 +366,12 @@ impl Goal {
         }
     }
 
-    /// Plans it, writes the program and checks it: the best by the rates of its scene, of those given or built in. A plan that needs no
-    /// thought is as good, if the check finds nothing in it.
+    /// Plans the shape, writes the program and checks it. Minimizes the objective with the given or
+    /// built-in rates of the scene. A baseline plan wins if it is faster and the check has no
+    /// warnings about it.
     ///
     /// # Errors
-    /// If it cannot be built, or not there.
+    /// If the shape cannot be built, or names, scene or plate are invalid.
     pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::from_scene(&scene);
@@ -400,7 +402,7 @@ impl Goal {
                 let checked = self.check(&target, &plan, &[]);
                 price(&mut plan, &checked, &law);
                 let estimate = plan.estimate;
-                // What the scene is warned of holds for all plans.
+                // Warnings about the scene hold for all plans.
                 let is_of_scene = |it: &&Diagnostic| is_of_scene(it.code);
                 let mut diagnostics = checked.diagnostics.iter();
                 let diagnostic = diagnostics.find(|it| !is_of_scene(it));
@@ -426,10 +428,10 @@ impl Goal {
         Ok(best)
     }
 
-    /// Returns the plans that need no thought and may jam: `check` warns of nothing else in them, except of the scene.
+    /// Returns the baseline plans whose only warnings are about jams and the scene.
     ///
     /// # Errors
-    /// If the shape cannot be built, or the scene is wrong.
+    /// If the shape cannot be built, or the scene has errors.
     pub fn plans_that_may_jam(
         &self,
         rates: &[Rates],
@@ -458,7 +460,7 @@ impl Goal {
         Target::with_existing(cells, (existing, released), plate, seeds, hardware.free)
     }
 
-    /// Has a plan and what is allowed in it written down.
+    /// Calls `written` with a plan and the names of its program.
     fn write<T>(
         &self,
         plan: &BuildPlan,
@@ -467,7 +469,7 @@ impl Goal {
     ) -> T {
         let are_kept = plan.dismantling.as_ref().is_some_and(|it| it.are_kept);
         let with_scaffolds = format!("{}_with_scaffolds", self.name);
-        // What stays is claimed.
+        // If scaffolds remain, the program claims the shape together with them.
         let (name, shape) = if are_kept {
             (&with_scaffolds, declaration(&with_scaffolds, &plan.cells()))
         } else {
@@ -483,10 +485,10 @@ impl Goal {
         written(plan, naming)
     }
 
-    /// Returns the program of a plan, laid out.
+    /// Returns the formatted program of a plan.
     fn text(&self, target: &Target, plan: &BuildPlan, allowed: &[(&str, String)]) -> String {
         self.write(plan, allowed, |plan, naming| {
-            // Names that are none are told of as any others are.
+            // If a name is invalid, the check reports it in this program without captures.
             program(target, plan, naming).unwrap_or_else(|_| {
                 format!(
                     "{}\nassembly {} {{ }}",
@@ -496,14 +498,17 @@ impl Goal {
         })
     }
 
-    /// What the check finds in the program of a plan.
+    /// Checks the program of a plan.
     fn check(&self, target: &Target, plan: &BuildPlan, allowed: &[(&str, String)]) -> Checked {
         let draft = self.write(plan, allowed, |plan, naming| draft(target, plan, naming));
         check_text(NAME, &draft)
     }
 
-    /// Returns the program of a plan, with what has to be allowed in it; its estimate becomes that
-    /// of the whole program.
+    /// Returns the program of a plan, with the warnings that it must allow. Replaces the estimate
+    /// by that of the whole program.
+    ///
+    /// # Errors
+    /// If the check reports diagnostics that cannot be allowed.
     fn accepted(
         &self,
         target: &Target,
@@ -514,7 +519,7 @@ impl Goal {
         self.accepted_with(target, plan, |code| allowance(code, hardware), law)
     }
 
-    /// The same with other allowances.
+    /// Returns the program of a plan with other allowed warnings. See [`Goal::accepted`].
     fn accepted_with(
         &self,
         target: &Target,
@@ -527,12 +532,12 @@ impl Goal {
         let found_codes = codes.len();
         let allowed = codes.into_iter().filter_map(allowance);
         let allowed: Vec<(&str, String)> = allowed.collect();
-        // With many diagnostics, others may have been left out.
+        // With many diagnostics, the check may have left out others.
         let is_accepted = allowed.len() == found_codes
             && (found.diagnostics.len() < MANY
                 || self.check(target, &plan, &allowed).diagnostics.is_empty());
         if !is_accepted {
-            // Told of the program as it would be shown.
+            // The diagnostics must refer to the formatted program.
             let found = check_text(NAME, &self.text(target, &plan, &allowed));
             return Err(Unplanned::Wrong(Box::new(found)));
         }
@@ -541,7 +546,7 @@ impl Goal {
         Ok(self.planned(plan, text))
     }
 
-    /// Returns a plan and its program, which imports nothing.
+    /// Returns a plan with its program, which has no imports.
     fn planned(&self, plan: BuildPlan, text: String) -> Planned {
         Planned {
             plan,
@@ -554,7 +559,7 @@ impl Goal {
         }
     }
 
-    /// What the assembly is called that builds it.
+    /// Returns the name of the assembly.
     fn assembly(&self) -> String {
         match &self.assembly {
             Some(name) => name.clone(),
@@ -563,8 +568,8 @@ impl Goal {
     }
 }
 
-/// Has a plan say of its time and of its waits what `check --cost` says of its program; where that says nothing, what was found when it was
-/// looked for.
+/// Sets the estimate and the waiting times of a plan to those of `check --cost`. Keeps the
+/// planner's values if the check has none.
 fn price(plan: &mut BuildPlan, checked: &Checked, law: &RateLaw<'_>) {
     let program = checked.programs.first();
     let cost = program.and_then(|program| program.estimate(law.rates()));
@@ -577,7 +582,7 @@ fn price(plan: &mut BuildPlan, checked: &Checked, law: &RateLaw<'_>) {
     let (Some(program), Some(cost)) = (program, cost) else {
         return;
     };
-    // Of what is captured twice, because it is handed over, the first time.
+    // A handed-over block is captured twice. This takes the first capture.
     let mut waits: HashMap<Cell, (EventId, f64)> = HashMap::new();
     for capture in &cost.captures {
         if let Some(cell) = program.layout.cells[capture.event.0 as usize] {
@@ -594,7 +599,8 @@ fn price(plan: &mut BuildPlan, checked: &Checked, law: &RateLaw<'_>) {
     }
 }
 
-/// How long something takes by the rates of its scene; where nobody knows that, as was found when it was looked for.
+/// Returns the estimate from the times of the check. Uses the estimate `found` by the planner if
+/// the times are unknown.
 fn estimate(times: Option<Times>, law: &RateLaw<'_>, found: PlanEstimate) -> PlanEstimate {
     let rates = law.rates();
     let known = times.and_then(|times| Some((times.mean?, times.p90?)));
@@ -613,13 +619,13 @@ fn printed(item: &Item, symbols: &Symbols) -> String {
     print(&Tree { items }, symbols)
 }
 
-/// Returns the name of a program's scene, if it has to be named.
+/// Returns the name of a program's scene. Returns `None` for the default scene.
 fn scene_of(program: &Program) -> Option<String> {
     let name = program.scene.as_ref().map(|scene| scene.name.clone());
     name.filter(|name| name != DEFAULT)
 }
 
-/// Returns the places of the blocks of the plate that have a name, if any has.
+/// Returns the positions of the plate's named blocks. Returns `None` if none has a name.
 fn seats(plan: &ProgramPlan) -> Option<Vec<(i32, i32)>> {
     let place = |seed: &PlanSeed| (seed.cell.x, seed.cell.y);
     (!plan.seeds.is_empty()).then(|| plan.seeds.iter().map(place).collect())

@@ -1,4 +1,5 @@
-//! The rest of a run: what stands at its end is there at the beginning, and what is missing is planned.
+//! Plans the rest of a run: the blocks at its end exist at the start, and the missing ones are
+//! planned.
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ExistingBlock;
@@ -11,36 +12,37 @@ use super::Goal;
 use super::completion::existing;
 use super::scenes::WrittenScenes;
 
-/// A structure as a run left it.
+/// The structure at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExistingStructure {
-    /// The blocks above the plate, by their names.
+    /// Blocks above the plate by name.
     blocks: BTreeMap<String, BondedBlock>,
 }
 
-/// A block of it.
+/// A bonded block of the structure.
 #[derive(Clone, Debug, PartialEq)]
 struct BondedBlock {
     cell: Cell,
-    /// The way there from its parent.
+    /// Direction from its parent.
     way: Face,
-    /// The name of its parent. `None` means the plate.
+    /// Name of its parent. `None` means the plate.
     parent: Option<String>,
 }
 
-/// What is to be done with what stands.
+/// Existing blocks before the first planned capture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Repair {
-    /// What stays.
+    /// Blocks that remain.
     pub existing: Vec<ExistingBlock>,
-    /// What is let go.
+    /// Blocks to release.
     pub released: Vec<ExistingBlock>,
 }
 
 impl ExistingStructure {
-    /// What stands at the end of a run.
+    /// Returns the structure at the end of a run.
     pub fn from_record(tables: &Tables, record: &RunRecord) -> ExistingStructure {
-        // At one tick a name is free before it is taken again.
+        // Releases come before captures of the same tick, because a name is released before it is
+        // reused.
         let captures = record
             .bonds
             .iter()
@@ -81,16 +83,17 @@ impl ExistingStructure {
         }
     }
 
-    /// Returns the names of its blocks.
+    /// Returns the names of the blocks.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.blocks.keys().map(String::as_str)
     }
 
-    /// What is let go where only these cells may stay full, with all that hangs on it, and what of the rest can capture: neither a `dead`
-    /// block nor what hangs on one, because no message comes through.
+    /// Returns the blocks to keep and to release. A block is released if its cell, or that of an
+    /// ancestor, is not in `wanted`. A block can capture unless it or an ancestor is in `dead`,
+    /// because dead blocks pass on no messages.
     ///
     /// # Errors
-    /// If a block has to go that cannot ask for it, in words.
+    /// If a block to release is dead or has a dead ancestor. The error is a message for the user.
     pub fn repair(&self, wanted: &[Cell], dead: &BTreeSet<&str>) -> Result<Repair, String> {
         let wanted: BTreeSet<Cell> = wanted.iter().copied().collect();
         let mut repair = Repair::default();
@@ -108,7 +111,7 @@ impl ExistingStructure {
                 (Some(_), None) => repair.released.push(existing),
                 (Some((wrong, _)), Some((cut, _))) => {
                     return Err(format!(
-                        "`{wrong}` does not belong to the shape, and cannot be let go with `{name}`: `{cut}` is dead, and no message comes through it"
+                        "`{wrong}` does not belong to the shape, and cannot be released with `{name}`: `{cut}` is dead, and no message comes through it"
                     ));
                 }
             }
@@ -116,7 +119,7 @@ impl ExistingStructure {
         Ok(repair)
     }
 
-    /// Returns a block, its parent, and so on to the plate.
+    /// Returns a block and its ancestors up to the plate.
     fn line(&self, name: &str) -> impl Iterator<Item = (&str, &BondedBlock)> {
         let at = |name: &str| {
             let (name, block) = self.blocks.get_key_value(name)?;
@@ -129,10 +132,11 @@ impl ExistingStructure {
 }
 
 impl Goal {
-    /// What a program of a file was to build in the end: the shape of this name, the one that it claims last, or what its captures build.
+    /// Returns the final shape of a program as a goal: the shape with this name, the one claimed
+    /// last, or the cells of its captures.
     ///
     /// # Errors
-    /// If it has no such shape, in words.
+    /// If there is no such shape. The error is a message for the user.
     pub fn of_end(
         checked: &Checked,
         program: &Program,
@@ -162,10 +166,10 @@ impl Goal {
         Ok(goal)
     }
 
-    /// What stands where it is planned from now on, with blocks that are dead: [`ExistingStructure::repair`].
+    /// Sets the existing structure of the goal. See [`ExistingStructure::repair`].
     ///
     /// # Errors
-    /// If nothing is missing, or a block has to go and cannot, in words.
+    /// If nothing is missing, or a block cannot be released. The error is a message for the user.
     pub fn stand_on(
         &mut self,
         structure: &ExistingStructure,
@@ -176,8 +180,8 @@ impl Goal {
         if self.cells.iter().all(|cell| full.contains(cell)) {
             return Err(match repair.released.len() {
                 0 => "nothing is missing".to_owned(),
-                1 => "nothing is missing, but one block has to be let go".to_owned(),
-                count => format!("nothing is missing, but {count} blocks have to be let go"),
+                1 => "nothing is missing, but one block must be released".to_owned(),
+                count => format!("nothing is missing, but {count} blocks must be released"),
             });
         }
         self.repair = repair;

@@ -1,22 +1,22 @@
-//! The scenes that a program declares, as it has written them.
+//! The scene declarations of a program as source.
 use stochc_compiler::{Checked, declared_scenes};
 use stochc_grammar::tree::Item;
 
-/// Scenes of a program, in the order in which they are declared.
+/// Scenes of a program in the order of declaration.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WrittenScenes(Vec<WrittenScene>);
 
-/// One of them.
+/// A declared scene.
 #[derive(Clone, Debug)]
 struct WrittenScene {
     name: String,
-    /// The number of the one that it is based on.
+    /// Index of its base scene. `None` if the base is built in.
     base: Option<usize>,
     text: String,
 }
 
 impl WrittenScenes {
-    /// Those of all files of a program.
+    /// Returns the scenes of all files of a program.
     pub(super) fn new(checked: &Checked) -> WrittenScenes {
         let scenes = declared_scenes(checked).into_iter().map(|it| WrittenScene {
             name: checked.symbols.word(it.scene.name.symbol).to_owned(),
@@ -26,7 +26,7 @@ impl WrittenScenes {
         WrittenScenes(scenes.collect())
     }
 
-    /// Returns the names of all of them.
+    /// Returns the names of all scenes.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|scene| scene.name.as_str())
     }
@@ -40,17 +40,17 @@ impl WrittenScenes {
         });
     }
 
-    /// Returns whether one has this name.
+    /// Returns whether a scene of this name is declared.
     pub(super) fn declare(&self, name: &str) -> bool {
         self.number_of(name).is_some()
     }
 
-    /// All of them.
+    /// Returns all declarations.
     pub(super) fn all(&self) -> String {
         self.0.iter().map(|scene| scene.text.as_str()).collect()
     }
 
-    /// Returns the one of this name, if there is one, and those that it is based on.
+    /// Returns the declarations of a scene and its bases. Empty if the scene is not declared.
     pub(super) fn needed_for(&self, name: &str) -> String {
         let mut is_needed = vec![false; self.0.len()];
         let mut next = self.number_of(name);
@@ -67,7 +67,7 @@ impl WrittenScenes {
     }
 }
 
-/// Returns an item of a text, with its documentation and its comments.
+/// Returns the source of an item with its documentation and comments.
 fn as_written(item: &Item, text: &str) -> String {
     let docs = item.docs.0.iter().flat_map(|lines| lines.iter());
     let docs: String = docs

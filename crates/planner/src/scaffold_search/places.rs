@@ -11,7 +11,8 @@ use crate::timing::schedule::Schedule;
 
 /// Final parent and capture time of each cell of the target.
 pub struct GrowthSchedule {
-    /// Final parent by cell (`None` for a block of the plate), and the mean tick of the capture.
+    /// Final parent of each cell (`None` for a block of the plate), and the mean tick of its
+    /// capture.
     cells: FxHashMap<Cell, (Option<Cell>, f32)>,
 }
 

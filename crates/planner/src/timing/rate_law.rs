@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(mean(Face::Up, &[]), mean(Face::Up, &[]));
     }
 
-    /// Cells up to the sight of the model, some of them awaited.
+    /// Cells in sight of the rate model. Some of them are awaited.
     #[test]
     fn means_are_those_of_the_law() {
         let law = RateLaw::new(None);

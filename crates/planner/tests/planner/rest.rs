@@ -204,7 +204,7 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
     assert_eq!(error(&whole), "every phase that claims a shape builds it");
     assert_eq!(
         error(&PART.replace("yields arch", "R.up -> X")),
-        "no phase claims a shape: say what is to stand, `phase rest { yields NAME }`"
+        "no phase claims a shape: state the final shape with `phase rest { yields NAME }`"
     );
     assert_eq!(
         error(&PART.replace("[1..3]", "[1..4]")),
@@ -224,7 +224,7 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
          assembly part { seed plate 1 x 1 { A at (0, 0) }\n phase one { tower(A) }\n phase rest { yields mast } }\n";
     assert_eq!(
         error(anonymous),
-        "what stands has no name by which it could hold the rest: name the instances of `tower`, such as `tower(A) as a`"
+        "existing blocks need names to hold the rest: name the instances of `tower`, such as `tower(A) as a`"
     );
     let named = completed(&anonymous.replace("tower(A)", "tower(A) as a")).unwrap();
     assert!(named.text.contains("a.T[2].up"), "{}", named.text);

@@ -1,11 +1,11 @@
-//! Files that are written here, byte by byte, and read.
+//! Reads files that the tests build byte by byte.
 use proptest::prelude::*;
 use stochc_ir::Cell;
 
 use super::{VoxelScene, magica_voxel};
 use crate::target::voxels::UnreadableVoxels;
 
-/// The chunks of a file.
+/// Builder for the chunks of a file.
 #[derive(Clone, Default)]
 struct Builder(Vec<u8>);
 
@@ -125,7 +125,7 @@ fn rotations_and_translations_are_applied() {
     assert_eq!(file.shape(1, &[0]).cells(), cells(&turned));
 }
 
-/// Two shapes have the same model, one of them in a group that is turned and moved itself.
+/// Builds two shapes with the same model. One of them is in a group that is turned and moved.
 #[test]
 fn copies_are_built_where_they_are() {
     let file = Builder::default().model([1, 1, 3], &UPRIGHT);
@@ -148,8 +148,8 @@ fn copies_are_built_where_they_are() {
     assert_eq!(built, cells(&expected));
 }
 
-/// A model of an even size turns about a corner of voxels, one of an odd size about the lower corner of
-/// its middle voxel.
+/// Checks that a model of even size turns about a voxel corner. One of odd size turns about the
+/// lower corner of its middle voxel.
 #[test]
 fn models_turn_about_their_middle_rounded_down() {
     // Half a turn about the vertical: rows -x, -y, z.
@@ -161,7 +161,7 @@ fn models_turn_about_their_middle_rounded_down() {
         let file = file.group(0, &[], &[1, 3]);
         let file = file.transform(1, 2, &[], &[&[("_r", &half)]]);
         let file = file.shape(2, &[0]).transform(3, 4, &[], &[&[]]);
-        // The one in the west comes to the east, and from y = 0 to -1.
+        // The western voxel moves to the east, and from y = 0 to -1.
         let mut expected = cells(&[[0, 1, 1], [east, 0, 1]]);
         expected.sort_unstable();
         assert_eq!(file.shape(4, &[1]).cells(), expected, "{size}");
@@ -212,7 +212,7 @@ fn one_of_several_models_is_chosen() {
     assert_eq!(chosen(&file, 2).unwrap().cells.len(), 1);
     let error = chosen(&file, 3).unwrap_err();
     assert_eq!(error, UnreadableVoxels::UnknownModel { model: 3, count: 3 });
-    // In a scene it is an animation, and lies as the scene has it.
+    // In a scene it is an animation with the orientation of the scene.
     let lying = file.transform(0, 1, &[], &[&[("_r", "40")]]);
     let lying = lying.shape(1, &[0, 2]);
     let error = lying.read().unwrap_err();
@@ -255,7 +255,7 @@ fn what_cannot_be_placed_is_refused_by_name() {
     refused(unsized_model, "no size");
 }
 
-/// Copies multiply what a file holds: their number is bounded before they are made.
+/// Checks that the number of copies is limited before they are made.
 #[test]
 fn many_copies_are_refused() {
     let layer: Vec<[u8; 4]> = (0..=255)
@@ -269,7 +269,7 @@ fn many_copies_are_refused() {
     assert_eq!(file.read(), Err(UnreadableVoxels::TooLarge));
 }
 
-/// Transforms in a chain add up, and do not overflow.
+/// Checks that a chain of transforms adds up without overflow.
 #[test]
 fn long_chains_of_transforms_are_read() {
     let mut file = Builder::default().model([1, 1, 3], &UPRIGHT);
